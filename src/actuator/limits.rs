@@ -1,0 +1,482 @@
+//! Every limit of the model, once: what is demanded, what may be had, and what kind of set of
+//! ratios that leaves. Sweep, ratio program and design rules all read [`LIMITS`].
+
+use super::laurent::Laurent;
+use super::load::Load;
+use super::shaft::Actuator;
+use super::thermal;
+use super::waveform::Functional;
+use crate::catalog::convention::{Commutation, CurrentConvention};
+use crate::catalog::{Gear, Motor};
+use crate::requirement::{GearModel, Joint, Regeneration, Robot};
+
+/// A motor and a gear for a joint, before the ratio is chosen.
+#[derive(Debug, Clone, Copy)]
+pub struct Candidate<'a> {
+    /// The robot, for bus and surroundings.
+    pub robot: &'a Robot,
+    /// The joint.
+    pub joint: &'a Joint,
+    /// The joint's demand, made ready.
+    pub load: &'a Load,
+    /// The motor.
+    pub motor: &'a Motor,
+    /// The gear of the catalogue, where the ratio is not continuous.
+    pub catalog_gear: Option<&'a Gear>,
+    /// The gear's numbers.
+    pub gear: GearModel,
+    /// The equations of motor and gear together.
+    pub actuator: Actuator,
+}
+
+/// Which ratios a limit leaves, as a function of u = N² with all else fixed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Class {
+    /// All or none: the demand does not depend on the ratio.
+    Fixed,
+    /// All ratios up to one: an upper bound on N.
+    UpperBound,
+    /// Convex rows in (1/u, u, u²), exact under `u w ≥ 1`, `t ≥ u²`, as long as the shaft torque has
+    /// no term of power zero (motor Coulomb friction); one interval of ratios.
+    Convex,
+    /// The complement of a convex set: up to two intervals of ratios.
+    ReverseConvex,
+}
+
+/// What is compared with the limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Demand {
+    /// A number that does not depend on the ratio, and the sample that has it.
+    Fixed(f64, Option<usize>),
+    /// One polynomial in N.
+    Polynomial(Laurent, Option<usize>),
+    /// The largest of a functional over all samples.
+    Samples(Functional),
+    /// The same with the bandwidth torque on top.
+    Bandwidth(Functional),
+    /// Mass of motor and gear, by stages \[kg\].
+    Mass,
+}
+
+/// A limit that applies to a candidate. In its natural unit the demand is `factor · √x` where
+/// squared, else `factor · x`, x being the functional or polynomial.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    /// Which limit.
+    pub limit: &'static Limit,
+    /// What is demanded.
+    pub demand: Demand,
+    /// Whether the functional is the square of the demand.
+    pub squared: bool,
+    /// Natural unit per functional (or per its root).
+    pub factor: f64,
+    /// What may be had, natural unit.
+    pub bound: f64,
+    /// Whose limit it is.
+    pub owner: &'static str,
+}
+
+/// Whether a limit applies.
+#[derive(Debug, Clone, Copy)]
+pub enum Check {
+    /// Nobody asked for it.
+    NotAsked,
+    /// It should be checked but cannot be: what is missing.
+    Unknown(&'static str),
+    /// It applies.
+    Asked(Asked),
+}
+
+/// A limit of the model.
+pub struct Limit {
+    /// Name, also in JSON.
+    pub name: &'static str,
+    /// Unit of demand and bound.
+    pub unit: &'static str,
+    /// What is compared.
+    pub formula: &'static str,
+    /// Which ratios it leaves.
+    pub class: Class,
+    prepare: fn(&Candidate) -> Prepared,
+}
+
+impl std::fmt::Debug for Limit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// What a limit says of a candidate, before it is tied to its name.
+enum Prepared {
+    NotAsked,
+    Unknown(&'static str),
+    Asked { demand: Demand, squared: bool, factor: f64, bound: f64, owner: &'static str },
+}
+
+impl Limit {
+    /// Whether the limit applies to a candidate, and how.
+    pub fn check(&'static self, candidate: &Candidate) -> Check {
+        match (self.prepare)(candidate) {
+            Prepared::NotAsked => Check::NotAsked,
+            Prepared::Unknown(what) => Check::Unknown(what),
+            Prepared::Asked { demand, squared, factor, bound, owner } => {
+                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner })
+            }
+        }
+    }
+}
+
+impl Asked {
+    /// The functional's value that the bound corresponds to.
+    pub fn raw_bound(&self) -> f64 {
+        let raw = self.bound / self.factor;
+        if self.squared { raw.powi(2).copysign(raw) } else { raw }
+    }
+
+    /// The demand in its natural unit for a value of the functional.
+    pub fn natural(&self, raw: f64) -> f64 {
+        self.factor * if self.squared { raw.max(0.0).sqrt() } else { raw }
+    }
+
+    /// The functional's value at a ratio, and the sample of the motion that has it.
+    pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
+        let over = |waveform: &super::waveform::Waveform, functional| {
+            let largest = waveform.largest(functional, &candidate.actuator, ratio);
+            (largest.value, Some(waveform.origin(largest.index)))
+        };
+        match self.demand {
+            Demand::Fixed(value, sample) => (value, sample),
+            Demand::Polynomial(polynomial, sample) => (polynomial.at(ratio), sample),
+            Demand::Samples(functional) => over(&candidate.load.waveform, functional),
+            Demand::Bandwidth(functional) => match &candidate.load.bandwidth {
+                Some(waveform) => over(waveform, functional),
+                None => (0.0, None),
+            },
+            Demand::Mass => (candidate.mass_at(ratio).unwrap_or(0.0), None),
+        }
+    }
+
+    /// `1 − demand/limit`. A limit of zero has margin 0 where it is kept and −1 where it is not.
+    pub fn margin(&self, demand: f64) -> f64 {
+        if self.bound == 0.0 {
+            return if demand <= 0.0 { 0.0 } else { -1.0 };
+        }
+        1.0 - demand.max(0.0) / self.bound
+    }
+}
+
+impl Candidate<'_> {
+    /// Mass of motor and gear at a ratio \[kg\]; `None` where either is unknown.
+    pub fn mass_at(&self, ratio: f64) -> Option<f64> {
+        Some(self.motor.mass? + self.gear.mass_at(ratio)?)
+    }
+
+    /// All limits with what they say of this candidate.
+    pub fn checks(&self) -> impl Iterator<Item = (&'static Limit, Check)> + '_ {
+        LIMITS.iter().map(|limit| (limit, limit.check(self)))
+    }
+
+    /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is.
+    fn peak_current(&self) -> Option<(f64, &'static str)> {
+        let amplitude = match self.motor.conventions.commutation {
+            Commutation::Brushless => CurrentConvention::PhaseAmplitude,
+            Commutation::Brushed => CurrentConvention::Dc,
+        };
+        let per_ampere = amplitude.torque_current(self.motor.conventions.commutation);
+        let drive = self.joint.drive_current.or(self.robot.bus.drive_current).map(|i| (i * per_ampere, "drive"));
+        let motor = self.motor.peak_current.map(|i| (i, "motor"));
+        match (motor, drive) {
+            (Some(m), Some(d)) => Some(if d.0 < m.0 { d } else { m }),
+            (m, d) => m.or(d),
+        }
+    }
+
+    /// Voltage that the drive can apply, radius of the q-axis circle \[V\].
+    pub fn voltage(&self) -> f64 {
+        let bus = &self.robot.bus;
+        bus.voltage * bus.modulation.voltage(self.motor.conventions.commutation) * bus.modulation_limit
+    }
+
+    /// Highest winding temperature: the lower of the motor's and the requirement's \[K\], and whose.
+    fn winding_temperature(&self) -> Option<(f64, &'static str)> {
+        let motor = self.motor.max_winding_temperature.map(|t| (t, "motor"));
+        let asked = self.joint.limits.winding_temperature.map(|t| (t, "requirement"));
+        match (motor, asked) {
+            (Some(m), Some(a)) => Some(if a.0 < m.0 { a } else { m }),
+            (m, a) => m.or(a),
+        }
+    }
+
+    /// Rms current that heats the winding to its limit in steady state \[A\]; zero where ambient is
+    /// too hot already.
+    fn thermal_current(&self) -> Option<(f64, &'static str)> {
+        let (limit, owner) = self.winding_temperature()?;
+        let motor = self.motor;
+        let squared = thermal::allowed_current_squared(
+            limit,
+            motor.resistance,
+            motor.reference_temperature,
+            motor.thermal_resistance?,
+            self.robot.ambient,
+        );
+        Some((squared.max(0.0).sqrt(), owner))
+    }
+}
+
+/// A limit on the square of the shaft torque.
+fn torque(demand: Demand, factor: f64, bound: f64, owner: &'static str) -> Prepared {
+    Prepared::Asked { demand, squared: true, factor, bound, owner }
+}
+
+/// A limit on something that needs no square.
+fn plain(demand: Demand, factor: f64, bound: f64, owner: &'static str) -> Prepared {
+    Prepared::Asked { demand, squared: false, factor, bound, owner }
+}
+
+const NO_DURATIONS: &str = "the operating points have no durations";
+
+/// Every limit.
+pub const LIMITS: &[Limit] = &[
+    Limit {
+        name: "peak_current",
+        unit: "A",
+        formula: "safety · max |T|/K_T ≤ I_peak",
+        class: Class::Convex,
+        prepare: |c| match c.peak_current() {
+            Some((bound, owner)) => {
+                let factor = c.joint.limits.safety / c.motor.torque_constant;
+                torque(Demand::Samples(Functional::TorqueSquared), factor, bound, owner)
+            }
+            None => Prepared::Unknown("neither motor nor drive says a largest current"),
+        },
+    },
+    Limit {
+        name: "peak_torque",
+        unit: "N*m",
+        formula: "safety · max |T| ≤ T_peak",
+        class: Class::Convex,
+        prepare: |c| match c.motor.peak_torque {
+            Some(bound) => torque(Demand::Samples(Functional::TorqueSquared), c.joint.limits.safety, bound, "motor"),
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "continuous_current",
+        unit: "A",
+        formula: "√mean(T²)/K_T ≤ I_continuous",
+        class: Class::Convex,
+        prepare: |c| match c.motor.continuous_current {
+            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
+            Some(bound) => {
+                let mean = c.load.mean_torque_squared(&c.actuator);
+                torque(Demand::Polynomial(mean, None), 1.0 / c.motor.torque_constant, bound, "motor")
+            }
+            None => Prepared::Unknown("the motor's continuous current is not known"),
+        },
+    },
+    Limit {
+        name: "continuous_torque",
+        unit: "N*m",
+        formula: "√mean(T²) ≤ T_continuous",
+        class: Class::Convex,
+        prepare: |c| match c.motor.continuous_torque {
+            None => Prepared::NotAsked,
+            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
+            Some(bound) => torque(Demand::Polynomial(c.load.mean_torque_squared(&c.actuator), None), 1.0, bound, "motor"),
+        },
+    },
+    Limit {
+        name: "winding_temperature",
+        unit: "A",
+        formula: "√mean(T²)/K_T ≤ √((T_max − T_ambient)/(R_th R(T_max))): steady state, hot copper",
+        class: Class::Convex,
+        prepare: |c| match (c.thermal_current(), c.winding_temperature()) {
+            (Some(_), _) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
+            (Some((bound, owner)), _) => {
+                let mean = c.load.mean_torque_squared(&c.actuator);
+                torque(Demand::Polynomial(mean, None), 1.0 / c.motor.torque_constant, bound, owner)
+            }
+            (None, Some(_)) => Prepared::Unknown("the motor's thermal resistances are not known"),
+            (None, None) if c.motor.thermal_resistance.is_some() => Prepared::Unknown("no highest winding temperature is known"),
+            (None, None) => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "standstill_holding",
+        unit: "A",
+        formula: "√(mean(T²) + mean over standstill(T²))/K_T ≤ I_continuous: the worst phase carries 2/3 of the heat",
+        class: Class::Convex,
+        prepare: |c| {
+            if c.load.dwell == 0.0 {
+                return Prepared::NotAsked;
+            }
+            if !c.load.has_durations {
+                return Prepared::Unknown(NO_DURATIONS);
+            }
+            let current = c.motor.continuous_current.map(|i| (i, "motor")).or_else(|| c.thermal_current());
+            match (current, c.motor.conventions.commutation) {
+                (_, Commutation::Brushed) => Prepared::NotAsked,
+                (Some((bound, owner)), _) => {
+                    let mean = c.load.mean_torque_squared_worst_phase(&c.actuator);
+                    torque(Demand::Polynomial(mean, None), 1.0 / c.motor.torque_constant, bound, owner)
+                }
+                (None, _) => Prepared::Unknown("neither continuous current nor thermal resistances are known"),
+            }
+        },
+    },
+    Limit {
+        name: "voltage",
+        unit: "V",
+        formula: "max √(v_q² + v_d²) ≤ V",
+        class: Class::Convex,
+        prepare: |c| torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
+    },
+    Limit {
+        name: "max_speed",
+        unit: "rad/s",
+        formula: "N max |ω| ≤ ω_max",
+        class: Class::UpperBound,
+        prepare: |c| match c.motor.max_speed {
+            Some(bound) => {
+                let (speed, sample) = c.load.peak_speed;
+                plain(Demand::Polynomial(Laurent::monomial(speed, 1), Some(sample)), 1.0, bound, "motor")
+            }
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "gear_input_speed",
+        unit: "rad/s",
+        formula: "N max |ω| ≤ ω_gear",
+        class: Class::UpperBound,
+        prepare: |c| match c.gear.max_input_speed {
+            Some(bound) => {
+                let (speed, sample) = c.load.peak_speed;
+                plain(Demand::Polynomial(Laurent::monomial(speed, 1), Some(sample)), 1.0, bound, "gear")
+            }
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "gear_peak_torque",
+        unit: "N*m",
+        formula: "safety · max |τ| ≤ τ_gear peak",
+        class: Class::Fixed,
+        prepare: |c| match c.gear.peak_torque {
+            Some(bound) => {
+                let (torque, sample) = c.load.peak_torque;
+                plain(Demand::Fixed(torque, Some(sample)), c.joint.limits.safety, bound, "gear")
+            }
+            None if c.catalog_gear.is_some() => Prepared::Unknown("the gear's peak torque is not known"),
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "gear_continuous_torque",
+        unit: "N*m",
+        formula: "√mean(τ²) ≤ τ_gear continuous",
+        class: Class::Fixed,
+        prepare: |c| match c.gear.continuous_torque {
+            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
+            Some(bound) => plain(Demand::Fixed(c.load.rms_torque, None), 1.0, bound, "gear"),
+            None if c.catalog_gear.is_some() => Prepared::Unknown("the gear's continuous torque is not known"),
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "reflected_inertia",
+        unit: "kg*m^2",
+        formula: "N² (J_m + J_g) ≤ J",
+        class: Class::UpperBound,
+        prepare: |c| match c.joint.limits.reflected_inertia {
+            Some(bound) => plain(Demand::Polynomial(Laurent::monomial(c.actuator.inertia, 2), None), 1.0, bound, "requirement"),
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "torque_bandwidth_current",
+        unit: "A",
+        formula: "safety · max |T + superposed|/K_T ≤ I_peak, at every phase",
+        class: Class::Convex,
+        prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
+            (None, _) => Prepared::NotAsked,
+            (Some(_), Some((bound, owner))) => {
+                let factor = c.joint.limits.safety / c.motor.torque_constant;
+                torque(Demand::Bandwidth(Functional::TorqueSquared), factor, bound, owner)
+            }
+            (Some(_), None) => Prepared::Unknown("neither motor nor drive says a largest current"),
+        },
+    },
+    Limit {
+        name: "torque_bandwidth_voltage",
+        unit: "V",
+        formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at every phase",
+        class: Class::Convex,
+        prepare: |c| match (&c.load.bandwidth, c.motor.inductance_and_poles()) {
+            (None, _) => Prepared::NotAsked,
+            (Some(_), Some(_)) => torque(Demand::Bandwidth(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
+            (Some(_), None) => Prepared::Unknown("the motor's inductance or pole pairs are not known"),
+        },
+    },
+    Limit {
+        name: "bus_power",
+        unit: "W",
+        formula: "max (R i² + K_B N ω i)/η_d ≤ P",
+        class: Class::Convex,
+        prepare: |c| match c.robot.bus.power {
+            Some(bound) => plain(Demand::Samples(Functional::Power), 1.0 / c.robot.bus.drive_efficiency, bound, "bus"),
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "bus_current",
+        unit: "A",
+        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus",
+        class: Class::Convex,
+        prepare: |c| match c.robot.bus.current {
+            Some(bound) => {
+                let factor = 1.0 / (c.robot.bus.drive_efficiency * c.robot.bus.voltage);
+                plain(Demand::Samples(Functional::Power), factor, bound, "bus")
+            }
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "regeneration",
+        unit: "W",
+        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration",
+        class: Class::ReverseConvex,
+        prepare: |c| match c.robot.bus.regeneration {
+            Regeneration::Allowed => Prepared::NotAsked,
+            Regeneration::Limited(bound) => {
+                plain(Demand::Samples(Functional::PowerBack), c.robot.bus.drive_efficiency, bound, "bus")
+            }
+        },
+    },
+    Limit {
+        name: "actuator_mass",
+        unit: "kg",
+        formula: "m_motor + m_gear ≤ m",
+        class: Class::UpperBound,
+        prepare: |c| match (c.joint.limits.actuator_mass, c.mass_at(1.0)) {
+            (None, _) => Prepared::NotAsked,
+            (Some(bound), Some(_)) => plain(Demand::Mass, 1.0, bound, "requirement"),
+            (Some(_), None) => Prepared::Unknown("the mass of motor or gear is not known"),
+        },
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn limits_have_unique_names_and_say_what_they_compare() {
+        let mut names = HashSet::new();
+        for limit in LIMITS {
+            assert!(names.insert(limit.name), "{} stands twice", limit.name);
+            assert!(limit.formula.contains('≤'), "{}", limit.name);
+        }
+    }
+}

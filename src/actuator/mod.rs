@@ -1,0 +1,20 @@
+//! The model of one motor, one gear, one joint.
+//!
+//! The one idea of this room: torque and voltage at the motor are linear in a few features of a
+//! sample, each with its own power of the ratio ([`shaft`]). Squares of these are Laurent
+//! polynomials in N ([`laurent`]); the [`waveform`] finds their largest value over all samples, and
+//! each limit says once which of them it bounds ([`limits`]).
+
+pub mod effects;
+pub mod laurent;
+pub mod limits;
+pub mod load;
+pub mod metrics;
+pub mod shaft;
+pub mod step_response;
+pub mod thermal;
+pub mod waveform;
+
+pub use laurent::Laurent;
+pub use load::Load;
+pub use shaft::Actuator;

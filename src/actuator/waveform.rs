@@ -1,0 +1,348 @@
+//! The samples of a joint, arranged so that the largest demand over all of them is found without
+//! looking at all of them.
+//!
+//! Torque, voltage and power are functions of a few linear forms in the features of a sample. A
+//! tree of bounding boxes in feature space, made once per joint and independent of motor, gear and
+//! ratio, bounds each form over a box; a box whose bound cannot beat the largest value found so far
+//! is skipped. The result is the exact maximum.
+
+use super::laurent::Laurent;
+use super::shaft::{Actuator, FEATURES, Feature, Flow};
+
+/// Samples in a leaf of the tree.
+const LEAF: usize = 8;
+
+/// What is maximised over samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Functional {
+    /// `T²` \[N²·m²\].
+    TorqueSquared,
+    /// `v_q² + v_d²` \[V²\].
+    VoltageSquared,
+    /// Terminal power taken \[W\].
+    Power,
+    /// Terminal power given back \[W\].
+    PowerBack,
+}
+
+impl Functional {
+    /// The polynomial of one sample.
+    pub fn polynomial(self, actuator: &Actuator, flow: Flow, features: &[f64; FEATURES]) -> Laurent {
+        match self {
+            Functional::TorqueSquared => actuator.torque_squared(flow, features),
+            Functional::VoltageSquared => actuator.voltage_squared(flow, features),
+            Functional::Power => actuator.power(flow, features),
+            Functional::PowerBack => actuator.power(flow, features) * -1.0,
+        }
+    }
+}
+
+/// The largest value, and the sample that has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Largest {
+    /// The value.
+    pub value: f64,
+    /// Index into the waveform.
+    pub index: usize,
+}
+
+#[derive(Debug, Clone)]
+struct Node {
+    center: [f64; FEATURES],
+    radius: [f64; FEATURES],
+    start: usize,
+    end: usize,
+    children: Option<(usize, usize)>,
+}
+
+/// One sample of a waveform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WavePoint {
+    /// Its features.
+    pub features: [f64; FEATURES],
+    /// Which way power flows.
+    pub flow: Flow,
+    /// The sample of the motion that it belongs to.
+    pub origin: usize,
+}
+
+/// A set of samples with its trees, one for each direction of power.
+#[derive(Debug, Clone, Default)]
+pub struct Waveform {
+    columns: [Vec<f64>; FEATURES],
+    origin: Vec<usize>,
+    driving: usize,
+    nodes: Vec<Node>,
+    roots: Vec<(Flow, usize)>,
+}
+
+/// Coefficients of one actuator at one ratio, for one direction of power.
+struct Weights {
+    torque: [f64; FEATURES],
+    voltage: [f64; FEATURES],
+    direct: f64,
+    copper: f64,
+    emf: f64,
+}
+
+impl Waveform {
+    /// Arranges points.
+    pub fn new(points: &[WavePoint]) -> Waveform {
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by_key(|i| points[*i].flow as usize);
+        let driving = points.iter().filter(|p| p.flow == Flow::Driving).count();
+        // Features are compared in units of their spread, so that no unit is preferred.
+        let spread = |f: usize| {
+            let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.features[f]), h.max(p.features[f])));
+            if high > low { high - low } else { f64::INFINITY }
+        };
+        let spreads: [f64; FEATURES] = std::array::from_fn(spread);
+        let mut wave = Waveform { driving, ..Waveform::default() };
+        for (flow, start, end) in [(Flow::Driving, 0, driving), (Flow::Braking, driving, points.len())] {
+            if start < end {
+                let root = wave.grow(points, &mut order, start, end, &spreads);
+                wave.roots.push((flow, root));
+            }
+        }
+        for f in 0..FEATURES {
+            wave.columns[f] = order.iter().map(|i| points[*i].features[f]).collect();
+        }
+        wave.origin = order.iter().map(|i| points[*i].origin).collect();
+        wave
+    }
+
+    fn grow(&mut self, points: &[WavePoint], order: &mut [usize], start: usize, end: usize, spreads: &[f64; FEATURES]) -> usize {
+        let mut low = [f64::MAX; FEATURES];
+        let mut high = [f64::MIN; FEATURES];
+        for i in &order[start..end] {
+            for f in 0..FEATURES {
+                low[f] = low[f].min(points[*i].features[f]);
+                high[f] = high[f].max(points[*i].features[f]);
+            }
+        }
+        let node = self.nodes.len();
+        self.nodes.push(Node {
+            center: std::array::from_fn(|f| 0.5 * (low[f] + high[f])),
+            radius: std::array::from_fn(|f| 0.5 * (high[f] - low[f])),
+            start,
+            end,
+            children: None,
+        });
+        if end - start > LEAF {
+            let widest = (0..FEATURES)
+                .max_by(|a, b| ((high[*a] - low[*a]) / spreads[*a]).total_cmp(&((high[*b] - low[*b]) / spreads[*b])))
+                .unwrap_or(0);
+            let middle = (end - start) / 2;
+            // Ties are broken by the place in the motion, so that the tree is one and the same.
+            order[start..end].select_nth_unstable_by(middle, |a, b| {
+                points[*a].features[widest].total_cmp(&points[*b].features[widest]).then(a.cmp(b))
+            });
+            let left = self.grow(points, order, start, start + middle, spreads);
+            let right = self.grow(points, order, start + middle, end, spreads);
+            self.nodes[node].children = Some((left, right));
+        }
+        node
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.origin.len()
+    }
+
+    /// Whether there is no point.
+    pub fn is_empty(&self) -> bool {
+        self.origin.is_empty()
+    }
+
+    /// The sample of the motion that a point belongs to.
+    pub fn origin(&self, index: usize) -> usize {
+        self.origin[index]
+    }
+
+    /// A point as it went in.
+    pub fn point(&self, index: usize) -> WavePoint {
+        WavePoint {
+            features: std::array::from_fn(|f| self.columns[f][index]),
+            flow: if index < self.driving { Flow::Driving } else { Flow::Braking },
+            origin: self.origin[index],
+        }
+    }
+
+    /// The exact largest value of a functional over all points at a ratio.
+    ///
+    /// # Panics
+    /// If there is no point.
+    pub fn largest(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
+        match functional {
+            Functional::TorqueSquared => self.search(actuator, ratio, bound_torque, value_torque),
+            Functional::VoltageSquared => self.search(actuator, ratio, bound_voltage, value_voltage),
+            Functional::Power => self.search(actuator, ratio, bound_power, value_power),
+            Functional::PowerBack => self.search(actuator, ratio, bound_power_back, |w, x| -value_power(w, x)),
+        }
+    }
+
+    /// As [`largest`](Self::largest), by looking at every point: the baseline of the benchmarks.
+    pub fn largest_by_scan(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
+        let value = match functional {
+            Functional::TorqueSquared => value_torque,
+            Functional::VoltageSquared => value_voltage,
+            Functional::Power => value_power,
+            Functional::PowerBack => |w: &Weights, x: &[f64; FEATURES]| -value_power(w, x),
+        };
+        let mut best = Largest { value: f64::NEG_INFINITY, index: 0 };
+        for (flow, root) in &self.roots {
+            let weights = Weights::new(actuator, *flow, ratio);
+            self.scan(self.nodes[*root].start, self.nodes[*root].end, &weights, value, &mut best);
+        }
+        best
+    }
+
+    #[inline(always)]
+    fn search(
+        &self,
+        actuator: &Actuator,
+        ratio: f64,
+        bound: impl Fn(&Weights, &Node) -> f64 + Copy,
+        value: impl Fn(&Weights, &[f64; FEATURES]) -> f64 + Copy,
+    ) -> Largest {
+        let mut best = Largest { value: f64::NEG_INFINITY, index: 0 };
+        let mut stack: [(usize, f64); 64] = [(0, 0.0); 64];
+        for (flow, root) in &self.roots {
+            let weights = Weights::new(actuator, *flow, ratio);
+            let mut depth = 1;
+            stack[0] = (*root, f64::INFINITY);
+            while depth > 0 {
+                depth -= 1;
+                let (node, limit) = stack[depth];
+                if limit <= best.value {
+                    continue;
+                }
+                let node = &self.nodes[node];
+                let Some((left, right)) = node.children else {
+                    self.scan(node.start, node.end, &weights, value, &mut best);
+                    continue;
+                };
+                let (a, b) = (bound(&weights, &self.nodes[left]), bound(&weights, &self.nodes[right]));
+                // The more promising child is looked at first: it is pushed last.
+                let (first, second) = if a >= b { ((left, a), (right, b)) } else { ((right, b), (left, a)) };
+                stack[depth] = second;
+                stack[depth + 1] = first;
+                depth += 2;
+            }
+        }
+        best
+    }
+
+    #[inline(always)]
+    fn scan(&self, start: usize, end: usize, weights: &Weights, value: impl Fn(&Weights, &[f64; FEATURES]) -> f64, best: &mut Largest) {
+        let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.columns[f][start..end]);
+        for i in 0..end - start {
+            let features = std::array::from_fn(|f| columns[f][i]);
+            let here = value(weights, &features);
+            if here > best.value {
+                *best = Largest { value: here, index: start + i };
+            }
+        }
+    }
+}
+
+impl Weights {
+    fn new(actuator: &Actuator, flow: Flow, ratio: f64) -> Weights {
+        Weights {
+            torque: actuator.torque_form(flow).weights(ratio),
+            voltage: actuator.voltage_form(flow).weights(ratio),
+            direct: actuator.cross_coupling * ratio,
+            copper: actuator.copper(),
+            emf: actuator.back_emf_constant / actuator.torque_constant * ratio,
+        }
+    }
+}
+
+#[inline(always)]
+fn dot(weights: &[f64; FEATURES], features: &[f64; FEATURES]) -> f64 {
+    let mut sum = 0.0;
+    for f in 0..FEATURES {
+        sum += weights[f] * features[f];
+    }
+    sum
+}
+
+/// Centre and half-width of a linear form over a box; the half-width is widened by what rounding
+/// can do, so that a bound never falls below a value.
+#[inline(always)]
+fn interval(weights: &[f64; FEATURES], node: &Node) -> (f64, f64) {
+    let (mut center, mut radius, mut size) = (0.0, 0.0, 0.0);
+    for f in 0..FEATURES {
+        let term = weights[f] * node.center[f];
+        center += term;
+        size += term.abs();
+        radius += weights[f].abs() * node.radius[f];
+    }
+    (center, radius + 1e-14 * (size + radius))
+}
+
+#[inline(always)]
+fn largest_magnitude(weights: &[f64; FEATURES], node: &Node) -> f64 {
+    let (center, radius) = interval(weights, node);
+    center.abs() + radius
+}
+
+#[inline(always)]
+fn value_torque(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+    let torque = dot(&weights.torque, features);
+    torque * torque
+}
+
+#[inline(always)]
+fn bound_torque(weights: &Weights, node: &Node) -> f64 {
+    let torque = largest_magnitude(&weights.torque, node);
+    torque * torque
+}
+
+const VELOCITY: usize = Feature::Velocity as usize;
+
+#[inline(always)]
+fn value_voltage(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+    let quadrature = dot(&weights.voltage, features);
+    let direct = weights.direct * features[VELOCITY] * dot(&weights.torque, features);
+    quadrature * quadrature + direct * direct
+}
+
+#[inline(always)]
+fn bound_voltage(weights: &Weights, node: &Node) -> f64 {
+    let quadrature = largest_magnitude(&weights.voltage, node);
+    let speed = node.center[VELOCITY].abs() + node.radius[VELOCITY];
+    let direct = weights.direct * speed * largest_magnitude(&weights.torque, node);
+    (quadrature * quadrature + direct * direct) * (1.0 + 1e-14)
+}
+
+#[inline(always)]
+fn value_power(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+    let torque = dot(&weights.torque, features);
+    weights.copper * torque * torque + weights.emf * features[VELOCITY] * torque
+}
+
+/// Largest and smallest product of speed and torque over a box.
+#[inline(always)]
+fn mechanical(weights: &Weights, node: &Node) -> (f64, f64, f64) {
+    let (center, radius) = interval(&weights.torque, node);
+    let (t0, t1) = (center - radius, center + radius);
+    let (w0, w1) = (node.center[VELOCITY] - node.radius[VELOCITY], node.center[VELOCITY] + node.radius[VELOCITY]);
+    let products = [t0 * w0, t0 * w1, t1 * w0, t1 * w1];
+    let low = products.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = products.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let slack = 1e-13 * low.abs().max(high.abs());
+    (low - slack, high + slack, center.abs() + radius)
+}
+
+#[inline(always)]
+fn bound_power(weights: &Weights, node: &Node) -> f64 {
+    let (_, high, torque) = mechanical(weights, node);
+    weights.copper * torque * torque + weights.emf * high
+}
+
+#[inline(always)]
+fn bound_power_back(weights: &Weights, node: &Node) -> f64 {
+    let (low, ..) = mechanical(weights, node);
+    -weights.emf * low
+}

@@ -1,0 +1,147 @@
+//! Motors and gears: what their data sheets say, in which convention, and whether it adds up.
+//!
+//! The one idea of this room: a row *says* what its numbers mean, and the reader converts them once
+//! to the power-invariant q-axis equivalent (see [`convention`]); everything behind computes with
+//! that alone, and [`audit`] goes back to the printed numbers.
+
+pub mod audit;
+pub mod convention;
+mod gear;
+mod motor;
+mod read;
+mod sheet;
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+pub use gear::{Gear, GearKind, matches_pattern};
+pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE};
+pub use read::{gear_columns, motor_columns, read_gears, read_motors};
+pub use sheet::{Conventions, FIELDS, Field, Printed, Sheet, SourceKind};
+
+use crate::input::{InputError, Problem, Source};
+
+include!(concat!(env!("OUT_DIR"), "/builtin_catalogs.rs"));
+
+/// Motors and gears to choose from, each sorted by id.
+#[derive(Debug, Clone, Default)]
+pub struct Catalog {
+    /// The motors.
+    pub motors: Vec<Motor>,
+    /// The gears.
+    pub gears: Vec<Gear>,
+}
+
+impl Catalog {
+    /// The catalogue that is built into the program.
+    ///
+    /// # Errors
+    /// If a shipped file has a mistake; a test makes sure that none has.
+    pub fn builtin() -> Result<Catalog, Vec<InputError>> {
+        let sources = BUILTIN.iter().map(|(name, text)| Arc::new(Source::new(*name, *text))).collect();
+        Catalog::from_sources(sources)
+    }
+
+    /// Reads files, and the `*.csv` files in folders (one level, and `motors`, `gears` below).
+    ///
+    /// # Errors
+    /// All mistakes of all files.
+    pub fn read(paths: &[PathBuf]) -> Result<Catalog, Vec<InputError>> {
+        let mut files = Vec::new();
+        let mut errors = Vec::new();
+        for path in paths {
+            if path.is_dir() {
+                let found = csv_files(path);
+                if found.is_empty() {
+                    let source = Arc::new(Source::new(path.display().to_string(), ""));
+                    errors.push(InputError { source, problems: vec![Problem::whole("there is no .csv file in this folder")] });
+                }
+                files.extend(found);
+            } else {
+                files.push(path.clone());
+            }
+        }
+        let mut sources = Vec::new();
+        for file in files {
+            match Source::read(&file) {
+                Ok(source) => sources.push(source),
+                Err(error) => errors.push(error),
+            }
+        }
+        match Catalog::from_sources(sources) {
+            Ok(catalog) if errors.is_empty() => Ok(catalog),
+            Ok(_) => Err(errors),
+            Err(more) => {
+                errors.extend(more);
+                Err(errors)
+            }
+        }
+    }
+
+    /// Reads catalogue texts; whether each holds motors or gears is seen from its header.
+    ///
+    /// # Errors
+    /// All mistakes of all files, and ids that stand in two files.
+    pub fn from_sources(sources: Vec<Arc<Source>>) -> Result<Catalog, Vec<InputError>> {
+        let mut catalog = Catalog::default();
+        let mut errors = Vec::new();
+        let mut motor_homes: HashMap<String, String> = HashMap::new();
+        let mut gear_homes: HashMap<String, String> = HashMap::new();
+        for source in sources {
+            let mut twice = |homes: &mut HashMap<String, String>, id: &str| {
+                if let Some(first) = homes.insert(id.to_string(), source.name().to_string()) {
+                    let at = source.text().find(id).unwrap_or(0);
+                    let problem = Problem::at(at..at + id.len(), format!("the id `{id}` stands in two files"), format!("first in {first}"));
+                    errors.push(InputError { source: source.clone(), problems: vec![problem] });
+                }
+            };
+            if read::is_gear_file(&source) {
+                match read_gears(&source) {
+                    Ok(gears) => {
+                        gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));
+                        catalog.gears.extend(gears);
+                    }
+                    Err(error) => errors.push(error),
+                }
+            } else {
+                match read_motors(&source) {
+                    Ok(motors) => {
+                        motors.iter().for_each(|m| twice(&mut motor_homes, &m.id));
+                        catalog.motors.extend(motors);
+                    }
+                    Err(error) => errors.push(error),
+                }
+            }
+        }
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        catalog.motors.sort_by(|a, b| a.id.cmp(&b.id));
+        catalog.gears.sort_by(|a, b| a.id.cmp(&b.id));
+        Ok(catalog)
+    }
+
+    /// The motor with this id, or the nearest id that exists.
+    ///
+    /// # Errors
+    /// The nearest id, if one is near.
+    pub fn motor(&self, id: &str) -> Result<&Motor, Option<&str>> {
+        self.motors
+            .iter()
+            .find(|m| m.id == id)
+            .ok_or_else(|| crate::input::nearest(id, self.motors.iter().map(|m| m.id.as_str())))
+    }
+}
+
+fn csv_files(folder: &Path) -> Vec<PathBuf> {
+    let list = |folder: &Path| -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|e| e.path()).filter(|p| p.is_file() && p.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))).collect()
+    };
+    let mut files = list(folder);
+    files.extend(list(&folder.join("motors")));
+    files.extend(list(&folder.join("gears")));
+    files.sort();
+    files
+}

@@ -1,0 +1,180 @@
+//! A motor as the program computes with it: the power-invariant q-axis equivalent of its sheet.
+
+use super::convention::Commutation;
+use super::sheet::{Conventions, Printed, Sheet, SourceKind};
+
+/// Winding temperature that a resistance refers to where its row does not say \[K\]: 25 °C.
+pub const REFERENCE_TEMPERATURE: f64 = 298.15;
+
+/// A motor of the catalogue. Numbers are SI, on the q axis (power invariant), at the motor shaft.
+#[derive(Debug, Clone)]
+pub struct Motor {
+    /// Unique name.
+    pub id: String,
+    /// Who makes it.
+    pub manufacturer: String,
+    /// What its maker calls it.
+    pub model: String,
+    /// Where the numbers come from.
+    pub source: String,
+    /// What kind of source that is.
+    pub source_kind: SourceKind,
+    /// What the reader of the row should know.
+    pub note: String,
+    /// Audit findings that the note explains, by code.
+    pub accepted_findings: Vec<String>,
+    /// The conventions of the sheet.
+    pub conventions: Conventions,
+    /// The sheet as printed.
+    pub sheet: Sheet,
+    /// Winding resistance at the reference temperature \[Ω\], R.
+    pub resistance: f64,
+    /// Synchronous inductance \[H\], L; unknown where the sheet does not say.
+    pub inductance: Option<f64>,
+    /// Torque constant \[N·m/A\], K_T.
+    pub torque_constant: f64,
+    /// Back-EMF constant \[V·s/rad\], K_B.
+    pub back_emf_constant: f64,
+    /// Rotor inertia \[kg·m²\], J_m.
+    pub rotor_inertia: Option<f64>,
+    /// Mass \[kg\], m.
+    pub mass: Option<f64>,
+    /// Pole pairs, p.
+    pub pole_pairs: Option<u32>,
+    /// Current that can flow for ever \[A\] (by its heat).
+    pub continuous_current: Option<f64>,
+    /// Largest current \[A\] (by its torque).
+    pub peak_current: Option<f64>,
+    /// Torque that can be held for ever \[N·m\].
+    pub continuous_torque: Option<f64>,
+    /// Largest torque \[N·m\].
+    pub peak_torque: Option<f64>,
+    /// Largest speed \[rad/s\].
+    pub max_speed: Option<f64>,
+    /// Thermal resistance winding to ambient \[K/W\]: both steps, where both are known.
+    pub thermal_resistance: Option<f64>,
+    /// Highest winding temperature \[K\].
+    pub max_winding_temperature: Option<f64>,
+    /// Temperature that the resistance refers to \[K\].
+    pub reference_temperature: f64,
+    /// Coulomb friction \[N·m\], c; `None` is unknown.
+    pub coulomb_friction: Option<f64>,
+    /// Viscous friction \[N·m·s/rad\], b; `None` is unknown.
+    pub viscous_friction: Option<f64>,
+    /// What had to be assumed to make the equivalent.
+    pub assumptions: Vec<&'static str>,
+}
+
+/// Identity and provenance of a row, everything that is text.
+#[derive(Debug, Clone)]
+pub struct Identity {
+    /// Unique name.
+    pub id: String,
+    /// Who makes it.
+    pub manufacturer: String,
+    /// What its maker calls it.
+    pub model: String,
+    /// Where the numbers come from.
+    pub source: String,
+    /// What kind of source that is.
+    pub source_kind: SourceKind,
+    /// What the reader of the row should know.
+    pub note: String,
+    /// Audit findings that the note explains.
+    pub accepted_findings: Vec<String>,
+}
+
+/// Why a sheet has no q-axis equivalent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Incomplete {
+    /// No resistance, and none can be derived.
+    Resistance,
+    /// Neither torque constant nor back-EMF or speed constant.
+    TorqueConstant,
+    /// Resistance per winding, but wye or delta is not said.
+    Winding,
+    /// A back-EMF constant without its convention.
+    BackEmfConvention,
+    /// A speed constant without its convention.
+    SpeedConstantConvention,
+}
+
+impl Motor {
+    /// Converts a sheet to its q-axis equivalent.
+    ///
+    /// # Errors
+    /// What is missing for it.
+    pub fn new(identity: Identity, conventions: Conventions, sheet: Sheet, pole_pairs: Option<u32>) -> Result<Motor, Incomplete> {
+        let commutation = conventions.commutation;
+        let mut assumptions = Vec::new();
+        let value = |p: Option<Printed>| p.map(|p| p.value);
+        let winding = conventions.terminals.resistance(conventions.winding, commutation).ok_or(Incomplete::Winding)?;
+        let resistance = sheet.resistance.ok_or(Incomplete::Resistance)?.value * winding;
+        let by_back_emf = match (sheet.back_emf_constant, conventions.back_emf) {
+            (Some(k), Some(convention)) => Some(k.value * convention.back_emf_constant(commutation)),
+            (Some(_), None) => return Err(Incomplete::BackEmfConvention),
+            (None, _) => None,
+        };
+        let by_speed = match (sheet.speed_constant, conventions.speed_constant) {
+            (Some(k), Some(convention)) => Some(convention.back_emf_constant(commutation) / k.value),
+            (Some(_), None) => return Err(Incomplete::SpeedConstantConvention),
+            (None, _) => None,
+        };
+        let torque_constant = match (sheet.torque_constant, by_back_emf.or(by_speed)) {
+            (Some(k), _) => k.value * conventions.current.torque_constant(commutation),
+            (None, Some(k)) => {
+                assumptions.push("torque constant taken equal to the back-EMF constant");
+                k
+            }
+            (None, None) => return Err(Incomplete::TorqueConstant),
+        };
+        let back_emf_constant = by_back_emf.unwrap_or_else(|| {
+            if sheet.torque_constant.is_some() {
+                assumptions.push("back-EMF constant taken equal to the torque constant");
+            }
+            torque_constant
+        });
+        if sheet.reference_temperature.is_none() {
+            assumptions.push("resistance taken at 25 degC");
+        }
+        let series = |a: Option<f64>, b: Option<f64>| Some(a? + b?);
+        Ok(Motor {
+            resistance,
+            inductance: value(sheet.inductance).map(|l| l * winding),
+            torque_constant,
+            back_emf_constant,
+            rotor_inertia: value(sheet.rotor_inertia),
+            mass: value(sheet.mass),
+            pole_pairs: if commutation == Commutation::Brushed { Some(0) } else { pole_pairs },
+            continuous_current: value(sheet.continuous_current).map(|i| i * conventions.current.heating_current(commutation)),
+            peak_current: value(sheet.peak_current).map(|i| i * conventions.current.torque_current(commutation)),
+            continuous_torque: value(sheet.continuous_torque),
+            peak_torque: value(sheet.peak_torque),
+            max_speed: value(sheet.max_speed),
+            thermal_resistance: series(
+                value(sheet.thermal_resistance_winding_housing),
+                value(sheet.thermal_resistance_housing_ambient),
+            ),
+            max_winding_temperature: value(sheet.max_winding_temperature),
+            reference_temperature: value(sheet.reference_temperature).unwrap_or(REFERENCE_TEMPERATURE),
+            coulomb_friction: value(sheet.coulomb_friction),
+            viscous_friction: value(sheet.viscous_friction),
+            id: identity.id,
+            manufacturer: identity.manufacturer,
+            model: identity.model,
+            source: identity.source,
+            source_kind: identity.source_kind,
+            note: identity.note,
+            accepted_findings: identity.accepted_findings,
+            conventions,
+            sheet,
+            assumptions,
+        })
+    }
+
+    /// `L` and `p` where the dq voltage can be computed: an unknown inductance or unknown pole pairs
+    /// make it unknown. A brushed motor has no d axis.
+    pub fn inductance_and_poles(&self) -> Option<(f64, f64)> {
+        Some((self.inductance?, f64::from(self.pole_pairs?)))
+    }
+}

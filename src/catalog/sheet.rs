@@ -1,0 +1,166 @@
+//! A motor's data sheet as printed: its numbers in the sheet's own conventions.
+//!
+//! [`FIELDS`] is the one list of numeric columns: a new one is one line here and one member of
+//! [`Sheet`]; reader, audit and documentation follow.
+
+use super::convention::{BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding};
+use crate::input::Range;
+use crate::units::{self, Kind};
+
+/// A printed number in SI (in the sheet's convention) and its ±, where one is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Printed {
+    /// The number, SI.
+    pub value: f64,
+    /// Its tolerance (half-width of the interval that the source states), in the same unit.
+    pub tolerance: Option<f64>,
+}
+
+impl Printed {
+    /// Tolerance over value; `None` where no tolerance is given.
+    pub fn relative_tolerance(&self) -> Option<f64> {
+        self.tolerance.filter(|_| self.value != 0.0).map(|t| t / self.value.abs())
+    }
+}
+
+/// Where a number comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SourceKind {
+    /// The maker's data sheet.
+    Datasheet,
+    /// Someone measured it and published it.
+    Measured,
+    /// Computed from other published numbers.
+    Derived,
+    /// Quoted at second hand.
+    Secondary,
+}
+
+impl SourceKind {
+    /// Every kind with the word a catalogue uses for it.
+    pub const NAMES: &[(&str, SourceKind)] = &[
+        ("datasheet", SourceKind::Datasheet),
+        ("measured", SourceKind::Measured),
+        ("derived", SourceKind::Derived),
+        ("secondary", SourceKind::Secondary),
+    ];
+}
+
+/// The conventions that a row declares for its numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Conventions {
+    /// Brushless or brushed.
+    pub commutation: Commutation,
+    /// Between what resistance and inductance are.
+    pub terminals: Terminals,
+    /// How the windings are connected, where said.
+    pub winding: Option<Winding>,
+    /// What ampere means.
+    pub current: CurrentConvention,
+    /// What the back-EMF constant is measured between, where there is one.
+    pub back_emf: Option<BackEmfConvention>,
+    /// What voltage the speed constant refers to, where there is one.
+    pub speed_constant: Option<SpeedConstantConvention>,
+}
+
+macro_rules! sheet {
+    ($($(#[$doc:meta])* $name:ident: $kind:ident, $range:ident;)*) => {
+        /// Everything a row can say in numbers; `None` is unknown, never zero.
+        #[derive(Debug, Clone, Default, PartialEq)]
+        pub struct Sheet {
+            $($(#[$doc])* pub $name: Option<Printed>,)*
+        }
+
+        /// The numeric columns of a motor catalogue.
+        pub const FIELDS: &[Field] = &[
+            $(Field {
+                name: stringify!($name),
+                kind: &units::$kind,
+                range: Range::$range,
+                get: |sheet| sheet.$name,
+                set: |sheet, printed| sheet.$name = Some(printed),
+            },)*
+        ];
+    };
+}
+
+/// One numeric column of a motor catalogue.
+pub struct Field {
+    /// Column name.
+    pub name: &'static str,
+    /// What it measures.
+    pub kind: &'static Kind,
+    /// What values it may have.
+    pub range: Range,
+    /// Reads it from a sheet.
+    pub get: fn(&Sheet) -> Option<Printed>,
+    /// Writes it to a sheet.
+    pub set: fn(&mut Sheet, Printed),
+}
+
+sheet! {
+    /// Resistance at the reference temperature \[Ω\], symbol R.
+    resistance: RESISTANCE, Positive;
+    /// Inductance \[H\], symbol L.
+    inductance: INDUCTANCE, NonNegative;
+    /// Torque constant \[N·m/A\], symbol K_T.
+    torque_constant: TORQUE_CONSTANT, Positive;
+    /// Back-EMF constant \[V·s/rad\], symbol K_B.
+    back_emf_constant: BACK_EMF_CONSTANT, Positive;
+    /// Speed constant \[rad/(V·s)\], symbol Kv.
+    speed_constant: SPEED_CONSTANT, Positive;
+    /// Motor constant \[N·m/√W\], symbol K_M.
+    motor_constant: MOTOR_CONSTANT, Positive;
+    /// Responsiveness metric as printed \[s\], symbol S_M.
+    responsiveness_metric: TIME, Positive;
+    /// Torque-specific inertia as printed \[kg·m²·A²/(N·m)²\], symbol S_T.
+    torque_specific_inertia: TORQUE_SPECIFIC_INERTIA, Positive;
+    /// Rotor inertia \[kg·m²\], symbol J_m.
+    rotor_inertia: INERTIA, Positive;
+    /// Mass of the rotor \[kg\].
+    rotor_mass: MASS, Positive;
+    /// Mass of the motor \[kg\], symbol m.
+    mass: MASS, Positive;
+    /// Radius of the air gap \[m\], symbol r_g.
+    gap_radius: LENGTH, Positive;
+    /// Outer diameter \[m\].
+    outer_diameter: LENGTH, Positive;
+    /// Axial length \[m\].
+    length: LENGTH, Positive;
+    /// Nominal voltage that the no-load and stall numbers refer to \[V\].
+    voltage: VOLTAGE, Positive;
+    /// Current that can flow for ever \[A\].
+    continuous_current: CURRENT, Positive;
+    /// Current that must never be exceeded \[A\].
+    peak_current: CURRENT, Positive;
+    /// Torque that can be held for ever \[N·m\].
+    continuous_torque: TORQUE, Positive;
+    /// Torque that must never be exceeded \[N·m\].
+    peak_torque: TORQUE, Positive;
+    /// Stall torque at the nominal voltage \[N·m\].
+    stall_torque: TORQUE, Positive;
+    /// Speed that must never be exceeded \[rad/s\].
+    max_speed: SPEED, Positive;
+    /// No-load speed at the nominal voltage \[rad/s\].
+    no_load_speed: SPEED, Positive;
+    /// No-load current at the nominal voltage \[A\].
+    no_load_current: CURRENT, NonNegative;
+    /// Mechanical time constant \[s\].
+    mechanical_time_constant: TIME, Positive;
+    /// Thermal resistance from winding to housing \[K/W\].
+    thermal_resistance_winding_housing: THERMAL_RESISTANCE, Positive;
+    /// Thermal resistance from housing to ambient \[K/W\].
+    thermal_resistance_housing_ambient: THERMAL_RESISTANCE, Positive;
+    /// Thermal time constant of the winding \[s\].
+    thermal_time_constant_winding: TIME, Positive;
+    /// Thermal time constant of the housing \[s\].
+    thermal_time_constant_housing: TIME, Positive;
+    /// Highest winding temperature \[K\].
+    max_winding_temperature: TEMPERATURE, Positive;
+    /// Winding temperature that the resistance refers to \[K\].
+    reference_temperature: TEMPERATURE, Positive;
+    /// Coulomb friction of the motor \[N·m\], symbol c.
+    coulomb_friction: TORQUE, NonNegative;
+    /// Viscous friction of the motor \[N·m·s/rad\], symbol b.
+    viscous_friction: VISCOUS_FRICTION, NonNegative;
+}

@@ -1,0 +1,333 @@
+//! A TOML file read as a form: each reader asks for the keys it knows, with the kind and range of
+//! their values; what it did not ask for is an unknown key.
+
+use std::cell::RefCell;
+use std::ops::Range as Span;
+use std::sync::Arc;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::{InputError, Problem, Range, Source};
+use crate::units::{self, Kind};
+
+/// A parsed TOML file together with the problems found in it so far.
+#[derive(Debug)]
+pub struct Form {
+    source: Arc<Source>,
+    problems: RefCell<Vec<Problem>>,
+}
+
+impl Form {
+    /// Parses the file and lets `read` take what it knows from the top-level table. Whatever
+    /// `read` returns counts only when no problem was found.
+    ///
+    /// # Errors
+    /// All syntax errors, and all problems that `read` or the sections noted.
+    pub fn read<T>(source: &Arc<Source>, read: impl FnOnce(&Section) -> Option<T>) -> Result<T, InputError> {
+        let form = Form { source: source.clone(), problems: RefCell::default() };
+        let (table, errors) = DeTable::parse_recoverable(source.text());
+        for error in &errors {
+            let message = error.message().lines().next().unwrap_or("not valid TOML").to_string();
+            let end = source.text().len();
+            let span = error.span().map_or(0..0, |s| s.start.min(end)..s.end.min(end));
+            form.note(Problem::at(span, format!("not valid TOML: {message}"), "here"));
+        }
+        // After a syntax error the rest of the table is a guess: report the syntax alone.
+        let result = if errors.is_empty() {
+            let root = Section {
+                form: &form,
+                table: table.get_ref(),
+                span: 0..0,
+                path: String::new(),
+                asked: RefCell::default(),
+            };
+            let value = read(&root);
+            root.finish();
+            value
+        } else {
+            None
+        };
+        InputError::unless_empty(source, form.problems.into_inner())?;
+        result.ok_or_else(|| InputError { source: source.clone(), problems: vec![Problem::whole("the file could not be read")] })
+    }
+
+    fn note(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
+    }
+}
+
+/// One table of the form. Dropping keys silently is impossible: call [`Section::finish`].
+#[derive(Debug)]
+pub struct Section<'a> {
+    form: &'a Form,
+    table: &'a DeTable<'a>,
+    span: Span<usize>,
+    path: String,
+    asked: RefCell<Vec<&'static str>>,
+}
+
+impl<'a> Section<'a> {
+    /// Where the table stands: its header, or its braces.
+    pub fn span(&self) -> Span<usize> {
+        self.span.clone()
+    }
+
+    /// The file that the table belongs to.
+    pub fn source(&self) -> &'a Arc<Source> {
+        &self.form.source
+    }
+
+    /// Notes a problem that the reader found itself.
+    pub fn note(&self, problem: Problem) {
+        self.form.note(problem);
+    }
+
+    /// Whether the key is present (it counts as asked for).
+    pub fn has(&self, key: &'static str) -> bool {
+        self.value(key).is_some()
+    }
+
+    /// The span of a key's value, or of the table where it is missing.
+    pub fn span_of(&self, key: &'static str) -> Span<usize> {
+        self.value(key).map_or_else(|| self.span(), Spanned::span)
+    }
+
+    fn value(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
+        if !self.asked.borrow().contains(&key) {
+            self.asked.borrow_mut().push(key);
+        }
+        self.table.get(key)
+    }
+
+    fn name(&self, key: &str) -> String {
+        if self.path.is_empty() { format!("`{key}`") } else { format!("`{key}` of {}", self.path) }
+    }
+
+    /// Notes that a required key is missing.
+    pub fn missing(&self, key: &'static str, example: &str) {
+        self.form.note(
+            Problem::at(self.span(), format!("{} is missing", self.name(key)), "in this table")
+                .help(format!("for example: {key} = {example}")),
+        );
+    }
+
+    fn wrong_type(&self, value: &Spanned<DeValue>, key: &str, expected: &str) {
+        self.form.note(Problem::at(
+            value.span(),
+            format!("{} is {} {}", self.name(key), article(value.get_ref().type_str()), value.get_ref().type_str()),
+            format!("expected {expected}"),
+        ));
+    }
+
+    /// A string, if the key is there.
+    pub fn text(&self, key: &'static str) -> Option<Spanned<String>> {
+        let value = self.value(key)?;
+        let Some(text) = value.get_ref().as_str() else {
+            self.wrong_type(value, key, "a string in quotes");
+            return None;
+        };
+        Some(Spanned::new(value.span(), text.to_string()))
+    }
+
+    /// A string that must be there.
+    pub fn required_text(&self, key: &'static str, example: &str) -> Option<Spanned<String>> {
+        if !self.has(key) {
+            self.missing(key, example);
+            return None;
+        }
+        let text = self.text(key)?;
+        if text.get_ref().trim().is_empty() {
+            self.form.note(Problem::at(text.span(), format!("{} is empty", self.name(key)), format!("for example {example}")));
+            return None;
+        }
+        Some(text)
+    }
+
+    /// A list of strings, if the key is there.
+    pub fn texts(&self, key: &'static str) -> Option<Vec<Spanned<String>>> {
+        let value = self.value(key)?;
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(value, key, "a list of strings");
+            return None;
+        };
+        let mut texts = Vec::new();
+        for item in array.iter() {
+            match item.get_ref().as_str() {
+                Some(text) => texts.push(Spanned::new(item.span(), text.to_string())),
+                None => self.wrong_type(item, key, "a string in quotes"),
+            }
+        }
+        if array.is_empty() {
+            self.form.note(Problem::at(value.span(), format!("{} is empty", self.name(key)), "expected at least one string"));
+        }
+        Some(texts)
+    }
+
+    /// `true` or `false`, if the key is there.
+    pub fn boolean(&self, key: &'static str) -> Option<bool> {
+        let value = self.value(key)?;
+        let found = value.get_ref().as_bool();
+        if found.is_none() {
+            self.wrong_type(value, key, "true or false");
+        }
+        found
+    }
+
+    /// A whole number from 1 on, if the key is there.
+    pub fn count(&self, key: &'static str) -> Option<u32> {
+        let value = self.value(key)?;
+        let number = value.get_ref().as_integer().and_then(|i| u32::from_str_radix(i.as_str(), i.radix()).ok());
+        match number {
+            Some(number) if number > 0 => Some(number),
+            _ => {
+                self.wrong_type(value, key, "a whole number, at least 1");
+                None
+            }
+        }
+    }
+
+    /// A number without dimension in a range, if the key is there.
+    pub fn number(&self, key: &'static str, range: Range) -> Option<f64> {
+        let value = self.value(key)?;
+        self.read_number(value, key, range)
+    }
+
+    fn read_number(&self, value: &Spanned<DeValue>, key: &str, range: Range) -> Option<f64> {
+        let number = match value.get_ref() {
+            DeValue::Integer(i) if i.radix() == 10 => i.as_str().parse().ok(),
+            DeValue::Float(x) => x.as_str().parse::<f64>().ok(),
+            _ => {
+                self.wrong_type(value, key, "a number");
+                return None;
+            }
+        };
+        self.in_range(number.unwrap_or(f64::NAN), value.span(), key, range)
+    }
+
+    fn in_range(&self, number: f64, span: Span<usize>, key: &str, range: Range) -> Option<f64> {
+        if number.is_finite() && range.contains(number) {
+            return Some(number);
+        }
+        let what = if number.is_finite() { "out of range" } else { "not a finite number" };
+        self.form.note(Problem::at(span, format!("{} is {what}", self.name(key)), format!("expected {}", range.expected())));
+        None
+    }
+
+    /// A quantity with its unit, in SI, if the key is there.
+    pub fn quantity(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<f64> {
+        let value = self.value(key)?;
+        self.read_quantity(value, key, kind, range)
+    }
+
+    /// A quantity that must be there.
+    pub fn required_quantity(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<f64> {
+        if !self.has(key) {
+            self.missing(key, &format!("\"{}\"", kind.example));
+        }
+        self.quantity(key, kind, range)
+    }
+
+    fn read_quantity(&self, value: &Spanned<DeValue>, key: &str, kind: &'static Kind, range: Range) -> Option<f64> {
+        let text = match value.get_ref() {
+            DeValue::String(text) => text,
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                self.form.note(
+                    Problem::at(value.span(), format!("{} has no unit", self.name(key)), format!("expected a {} with its unit", kind.name))
+                        .help(format!("write it in quotes with its unit, for example {key} = \"{}\"", kind.example)),
+                );
+                return None;
+            }
+            _ => {
+                self.wrong_type(value, key, &format!("a {} with its unit, like \"{}\"", kind.name, kind.example));
+                return None;
+            }
+        };
+        match units::quantity(text, kind) {
+            Ok(number) => self.in_range(number, value.span(), key, range),
+            Err(error) => {
+                self.form.note(
+                    Problem::at(value.span(), format!("{}: {}", self.name(key), error.message(kind)), format!("expected a {}", kind.name))
+                        .help(error.help(kind)),
+                );
+                None
+            }
+        }
+    }
+
+    /// One of several words, if the key is there.
+    pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Option<T> {
+        let text = self.text(key)?;
+        let found = choices.iter().find(|(name, _)| name == text.get_ref());
+        if found.is_none() {
+            let names = choices.iter().map(|(name, _)| *name);
+            self.form.note(
+                Problem::at(text.span(), format!("{} cannot be `{}`", self.name(key), text.get_ref()), "not one of the choices")
+                    .suggest(text.get_ref(), names),
+            );
+        }
+        found.map(|(_, value)| *value)
+    }
+
+    /// A table, if the key is there.
+    pub fn section(&self, key: &'static str) -> Option<Section<'a>> {
+        let value = self.value(key)?;
+        let Some(table) = value.get_ref().as_table() else {
+            self.wrong_type(value, key, "a table");
+            return None;
+        };
+        Some(self.child(table, value.span(), format!("[{key}]")))
+    }
+
+    fn child(&self, table: &'a DeTable<'a>, span: Span<usize>, path: String) -> Section<'a> {
+        Section { form: self.form, table, span, path, asked: RefCell::default() }
+    }
+
+    /// A list of tables (`[[joint]]`, or `points = [{…}]`), empty if the key is not there.
+    pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(value, key, "a list of tables");
+            return Vec::new();
+        };
+        let mut sections = Vec::new();
+        for item in array.iter() {
+            match item.get_ref().as_table() {
+                Some(table) => sections.push(self.child(table, item.span(), format!("[[{key}]]"))),
+                None => self.wrong_type(item, key, "a table"),
+            }
+        }
+        sections
+    }
+
+    /// Names and numbers of a table whose keys are `names` (weights, references).
+    pub fn numbers(&self, names: &'static [&'static str], range: Range) -> Vec<(&'static str, f64)> {
+        names.iter().filter_map(|name| Some((*name, self.number(name, range)?))).collect()
+    }
+
+    /// Whether the value at `key` is a table (for keys that are a word or a table).
+    pub fn is_table(&self, key: &'static str) -> bool {
+        self.value(key).is_some_and(|v| v.get_ref().is_table())
+    }
+
+    /// Notes every key that nobody asked for, with the nearest that exists.
+    pub fn finish(self) {
+        let asked = self.asked.borrow();
+        for (key, _) in self.table.iter() {
+            if asked.iter().any(|a| *a == key.get_ref().as_ref()) {
+                continue;
+            }
+            let place = if self.path.is_empty() { "at the top level" } else { &self.path };
+            let mut known: Vec<&str> = asked.clone();
+            known.sort_unstable();
+            self.form.note(
+                Problem::at(key.span(), format!("unknown key `{}` {}", key.get_ref(), if self.path.is_empty() { place.to_string() } else { format!("in {place}") }), "not a key of this table")
+                    .suggest(key.get_ref(), known),
+            );
+        }
+    }
+}
+
+fn article(word: &str) -> &'static str {
+    if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
+}

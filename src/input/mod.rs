@@ -1,0 +1,73 @@
+//! Input files: read once, then every mistake in them is collected with its place and shown
+//! together.
+//!
+//! The one idea of this room: a reader never stops at the first mistake. It asks a [`Form`] (TOML)
+//! or a [`Table`](csv::Table) (CSV) for what it expects; whatever is missing, misspelt, of the wrong dimension or out
+//! of range becomes a [`Problem`] with the span of text that caused it, and the reader goes on.
+
+pub mod csv;
+mod form;
+mod source;
+
+pub use form::{Form, Section};
+pub use source::{InputError, MAX_FILE_BYTES, Problem, Source};
+
+/// What values a number may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Range {
+    /// Any finite number.
+    Any,
+    /// Greater than zero.
+    Positive,
+    /// Zero or more.
+    NonNegative,
+    /// Greater than zero, at most one.
+    Fraction,
+    /// One or more.
+    AtLeastOne,
+}
+
+impl Range {
+    /// Whether `value` (SI) lies in the range.
+    pub fn contains(self, value: f64) -> bool {
+        match self {
+            Range::Any => value.is_finite(),
+            Range::Positive => value > 0.0,
+            Range::NonNegative => value >= 0.0,
+            Range::Fraction => value > 0.0 && value <= 1.0,
+            Range::AtLeastOne => value >= 1.0,
+        }
+    }
+
+    /// What was expected, in words.
+    pub fn expected(self) -> &'static str {
+        match self {
+            Range::Any => "a finite number",
+            Range::Positive => "a number greater than zero",
+            Range::NonNegative => "a number that is not negative",
+            Range::Fraction => "a number greater than 0 and at most 1",
+            Range::AtLeastOne => "a number that is at least 1",
+        }
+    }
+}
+
+/// The name in `names` that is most like `text`, if any is near enough to be what was meant.
+///
+/// ```
+/// assert_eq!(gearwise::input::nearest("reisstance", ["resistance", "mass"]), Some("resistance"));
+/// assert_eq!(gearwise::input::nearest("colour", ["resistance", "mass"]), None);
+/// ```
+pub fn nearest<'a>(text: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let plain = |s: &str| s.to_lowercase().replace(['-', ' ', '*', '^', '·'], "_").replace('_', "");
+    let wanted = plain(text);
+    let mut best: Option<(f64, &str)> = None;
+    for name in names {
+        let score = strsim::jaro_winkler(&wanted, &plain(name));
+        let edits = strsim::damerau_levenshtein(&wanted, &plain(name));
+        let near = edits <= 1 || (edits <= wanted.len().max(name.len()) / 3) || score > 0.9;
+        if near && best.is_none_or(|(b, _)| score > b) {
+            best = Some((score, name));
+        }
+    }
+    best.map(|(_, name)| name)
+}

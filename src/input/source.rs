@@ -1,0 +1,230 @@
+//! A file's text, the problems found in it, and how they are shown.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use codespan_reporting::diagnostic::{Diagnostic, Label};
+use codespan_reporting::files::SimpleFile;
+use codespan_reporting::term;
+
+/// A file larger than this is refused with a message instead of being read \[bytes\].
+pub const MAX_FILE_BYTES: u64 = 4 << 30;
+
+/// At most this many problems of one file are printed; the rest are counted.
+const MAX_SHOWN: usize = 50;
+
+/// The text of one input file and the name it was opened by.
+#[derive(Debug)]
+pub struct Source {
+    name: String,
+    path: PathBuf,
+    text: String,
+}
+
+impl Source {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The file is missing, a folder, too large, or not UTF-8; the message names the nearest file
+    /// of the same folder where one is missing.
+    pub fn read(path: &Path) -> Result<Arc<Source>, InputError> {
+        let name = path.display().to_string();
+        let fail = |what: String, help: Option<String>| {
+            InputError { source: Arc::new(Source::new(name.clone(), String::new())), problems: vec![Problem { help, ..Problem::whole(what) }] }
+        };
+        let meta = std::fs::metadata(path).map_err(|e| {
+            fail(format!("cannot read the file: {}", reason(&e)), neighbour(path).map(|n| format!("there is `{n}` in that folder")))
+        })?;
+        if meta.is_dir() {
+            return Err(fail("this is a folder, not a file".into(), None));
+        }
+        if meta.len() > MAX_FILE_BYTES {
+            return Err(fail(format!("the file has {} bytes; at most {MAX_FILE_BYTES} are read", meta.len()), None));
+        }
+        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot read the file: {}", reason(&e)), None))?;
+        let text = match String::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(error) => {
+                let valid = error.utf8_error().valid_up_to();
+                let before = &error.as_bytes()[..valid];
+                let line = before.iter().filter(|b| **b == b'\n').count() + 1;
+                let column = valid - before.iter().rposition(|b| *b == b'\n').map_or(0, |p| p + 1) + 1;
+                return Err(fail(
+                    format!("not a text file: byte {} (line {line}, column {column}) is not UTF-8", valid + 1),
+                    Some("save the file as UTF-8".into()),
+                ));
+            }
+        };
+        Ok(Arc::new(Source { path: path.to_path_buf(), ..Source::new(name, text) }))
+    }
+
+    /// A source from text at hand, under a name for messages.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
+        let name = name.into();
+        let mut text = text.into();
+        if text.starts_with('\u{feff}') {
+            text.drain(..3);
+        }
+        Source { path: PathBuf::from(&name), name, text }
+    }
+
+    /// The name it was opened by.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The text, without a byte order mark.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The folder that relative paths in this file start from.
+    pub fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Line and column (both from 1, columns in characters) of a byte position.
+    pub fn position(&self, byte: usize) -> (usize, usize) {
+        let before = &self.text[..byte.min(self.text.len())];
+        let start = before.rfind('\n').map_or(0, |p| p + 1);
+        (before.matches('\n').count() + 1, before[start..].chars().count() + 1)
+    }
+}
+
+fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".into(),
+        std::io::ErrorKind::PermissionDenied => "permission denied".into(),
+        _ => error.to_string(),
+    }
+}
+
+fn neighbour(path: &Path) -> Option<String> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut names: Vec<String> =
+        std::fs::read_dir(folder).ok()?.take(10_000).flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
+    names.sort();
+    super::nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str)).map(String::from)
+}
+
+/// One mistake in an input file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// What is wrong, in one line.
+    pub message: String,
+    /// The bytes of the text that it is about; `None` for the file as a whole.
+    pub span: Option<Range<usize>>,
+    /// What stands under the marked text: what was expected.
+    pub label: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Problem {
+    /// A problem at a place.
+    pub fn at(span: Range<usize>, message: impl Into<String>, label: impl Into<String>) -> Problem {
+        Problem { message: message.into(), span: Some(span), label: label.into(), help: None }
+    }
+
+    /// A problem of the whole file.
+    pub fn whole(message: impl Into<String>) -> Problem {
+        Problem { message: message.into(), span: None, label: String::new(), help: None }
+    }
+
+    /// Adds what to do about it.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Problem {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// Adds the nearest valid name, where there is one, else the list of valid names.
+    #[must_use]
+    pub fn suggest<'a>(self, text: &str, names: impl IntoIterator<Item = &'a str> + Clone) -> Problem {
+        match super::nearest(text, names.clone()) {
+            Some(near) => self.help(format!("did you mean `{near}`?")),
+            None => {
+                let names: Vec<&str> = names.into_iter().collect();
+                let shown = names.len().min(40);
+                let more = if names.len() > shown { format!(", and {} more", names.len() - shown) } else { String::new() };
+                self.help(format!("valid here: {}{more}", names[..shown].join(", ")))
+            }
+        }
+    }
+}
+
+/// All mistakes of one input file, with its text. Displays as the error report a person reads.
+#[derive(Debug, Clone)]
+pub struct InputError {
+    /// The file.
+    pub source: Arc<Source>,
+    /// What is wrong in it; never empty.
+    pub problems: Vec<Problem>,
+}
+
+impl InputError {
+    /// `Err` with the problems if there are any, ordered by their place.
+    ///
+    /// # Errors
+    /// When `problems` is not empty.
+    pub fn unless_empty(source: &Arc<Source>, mut problems: Vec<Problem>) -> Result<(), InputError> {
+        if problems.is_empty() {
+            return Ok(());
+        }
+        problems.sort_by_key(|p| p.span.as_ref().map_or(0, |s| s.start));
+        Err(InputError { source: source.clone(), problems })
+    }
+}
+
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Long lines are cut, so that a file of noise does not print itself.
+        let file = SimpleFile::new(printable(&self.source.name), &self.source.text);
+        let config = term::Config::default();
+        for problem in self.problems.iter().take(MAX_SHOWN) {
+            let long = problem.span.as_ref().is_some_and(|s| {
+                let text = &self.source.text;
+                let start = text[..s.start.min(text.len())].rfind('\n').map_or(0, |p| p + 1);
+                let end = text[s.end.min(text.len())..].find('\n').map_or(text.len(), |p| s.end.min(text.len()) + p);
+                end - start > 600
+            });
+            if long || problem.span.is_none() {
+                let place = problem.span.as_ref().map_or(String::new(), |s| {
+                    let (line, column) = self.source.position(s.start);
+                    format!(":{line}:{column}")
+                });
+                writeln!(f, "error: {}", problem.message)?;
+                writeln!(f, "  ┌─ {}{place}", printable(&self.source.name))?;
+                if !problem.label.is_empty() {
+                    writeln!(f, "  = {}", problem.label)?;
+                }
+                if let Some(help) = &problem.help {
+                    writeln!(f, "  = {help}")?;
+                }
+                writeln!(f)?;
+                continue;
+            }
+            let span = problem.span.clone().unwrap_or(0..0);
+            let diagnostic = Diagnostic::error()
+                .with_message(&problem.message)
+                .with_label(Label::primary((), span).with_message(&problem.label))
+                .with_notes(problem.help.iter().cloned().collect());
+            let text = term::emit_into_string(&config, &file, &diagnostic).map_err(|_| fmt::Error)?;
+            f.write_str(&text)?;
+        }
+        let hidden = self.problems.len().saturating_sub(MAX_SHOWN);
+        if hidden > 0 {
+            writeln!(f, "and {hidden} more mistakes in {}", printable(&self.source.name))?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for InputError {}
+
+/// A name without control characters, so that it cannot drive the terminal.
+fn printable(name: &str) -> String {
+    name.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}

@@ -1,0 +1,14 @@
+//! What a robot asks of its joints: motions, limits, objectives.
+//!
+//! The one idea of this room: everything that a motion asks for stands in arrays over samples, and
+//! what is not given (acceleration, jerk, torque rate) comes from one declared interpolant, the
+//! cubic [`spline`].
+
+pub mod motion;
+mod read;
+mod robot;
+pub mod spline;
+
+pub use motion::{Course, Motion, Point, Samples};
+pub use read::{read, read_source};
+pub use robot::*;

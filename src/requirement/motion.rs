@@ -1,0 +1,369 @@
+//! What the joint does: load torque and speed over time, or at independent operating points.
+
+use std::sync::Arc;
+
+use super::spline::{self, Derivatives};
+use crate::input::csv::{Column, Content, Table};
+use crate::input::{InputError, Problem, Range, Source};
+use crate::units;
+
+/// How a motion goes on after its last sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Course {
+    /// It repeats; the period \[s\].
+    Periodic(f64),
+    /// It happens once; its duration \[s\].
+    Once(f64),
+    /// Independent operating points, with their total duration \[s\] where durations are given.
+    Points(Option<f64>),
+}
+
+/// Samples k = 1…K of what a joint asks of its actuator, output side, SI. All vectors have the
+/// length K.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    /// Periodic, once, or points.
+    pub course: Course,
+    /// Time \[s\]; the index for operating points.
+    pub time: Vec<f64>,
+    /// Load torque \[N·m\], τ: without the actuator's own rotor.
+    pub torque: Vec<f64>,
+    /// Speed \[rad/s\], ω.
+    pub velocity: Vec<f64>,
+    /// Acceleration \[rad/s²\], α.
+    pub acceleration: Vec<f64>,
+    /// Rate of the load torque \[N·m/s\], τ̇.
+    pub torque_rate: Vec<f64>,
+    /// Jerk \[rad/s³\], j.
+    pub jerk: Vec<f64>,
+    /// Share of the time that each sample stands for (trapezoid rule); sums to one.
+    pub weight: Vec<f64>,
+    /// Share of the time at standstill (speed exactly zero over a whole interval) that each sample
+    /// stands for.
+    pub dwell: Vec<f64>,
+    /// What was not given but taken from the spline.
+    pub derived: Vec<&'static str>,
+}
+
+/// Samples as they stand in a file or in a requirement; `None` is to be derived.
+#[derive(Debug, Clone, Default)]
+pub struct Samples {
+    /// Time \[s\], strictly increasing.
+    pub time: Vec<f64>,
+    /// Load torque \[N·m\].
+    pub torque: Vec<f64>,
+    /// Position \[rad\].
+    pub position: Option<Vec<f64>>,
+    /// Speed \[rad/s\].
+    pub velocity: Option<Vec<f64>>,
+    /// Acceleration \[rad/s²\].
+    pub acceleration: Option<Vec<f64>>,
+    /// Rate of the load torque \[N·m/s\].
+    pub torque_rate: Option<Vec<f64>>,
+    /// Jerk \[rad/s³\].
+    pub jerk: Option<Vec<f64>>,
+}
+
+/// One operating point, SI.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Point {
+    /// Load torque \[N·m\].
+    pub torque: f64,
+    /// Speed \[rad/s\].
+    pub velocity: f64,
+    /// Acceleration \[rad/s²\].
+    pub acceleration: f64,
+    /// Rate of the load torque \[N·m/s\].
+    pub torque_rate: f64,
+    /// Jerk \[rad/s³\].
+    pub jerk: f64,
+    /// How long it lasts \[s\].
+    pub duration: Option<f64>,
+}
+
+impl Motion {
+    /// A motion from samples in time. A periodic one must not repeat its first sample.
+    ///
+    /// # Panics
+    /// With fewer samples than the spline needs, or neither position nor velocity.
+    pub fn from_samples(samples: Samples, course: Course) -> Motion {
+        let Samples { time, torque, position, velocity, acceleration, torque_rate, jerk } = samples;
+        let differentiate = |y: &[f64]| -> Derivatives {
+            match course {
+                Course::Periodic(period) => spline::periodic(&time, y, period),
+                _ => spline::open(&time, y),
+            }
+        };
+        let mut derived = Vec::new();
+        let velocity = velocity.unwrap_or_else(|| {
+            derived.push("velocity");
+            differentiate(&position.expect("a motion has velocity or position")).first
+        });
+        let (acceleration, jerk) = match (acceleration, jerk) {
+            (Some(acceleration), Some(jerk)) => (acceleration, jerk),
+            (Some(acceleration), None) => {
+                derived.push("jerk");
+                let jerk = differentiate(&acceleration).first;
+                (acceleration, jerk)
+            }
+            (None, jerk) => {
+                let Derivatives { first, second } = differentiate(&velocity);
+                derived.push("acceleration");
+                if jerk.is_none() {
+                    derived.push("jerk");
+                }
+                (first, jerk.unwrap_or(second))
+            }
+        };
+        let torque_rate = torque_rate.unwrap_or_else(|| {
+            derived.push("torque_rate");
+            differentiate(&torque).first
+        });
+        let (weight, dwell) = time_weights(&time, &velocity, course);
+        Motion { course, time, torque, velocity, acceleration, torque_rate, jerk, weight, dwell, derived }
+    }
+
+    /// Independent operating points. Without durations they weigh alike, and heat cannot be checked.
+    ///
+    /// # Panics
+    /// Without a point.
+    pub fn from_points(points: &[Point]) -> Motion {
+        assert!(!points.is_empty(), "there is at least one operating point");
+        let total: Option<f64> = points.iter().map(|p| p.duration).sum();
+        let share = |p: &Point| match (p.duration, total) {
+            (Some(duration), Some(total)) => duration / total,
+            _ => 1.0 / points.len() as f64,
+        };
+        let column = |f: fn(&Point) -> f64| points.iter().map(f).collect::<Vec<_>>();
+        Motion {
+            course: Course::Points(total),
+            time: (0..points.len()).map(|k| k as f64).collect(),
+            torque: column(|p| p.torque),
+            velocity: column(|p| p.velocity),
+            acceleration: column(|p| p.acceleration),
+            torque_rate: column(|p| p.torque_rate),
+            jerk: column(|p| p.jerk),
+            weight: points.iter().map(share).collect(),
+            dwell: points.iter().map(|p| if p.velocity == 0.0 { share(p) } else { 0.0 }).collect(),
+            derived: Vec::new(),
+        }
+    }
+
+    /// Number of samples, K.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Whether means over time mean anything: false for points without durations.
+    pub fn has_durations(&self) -> bool {
+        self.course != Course::Points(None)
+    }
+
+    /// Mean over time of a quantity given per sample.
+    pub fn mean(&self, quantity: impl Fn(usize) -> f64) -> f64 {
+        (0..self.len()).map(|k| self.weight[k] * quantity(k)).sum()
+    }
+
+    /// Names sample k for people: its time, or its number for operating points.
+    pub fn name_sample(&self, k: usize) -> String {
+        match self.course {
+            Course::Points(_) => format!("point {}", k + 1),
+            _ => format!("t = {} s", crate::report::number(self.time[k])),
+        }
+    }
+}
+
+/// Trapezoid weights, and the part of them in intervals that stand still from end to end.
+fn time_weights(time: &[f64], velocity: &[f64], course: Course) -> (Vec<f64>, Vec<f64>) {
+    let n = time.len();
+    let (mut weight, mut dwell) = (vec![0.0; n], vec![0.0; n]);
+    let (intervals, total) = match course {
+        Course::Periodic(period) => (n, period),
+        _ => (n - 1, time[n - 1] - time[0]),
+    };
+    for i in 0..intervals {
+        let next = (i + 1) % n;
+        let length = if i + 1 < n { time[i + 1] - time[i] } else { total - (time[n - 1] - time[0]) };
+        let half = 0.5 * length / total;
+        weight[i] += half;
+        weight[next] += half;
+        if velocity[i] == 0.0 && velocity[next] == 0.0 {
+            dwell[i] += half;
+            dwell[next] += half;
+        }
+    }
+    (weight, dwell)
+}
+
+/// Reads a motion file.
+///
+/// # Errors
+/// Every mistake of the file: columns, units, cells, order of time, too few rows, and a periodic
+/// motion whose last row does not repeat the first.
+pub fn read(source: &Arc<Source>, periodic: bool, period: Option<f64>) -> Result<Motion, InputError> {
+    let mut problems = Vec::new();
+    let motion = read_samples(source, periodic, period, &mut problems);
+    InputError::unless_empty(source, problems)?;
+    Ok(motion.expect("a motion without problems was read"))
+}
+
+fn columns() -> Vec<Column> {
+    let column = |name: &str, kind, required| Column { name: name.into(), content: Content::Quantity(kind, Range::Any), required };
+    vec![
+        column("time", &units::TIME, true),
+        column("torque", &units::TORQUE, true),
+        column("velocity", &units::SPEED, false),
+        column("position", &units::ANGLE, false),
+        column("acceleration", &units::ACCELERATION, false),
+        column("torque_rate", &units::TORQUE_RATE, false),
+        column("jerk", &units::JERK, false),
+    ]
+}
+
+fn read_samples(source: &Arc<Source>, periodic: bool, period: Option<f64>, problems: &mut Vec<Problem>) -> Option<Motion> {
+    let table = Table::read(source, columns(), problems)?;
+    let mut read = |name: &str| -> Option<Vec<f64>> {
+        if !table.has(name) {
+            return None;
+        }
+        let mut values = Vec::with_capacity(table.len());
+        for row in 0..table.len() {
+            let before = problems.len();
+            match table.number(row, name, problems) {
+                Some(number) => values.push(number.value),
+                None if problems.len() == before => {
+                    problems.push(Problem::at(table.cell_span(row, name), format!("`{name}` is blank"), "a motion has no gaps"));
+                }
+                None => {}
+            }
+            if problems.len() > 40 {
+                break;
+            }
+        }
+        Some(values)
+    };
+    let mut samples = Samples {
+        time: read("time")?,
+        torque: read("torque")?,
+        velocity: read("velocity"),
+        position: read("position"),
+        acceleration: read("acceleration"),
+        torque_rate: read("torque_rate"),
+        jerk: read("jerk"),
+    };
+    if samples.velocity.is_none() && samples.position.is_none() {
+        problems.push(Problem::at(0..0, "a motion needs a column `velocity` or `position`", "neither is in the header").help("for example `velocity [rad/s]`"));
+    }
+    if !problems.is_empty() {
+        return None;
+    }
+    for row in 1..table.len() {
+        if samples.time[row] <= samples.time[row - 1] {
+            problems.push(
+                Problem::at(table.cell_span(row, "time"), "time does not increase", format!("not later than the row above, {} s", samples.time[row - 1]))
+                    .help("sort the rows by time and remove duplicates"),
+            );
+            return None;
+        }
+    }
+    let course = course(&table, &mut samples, periodic, period, problems)?;
+    let fewest = if periodic { spline::MIN_PERIODIC } else { spline::MIN_OPEN };
+    if samples.time.len() < fewest {
+        problems.push(Problem::at(
+            table.row_span(table.len() - 1),
+            format!("the motion has {} distinct samples: too few to differentiate", samples.time.len()),
+            format!("expected at least {}", if periodic && period.is_none() { fewest + 1 } else { fewest }),
+        ));
+        return None;
+    }
+    Some(Motion::from_samples(samples, course))
+}
+
+/// Finds the period, and takes the repeated last row of a periodic motion away.
+fn course(table: &Table, samples: &mut Samples, periodic: bool, period: Option<f64>, problems: &mut Vec<Problem>) -> Option<Course> {
+    let last = table.len().checked_sub(1)?;
+    let duration = samples.time[last] - samples.time[0];
+    if !periodic {
+        return Some(Course::Once(duration));
+    }
+    let repeats = |values: &[f64]| {
+        let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+        (values[last] - values[0]).abs() <= 1e-4 * (high - low)
+    };
+    let names: [(&str, Option<&Vec<f64>>); 6] = [
+        ("torque", Some(&samples.torque)),
+        ("position", samples.position.as_ref().filter(|_| samples.velocity.is_none())),
+        ("velocity", samples.velocity.as_ref()),
+        ("acceleration", samples.acceleration.as_ref()),
+        ("torque_rate", samples.torque_rate.as_ref()),
+        ("jerk", samples.jerk.as_ref()),
+    ];
+    if let Some(period) = period {
+        if period < duration * (1.0 - 1e-12) {
+            problems.push(Problem::at(
+                table.cell_span(last, "time"),
+                format!("the motion lasts {duration} s, longer than its period of {period} s"),
+                "after the end of the period",
+            ));
+            return None;
+        }
+        if period > duration * (1.0 + 1e-9) {
+            return Some(Course::Periodic(period));
+        }
+    }
+    for (name, values) in names {
+        if values.is_some_and(|v| !repeats(v)) {
+            problems.push(
+                Problem::at(table.cell_span(last, name), format!("a periodic motion repeats its first row at the end, but `{name}` does not"), "differs from the first row")
+                    .help("add the first row again at the end of the period, or give `period`, or set `periodic = false`"),
+            );
+        }
+    }
+    if !problems.is_empty() {
+        return None;
+    }
+    for values in [Some(&mut samples.time), Some(&mut samples.torque), samples.velocity.as_mut(), samples.position.as_mut()] {
+        if let Some(values) = values {
+            values.pop();
+        }
+    }
+    for values in [samples.acceleration.as_mut(), samples.torque_rate.as_mut(), samples.jerk.as_mut()].into_iter().flatten() {
+        values.pop();
+    }
+    Some(Course::Periodic(duration))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn source(text: &str) -> Arc<Source> {
+        Arc::new(Source::new("motion.csv", text))
+    }
+
+    #[test]
+    fn weights_are_those_of_the_trapezoid_rule() {
+        let text = "time [s],torque [N*m],velocity [rad/s]\n0,1,0\n0.1,2,0\n0.4,3,1\n1,1,0\n";
+        let motion = read(&source(text), true, None).unwrap();
+        assert_eq!(motion.len(), 3);
+        assert_relative_eq!(motion.weight.iter().sum::<f64>(), 1.0, max_relative = 1e-14);
+        // By hand: 0.1·1.5 + 0.3·2.5 + 0.6·2 = 2.1
+        assert_relative_eq!(motion.mean(|k| motion.torque[k]), 2.1, max_relative = 1e-12);
+        assert_eq!(motion.dwell, vec![0.05, 0.05, 0.0]);
+        assert_eq!(motion.derived, vec!["acceleration", "jerk", "torque_rate"]);
+    }
+
+    #[test]
+    fn a_motion_that_does_not_close_is_refused() {
+        let text = "time [s],torque [N*m],velocity [rad/s]\n0,1,0\n0.1,2,0\n0.4,3,1\n1,1.5,0\n";
+        assert!(read(&source(text), true, None).is_err());
+        assert!(read(&source(text), false, None).is_ok());
+        assert_eq!(read(&source(text), true, Some(1.5)).unwrap().len(), 4);
+    }
+}

@@ -1,0 +1,364 @@
+//! Requirement files: TOML to a robot, every mistake with its place.
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use super::motion::{self, Motion, Point};
+use super::robot::*;
+use crate::catalog::convention::Modulation;
+use crate::input::{Form, InputError, Problem, Range, Section, Source};
+use crate::units;
+
+/// Room temperature, where no ambient is given \[K\].
+const AMBIENT: f64 = 298.15;
+
+/// Reads a requirement file and the motions that it names.
+///
+/// # Errors
+/// All mistakes of the file, then all mistakes of its motions.
+pub fn read(path: &Path) -> Result<Robot, Vec<InputError>> {
+    read_source(&Source::read(path).map_err(|e| vec![e])?)
+}
+
+/// Reads a requirement from a source; motions are looked for beside it.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
+    let mut motion_errors = Vec::new();
+    let robot = Form::read(source, |root| read_robot(root, &mut motion_errors));
+    match robot {
+        Ok(robot) if motion_errors.is_empty() => Ok(robot),
+        Ok(_) => Err(motion_errors),
+        Err(error) => {
+            let mut errors = vec![error];
+            // A file that failed only because of its motions says nothing of its own.
+            errors.retain(|e| motion_errors.is_empty() || e.problems.iter().any(|p| p.span.is_some()));
+            errors.extend(motion_errors);
+            Err(errors)
+        }
+    }
+}
+
+fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Robot> {
+    let name = root.required_text("name", "\"quadruped\"").map(|t| t.into_inner());
+    let bus = match root.section("bus") {
+        Some(section) => read_bus(section),
+        None => {
+            if !root.has("bus") {
+                root.missing("bus", "{ voltage = \"48 V\" }");
+            }
+            None
+        }
+    };
+    let ambient = root.section("ambient").and_then(|section| {
+        let temperature = section.quantity("temperature", &units::TEMPERATURE, Range::Positive);
+        section.finish();
+        temperature
+    });
+    let budget = root.section("budget").map(|section| {
+        let budget = Budget {
+            actuator_mass: section.quantity("actuator_mass", &units::MASS, Range::Positive),
+            max_distinct_motors: section.count("max_distinct_motors"),
+        };
+        section.finish();
+        budget
+    });
+    let sections = root.sections("joint");
+    if sections.is_empty() && !root.has("joint") {
+        root.missing("joint", "a table [[joint]] for each joint");
+    }
+    let mut names = HashSet::new();
+    let mut joints = Vec::new();
+    let mut complete = true;
+    for section in sections {
+        let duplicate = section.text("name").filter(|n| !names.insert(n.get_ref().clone()));
+        if let Some(name) = duplicate {
+            root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
+        }
+        match read_joint(section, motion_errors) {
+            Some(joint) => joints.push(joint),
+            None => complete = false,
+        }
+    }
+    if !complete {
+        return None;
+    }
+    Some(Robot { name: name?, bus: bus?, ambient: ambient.unwrap_or(AMBIENT), budget: budget.unwrap_or_default(), joints })
+}
+
+fn read_bus(section: Section) -> Option<Bus> {
+    let voltage = section.required_quantity("voltage", &units::VOLTAGE, Range::Positive);
+    let regeneration = section.text("regeneration").map(|text| match text.get_ref().as_str() {
+        "allowed" => Some(Regeneration::Allowed),
+        "none" => Some(Regeneration::Limited(0.0)),
+        other => match units::quantity(other, &units::POWER) {
+            Ok(power) if power >= 0.0 => Some(Regeneration::Limited(power)),
+            _ => {
+                section.note(
+                    Problem::at(text.span(), format!("`regeneration` of [bus] cannot be `{other}`"), "expected allowed, none, or a power")
+                        .help("for example regeneration = \"none\" or regeneration = \"200 W\""),
+                );
+                None
+            }
+        },
+    });
+    let bus = Bus {
+        voltage: voltage.unwrap_or(f64::NAN),
+        modulation: section.choice("modulation", Modulation::NAMES).unwrap_or(Modulation::SpaceVector),
+        modulation_limit: section.number("modulation_limit", Range::Fraction).unwrap_or(1.0),
+        drive_current: section.quantity("drive_current", &units::CURRENT, Range::Positive),
+        power: section.quantity("power", &units::POWER, Range::Positive),
+        current: section.quantity("current", &units::CURRENT, Range::Positive),
+        regeneration: regeneration.flatten().unwrap_or(Regeneration::Allowed),
+        drive_efficiency: section.number("drive_efficiency", Range::Fraction).unwrap_or(1.0),
+    };
+    section.finish();
+    voltage.map(|_| bus)
+}
+
+fn read_joint(section: Section, motion_errors: &mut Vec<InputError>) -> Option<Joint> {
+    let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
+    let count = section.count("count").unwrap_or(1);
+    let ratio = read_ratio(&section);
+    let gear = match section.section("gear") {
+        Some(gear) => {
+            if matches!(ratio, Some(RatioChoice::Catalog(_))) {
+                section.note(
+                    Problem::at(gear.span(), "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue", "not used with `gears`")
+                        .help("remove one of the two"),
+                );
+            }
+            read_gear(gear)
+        }
+        None => GearModel::IDEAL,
+    };
+    let motion = read_motion(&section, motion_errors);
+    let objective = read_objective(&section);
+    let limits = section.section("limits").map_or_else(Limits::default, read_limits);
+    let drive_current = section.section("drive").and_then(|drive| {
+        let current = drive.required_quantity("current", &units::CURRENT, Range::Positive);
+        drive.finish();
+        current
+    });
+    for key in ["spring", "torque_per_mass", "actuator"] {
+        if section.has(key) {
+            section.note(Problem::at(section.span_of(key), format!("`{key}` is not supported by this version"), "remove it"));
+        }
+    }
+    section.finish();
+    Some(Joint { name: name?, count, ratio: ratio?, gear, motion: motion?, objective: objective?, limits, drive_current })
+}
+
+fn read_ratio(section: &Section) -> Option<RatioChoice> {
+    match (section.has("ratio"), section.has("gears")) {
+        (true, true) => {
+            section.note(Problem::at(section.span_of("gears"), "a joint has `ratio` or `gears`, not both", "remove one of the two"));
+            None
+        }
+        (false, false) => {
+            section.missing("ratio", "{ min = 3, max = 30 }");
+            None
+        }
+        (false, true) => {
+            let patterns = section.texts("gears")?;
+            Some(RatioChoice::Catalog(patterns.into_iter().map(|p| p.into_inner()).collect()))
+        }
+        (true, false) => {
+            let ratio = section.section("ratio")?;
+            let (min, max) = (ratio.number("min", Range::Positive), ratio.number("max", Range::Positive));
+            for (key, value) in [("min", min), ("max", max)] {
+                if value.is_none() && !ratio.has(if key == "min" { "min" } else { "max" }) {
+                    ratio.missing(if key == "min" { "min" } else { "max" }, if key == "min" { "3" } else { "30" });
+                }
+            }
+            let (span, max_span) = (ratio.span(), ratio.span_of("max"));
+            ratio.finish();
+            let (min, max) = (min?, max?);
+            if min > max {
+                section.note(Problem::at(max_span, format!("the ratio range is upside down: max = {max} is less than min = {min}"), "less than min").help("swap min and max"));
+                return None;
+            }
+            if max / min > 1e6 || max > 1e6 || min < 1e-6 {
+                section.note(Problem::at(span, "the ratio range is not one of a gear", "expected ratios between 1e-6 and 1e6, at most a factor of 1e6 apart"));
+                return None;
+            }
+            Some(RatioChoice::Continuous { min, max })
+        }
+    }
+}
+
+fn read_gear(section: Section) -> GearModel {
+    let efficiency = section.number("efficiency", Range::Fraction).unwrap_or(1.0);
+    let backdrive = section.number("backdrive_efficiency", Range::Any);
+    if backdrive.is_some_and(|b| b > 1.0) {
+        section.note(Problem::at(section.span_of("backdrive_efficiency"), "`backdrive_efficiency` of [gear] is out of range", "expected at most 1"));
+    }
+    let per_stage = section.quantity("mass_per_stage", &units::MASS, Range::NonNegative);
+    let stage_ratio = section.number("stage_ratio", Range::AtLeastOne);
+    let mass = section.quantity("mass", &units::MASS, Range::NonNegative);
+    match (per_stage, stage_ratio) {
+        (Some(_), Some(ratio)) if ratio <= 1.0 => {
+            section.note(Problem::at(section.span_of("stage_ratio"), "`stage_ratio` of [gear] is out of range", "expected more than 1"));
+        }
+        (Some(_), None) if !section.has("stage_ratio") => section.missing("stage_ratio", "5  # largest ratio of one stage"),
+        (None, Some(_)) if !section.has("mass_per_stage") => section.missing("mass_per_stage", "\"120 g\""),
+        _ => {}
+    }
+    if per_stage.is_some() && mass.is_some() {
+        section.note(Problem::at(section.span_of("mass_per_stage"), "a gear has `mass` or `mass_per_stage`, not both", "remove one of the two"));
+    }
+    let gear = GearModel {
+        efficiency,
+        backdrive_efficiency: backdrive.unwrap_or_else(|| backdrive_efficiency(efficiency)),
+        mass: mass.or(if per_stage.is_some() { None } else { Some(0.0) }),
+        mass_per_stage: per_stage.zip(stage_ratio),
+        inertia: section.quantity("inertia", &units::INERTIA, Range::NonNegative).unwrap_or(0.0),
+        peak_torque: section.quantity("peak_torque", &units::TORQUE, Range::Positive),
+        continuous_torque: section.quantity("continuous_torque", &units::TORQUE, Range::Positive),
+        max_input_speed: section.quantity("max_input_speed", &units::SPEED, Range::Positive),
+    };
+    if section.has("efficiency_covers") && section.choice("efficiency_covers", &[("load", ()), ("load_and_gear", ())]).is_some() {
+        let span = section.span_of("efficiency_covers");
+        if section.text("efficiency_covers").is_some_and(|t| t.get_ref() == "load_and_gear") {
+            section.note(Problem::at(span, "`efficiency_covers = \"load_and_gear\"` is not supported by this version", "use `load`"));
+        }
+    }
+    section.finish();
+    gear
+}
+
+fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option<Motion> {
+    let periodic = section.boolean("periodic").unwrap_or(true);
+    let period = section.quantity("period", &units::TIME, Range::Positive);
+    match (section.has("motion"), section.has("points")) {
+        (true, true) => {
+            section.note(Problem::at(section.span_of("points"), "a joint has `motion` or `points`, not both", "remove one of the two"));
+            None
+        }
+        (false, false) => {
+            section.missing("motion", "\"motions/knee.csv\", or points = [ { torque = \"18 N*m\", speed = \"0 rad/s\" } ]");
+            None
+        }
+        (false, true) => read_points(section),
+        (true, false) => {
+            let file = section.text("motion")?;
+            let path = section.source().folder().join(file.get_ref());
+            match Source::read(&path) {
+                Ok(source) => motion::read(&source, periodic, period).map_err(|e| motion_errors.push(e)).ok(),
+                Err(error) => {
+                    let first = error.problems.into_iter().next();
+                    let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
+                    let mut problem = Problem::at(file.span(), format!("motion `{}`: {message}", file.get_ref()), "named here");
+                    problem.help = help;
+                    section.note(problem);
+                    None
+                }
+            }
+        }
+    }
+}
+
+fn read_points(section: &Section) -> Option<Motion> {
+    let mut points = Vec::new();
+    let mut complete = true;
+    let (mut timed, mut untimed) = (0, 0);
+    let sections = section.sections("points");
+    if sections.is_empty() {
+        section.note(Problem::at(section.span_of("points"), "`points` is empty", "expected at least one operating point").help("for example points = [ { torque = \"18 N*m\", speed = \"0 rad/s\", duration = \"0.5 s\" } ]"));
+        return None;
+    }
+    for point in sections {
+        let torque = point.required_quantity("torque", &units::TORQUE, Range::Any);
+        let speed = point.required_quantity("speed", &units::SPEED, Range::Any);
+        let optional = |key, kind| point.quantity(key, kind, Range::Any).unwrap_or(0.0);
+        let acceleration = optional("acceleration", &units::ACCELERATION);
+        let torque_rate = optional("torque_rate", &units::TORQUE_RATE);
+        let jerk = optional("jerk", &units::JERK);
+        let duration = point.quantity("duration", &units::TIME, Range::Positive);
+        if duration.is_some() { timed += 1 } else { untimed += 1 }
+        point.finish();
+        match (torque, speed) {
+            (Some(torque), Some(velocity)) => points.push(Point { torque, velocity, acceleration, torque_rate, jerk, duration }),
+            _ => complete = false,
+        }
+    }
+    if timed > 0 && untimed > 0 {
+        section.note(Problem::at(section.span_of("points"), format!("{timed} points have a `duration` and {untimed} have none"), "give all of them a duration, or none"));
+        return None;
+    }
+    complete.then(|| Motion::from_points(&points))
+}
+
+fn read_objective(section: &Section) -> Option<Objective> {
+    const NAMES: &[&str] = &["loss", "reflected_inertia", "peak_current", "mass"];
+    if !section.has("objective") {
+        return Some(Objective::single(Quantity::Loss));
+    }
+    if !section.is_table("objective") {
+        if section.text("objective").is_some_and(|t| t.get_ref() == "energy") {
+            section.note(Problem::at(section.span_of("objective"), "the objective `energy` is not supported by this version", "use `loss`"));
+            return None;
+        }
+        return section.choice("objective", Quantity::NAMES).map(Objective::single);
+    }
+    let table = section.section("objective")?;
+    let weights = table.numbers(NAMES, Range::NonNegative);
+    let span = table.span();
+    table.finish();
+    let reference_span;
+    let mut references = Vec::new();
+    match section.section("reference") {
+        Some(reference) => {
+            reference_span = reference.span();
+            for (name, kind) in [("loss", &units::POWER), ("reflected_inertia", &units::INERTIA), ("peak_current", &units::CURRENT), ("mass", &units::MASS)] {
+                if let Some(value) = reference.quantity(name, kind, Range::Positive) {
+                    references.push((name, value));
+                }
+            }
+            reference.finish();
+        }
+        None => {
+            reference_span = span.clone();
+        }
+    }
+    let mut terms = Vec::new();
+    for (name, weight) in weights {
+        if weight == 0.0 {
+            continue;
+        }
+        let Some((_, quantity)) = Quantity::NAMES.iter().find(|(n, _)| *n == name) else { continue };
+        match references.iter().find(|(n, _)| *n == name) {
+            Some((_, reference)) => terms.push((*quantity, weight / reference)),
+            None => section.note(
+                Problem::at(reference_span.clone(), format!("the weighted objective needs a reference for `{name}`"), "not in `reference`")
+                    .help(format!("for example reference = {{ {name} = \"10 {}\" }}", quantity.unit())),
+            ),
+        }
+    }
+    if terms.is_empty() {
+        section.note(Problem::at(span, "the objective has no weight above zero", "expected for example { loss = 1, reflected_inertia = 0.5 }"));
+        return None;
+    }
+    terms.sort_by_key(|(quantity, _)| *quantity);
+    Some(Objective { terms })
+}
+
+fn read_limits(section: Section) -> Limits {
+    let bandwidth = section.section("torque_bandwidth").and_then(|table| {
+        let frequency = table.required_quantity("frequency", &units::FREQUENCY, Range::Positive);
+        let amplitude = table.required_quantity("amplitude", &units::TORQUE, Range::NonNegative);
+        table.finish();
+        Some(TorqueBandwidth { frequency: frequency?, amplitude: amplitude? })
+    });
+    let limits = Limits {
+        actuator_mass: section.quantity("actuator_mass", &units::MASS, Range::Positive),
+        reflected_inertia: section.quantity("reflected_inertia", &units::INERTIA, Range::Positive),
+        torque_bandwidth: bandwidth,
+        winding_temperature: section.quantity("winding_temperature", &units::TEMPERATURE, Range::Positive),
+        safety: section.number("safety", Range::Positive).unwrap_or(1.0),
+    };
+    section.finish();
+    limits
+}
