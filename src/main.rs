@@ -1,1 +1,5 @@
-fn main(){}
+//! The `gearwise` program.
+
+fn main() -> std::process::ExitCode {
+    gearwise::cli::run()
+}

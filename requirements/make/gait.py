@@ -9,13 +9,13 @@ Sources of the figures below (mean curves of able-bodied adults, every 2 % of th
          Springer 2014, 105-155, doi:10.1007/978-94-017-8932-5_5; level walking, as read off the figures.
          Velocity and moment per kg, extension positive for both.
 Stride time 1.14 s (105 steps/min, natural cadence) is assumed: neither source's mean curve carries a time axis.
-Each curve becomes a Fourier series (harmonics 1 to 12, Lanczos sigma factors); derivatives are those of the series, the mean of a
+Each curve becomes a Fourier series (harmonics 1 to 16, Lanczos sigma factors); derivatives are those of the series, the mean of a
 velocity is dropped so that the position is periodic. Torque is the moment the joint's muscles give = what the actuator supplies.
 """
 import numpy as np
 
 STRIDE = 1.14  # s
-HARMONICS = 12
+HARMONICS = 16
 SAMPLES = 120
 
 #  %   ankle  ankle    knee   knee     hip    hip
@@ -79,7 +79,7 @@ def series(column):
     """Complex Fourier coefficients 0..HARMONICS of one column of the table, with sigma factors."""
     c = np.fft.rfft(TABLE[:, column])[: HARMONICS + 1] / len(TABLE)
     k = np.arange(HARMONICS + 1)
-    return c * np.sinc(k / (HARMONICS + 4))
+    return c * np.sinc(k / (HARMONICS + 6))
 
 
 def evaluate(c, t, order=0):
@@ -116,7 +116,7 @@ def write(file, name, kilograms, what):
     direction = "plantarflexion" if name == "ankle" else "extension"
     with open(f"../motions/{file}.csv", "w") as out:
         out.write(f"# {SOURCE[name]}\n# {what}\n")
-        out.write(f"# Positive = {direction}; stride time 1.14 s (105 steps/min); Fourier series of 12 harmonics, see make/gait.py.\n")
+        out.write(f"# Positive = {direction}; stride time 1.14 s (105 steps/min); Fourier series of 16 harmonics, see make/gait.py.\n")
         out.write("time [s], torque [N*m], velocity [rad/s], position [rad], acceleration [rad/s^2]\n")
         for row in rows:
             out.write(", ".join(f"{x:.7g}" if abs(x) > 1e-9 else "0" for x in row) + "\n")

@@ -167,7 +167,7 @@ fn read_identity(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Opti
 fn read_motor(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<Motor> {
     let before = problems.len();
     let identity = read_identity(table, row, problems);
-    let mut convention = |name: &str, problems: &mut Vec<Problem>, names: &str| {
+    let convention = |name: &str, problems: &mut Vec<Problem>, names: &str| {
         if table.text(row, name).is_none() && table.has(name) {
             problems.push(
                 Problem::at(table.row_span(row), format!("`{name}` is blank: no convention given"), "the numbers of this row cannot be read without it")

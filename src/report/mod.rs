@@ -1,6 +1,23 @@
-//! Results for people and programs.
+//! Results for people and programs: one file for each kind of result, which gives its table, its
+//! JSON and its CSV from the same facts.
+
+pub mod audit;
+pub mod compare;
+pub mod optimize;
+pub mod rank;
+pub mod sweep;
+pub mod table;
+
+use serde_json::Value;
 
 /// A number with four significant digits, without needless zeros.
+///
+/// ```
+/// use gearwise::report::number;
+/// assert_eq!(number(0.064366), "0.06437");
+/// assert_eq!(number(1200.0), "1200");
+/// assert_eq!(number(9.01e-6), "9.010e-6");
+/// ```
 pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
@@ -10,10 +27,37 @@ pub fn number(value: f64) -> String {
     }
     let magnitude = value.abs().log10().floor() as i32;
     if !(-4..7).contains(&magnitude) {
-        let text = format!("{value:.3e}");
-        return text;
+        return format!("{value:.3e}");
     }
     let digits = (3 - magnitude).max(0) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+}
+
+/// `number`, or a dash where the value is unknown.
+pub fn optional(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".into(), number)
+}
+
+/// JSON text, two spaces deep, with a final newline.
+pub fn json_text(value: &Value) -> String {
+    let mut text = serde_json::to_string_pretty(value).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+/// CSV text of a header and rows.
+pub fn csv_text(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    // Writing to memory does not fail; rows have the header's length by construction.
+    let _ = writer.write_record(header);
+    for row in rows {
+        let _ = writer.write_record(row);
+    }
+    writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
+}
+
+/// A number for CSV: shortest text that reads back as the same number; empty where unknown.
+pub fn csv_number(value: Option<f64>) -> String {
+    value.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
 }

@@ -1,0 +1,32 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Done, Failure, Output};
+use crate::catalog::audit::audit;
+use crate::report::audit as report;
+
+/// Exit status 1 if a row contradicts itself and its note does not say why.
+///
+/// Examples:
+///   gearwise audit
+///   gearwise audit my_motors.csv
+#[derive(Debug, Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Catalogue files or folders; the built-in catalogue if none is given
+    catalog: Vec<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let catalog = super::catalog(&arguments.catalog)?;
+    let findings = audit(&catalog);
+    let text = arguments.output.choose(
+        || report::text(&catalog, &findings),
+        || report::json(&catalog, &findings),
+        || report::csv(&findings),
+    );
+    Ok(Done { text, satisfied: report::broken(&findings) == 0 })
+}

@@ -1,0 +1,49 @@
+use clap::Args;
+
+use super::{CatalogChoice, Done, Failure};
+use crate::report::compare::{self as report, Comparison};
+use crate::units;
+
+/// Examples:
+///   gearwise compare t-motor-ri50 t-motor-u8
+///   gearwise compare t-motor-ri50 t-motor-u8 --inertia "0.02 kg*m^2"
+#[derive(Debug, Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Id of the first motor
+    a: String,
+    /// Id of the second motor
+    b: String,
+    /// Actuator inertia at which they are compared; the larger rotor inertia unless given
+    #[arg(long, value_name = "J")]
+    inertia: Option<String>,
+    #[command(flatten)]
+    catalog: CatalogChoice,
+    /// Print JSON (SI units, the unit in the key)
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let inertia = match &arguments.inertia {
+        None => None,
+        Some(text) => match units::quantity(text, &units::INERTIA) {
+            Ok(value) if value > 0.0 => Some(value),
+            Ok(_) => return Err(Failure::Argument(format!("`--inertia {text}` is not greater than zero"))),
+            Err(error) => {
+                let kind = &units::INERTIA;
+                return Err(Failure::Argument(format!("`--inertia {text}`: {}; {}", error.message(kind), error.help(kind))));
+            }
+        },
+    };
+    let catalog = super::motors(&arguments.catalog.catalog)?;
+    let find = |id: &str| {
+        catalog.motor(id).map_err(|near| {
+            let help = near.map_or_else(|| "`gearwise rank` lists them".to_string(), |n| format!("did you mean `{n}`?"));
+            Failure::Argument(format!("there is no motor `{id}` in the catalogue; {help}"))
+        })
+    };
+    let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
+    let text = if arguments.json { crate::report::json_text(&report::json(&comparison)) } else { report::text(&comparison) };
+    Ok(Done { text, satisfied: true })
+}

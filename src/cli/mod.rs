@@ -1,0 +1,196 @@
+//! The command line: arguments in, library call, report out. No physics.
+
+mod audit;
+mod compare;
+mod completions;
+mod optimize;
+mod rank;
+mod sweep;
+
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, CommandFactory, Parser, Subcommand};
+
+use crate::catalog::Catalog;
+use crate::input::InputError;
+
+/// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
+#[derive(Debug, Parser)]
+#[command(name = "gearwise", version, max_term_width = 100, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Number of threads; the result is the same for any number
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Per joint: the best motors, each with its best ratio, what binds, margins and proof
+    Optimize(optimize::Arguments),
+    /// Every motor at every ratio: feasible, or why not
+    Sweep(sweep::Arguments),
+    /// Motors by metric: S_M, S_T, mass-weighted, K_M, …
+    Rank(rank::Arguments),
+    /// Two motors side by side, at matched actuator inertia too
+    Compare(compare::Arguments),
+    /// Are the rows of a catalogue self-consistent, and what would explain a mismatch
+    Audit(audit::Arguments),
+    /// Completions for a shell
+    Completions(completions::Arguments),
+}
+
+/// In which form a result is printed.
+#[derive(Debug, Args)]
+struct Output {
+    /// Print JSON (SI units, the unit in the key)
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print CSV, one row for each result
+    #[arg(long)]
+    csv: bool,
+}
+
+impl Output {
+    /// The text in the form that was asked for.
+    fn choose(&self, text: impl FnOnce() -> String, json: impl FnOnce() -> serde_json::Value, csv: impl FnOnce() -> String) -> String {
+        if self.json {
+            crate::report::json_text(&json())
+        } else if self.csv {
+            csv()
+        } else {
+            text()
+        }
+    }
+}
+
+/// Which catalogue is used.
+#[derive(Debug, Args)]
+struct CatalogChoice {
+    /// Catalogue files or folders, in place of the built-in catalogue
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    catalog: Vec<PathBuf>,
+}
+
+/// What a command leaves: what it prints, and whether what was asked is satisfied.
+struct Done {
+    text: String,
+    satisfied: bool,
+}
+
+/// Why a command could not do its work; exit status 2.
+#[derive(Debug)]
+enum Failure {
+    /// Mistakes in input files.
+    Input(Vec<InputError>),
+    /// A mistake in the arguments.
+    Argument(String),
+}
+
+impl From<Vec<InputError>> for Failure {
+    fn from(errors: Vec<InputError>) -> Failure {
+        Failure::Input(errors)
+    }
+}
+
+fn catalog(paths: &[PathBuf]) -> Result<Catalog, Failure> {
+    let catalog = if paths.is_empty() { Catalog::builtin()? } else { Catalog::read(paths)? };
+    Ok(catalog)
+}
+
+/// A catalogue with at least one motor.
+fn motors(paths: &[PathBuf]) -> Result<Catalog, Failure> {
+    let catalog = catalog(paths)?;
+    if catalog.motors.is_empty() {
+        return Err(Failure::Argument("the catalogue has no motors".into()));
+    }
+    Ok(catalog)
+}
+
+/// An order that does not exist, with the nearest that does.
+fn unknown_order<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Failure {
+    let help = match crate::input::nearest(name, names.clone()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("there are: {}", names.collect::<Vec<_>>().join(", ")),
+    };
+    Failure::Argument(format!("`--sort {name}` is not an order; {help}"))
+}
+
+/// A progress bar on stderr where that is a terminal; else nothing.
+fn progress(length: usize, what: &'static str) -> indicatif::ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return indicatif::ProgressBar::hidden();
+    }
+    let style = indicatif::ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}");
+    let bar = indicatif::ProgressBar::new(length as u64).with_message(what);
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// Runs the program on the process's arguments. Exit status: 0 done and satisfied, 1 done but a
+/// requirement is not met, 2 the input is wrong.
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are answers, not mistakes.
+            let code = u8::from(error.use_stderr()) * 2;
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    if let Some(threads) = cli.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+        if let Err(error) = pool {
+            eprintln!("error: cannot start {threads} threads: {error}");
+            return ExitCode::from(2);
+        }
+    }
+    let result = match &cli.command {
+        Command::Optimize(arguments) => optimize::run(arguments),
+        Command::Sweep(arguments) => sweep::run(arguments),
+        Command::Rank(arguments) => rank::run(arguments),
+        Command::Compare(arguments) => compare::run(arguments),
+        Command::Audit(arguments) => audit::run(arguments),
+        Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
+    };
+    match result {
+        Ok(done) => match print(&done.text) {
+            Ok(()) => ExitCode::from(u8::from(!done.satisfied)),
+            Err(error) => {
+                eprintln!("error: cannot write the result: {error}");
+                ExitCode::from(2)
+            }
+        },
+        Err(Failure::Input(errors)) => {
+            for error in &errors {
+                eprint!("{error}");
+            }
+            let mistakes: usize = errors.iter().map(|e| e.problems.len()).sum();
+            eprintln!("{mistakes} {} in {} {}", plural(mistakes, "mistake"), errors.len(), plural(errors.len(), "file"));
+            ExitCode::from(2)
+        }
+        Err(Failure::Argument(message)) => {
+            eprintln!("error: {message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn plural(count: usize, word: &str) -> String {
+    if count == 1 { word.into() } else { format!("{word}s") }
+}
+
+/// Writes to stdout; a reader that has seen enough and closed the pipe is no error.
+fn print(text: &str) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}

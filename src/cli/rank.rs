@@ -1,0 +1,46 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Done, Failure, Output};
+use crate::actuator::metrics::{METRICS, metric};
+use crate::report::rank::{self as report, Ranking};
+use crate::units;
+
+/// Examples:
+///   gearwise rank
+///   gearwise rank --sort mass_s_m --top 50
+///   gearwise rank my_motors.csv --tolerance 10%
+#[derive(Debug, Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Catalogue files or folders; the built-in catalogue if none is given
+    catalog: Vec<PathBuf>,
+    /// The metric that orders: s_m, s_t, mass_s_m, mass_s_t, k_m, k_t, k_t_per_mass, k_ts, gap_radius, …
+    #[arg(long, default_value = "s_m", value_name = "METRIC")]
+    sort: String,
+    /// How many motors the table shows
+    #[arg(long, default_value_t = 20, value_name = "N")]
+    top: usize,
+    /// Tolerance (±, 95 %) of every number whose row states none, e.g. 5%
+    #[arg(long, value_name = "PERCENT")]
+    tolerance: Option<String>,
+    #[command(flatten)]
+    output: Output,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let by = metric(&arguments.sort).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
+    let tolerance = match &arguments.tolerance {
+        None => None,
+        Some(text) => match units::quantity(text, &units::RATIO) {
+            Ok(value) if (0.0..1.0).contains(&value) => Some(value),
+            _ => return Err(Failure::Argument(format!("`--tolerance {text}` is not a tolerance; write it like 5% or 0.05"))),
+        },
+    };
+    let catalog = super::motors(&arguments.catalog)?;
+    let ranking = Ranking::new(&catalog.motors, by, tolerance);
+    let text =
+        arguments.output.choose(|| report::text(&ranking, arguments.top), || report::json(&ranking), || report::csv(&ranking));
+    Ok(Done { text, satisfied: true })
+}

@@ -1,0 +1,68 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CatalogChoice, Done, Failure, Output};
+use crate::actuator::metrics::METRICS;
+use crate::design::sweep::sweep_with_progress;
+use crate::report::sweep::{self as report, Order};
+use crate::requirement::{self, Quantity};
+
+/// Examples:
+///   gearwise sweep requirements/quadruped_mini_cheetah.toml
+///   gearwise sweep robot.toml --ratios 100 --sort s_m --top 30
+///   gearwise sweep robot.toml --csv > designs.csv
+#[derive(Debug, Args)]
+#[command(verbatim_doc_comment)]
+pub struct Arguments {
+    /// Requirement file (TOML)
+    requirement: PathBuf,
+    /// How many ratios are tried, evenly spaced in ln N, where the ratio is continuous
+    #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    ratios: u32,
+    /// Order: objective, margin, loss, reflected_inertia, peak_current, mass, or a metric (s_m, s_t, mass_s_m, …)
+    #[arg(long, default_value = "objective", value_name = "BY")]
+    sort: String,
+    /// How many designs of each joint the table shows
+    #[arg(long, default_value_t = 10, value_name = "N")]
+    top: usize,
+    /// Show infeasible designs too, after the feasible ones
+    #[arg(long)]
+    infeasible: bool,
+    #[command(flatten)]
+    catalog: CatalogChoice,
+    #[command(flatten)]
+    output: Output,
+}
+
+fn order(name: &str) -> Result<Order, Failure> {
+    match name {
+        "objective" => return Ok(Order::Objective),
+        "margin" => return Ok(Order::Margin),
+        _ => {}
+    }
+    // A motor's mass is a metric too; in a sweep the design's mass is meant.
+    if let Some((_, quantity)) = Quantity::NAMES.iter().find(|(n, _)| *n == name) {
+        return Ok(Order::Quantity(*quantity));
+    }
+    METRICS.iter().find(|m| m.name == name).map(Order::Metric).ok_or_else(|| {
+        let names = ["objective", "margin"].into_iter().chain(Quantity::NAMES.iter().map(|(n, _)| *n)).chain(METRICS.iter().map(|m| m.name));
+        super::unknown_order(name, names)
+    })
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let order = order(&arguments.sort)?;
+    let robot = requirement::read(&arguments.requirement)?;
+    let catalog = super::motors(&arguments.catalog.catalog)?;
+    let bar = super::progress(robot.joints.len() * catalog.motors.len(), "sweeping");
+    let sweeps = sweep_with_progress(&robot, &catalog, arguments.ratios as usize, &|| bar.inc(1));
+    bar.finish_and_clear();
+    let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.evaluation.feasible));
+    let text = arguments.output.choose(
+        || report::text(&robot, &sweeps, order, arguments.top, arguments.infeasible),
+        || report::json(&robot, &sweeps, order),
+        || report::csv(&sweeps, order),
+    );
+    Ok(Done { text, satisfied })
+}

@@ -1,0 +1,210 @@
+//! One design, looked at closely: every limit with its margin, and the figures people choose by.
+
+use crate::actuator::limits::{Asked, Candidate, Check, Demand};
+use crate::actuator::shaft::{Flow, sign};
+use crate::actuator::thermal;
+use crate::actuator::waveform::Functional;
+use crate::requirement::{Course, Objective, Quantity};
+
+/// A margin below this is a violation: what rounding leaves of a limit that binds exactly.
+pub const FEASIBILITY_TOLERANCE: f64 = 1e-9;
+
+/// A candidate whose limits were gathered once, to be evaluated at many ratios.
+#[derive(Debug)]
+pub struct Prepared<'a> {
+    /// Motor, gear, joint.
+    pub candidate: Candidate<'a>,
+    /// The limits that apply.
+    pub asked: Vec<Asked>,
+    /// The limits that could not be checked, and why.
+    pub unchecked: Vec<(&'static str, &'static str)>,
+    mean_torque_squared: crate::actuator::Laurent,
+}
+
+/// How a design stands against one limit.
+#[derive(Debug, Clone, Copy)]
+pub struct Margin {
+    /// Name of the limit.
+    pub limit: &'static str,
+    /// Unit of demand and bound.
+    pub unit: &'static str,
+    /// What the motion demands.
+    pub demand: f64,
+    /// What may be had.
+    pub bound: f64,
+    /// `1 − demand/bound`.
+    pub margin: f64,
+    /// The sample of the motion at which the demand is largest.
+    pub sample: Option<usize>,
+    /// Whose limit it is.
+    pub owner: &'static str,
+}
+
+/// A design with all that is known of it. SI.
+#[derive(Debug, Clone)]
+pub struct Evaluation {
+    /// Ratio, N.
+    pub ratio: f64,
+    /// Whether every limit that could be checked is kept.
+    pub feasible: bool,
+    /// Every limit that applies.
+    pub margins: Vec<Margin>,
+    /// Mean copper loss at the reference temperature \[W\].
+    pub loss: f64,
+    /// Largest q-axis current \[A\].
+    pub peak_current: f64,
+    /// Root mean square of the q-axis current \[A\].
+    pub rms_current: f64,
+    /// Inertia at the output \[kg·m²\].
+    pub reflected_inertia: f64,
+    /// Mass of motor and gear \[kg\].
+    pub mass: Option<f64>,
+    /// Mean electrical power at the motor's terminals \[W\].
+    pub mean_power: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// Gathers the limits of a candidate.
+    pub fn new(candidate: Candidate<'a>) -> Prepared<'a> {
+        let (mut asked, mut unchecked) = (Vec::new(), Vec::new());
+        for (limit, check) in candidate.checks() {
+            match check {
+                Check::Asked(limit) => asked.push(limit),
+                Check::Unknown(why) => unchecked.push((limit.name, why)),
+                Check::NotAsked => {}
+            }
+        }
+        if candidate.motor.inductance_and_poles().is_none() {
+            let why = match candidate.motor.inductance {
+                None => "the motor's inductance is not known: voltage is checked without it",
+                Some(_) => "the motor's pole pairs are not known: voltage is checked without inductance",
+            };
+            unchecked.push(("inductance", why));
+        }
+        if candidate.catalog_gear.is_some_and(|g| g.inertia.is_none()) {
+            unchecked.push(("gear_inertia", "the gear's inertia is not known: it is left out"));
+        }
+        let mean_torque_squared = candidate.load.mean_torque_squared(&candidate.actuator);
+        Prepared { candidate, asked, unchecked, mean_torque_squared }
+    }
+
+    /// Mean copper loss as a polynomial in N \[W\].
+    pub fn loss(&self) -> crate::actuator::Laurent {
+        self.mean_torque_squared * self.candidate.actuator.copper()
+    }
+
+    /// Evaluates the design at a ratio.
+    pub fn at(&self, ratio: f64) -> Evaluation {
+        let candidate = &self.candidate;
+        let actuator = &candidate.actuator;
+        let peak = candidate.load.waveform.largest(Functional::TorqueSquared, actuator, ratio);
+        let mut margins = Vec::with_capacity(self.asked.len());
+        let mut feasible = true;
+        for asked in &self.asked {
+            let (raw, sample) = match asked.demand {
+                // Current and torque limits share the search that has been made already.
+                Demand::Samples(Functional::TorqueSquared) => (peak.value, Some(candidate.load.waveform.origin(peak.index))),
+                _ => asked.raw_demand(candidate, ratio),
+            };
+            let demand = asked.natural(raw);
+            let margin = asked.margin(demand);
+            feasible &= margin >= -FEASIBILITY_TOLERANCE;
+            margins.push(Margin {
+                limit: asked.limit.name,
+                unit: asked.limit.unit,
+                demand,
+                bound: asked.bound,
+                margin,
+                sample,
+                owner: asked.owner,
+            });
+        }
+        let mean = self.mean_torque_squared.at(ratio).max(0.0);
+        Evaluation {
+            ratio,
+            feasible,
+            margins,
+            loss: mean * actuator.copper(),
+            peak_current: peak.value.max(0.0).sqrt() / actuator.torque_constant,
+            rms_current: mean.sqrt() / actuator.torque_constant,
+            reflected_inertia: ratio * ratio * actuator.inertia,
+            mass: candidate.mass_at(ratio),
+            mean_power: candidate.load.mean_power(actuator).at(ratio),
+        }
+    }
+
+    /// By how much the worst limit is exceeded at a ratio, relative in the functional; not positive
+    /// where all are kept.
+    pub fn violation(&self, ratio: f64) -> f64 {
+        self.asked.iter().map(|a| violation(a.raw_demand(&self.candidate, ratio).0, a.raw_bound())).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Winding temperature in steady state at a ratio \[K\]: `None` where it cannot be told,
+    /// `Some(None)` where it runs away.
+    pub fn winding_temperature(&self, ratio: f64) -> Option<Option<f64>> {
+        let motor = self.candidate.motor;
+        let r_th = motor.thermal_resistance.filter(|_| self.candidate.load.has_durations)?;
+        let mean = self.mean_torque_squared.at(ratio).max(0.0) / motor.torque_constant.powi(2);
+        Some(thermal::winding_temperature(mean, motor.resistance, motor.reference_temperature, r_th, self.candidate.robot.ambient))
+    }
+
+    /// Longest time that the current needs for its jumps where the motion reverses \[s\]:
+    /// `L |Δi|/(V − R |i|)`. Efficiency and Coulomb friction jump there; voltage rows leave the jump
+    /// out. `None` where the inductance is unknown; infinite where no voltage is left for it.
+    pub fn reversal_time(&self, ratio: f64) -> Option<f64> {
+        let candidate = &self.candidate;
+        let (inductance, _) = candidate.motor.inductance_and_poles()?;
+        let motion = &candidate.joint.motion;
+        if matches!(motion.course, Course::Points(_)) {
+            return Some(0.0);
+        }
+        let actuator = &candidate.actuator;
+        let friction = actuator.torque_form(Flow::Driving)[crate::actuator::shaft::Feature::Sign];
+        let load = |flow| actuator.torque_form(flow)[crate::actuator::shaft::Feature::Load];
+        let step = (load(Flow::Driving) - load(Flow::Braking)).abs();
+        let mut longest = 0.0_f64;
+        for k in 0..motion.len() {
+            let next = (k + 1) % motion.len();
+            if next == 0 && !matches!(motion.course, Course::Periodic(_)) {
+                break;
+            }
+            if sign(motion.velocity[k]) * sign(motion.velocity[next]) >= 0.0 {
+                continue;
+            }
+            let torque = 0.5 * (motion.torque[k] + motion.torque[next]);
+            let jump = (step * torque.abs() / ratio + 2.0 * friction) / actuator.torque_constant;
+            let current = load(Flow::Driving) * torque.abs() / ratio / actuator.torque_constant;
+            let left = candidate.voltage() - actuator.resistance * current;
+            longest = longest.max(if jump == 0.0 { 0.0 } else if left > 0.0 { inductance * jump / left } else { f64::INFINITY });
+        }
+        Some(longest)
+    }
+}
+
+/// Relative excess of a functional over its bound; for a bound of zero or less, the excess itself.
+pub fn violation(raw: f64, bound: f64) -> f64 {
+    if bound > 0.0 { raw / bound - 1.0 } else { raw - bound }
+}
+
+impl Evaluation {
+    /// The objective's value: in its own unit for a single quantity, a pure number for a weighted
+    /// sum. `None` where it needs a mass that is not known.
+    pub fn objective(&self, objective: &Objective) -> Option<f64> {
+        objective.terms.iter().map(|(quantity, weight)| Some(weight * self.quantity(*quantity)?)).sum()
+    }
+
+    /// One quantity.
+    pub fn quantity(&self, quantity: Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::Loss => Some(self.loss),
+            Quantity::ReflectedInertia => Some(self.reflected_inertia),
+            Quantity::PeakCurrent => Some(self.peak_current),
+            Quantity::Mass => self.mass,
+        }
+    }
+
+    /// The limit with the smallest margin.
+    pub fn tightest(&self) -> Option<&Margin> {
+        self.margins.iter().min_by(|a, b| a.margin.total_cmp(&b.margin))
+    }
+}

@@ -1,0 +1,80 @@
+//! From a requirement and a catalogue to a choice.
+//!
+//! The one idea of this room: a motor with a gear becomes a [`Candidate`] whose limits are gathered
+//! once ([`Prepared`]); a [`sweep`] evaluates it at given ratios, the [ratio program](program) finds
+//! the best ratio and proves it, [`optimize`] ranks all motors. All three read the same limits.
+
+pub mod agreement;
+pub mod evaluate;
+pub mod optimize;
+pub mod program;
+pub mod sweep;
+
+pub use crate::actuator::limits::Candidate;
+pub use evaluate::{Evaluation, Margin, Prepared};
+pub use optimize::optimize;
+pub use sweep::sweep;
+
+use crate::actuator::{Actuator, Load};
+use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
+use crate::requirement::{GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
+
+/// Why a motor, or a motor with a gear, is not a candidate at all.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Unusable {
+    /// The rotor inertia is not known: neither metric nor acceleration torque can be computed.
+    RotorInertia,
+    /// No gear of the catalogue that the joint allows fits the motor.
+    NoGearFits,
+    /// The gear's efficiency is not known.
+    GearEfficiency,
+    /// The objective needs a mass that is not known.
+    Mass,
+}
+
+impl Unusable {
+    /// In words.
+    pub fn reason(&self) -> &'static str {
+        match self {
+            Unusable::RotorInertia => "its rotor inertia is not known",
+            Unusable::NoGearFits => "no allowed gear of the catalogue fits it",
+            Unusable::GearEfficiency => "the gear's efficiency is not known",
+            Unusable::Mass => "the objective needs a mass that is not known",
+        }
+    }
+}
+
+/// The gears of the catalogue that a joint allows, in the order of their ids.
+pub fn allowed_gears<'a>(joint: &Joint, catalog: &'a Catalog) -> Vec<&'a Gear> {
+    match &joint.ratio {
+        RatioChoice::Continuous { .. } => Vec::new(),
+        RatioChoice::Catalog(patterns) => {
+            catalog.gears.iter().filter(|g| patterns.iter().any(|p| matches_pattern(p, &g.id))).collect()
+        }
+    }
+}
+
+/// A candidate with a continuous ratio.
+pub fn continuous_candidate<'a>(robot: &'a Robot, joint: &'a Joint, load: &'a Load, motor: &'a Motor) -> Result<Candidate<'a>, Unusable> {
+    let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
+    let actuator = Actuator::new(motor, rotor, &joint.gear);
+    Ok(Candidate { robot, joint, load, motor, catalog_gear: None, gear: joint.gear, actuator })
+}
+
+/// A candidate with a gear of the catalogue.
+pub fn geared_candidate<'a>(robot: &'a Robot, joint: &'a Joint, load: &'a Load, motor: &'a Motor, gear: &'a Gear) -> Result<Candidate<'a>, Unusable> {
+    let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
+    let efficiency = gear.efficiency.ok_or(Unusable::GearEfficiency)?;
+    let model = GearModel {
+        efficiency,
+        backdrive_efficiency: gear.backdrive_efficiency.unwrap_or_else(|| backdrive_efficiency(efficiency)),
+        mass: gear.mass,
+        mass_per_stage: None,
+        inertia: gear.inertia.unwrap_or(0.0),
+        peak_torque: gear.peak_torque,
+        continuous_torque: gear.continuous_torque,
+        max_input_speed: gear.max_input_speed,
+    };
+    let actuator = Actuator::new(motor, rotor, &model);
+    Ok(Candidate { robot, joint, load, motor, catalog_gear: Some(gear), gear: model, actuator })
+}

@@ -1,0 +1,273 @@
+//! All motors of a catalogue for all joints of a robot: the best ratio of each, ranked.
+
+use rayon::prelude::*;
+
+use super::agreement::kendall_tau;
+use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
+use super::{Evaluation, Prepared, Unusable, allowed_gears, continuous_candidate, geared_candidate};
+use crate::actuator::Load;
+use crate::actuator::metrics::METRICS;
+use crate::catalog::{Catalog, Motor};
+use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
+
+/// What was found for a robot.
+#[derive(Debug)]
+pub struct RobotResult<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Each joint, in the order of the requirement.
+    pub joints: Vec<JointResult<'a>>,
+}
+
+/// What was found for a joint.
+#[derive(Debug)]
+pub struct JointResult<'a> {
+    /// The joint.
+    pub joint: &'a Joint,
+    /// Feasible designs, best first: one for each motor.
+    pub candidates: Vec<Design<'a>>,
+    /// Motors that cannot do it, by id, with the reason.
+    pub rejected: Vec<Rejected<'a>>,
+    /// Rank correlation between each metric's ranking and the task's.
+    pub agreement: Vec<Agreement>,
+}
+
+/// A feasible design.
+#[derive(Debug)]
+pub struct Design<'a> {
+    /// The motor.
+    pub motor: &'a Motor,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// The best ratio and its proof.
+    pub optimum: Optimum,
+    /// The design at that ratio.
+    pub evaluation: Evaluation,
+    /// Limits that could not be checked, and why.
+    pub unchecked: Vec<(&'static str, &'static str)>,
+    /// Winding temperature \[K\], where it can be told (`Some(None)`: it runs away).
+    pub winding_temperature: Option<Option<f64>>,
+    /// Time the current needs at a reversal \[s\].
+    pub reversal_time: Option<f64>,
+}
+
+/// A motor that cannot do it.
+#[derive(Debug)]
+pub struct Rejected<'a> {
+    /// The motor.
+    pub motor: &'a Motor,
+    /// The gear that came nearest, where gears are of the catalogue.
+    pub gear: Option<&'a str>,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why a motor was rejected.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reason {
+    /// It is no candidate.
+    Unusable(Unusable),
+    /// No ratio keeps all limits.
+    Infeasible(Infeasible),
+    /// No gear of the catalogue keeps all limits; at the nearest one this is exceeded.
+    Gears {
+        /// The limit, with its sample.
+        bind: Bind,
+        /// Demand over limit.
+        over: f64,
+        /// How many gears were tried.
+        tried: usize,
+    },
+    /// The objective has no lower bound.
+    Unbounded,
+    /// The program could not be solved.
+    NotSolved(String),
+}
+
+/// How well a metric's ranking of the feasible motors agrees with the task's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Agreement {
+    /// The metric.
+    pub metric: &'static str,
+    /// Kendall's τ_b; `None` where there are too few motors.
+    pub tau: Option<f64>,
+    /// Number of motors that have the metric.
+    pub motors: usize,
+}
+
+/// Finds the best ratio of every motor at every joint.
+pub fn optimize<'a>(robot: &'a Robot, catalog: &'a Catalog) -> RobotResult<'a> {
+    optimize_with_progress(robot, catalog, &|| {})
+}
+
+/// As [`optimize`]; `tick` is called once for each motor and joint that is done.
+pub fn optimize_with_progress<'a>(robot: &'a Robot, catalog: &'a Catalog, tick: &(dyn Fn() + Sync)) -> RobotResult<'a> {
+    let loads: Vec<Load> = robot.joints.par_iter().map(|j| Load::new(&j.motion, j.limits.torque_bandwidth)).collect();
+    let pairs: Vec<(usize, &Motor)> = (0..robot.joints.len()).flat_map(|j| catalog.motors.iter().map(move |m| (j, m))).collect();
+    let found: Vec<(usize, Result<Design, Rejected>)> = pairs
+        .par_iter()
+        .map(|(j, motor)| {
+            let found = best_design(robot, &robot.joints[*j], &loads[*j], motor, catalog);
+            tick();
+            (*j, found)
+        })
+        .collect();
+    let mut joints: Vec<JointResult> = robot
+        .joints
+        .iter()
+        .map(|joint| JointResult { joint, candidates: Vec::new(), rejected: Vec::new(), agreement: Vec::new() })
+        .collect();
+    for (j, result) in found {
+        match result {
+            Ok(design) => joints[j].candidates.push(design),
+            Err(rejected) => joints[j].rejected.push(rejected),
+        }
+    }
+    for joint in &mut joints {
+        joint.candidates.sort_by(|a, b| {
+            a.optimum
+                .objective
+                .total_cmp(&b.optimum.objective)
+                .then(a.evaluation.loss.total_cmp(&b.evaluation.loss))
+                .then(a.motor.id.cmp(&b.motor.id))
+        });
+        joint.agreement = agreement(&joint.candidates);
+    }
+    RobotResult { robot, joints }
+}
+
+/// The best design of one motor at one joint.
+pub fn best_design<'a>(robot: &'a Robot, joint: &'a Joint, load: &Load, motor: &'a Motor, catalog: &'a Catalog) -> Result<Design<'a>, Rejected<'a>> {
+    let reject = |gear, reason| Rejected { motor, gear, reason };
+    if joint.objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
+        return Err(reject(None, Reason::Unusable(Unusable::Mass)));
+    }
+    match &joint.ratio {
+        RatioChoice::Continuous { min, max } => {
+            let candidate = continuous_candidate(robot, joint, load, motor).map_err(|u| reject(None, Reason::Unusable(u)))?;
+            let prepared = Prepared::new(candidate);
+            match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
+                Outcome::Optimal(optimum) => Ok(design(&prepared, motor, None, optimum)),
+                Outcome::Infeasible(infeasible) => Err(reject(None, Reason::Infeasible(infeasible))),
+                Outcome::Unbounded => Err(reject(None, Reason::Unbounded)),
+                Outcome::NotSolved(why) => Err(reject(None, Reason::NotSolved(why))),
+            }
+        }
+        RatioChoice::Catalog(_) => best_gear(robot, joint, load, motor, catalog).map_err(|(gear, reason)| reject(gear, reason)),
+    }
+}
+
+fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, optimum: Optimum) -> Design<'a> {
+    let ratio = optimum.ratio;
+    Design {
+        motor,
+        gear,
+        evaluation: prepared.at(ratio),
+        unchecked: prepared.unchecked.clone(),
+        winding_temperature: prepared.winding_temperature(ratio),
+        reversal_time: prepared.reversal_time(ratio),
+        optimum,
+    }
+}
+
+/// The best gear of the catalogue for one motor: all that fit are evaluated, which is the proof.
+fn best_gear<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    load: &Load,
+    motor: &'a Motor,
+    catalog: &'a Catalog,
+) -> Result<Design<'a>, (Option<&'a str>, Reason)> {
+    let mut best: Option<(f64, f64, &'a str, Prepared, Evaluation)> = None;
+    let mut nearest: Option<(f64, &'a str, Bind, f64)> = None;
+    let mut unusable = Unusable::NoGearFits;
+    let mut tried = 0;
+    for gear in allowed_gears(joint, catalog) {
+        if gear.fits(&motor.id) == Some(false) {
+            continue;
+        }
+        let candidate = match geared_candidate(robot, joint, load, motor, gear) {
+            Ok(candidate) => candidate,
+            Err(why) => {
+                unusable = why;
+                continue;
+            }
+        };
+        tried += 1;
+        let prepared = Prepared::new(candidate);
+        let evaluation = prepared.at(gear.ratio);
+        if evaluation.feasible {
+            let Some(objective) = evaluation.objective(&joint.objective) else {
+                unusable = Unusable::Mass;
+                tried -= 1;
+                continue;
+            };
+            if best.as_ref().is_none_or(|(o, l, ..)| (objective, evaluation.loss) < (*o, *l)) {
+                best = Some((objective, evaluation.loss, &gear.id, prepared, evaluation));
+            }
+        } else if let Some(margin) = evaluation.tightest() {
+            if nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m) {
+                let bind = Bind { limit: margin.limit, sample: margin.sample };
+                nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound));
+            }
+        }
+    }
+    if let Some((objective, _, gear, prepared, evaluation)) = best {
+        let ratio = evaluation.ratio;
+        let bind = Bind { limit: "gear", sample: None };
+        let optimum = Optimum {
+            ratio,
+            objective,
+            windows: vec![Window { min: ratio, max: ratio, low: bind.clone(), high: bind }],
+            certificate: Certificate::Certified { lower_bound: objective, gap: 0.0, method: "all gears evaluated" },
+            shadow_prices: Vec::new(),
+        };
+        return Ok(design(&prepared, motor, Some(gear), optimum));
+    }
+    match nearest {
+        Some((_, gear, bind, over)) => Err((Some(gear), Reason::Gears { bind, over, tried })),
+        None => Err((None, Reason::Unusable(if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { unusable }))),
+    }
+}
+
+/// Kendall's τ of each metric against the objective, over the feasible motors.
+fn agreement(candidates: &[Design]) -> Vec<Agreement> {
+    METRICS
+        .iter()
+        .filter(|m| matches!(m.name, "s_m" | "s_t" | "mass_s_m" | "mass_s_t" | "k_m" | "gap_radius" | "k_ts"))
+        .map(|metric| {
+            let sign = if metric.lower_is_better { 1.0 } else { -1.0 };
+            let pairs: Vec<(f64, f64)> =
+                candidates.iter().filter_map(|d| Some((sign * metric.value(d.motor)?, d.optimum.objective))).collect();
+            let (a, b): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
+            Agreement { metric: metric.name, tau: kendall_tau(&a, &b), motors: a.len() }
+        })
+        .collect()
+}
+
+impl RobotResult<'_> {
+    /// Mass of all actuators of the first choices \[kg\]; `None` where one has no choice or no mass.
+    pub fn actuator_mass(&self) -> Option<f64> {
+        self.joints.iter().map(|j| Some(j.candidates.first()?.evaluation.mass? * f64::from(j.joint.count))).sum()
+    }
+
+    /// Number of different motors among the first choices.
+    pub fn distinct_motors(&self) -> usize {
+        let mut ids: Vec<&str> = self.joints.iter().filter_map(|j| j.candidates.first().map(|d| d.motor.id.as_str())).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids.len()
+    }
+
+    /// Whether every joint has a design and the budget is kept by the first choices.
+    pub fn satisfied(&self) -> bool {
+        let budget = &self.robot.budget;
+        let mass_kept = match (budget.actuator_mass, self.actuator_mass()) {
+            (Some(limit), Some(mass)) => mass <= limit,
+            (Some(_), None) => false,
+            (None, _) => true,
+        };
+        let motors_kept = budget.max_distinct_motors.is_none_or(|limit| self.distinct_motors() <= limit as usize);
+        self.joints.iter().all(|j| !j.candidates.is_empty()) && mass_kept && motors_kept
+    }
+}

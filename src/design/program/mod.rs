@@ -1,0 +1,381 @@
+//! The ratio program: the best ratio N of one motor at one joint, proved.
+//!
+//! The one idea of this room: in `u = N²` every limit is a row `c_w/u + c_0 + c_u u + c_t u² ≤ b`
+//! with `c_w, c_t ≥ 0`, hence convex; with `w ≥ 1/u` and `t ≥ u²` the program is conic and exact.
+//! It is solved with few rows, the violated ones are added ([`conic`]); the window of feasible
+//! ratios comes from the rows themselves ([`window`]); the certificate is a Lagrangian bound computed
+//! without the solver ([`certificate`]). Where convexity ends the program is evaluated on a refined
+//! grid and marked as not certified ([`scan`]).
+
+mod certificate;
+mod conic;
+mod scan;
+mod window;
+
+use crate::actuator::Laurent;
+use crate::actuator::limits::{Asked, Class, Demand};
+use crate::actuator::waveform::Functional;
+use crate::requirement::{Objective, Quantity};
+
+use super::evaluate::{Prepared, violation};
+
+/// Rows are met to this relative accuracy in the functional.
+const ROW_TOLERANCE: f64 = 1e-10;
+/// A certificate with a larger relative gap is no proof.
+pub const GAP_TOLERANCE: f64 = 1e-6;
+
+/// What came of a ratio program.
+#[derive(Debug, Clone)]
+pub enum Outcome {
+    /// The best ratio.
+    Optimal(Optimum),
+    /// No ratio keeps all limits; why.
+    Infeasible(Infeasible),
+    /// The objective has no lower bound over the feasible ratios.
+    Unbounded,
+    /// The solver gave no answer that could be verified; why.
+    NotSolved(String),
+}
+
+/// The best ratio and its proof.
+#[derive(Debug, Clone)]
+pub struct Optimum {
+    /// N*.
+    pub ratio: f64,
+    /// The objective there.
+    pub objective: f64,
+    /// Feasible ratios: one interval where the program is convex.
+    pub windows: Vec<Window>,
+    /// The proof, or why there is none.
+    pub certificate: Certificate,
+    /// `∂objective/∂limit` of the limits that bind at N*, in SI.
+    pub shadow_prices: Vec<ShadowPrice>,
+}
+
+impl Optimum {
+    /// The window that N* lies in.
+    pub fn window(&self) -> &Window {
+        let inside = |w: &&Window| w.min <= self.ratio * (1.0 + 1e-9) && self.ratio <= w.max * (1.0 + 1e-9);
+        self.windows.iter().find(inside).unwrap_or(&self.windows[0])
+    }
+}
+
+/// An interval of feasible ratios and what ends it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window {
+    /// Smallest ratio.
+    pub min: f64,
+    /// Largest ratio.
+    pub max: f64,
+    /// What forbids a smaller one.
+    pub low: Bind,
+    /// What forbids a larger one.
+    pub high: Bind,
+}
+
+/// What ends a window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bind {
+    /// Name of the limit; `ratio_min` and `ratio_max` are the requirement's own.
+    pub limit: &'static str,
+    /// The sample at which it binds.
+    pub sample: Option<usize>,
+}
+
+/// How sure the optimum is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Certificate {
+    /// No ratio is better than `lower_bound`; `gap` is relative.
+    Certified {
+        /// Lower bound of the objective.
+        lower_bound: f64,
+        /// `(objective − lower_bound)/|objective|`.
+        gap: f64,
+        /// How the bound was found.
+        method: &'static str,
+    },
+    /// The best that was found; why there is no proof.
+    NotCertified(&'static str),
+}
+
+/// What one more unit of a limit is worth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShadowPrice {
+    /// Name of the limit.
+    pub limit: &'static str,
+    /// Change of the objective per unit of the limit, SI.
+    pub price: f64,
+    /// Per cent of the objective per per cent of the limit.
+    pub elasticity: f64,
+}
+
+/// Why no ratio keeps all limits.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Infeasible {
+    /// One limit is exceeded at every ratio: by how much at its best ratio.
+    Never {
+        /// The limit, with its sample.
+        bind: Bind,
+        /// Least demand over the limit, at the ratio where it is least.
+        least: f64,
+        /// That ratio.
+        ratio: f64,
+    },
+    /// One limit needs at least a ratio, another allows only a smaller one.
+    Contradiction {
+        /// Needs `N ≥ at_least`.
+        low: Bind,
+        /// The smallest ratio it allows.
+        at_least: f64,
+        /// Needs `N ≤ at_most`.
+        high: Bind,
+        /// The largest ratio it allows.
+        at_most: f64,
+    },
+    /// No ratio of the grid keeps all limits; the best one breaks this limit.
+    Nowhere {
+        /// The limit, with its sample.
+        bind: Bind,
+        /// Demand over limit there.
+        least: f64,
+        /// That ratio.
+        ratio: f64,
+    },
+}
+
+/// One row of the program: `polynomial(N) ≤ bound`.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    /// Index into the limits that apply.
+    asked: usize,
+    sample: Option<usize>,
+    /// Coefficients of 1/u, 1, u, u².
+    coefficients: [f64; 4],
+    bound: f64,
+}
+
+impl Row {
+    fn at(&self, u: f64) -> f64 {
+        value(&self.coefficients, u)
+    }
+
+    fn excess(&self, u: f64) -> f64 {
+        violation(self.at(u), self.bound)
+    }
+}
+
+/// `c_w/u + c_0 + c_u u + c_t u²`.
+fn value(c: &[f64; 4], u: f64) -> f64 {
+    c[0] / u + c[1] + u * (c[2] + u * c[3])
+}
+
+/// Its derivative.
+fn slope(c: &[f64; 4], u: f64) -> f64 {
+    -c[0] / (u * u) + c[2] + 2.0 * u * c[3]
+}
+
+/// The program of one candidate over the ratios `[min, max]`.
+#[derive(Debug)]
+pub struct RatioProgram<'a> {
+    prepared: &'a Prepared<'a>,
+    objective: &'a Objective,
+    range: (f64, f64),
+}
+
+/// An end of the range of u with the limit that sets it.
+#[derive(Debug, Clone)]
+struct End {
+    u: f64,
+    bind: Bind,
+    /// `du/d(bound)` of the limit, for its shadow price.
+    du_dbound: f64,
+    bound: f64,
+}
+
+impl<'a> RatioProgram<'a> {
+    /// Sets up the program.
+    pub fn new(prepared: &'a Prepared<'a>, objective: &'a Objective, min: f64, max: f64) -> RatioProgram<'a> {
+        RatioProgram { prepared, objective, range: (min, max) }
+    }
+
+    /// Solves it.
+    pub fn solve(&self) -> Outcome {
+        if let Some(infeasible) = self.fixed_limits() {
+            return Outcome::Infeasible(infeasible);
+        }
+        match self.why_not_convex() {
+            None => self.solve_convex(),
+            Some(why) => scan::solve(self, why),
+        }
+    }
+
+    /// The reason why the program is not the convex one, if there is one.
+    fn why_not_convex(&self) -> Option<&'static str> {
+        if self.prepared.candidate.actuator.has_odd_powers() {
+            return Some("motor Coulomb friction makes the limits non-convex in N²");
+        }
+        if self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex) {
+            return Some("a regeneration limit is reverse-convex");
+        }
+        let weighted = self.objective.sole().is_none();
+        if weighted && self.objective.weight(Quantity::PeakCurrent) > 0.0 {
+            return Some("a weighted sum with the peak current is not convex in N²");
+        }
+        if weighted && self.objective.weight(Quantity::Mass) > 0.0 && self.prepared.candidate.gear.mass_per_stage.is_some() {
+            return Some("a weighted sum with a mass that steps by stages is not convex in N²");
+        }
+        None
+    }
+
+    /// Limits that no ratio changes.
+    fn fixed_limits(&self) -> Option<Infeasible> {
+        for asked in &self.prepared.asked {
+            if asked.limit.class != Class::Fixed {
+                continue;
+            }
+            let (raw, sample) = asked.raw_demand(&self.prepared.candidate, 1.0);
+            if violation(raw, asked.raw_bound()) > ROW_TOLERANCE {
+                let bind = Bind { limit: asked.limit.name, sample };
+                return Some(Infeasible::Never { bind, least: asked.natural(raw) / asked.bound, ratio: self.range.0 });
+            }
+        }
+        None
+    }
+
+    /// The range of u = N² that the requirement and the limits of class `UpperBound` leave.
+    fn ends(&self) -> Result<(End, End), Infeasible> {
+        let (min, max) = self.range;
+        let low = End { u: min * min, bind: Bind { limit: "ratio_min", sample: None }, du_dbound: 2.0 * min, bound: min };
+        let mut high = End { u: max * max, bind: Bind { limit: "ratio_max", sample: None }, du_dbound: 2.0 * max, bound: max };
+        for asked in self.prepared.asked.iter().filter(|a| a.limit.class == Class::UpperBound) {
+            let (ratio, sample) = match asked.demand {
+                Demand::Mass => (self.largest_ratio_by_mass(asked), None),
+                Demand::Polynomial(polynomial, sample) => (largest_ratio_by_monomial(&polynomial, asked.raw_bound()), sample),
+                _ => continue,
+            };
+            if ratio * ratio < high.u {
+                // A monomial c N^p at its bound b: u = (b/c)^(2/p), so du/db = 2 u/(p b).
+                let power = if asked.limit.name == "reflected_inertia" { 2.0 } else { 1.0 };
+                let du_dbound = if asked.demand == Demand::Mass { 0.0 } else { 2.0 * ratio * ratio / (power * asked.bound) };
+                high = End { u: ratio * ratio, bind: Bind { limit: asked.limit.name, sample }, du_dbound, bound: asked.bound };
+            }
+        }
+        if high.u < low.u * (1.0 - ROW_TOLERANCE) {
+            return Err(Infeasible::Contradiction { low: low.bind, at_least: min, high: high.bind, at_most: high.u.sqrt() });
+        }
+        high.u = high.u.max(low.u);
+        Ok((low, high))
+    }
+
+    fn largest_ratio_by_mass(&self, asked: &Asked) -> f64 {
+        let candidate = &self.prepared.candidate;
+        let Some(motor) = candidate.motor.mass else { return f64::INFINITY };
+        match candidate.gear.mass_per_stage {
+            Some((mass, stage_ratio)) if mass > 0.0 => {
+                let stages = ((asked.bound - motor) / mass * (1.0 + 1e-12)).floor();
+                if stages < 0.0 { 0.0 } else { stage_ratio.powf(stages) }
+            }
+            _ if candidate.mass_at(1.0).unwrap_or(0.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,
+            _ => 0.0,
+        }
+    }
+
+    /// The row of a limit that is most violated (or least slack) at a ratio.
+    fn row_at(&self, index: usize, ratio: f64) -> Option<Row> {
+        let asked = &self.prepared.asked[index];
+        let candidate = &self.prepared.candidate;
+        let (polynomial, sample): (Laurent, _) = match asked.demand {
+            Demand::Polynomial(polynomial, sample) => (polynomial, sample),
+            Demand::Samples(functional) | Demand::Bandwidth(functional) => {
+                let bandwidth = matches!(asked.demand, Demand::Bandwidth(_));
+                let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
+                let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
+                (functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin))
+            }
+            Demand::Fixed(..) | Demand::Mass => return None,
+        };
+        debug_assert!(polynomial.is_convex_in_square(), "{} is not convex", asked.limit.name);
+        Some(Row { asked: index, sample, coefficients: polynomial.in_square(), bound: asked.raw_bound() })
+    }
+
+    /// The most violated row over all convex limits at u.
+    fn worst_row(&self, u: f64) -> Option<Row> {
+        let convex = self.prepared.asked.iter().enumerate().filter(|(_, a)| a.limit.class == Class::Convex);
+        let rows = convex.filter_map(|(index, _)| self.row_at(index, u.sqrt()));
+        rows.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
+    }
+
+    /// The objective at a ratio, from the same functions that evaluate a design.
+    fn objective_at(&self, ratio: f64) -> f64 {
+        let candidate = &self.prepared.candidate;
+        let quantity = |quantity| match quantity {
+            Quantity::Loss => Some(self.prepared.loss().at(ratio)),
+            Quantity::ReflectedInertia => Some(ratio * ratio * candidate.actuator.inertia),
+            Quantity::PeakCurrent => {
+                let peak = candidate.load.waveform.largest(Functional::TorqueSquared, &candidate.actuator, ratio);
+                Some(peak.value.max(0.0).sqrt() / candidate.actuator.torque_constant)
+            }
+            Quantity::Mass => candidate.mass_at(ratio),
+        };
+        let sum: Option<f64> = self.objective.terms.iter().map(|(q, weight)| Some(weight * quantity(*q)?)).sum();
+        sum.unwrap_or(f64::NAN)
+    }
+
+    fn bind(&self, row: &Row) -> Bind {
+        Bind { limit: self.prepared.asked[row.asked].limit.name, sample: row.sample }
+    }
+
+    fn solve_convex(&self) -> Outcome {
+        let (low, high) = match self.ends() {
+            Ok(ends) => ends,
+            Err(infeasible) => return Outcome::Infeasible(infeasible),
+        };
+        let (window, rows) = match window::find(self, &low, &high) {
+            Ok(found) => found,
+            Err(infeasible) => return Outcome::Infeasible(infeasible),
+        };
+        match self.objective.sole() {
+            Some(Quantity::Mass) => self.least_mass(&window, rows, &low, &high),
+            _ => conic::solve(self, &window, rows, &low, &high),
+        }
+    }
+
+    /// Mass does not fall with the ratio: least at the smallest ratio, and among the ratios of the
+    /// same mass the one of least loss is taken.
+    fn least_mass(&self, window: &Window, rows: Vec<Row>, low: &End, high: &End) -> Outcome {
+        let candidate = &self.prepared.candidate;
+        let Some(mass) = candidate.mass_at(window.min) else {
+            return Outcome::NotSolved("the mass of motor or gear is not known".into());
+        };
+        let same_mass = candidate.gear.mass_per_stage.map_or(f64::INFINITY, |(_, stage_ratio)| {
+            stage_ratio.powi(crate::requirement::stages(window.min, stage_ratio) as i32).max(1.0)
+        });
+        let mut narrow = window.clone();
+        narrow.max = narrow.max.min(same_mass);
+        let loss = Objective::single(Quantity::Loss);
+        let least_loss = RatioProgram { prepared: self.prepared, objective: &loss, range: self.range };
+        let mut high = high.clone();
+        high.u = high.u.min(narrow.max * narrow.max);
+        match conic::solve(&least_loss, &narrow, rows, low, &high) {
+            Outcome::Optimal(optimum) => Outcome::Optimal(Optimum {
+                objective: mass,
+                windows: vec![window.clone()],
+                certificate: Certificate::Certified { lower_bound: mass, gap: 0.0, method: "mass does not fall with the ratio" },
+                shadow_prices: Vec::new(),
+                ..optimum
+            }),
+            other => other,
+        }
+    }
+}
+
+/// The largest N with `c N^p ≤ bound` for a monomial with p = 1 or 2.
+fn largest_ratio_by_monomial(polynomial: &Laurent, bound: f64) -> f64 {
+    if polynomial[1] > 0.0 {
+        bound / polynomial[1]
+    } else if polynomial[2] > 0.0 {
+        (bound / polynomial[2]).sqrt()
+    } else {
+        f64::INFINITY
+    }
+}

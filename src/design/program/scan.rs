@@ -1,0 +1,158 @@
+//! Where convexity ends: the program evaluated on a refined grid. The best ratio that was found, and
+//! all windows that were seen, marked as not certified.
+
+use super::{Bind, Certificate, Class, Infeasible, Optimum, Outcome, RatioProgram, Window};
+use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
+
+/// Points of the first grid, evenly spaced in ln N.
+const POINTS: usize = 400;
+
+pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
+    let (low, high) = match program.ends() {
+        Ok(ends) => ends,
+        Err(infeasible) => return Outcome::Infeasible(infeasible),
+    };
+    let (min, max) = (low.u.sqrt(), high.u.sqrt());
+    let excess = |n: f64| worst(program, n).0;
+    let grid: Vec<f64> = if max / min - 1.0 < 1e-12 {
+        vec![min]
+    } else {
+        (0..POINTS).map(|i| if i + 1 == POINTS { max } else { min * (max / min).powf(i as f64 / (POINTS - 1) as f64) }).collect()
+    };
+    let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
+    // A window narrower than the grid shows as a valley of the excess: look at its bottom.
+    let mut valleys = Vec::new();
+    for i in 0..points.len() {
+        let left = points[i.saturating_sub(1)];
+        let right = points[(i + 1).min(points.len() - 1)];
+        let here = points[i];
+        if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 && left.0 < right.0 {
+            let bottom = golden(&excess, left.0, right.0);
+            valleys.push((bottom, excess(bottom)));
+        }
+    }
+    points.extend(valleys);
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let feasible = |e: f64| e <= FEASIBILITY_TOLERANCE;
+    let mut windows: Vec<Window> = Vec::new();
+    let mut open: Option<(f64, Bind)> = None;
+    for i in 0..points.len() {
+        let (n, e) = points[i];
+        if feasible(e) && open.is_none() {
+            open = Some(match i {
+                0 => (n, low.bind.clone()),
+                _ => boundary(program, points[i - 1].0, n),
+            });
+        }
+        if !feasible(e) {
+            if let Some((start, bind)) = open.take() {
+                let (end, high) = boundary(program, n, points[i - 1].0);
+                windows.push(Window { min: start, max: end, low: bind, high });
+            }
+        }
+    }
+    if let Some((start, bind)) = open.take() {
+        windows.push(Window { min: start, max, low: bind, high: high.bind.clone() });
+    }
+    let Some(best) = best_of(program, &windows) else {
+        return Outcome::Infeasible(nowhere(program, &points));
+    };
+    Outcome::Optimal(Optimum {
+        ratio: best.0,
+        objective: best.1,
+        windows,
+        certificate: Certificate::NotCertified(why),
+        shadow_prices: Vec::new(),
+    })
+}
+
+/// The limit that is most exceeded at a ratio: its relative excess, and itself.
+fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
+    let mut worst = (f64::NEG_INFINITY, None);
+    for asked in program.prepared.asked.iter().filter(|a| matches!(a.limit.class, Class::Convex | Class::ReverseConvex)) {
+        let (raw, sample) = asked.raw_demand(&program.prepared.candidate, ratio);
+        let excess = violation(raw, asked.raw_bound());
+        if excess > worst.0 {
+            worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
+        }
+    }
+    worst
+}
+
+/// The feasible end of the bracket between an infeasible and a feasible ratio, and what binds there.
+fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
+    let (mut bad, mut good) = (outside, inside);
+    for _ in 0..100 {
+        let middle = 0.5 * (bad + good);
+        if middle == bad || middle == good {
+            break;
+        }
+        if worst(program, middle).0 <= 0.0 { good = middle } else { bad = middle }
+    }
+    let bind = worst(program, bad).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
+    (good, bind)
+}
+
+/// Bottom of a valley between `a` and `b`, by golden section.
+fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut c, mut d) = (b - share * (b - a), a + share * (b - a));
+    let (mut fc, mut fd) = (f(c), f(d));
+    for _ in 0..80 {
+        if fc <= fd {
+            (b, d, fd) = (d, c, fc);
+            c = b - share * (b - a);
+            fc = f(c);
+        } else {
+            (a, c, fc) = (c, d, fd);
+            d = a + share * (b - a);
+            fd = f(d);
+        }
+        if b - a <= 1e-12 * b {
+            break;
+        }
+    }
+    if fc <= fd { c } else { d }
+}
+
+/// The best ratio over all windows: grid, then every valley refined.
+fn best_of(program: &RatioProgram, windows: &[Window]) -> Option<(f64, f64)> {
+    let value = |n: f64| program.objective_at(n);
+    let mut best: Option<(f64, f64)> = None;
+    let mut offer = |n: f64, f: f64| {
+        if best.is_none_or(|(_, b)| f < b) {
+            best = Some((n, f));
+        }
+    };
+    for window in windows {
+        let points = if window.max > window.min { POINTS } else { 1 };
+        let at = |i: usize| {
+            if i == 0 {
+                window.min
+            } else if i + 1 == points {
+                window.max
+            } else {
+                window.min * (window.max / window.min).powf(i as f64 / (points - 1) as f64)
+            }
+        };
+        let values: Vec<f64> = (0..points).map(|i| value(at(i))).collect();
+        for i in 0..points {
+            offer(at(i), values[i]);
+            let (left, right) = (i.saturating_sub(1), (i + 1).min(points - 1));
+            if left < right && values[i] <= values[left] && values[i] <= values[right] {
+                let n = golden(&value, at(left), at(right));
+                offer(n, value(n));
+            }
+        }
+    }
+    best.filter(|(_, f)| f.is_finite())
+}
+
+fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
+    let least = points.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied().unwrap_or((program.range.0, f64::INFINITY));
+    let (_, bind) = worst(program, least.0);
+    let bind = bind.unwrap_or(Bind { limit: "ratio_min", sample: None });
+    let asked = program.prepared.asked.iter().find(|a| a.limit.name == bind.limit);
+    let over = asked.map_or(f64::INFINITY, |a| a.natural(a.raw_demand(&program.prepared.candidate, least.0).0) / a.bound);
+    Infeasible::Nowhere { bind, least: over, ratio: least.0 }
+}

@@ -1,0 +1,75 @@
+//! What an audit found.
+
+use serde_json::{Value, json};
+
+use super::table::wrap;
+use crate::catalog::Catalog;
+use crate::catalog::audit::{CHECKS, Finding, Severity};
+
+/// Findings that break the audit: errors that no note accepts.
+pub fn broken(findings: &[Finding]) -> usize {
+    findings.iter().filter(|f| f.severity == Severity::Error && !f.accepted).count()
+}
+
+fn word(finding: &Finding) -> &'static str {
+    match (finding.severity, finding.accepted) {
+        (Severity::Error, false) => "error",
+        (Severity::Error, true) => "accepted",
+        (Severity::Note, _) => "note",
+    }
+}
+
+/// For people.
+pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
+    let mut out = String::new();
+    let mut last = "";
+    for finding in findings {
+        if finding.id != last {
+            out.push_str(&format!("{}\n", finding.id));
+            last = &finding.id;
+        }
+        out.push_str(&format!("  {}\n", wrap(&format!("{} [{}] {}", word(finding), finding.code, finding.message), 6)));
+        if let Some(why) = &finding.explanation {
+            out.push_str(&format!("      {}\n", wrap(&format!("→ {why}"), 8)));
+        }
+        if finding.accepted {
+            let note = catalog.motors.iter().find(|m| m.id == finding.id).map_or("", |m| m.note.as_str());
+            out.push_str(&format!("      {}\n", wrap(&format!("note of the row: {note}"), 8)));
+        }
+    }
+    if !findings.is_empty() {
+        out.push('\n');
+    }
+    let accepted = findings.iter().filter(|f| f.accepted && f.severity == Severity::Error).count();
+    let notes = findings.iter().filter(|f| f.severity == Severity::Note).count();
+    out.push_str(&format!(
+        "{} motors and {} gears, {} checks: {} errors, {accepted} explained by the row's note, {notes} notes\n",
+        catalog.motors.len(),
+        catalog.gears.len(),
+        CHECKS.len(),
+        broken(findings),
+    ));
+    out
+}
+
+/// For programs.
+pub fn json(catalog: &Catalog, findings: &[Finding]) -> Value {
+    json!({
+        "motors": catalog.motors.len(),
+        "gears": catalog.gears.len(),
+        "errors": broken(findings),
+        "findings": findings.iter().map(|f| json!({
+            "id": f.id, "code": f.code, "severity": word(f), "message": f.message, "explanation": f.explanation,
+        })).collect::<Vec<_>>(),
+    })
+}
+
+/// As rows.
+pub fn csv(findings: &[Finding]) -> String {
+    super::csv_text(
+        &["id", "code", "severity", "message", "explanation"],
+        findings.iter().map(|f| {
+            vec![f.id.clone(), f.code.into(), word(f).into(), f.message.clone(), f.explanation.clone().unwrap_or_default()]
+        }),
+    )
+}

@@ -1,0 +1,170 @@
+//! Two motors side by side: the case study of Urs et al. for any pair.
+
+use serde_json::{Map, Value, json};
+
+use super::rank::with_tolerance;
+use super::table::{table, wrap};
+use super::{number, optional};
+use crate::actuator::metrics::{METRICS, MatchedInertia, at_matched_inertia, metric};
+use crate::actuator::step_response::{StepResponse, simulate};
+use crate::catalog::Motor;
+use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::units::in_unit;
+
+/// Two motors, made ready for comparison.
+#[derive(Debug)]
+pub struct Comparison<'a> {
+    /// The motors.
+    pub motors: [&'a Motor; 2],
+    /// Actuator inertia that both are matched to \[kg·m²\].
+    pub inertia: f64,
+    matched: [Option<MatchedInertia>; 2],
+    without_inductance: [Option<StepResponse>; 2],
+    with_inductance: [Option<StepResponse>; 2],
+}
+
+impl<'a> Comparison<'a> {
+    /// Compares at an actuator inertia; without one, at the larger rotor inertia of the two.
+    pub fn new(a: &'a Motor, b: &'a Motor, inertia: Option<f64>) -> Comparison<'a> {
+        let larger = a.rotor_inertia.unwrap_or(0.0).max(b.rotor_inertia.unwrap_or(0.0));
+        let inertia = inertia.unwrap_or(larger);
+        let motors = [a, b];
+        Comparison {
+            motors,
+            inertia,
+            matched: motors.map(|m| at_matched_inertia(m, inertia).filter(|_| inertia > 0.0)),
+            without_inductance: motors.map(|m| simulate(m, 0.0)),
+            with_inductance: motors.map(|m| simulate(m, m.inductance?)),
+        }
+    }
+}
+
+/// How much better the first is, as a factor; `None` where one value is missing.
+fn advantage(a: Option<f64>, b: Option<f64>, lower_is_better: bool) -> String {
+    match (a, b) {
+        (Some(a), Some(b)) if a > 0.0 && b > 0.0 => format!("{}×", number(if lower_is_better { b / a } else { a / b })),
+        _ => "–".into(),
+    }
+}
+
+fn row(what: &str, values: [Option<f64>; 2], unit: &str, lower_is_better: Option<bool>) -> Vec<String> {
+    let shown = values.map(|v| optional(v.map(|v| in_unit(v, unit))));
+    let better = lower_is_better.map_or_else(String::new, |lower| advantage(values[0], values[1], lower));
+    let [a, b] = shown;
+    vec![format!("{what} [{unit}]"), a, b, better]
+}
+
+/// For people.
+pub fn text(comparison: &Comparison) -> String {
+    let [a, b] = comparison.motors;
+    let pair = |f: fn(&Motor) -> Option<f64>| comparison.motors.map(f);
+    let header = ["", &format!(">{}", a.id), &format!(">{}", b.id), ">first is better by"];
+    let mut out = String::from("As the program computes with them: power-invariant q axis\n\n");
+    let rows = vec![
+        row("resistance R", pair(|m| Some(m.resistance)), "ohm", None),
+        row("inductance L", pair(|m| m.inductance), "mH", None),
+        row("torque constant K_T", pair(|m| Some(m.torque_constant)), "N*m/A", None),
+        row("back-EMF constant K_B", pair(|m| Some(m.back_emf_constant)), "V*s/rad", None),
+        row("rotor inertia J_m", pair(|m| m.rotor_inertia), "g*cm^2", None),
+        row("mass m", pair(|m| m.mass), "g", None),
+    ];
+    out.push_str(&table(&header, &rows));
+    out.push_str("\nMetrics that no ratio changes\n\n");
+    let rows: Vec<Vec<String>> = METRICS
+        .iter()
+        .filter(|m| !matches!(m.name, "rotor_inertia" | "mass" | "k_t"))
+        .map(|m| {
+            let estimates = comparison.motors.map(|motor| m.of(motor));
+            let values = estimates.map(|e| e.map(|e| e.value));
+            vec![
+                format!("{} [{}]", m.symbol, m.unit),
+                with_tolerance(m, estimates[0]),
+                with_tolerance(m, estimates[1]),
+                advantage(values[0], values[1], m.lower_is_better),
+            ]
+        })
+        .collect();
+    out.push_str(&table(&header, &rows));
+    if let Some(s_m) = metric("s_m") {
+        let estimates = (s_m.of(a), s_m.of(b));
+        if let (Some(x), Some(y)) = estimates {
+            let faster = if x.value <= y.value { (a, b, y.value / x.value) } else { (b, a, x.value / y.value) };
+            let sure = s_m.probability_ahead(&x, &y).map_or_else(
+                || "a ± is missing, so how sure that is cannot be said".to_string(),
+                |p| format!("sure to {:.0} %", 100.0 * p.max(1.0 - p)),
+            );
+            out.push_str(&format!("\n{}\n", wrap(&format!("{} is {} times as responsive as {} (ratio of S_M; {sure}).", faster.0.id, number(faster.2), faster.1.id), 0)));
+        }
+    }
+    out.push_str(&format!("\nAt matched actuator inertia J_a = {} g*cm^2 (massless gears without loss)\n\n", number(comparison.inertia * 1e7)));
+    let matched = |f: fn(&MatchedInertia) -> f64| comparison.matched.map(|m| m.as_ref().map(f));
+    let rows = vec![
+        row("ratio N", matched(|m| m.ratio), "1", None),
+        row("actuator torque constant K_Ta", matched(|m| m.torque_constant), "N*m/A", Some(false)),
+        row("actuator motor constant K_Ma", matched(|m| m.motor_constant), "N*m/W^0.5", Some(false)),
+    ];
+    out.push_str(&table(&header, &rows));
+    out.push_str("\nSpeed response to a voltage step of the free motor, simulated\n\n");
+    let time = |r: &[Option<StepResponse>; 2]| r.map(|r| r.map(|r| r.rise_time));
+    let overshoot = comparison.with_inductance.map(|r| r.map(|r| r.overshoot));
+    let rows = vec![
+        row("63 % without inductance", time(&comparison.without_inductance), "ms", Some(true)),
+        row("63 % with inductance", time(&comparison.with_inductance), "ms", Some(true)),
+        row("overshoot with inductance", overshoot, "%", None),
+    ];
+    out.push_str(&table(&header, &rows));
+    out.push_str("\nWhere the numbers come from, and what is doubtful about them\n\n");
+    for motor in comparison.motors {
+        out.push_str(&format!("{}: {}; {}\n", motor.id, conventions_line(motor), motor.source));
+        if !motor.note.is_empty() {
+            out.push_str(&format!("  {}\n", wrap(&motor.note, 2)));
+        }
+        for assumption in &motor.assumptions {
+            out.push_str(&format!("  assumed: {assumption}\n"));
+        }
+        for finding in audit_motor(motor) {
+            let why = finding.explanation.map_or_else(String::new, |w| format!(" ({w})"));
+            out.push_str(&format!("  {}\n", wrap(&format!("audit [{}]: {}{why}", finding.code, finding.message), 4)));
+        }
+    }
+    out
+}
+
+/// For programs.
+pub fn json(comparison: &Comparison) -> Value {
+    let motor = |i: usize| {
+        let m = comparison.motors[i];
+        let mut metrics = Map::new();
+        for metric in METRICS {
+            metrics.insert(format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(m)));
+        }
+        let step = |r: Option<StepResponse>| r.map(|r| json!({ "rise_time_s": r.rise_time, "overshoot": r.overshoot }));
+        json!({
+            "motor": m.id,
+            "resistance_ohm": m.resistance,
+            "inductance_h": m.inductance,
+            "torque_constant_nm_per_a": m.torque_constant,
+            "back_emf_constant_vs_per_rad": m.back_emf_constant,
+            "rotor_inertia_kgm2": m.rotor_inertia,
+            "mass_kg": m.mass,
+            "metrics": metrics,
+            "matched": comparison.matched[i].map(|x| json!({
+                "ratio": x.ratio,
+                "actuator_torque_constant_nm_per_a": x.torque_constant,
+                "actuator_motor_constant_nm_per_sqrt_w": x.motor_constant,
+            })),
+            "step_without_inductance": step(comparison.without_inductance[i]),
+            "step_with_inductance": step(comparison.with_inductance[i]),
+            "source": m.source,
+            "note": m.note,
+            "assumptions": m.assumptions,
+            "audit": audit_motor(m).iter().map(|f| json!({ "code": f.code, "message": f.message, "explanation": f.explanation })).collect::<Vec<_>>(),
+        })
+    };
+    let s_m = metric("s_m").map(|s| comparison.motors.map(|m| s.value(m)));
+    let ratio = match s_m {
+        Some([Some(a), Some(b)]) => Some(b / a),
+        _ => None,
+    };
+    json!({ "matched_inertia_kgm2": comparison.inertia, "responsiveness_ratio": ratio, "motors": [motor(0), motor(1)] })
+}

@@ -1,0 +1,402 @@
+//! The choice for each joint, and why not the others.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value, json};
+
+use super::table::{table, wrap};
+use super::{csv_number, number, optional};
+use crate::actuator::metrics::METRICS;
+use crate::design::evaluate::Margin;
+use crate::design::optimize::{Design, JointResult, Reason, Rejected, RobotResult};
+use crate::design::program::{Bind, Certificate, Infeasible};
+use crate::requirement::{Course, Joint, RatioChoice};
+
+/// What is shown to people.
+#[derive(Debug, Clone, Copy)]
+pub struct Shown {
+    /// How many candidates of each joint.
+    pub top: usize,
+    /// Whether every rejected motor gets its line.
+    pub rejected: bool,
+}
+
+/// A limit with the instant at which it binds.
+fn bind_text(bind: &Bind, joint: &Joint) -> String {
+    match bind.sample {
+        Some(k) => format!("{} ({})", bind.limit, joint.motion.name_sample(k)),
+        None => bind.limit.to_string(),
+    }
+}
+
+/// Why a motor was rejected: a short class for counting, and the sentence.
+pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
+    let times = |x: f64| if x.is_finite() { format!("{} times", number(x)) } else { "without end,".into() };
+    match reason {
+        Reason::Unusable(unusable) => (unusable.reason().into(), unusable.reason().into()),
+        Reason::Infeasible(Infeasible::Never { bind, least, ratio }) => (
+            format!("{} is exceeded at every ratio", bind.limit),
+            format!("{} is exceeded at every ratio: at best {} the limit, at N = {}", bind_text(bind, joint), times(*least), number(*ratio)),
+        ),
+        Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) => (
+            format!("{} needs a larger ratio than {} allows", low.limit, high.limit),
+            format!(
+                "{} needs N ≥ {}, {} allows N ≤ {}",
+                bind_text(low, joint),
+                number(*at_least),
+                bind_text(high, joint),
+                number(*at_most)
+            ),
+        ),
+        Reason::Infeasible(Infeasible::Nowhere { bind, least, ratio }) => (
+            format!("{} is exceeded even at the best ratio", bind.limit),
+            format!("{} is {} the limit even at the best ratio, N = {} (grid)", bind_text(bind, joint), times(*least), number(*ratio)),
+        ),
+        Reason::Gears { bind, over, tried } => (
+            format!("{} with every gear", bind.limit),
+            format!("none of {tried} gears will do; with the nearest, {} is {} the limit", bind_text(bind, joint), times(*over)),
+        ),
+        Reason::Unbounded => ("the objective has no lower bound".into(), "the objective has no lower bound".into()),
+        Reason::NotSolved(why) => ("not solved".into(), format!("not solved: {why}")),
+    }
+}
+
+fn proof(certificate: &Certificate) -> String {
+    match certificate {
+        Certificate::Certified { gap, .. } if *gap < 1e-12 => "exact".into(),
+        Certificate::Certified { gap, .. } => format!("gap {gap:.0e}"),
+        Certificate::NotCertified(_) => "not certified".into(),
+    }
+}
+
+/// For people.
+pub fn text(result: &RobotResult, shown: Shown) -> String {
+    let robot = result.robot;
+    let motors = result.joints.first().map_or(0, |j| j.candidates.len() + j.rejected.len());
+    let mut out = format!("{}: {} joints, {motors} motors, bus {} V\n", robot.name, robot.joints.len(), number(robot.bus.voltage));
+    for joint in &result.joints {
+        out.push('\n');
+        out.push_str(&joint_text(joint, shown));
+    }
+    out.push('\n');
+    out.push_str(&summary(result));
+    out
+}
+
+fn joint_text(result: &JointResult, shown: Shown) -> String {
+    let joint = result.joint;
+    let ratio = match &joint.ratio {
+        RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
+        RatioChoice::Catalog(patterns) => format!("gears {}", patterns.join(", ")),
+    };
+    let mut out = format!(
+        "{} (×{}), {ratio}, least {}: {} motors can do it, {} cannot\n",
+        joint.name,
+        joint.count,
+        joint.objective.name(),
+        result.candidates.len(),
+        result.rejected.len()
+    );
+    if joint.motion.course == Course::Points(None) {
+        out.push_str("  The operating points have no durations: they weigh alike, and heat is not checked.\n");
+    }
+    if !result.candidates.is_empty() {
+        out.push('\n');
+        out.push_str(&candidates_table(result, shown.top));
+        out.push_str(&footnotes(result, shown.top));
+    }
+    out.push_str(&rejected_text(result, shown));
+    if result.candidates.len() >= 3 {
+        let metrics = result.agreement.iter().filter_map(|a| {
+            let symbol = METRICS.iter().find(|m| m.name == a.metric)?.symbol;
+            Some(format!("{symbol} {}", a.tau.map_or_else(|| "?".into(), |t| format!("{t:+.2}"))))
+        });
+        let list = metrics.collect::<Vec<_>>().join(", ");
+        out.push_str(&format!("  {}\n", wrap(&format!("Order by metric against order by this task (Kendall's τ, 1 is the same order): {list}"), 4)));
+    }
+    out
+}
+
+fn candidates_table(result: &JointResult, top: usize) -> String {
+    let joint = result.joint;
+    let weighted = joint.objective.sole().is_none();
+    let geared = matches!(joint.ratio, RatioChoice::Catalog(_));
+    let mut header = vec![">#", "motor"];
+    header.extend(if geared { vec!["gear", ">N"] } else { vec![">N*", "feasible\nN", "bound by"] });
+    if weighted {
+        header.push(">objective");
+    }
+    header.extend([">loss\n[W]", ">I peak\n[A]", ">J\n[kg*m^2]", ">mass\n[kg]", ">S_M\n[ms]", "tightest\nmargin", "proof"]);
+    let rows: Vec<Vec<String>> = result
+        .candidates
+        .iter()
+        .take(top)
+        .enumerate()
+        .map(|(place, design)| {
+            let e = &design.evaluation;
+            let mut row = vec![(place + 1).to_string(), design.motor.id.clone()];
+            if geared {
+                row.extend([design.gear.unwrap_or("").to_string(), number(e.ratio)]);
+            } else {
+                let window = design.optimum.window();
+                let more = design.optimum.windows.len() - 1;
+                let more = if more > 0 { format!(" (+{more})") } else { String::new() };
+                row.extend([
+                    number(e.ratio),
+                    format!("{} – {}{more}", number(window.min), number(window.max)),
+                    format!("{}, {}", window.low.limit, window.high.limit),
+                ]);
+            }
+            if weighted {
+                row.push(number(design.optimum.objective));
+            }
+            let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
+            let tightest = e.tightest().map_or_else(|| "nothing checked".into(), margin_text);
+            row.extend([
+                number(e.loss),
+                number(e.peak_current),
+                number(e.reflected_inertia),
+                optional(e.mass),
+                optional(s_m),
+                tightest,
+                proof(&design.optimum.certificate),
+            ]);
+            row
+        })
+        .collect();
+    let mut out = indent(&table(&header, &rows));
+    let hidden = result.candidates.len().saturating_sub(top);
+    if hidden > 0 {
+        out.push_str(&format!("  … and {hidden} more; `--top {}` shows all\n", result.candidates.len()));
+    }
+    out
+}
+
+fn margin_text(margin: &Margin) -> String {
+    format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
+}
+
+fn indent(text: &str) -> String {
+    text.lines().map(|l| format!("  {l}\n")).collect()
+}
+
+/// What could not be checked or certified for the candidates shown.
+fn footnotes(result: &JointResult, top: usize) -> String {
+    let mut notes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut add = |note: String, place: usize| notes.entry(note).or_default().push(format!("#{}", place + 1));
+    for (place, design) in result.candidates.iter().take(top).enumerate() {
+        for (limit, why) in &design.unchecked {
+            add(format!("not checked: {limit}, because {why}"), place);
+        }
+        if let Certificate::NotCertified(why) = design.optimum.certificate {
+            add(format!("not certified: {why}; the best of a refined grid"), place);
+        }
+        if design.winding_temperature == Some(None) {
+            add("thermal runaway: the copper's resistance rises faster than heat flows off".into(), place);
+        }
+        if design.reversal_time.is_some_and(|t| t.is_infinite()) {
+            add("no voltage is left to turn the current round where the motion reverses".into(), place);
+        }
+    }
+    let lines = notes.into_iter().map(|(note, places)| format!("  {}\n", wrap(&format!("{}: {note}", places.join(" ")), 4)));
+    lines.collect()
+}
+
+fn rejected_text(result: &JointResult, shown: Shown) -> String {
+    if result.rejected.is_empty() {
+        return String::new();
+    }
+    let mut out = String::new();
+    if shown.rejected {
+        out.push_str("\n  Rejected:\n");
+        for Rejected { motor, reason, .. } in &result.rejected {
+            out.push_str(&format!("    {}\n", wrap(&format!("{}: {}", motor.id, reason_text(reason, result.joint).1), 6)));
+        }
+        return out;
+    }
+    let mut classes: BTreeMap<String, Vec<&Rejected>> = BTreeMap::new();
+    for rejected in &result.rejected {
+        classes.entry(reason_text(&rejected.reason, result.joint).0).or_default().push(rejected);
+    }
+    let mut classes: Vec<_> = classes.into_iter().collect();
+    classes.sort_by(|a, b| b.1.len().cmp(&a.1.len()).then(a.0.cmp(&b.0)));
+    out.push_str("\n  Why not the others (`--rejected` lists each):\n");
+    for (class, members) in classes {
+        let ids: Vec<&str> = members.iter().take(3).map(|r| r.motor.id.as_str()).collect();
+        let more = if members.len() > 3 { ", …" } else { "" };
+        out.push_str(&format!("    {}\n", wrap(&format!("{:>3} × {class}: {}{more}", members.len(), ids.join(", ")), 10)));
+    }
+    out
+}
+
+fn summary(result: &RobotResult) -> String {
+    let robot = result.robot;
+    let mut out = String::from("First choices:");
+    for joint in &result.joints {
+        let choice = joint.candidates.first().map_or_else(
+            || "none".to_string(),
+            |d| format!("{} at N = {}", d.motor.id, number(d.evaluation.ratio)),
+        );
+        out.push_str(&format!("\n  {} ×{}: {choice}", joint.joint.name, joint.joint.count));
+    }
+    out.push('\n');
+    match (result.actuator_mass(), robot.budget.actuator_mass) {
+        (Some(mass), Some(limit)) => {
+            let verdict = if mass <= limit { "within" } else { "OVER" };
+            out.push_str(&format!("  actuator mass {} kg, {verdict} the budget of {} kg\n", number(mass), number(limit)));
+        }
+        (Some(mass), None) => out.push_str(&format!("  actuator mass {} kg, {} different motors\n", number(mass), result.distinct_motors())),
+        (None, Some(_)) => out.push_str("  the actuator mass budget cannot be checked: a mass is not known\n"),
+        (None, None) => {}
+    }
+    if let Some(limit) = robot.budget.max_distinct_motors {
+        let verdict = if result.distinct_motors() <= limit as usize { "within" } else { "OVER" };
+        out.push_str(&format!("  {} different motors, {verdict} the budget of {limit} (each joint chosen by itself)\n", result.distinct_motors()));
+    }
+    let without: Vec<&str> = result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
+    if !without.is_empty() {
+        out.push_str(&format!("  NO motor of the catalogue can do: {}\n", without.join(", ")));
+    }
+    out
+}
+
+/// Margins as an object, `{limit: margin}`, and each limit in full.
+pub fn margins_json(margins: &[Margin], joint: &Joint) -> (Value, Value) {
+    let mut short = Map::new();
+    for margin in margins {
+        short.insert(margin.limit.into(), json!(margin.margin));
+    }
+    let full = margins.iter().map(|m| {
+        json!({
+            "limit": m.limit, "demand": m.demand, "bound": m.bound, "unit": m.unit, "margin": m.margin, "of": m.owner,
+            "sample": m.sample, "at": m.sample.map(|k| joint.motion.name_sample(k)),
+        })
+    });
+    (Value::Object(short), Value::Array(full.collect()))
+}
+
+fn bind_json(bind: &Bind, joint: &Joint) -> Value {
+    json!({ "limit": bind.limit, "sample": bind.sample, "at": bind.sample.map(|k| joint.motion.name_sample(k)) })
+}
+
+fn design_json(design: &Design, joint: &Joint) -> Value {
+    let optimum = &design.optimum;
+    let e = &design.evaluation;
+    let window = optimum.window();
+    let (margins, limits) = margins_json(&e.margins, joint);
+    let mut prices = Map::new();
+    let mut sensitivity = Map::new();
+    for price in &optimum.shadow_prices {
+        prices.insert(price.limit.into(), json!(price.price));
+        sensitivity.insert(price.limit.into(), json!(price.elasticity));
+    }
+    let certificate = match &optimum.certificate {
+        Certificate::Certified { lower_bound, gap, method } => {
+            json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method })
+        }
+        Certificate::NotCertified(why) => json!({ "certified": false, "lower_bound": null, "gap": null, "because": why }),
+    };
+    let mut metrics = Map::new();
+    for metric in METRICS {
+        metrics.insert(format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(design.motor)));
+    }
+    let mut object = Map::new();
+    let mut put = |key: &str, value: Value| object.insert(key.into(), value);
+    put("motor", json!(design.motor.id));
+    put("gear", json!(design.gear));
+    put("ratio", json!(e.ratio));
+    put("window", json!([window.min, window.max]));
+    put("binds", json!({ "low": window.low.limit, "high": window.high.limit }));
+    put("binds_at", json!({ "low": bind_json(&window.low, joint), "high": bind_json(&window.high, joint) }));
+    put(
+        "windows",
+        optimum.windows.iter().map(|w| json!({ "min": w.min, "max": w.max, "low": w.low.limit, "high": w.high.limit })).collect(),
+    );
+    put("objective", json!(optimum.objective));
+    put("objective_unit", json!(joint.objective.unit()));
+    put("loss_w", json!(e.loss));
+    put("mean_electrical_power_w", json!(e.mean_power));
+    put("peak_current_a", json!(e.peak_current));
+    put("rms_current_a", json!(e.rms_current));
+    put("reflected_inertia_kgm2", json!(e.reflected_inertia));
+    put("mass_kg", json!(e.mass));
+    put("winding_temperature_k", json!(design.winding_temperature.flatten()));
+    put("thermal_runaway", json!(design.winding_temperature == Some(None)));
+    put("reversal_time_s", json!(design.reversal_time.filter(|t| t.is_finite())));
+    put("margins", margins);
+    put("limits", limits);
+    put("not_checked", design.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
+    put("shadow_prices", Value::Object(prices));
+    put("sensitivity", Value::Object(sensitivity));
+    put("certificate", certificate);
+    put("metrics", Value::Object(metrics));
+    Value::Object(object)
+}
+
+/// For programs.
+pub fn json(result: &RobotResult) -> Value {
+    let joints = result.joints.iter().map(|j| {
+        json!({
+            "joint": j.joint.name,
+            "count": j.joint.count,
+            "objective": j.joint.objective.name(),
+            "derived_by_spline": j.joint.motion.derived,
+            "candidates": j.candidates.iter().map(|d| design_json(d, j.joint)).collect::<Vec<_>>(),
+            "rejected": j.rejected.iter().map(|r| {
+                let (class, sentence) = reason_text(&r.reason, j.joint);
+                json!({ "motor": r.motor.id, "gear": r.gear, "because": sentence, "class": class })
+            }).collect::<Vec<_>>(),
+            "metric_agreement": j.agreement.iter().map(|a| json!({ "metric": a.metric, "kendall_tau": a.tau, "motors": a.motors })).collect::<Vec<_>>(),
+        })
+    });
+    json!({
+        "robot": {
+            "name": result.robot.name,
+            "satisfied": result.satisfied(),
+            "actuator_mass_kg": result.actuator_mass(),
+            "distinct_motors": result.distinct_motors(),
+        },
+        "joints": joints.collect::<Vec<_>>(),
+    })
+}
+
+/// As rows: every motor at every joint, feasible or not.
+pub fn csv(result: &RobotResult) -> String {
+    let header = [
+        "joint", "rank", "motor", "gear", "ratio", "ratio_min", "ratio_max", "bound_low", "bound_high", "objective", "loss_w",
+        "peak_current_a", "reflected_inertia_kgm2", "mass_kg", "tightest_limit", "tightest_margin", "gap", "s_m_s", "s_t_kgm2a2_per_nm2",
+        "mass_s_m_kgs", "mass_s_t_kg2m2a2_per_nm2", "rejected_because",
+    ];
+    let rows = result.joints.iter().flat_map(|j| {
+        let feasible = j.candidates.iter().enumerate().map(|(place, d)| {
+            let e = &d.evaluation;
+            let window = d.optimum.window();
+            let tightest = e.tightest();
+            let mut row = vec![j.joint.name.clone(), (place + 1).to_string(), d.motor.id.clone(), d.gear.unwrap_or("").into()];
+            row.extend([e.ratio, window.min, window.max].map(|x| csv_number(Some(x))));
+            row.extend([window.low.limit.to_string(), window.high.limit.to_string()]);
+            row.extend([Some(d.optimum.objective), Some(e.loss), Some(e.peak_current), Some(e.reflected_inertia), e.mass].map(csv_number));
+            row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
+            row.push(match d.optimum.certificate {
+                Certificate::Certified { gap, .. } => csv_number(Some(gap)),
+                Certificate::NotCertified(_) => String::new(),
+            });
+            row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
+            row.push(String::new());
+            row
+        });
+        let rejected = j.rejected.iter().map(|r| {
+            let mut row = vec![String::new(); header.len()];
+            row[0] = j.joint.name.clone();
+            row[2] = r.motor.id.clone();
+            row[3] = r.gear.unwrap_or("").into();
+            for (i, metric) in METRICS.iter().take(4).enumerate() {
+                row[17 + i] = csv_number(metric.value(r.motor));
+            }
+            row[header.len() - 1] = reason_text(&r.reason, j.joint).1;
+            row
+        });
+        feasible.chain(rejected).collect::<Vec<_>>()
+    });
+    super::csv_text(&header, rows)
+}

@@ -1,0 +1,150 @@
+//! Motors ranked by a metric.
+
+use serde_json::{Map, Value, json};
+
+use super::{csv_number, number};
+use crate::actuator::metrics::{Estimate, METRICS, Metric};
+use crate::catalog::Motor;
+use crate::units::in_unit;
+
+/// Motors in the order of a metric, best first; those that lack it apart.
+#[derive(Debug)]
+pub struct Ranking<'a> {
+    /// The metric that orders.
+    pub metric: &'static Metric,
+    /// The ranked motors with the metric's value.
+    pub ranked: Vec<(&'a Motor, Estimate)>,
+    /// Motors whose value is not known.
+    pub unranked: Vec<&'a Motor>,
+    /// Tolerance assumed where a row has none, relative.
+    pub default_tolerance: Option<f64>,
+}
+
+impl<'a> Ranking<'a> {
+    /// Ranks.
+    pub fn new(motors: &'a [Motor], metric: &'static Metric, default_tolerance: Option<f64>) -> Ranking<'a> {
+        let (mut ranked, mut unranked) = (Vec::new(), Vec::new());
+        for motor in motors {
+            match metric.of_with_tolerance(motor, default_tolerance) {
+                Some(estimate) => ranked.push((motor, estimate)),
+                None => unranked.push(motor),
+            }
+        }
+        ranked.sort_by(|a, b| {
+            let order = a.1.value.total_cmp(&b.1.value);
+            (if metric.lower_is_better { order } else { order.reverse() }).then(a.0.id.cmp(&b.0.id))
+        });
+        Ranking { metric, ranked, unranked, default_tolerance }
+    }
+
+    /// How sure it is that place i is ahead of the next.
+    fn sure(&self, place: usize) -> Option<f64> {
+        let next = self.ranked.get(place + 1)?;
+        self.metric.probability_ahead(&self.ranked[place].1, &next.1)
+    }
+}
+
+/// A metric's value with its tolerance (independent ±) in the metric's own unit.
+pub fn with_tolerance(metric: &Metric, estimate: Option<Estimate>) -> String {
+    let Some(estimate) = estimate else { return "–".into() };
+    let value = number(in_unit(estimate.value, metric.unit));
+    match estimate.independent {
+        Some(tolerance) if tolerance > 0.0 => format!("{value} ±{}%", number((100.0 * tolerance * 10.0).round() / 10.0)),
+        _ => value,
+    }
+}
+
+const SHOWN: &[&str] = &["s_m", "s_t", "mass_s_m", "mass_s_t", "k_m", "k_t_per_mass", "k_ts", "gap_radius", "electrical_time_constant"];
+
+/// For people.
+pub fn text(ranking: &Ranking, top: usize) -> String {
+    let metric = ranking.metric;
+    let mut columns: Vec<&Metric> = vec![metric];
+    columns.extend(METRICS.iter().filter(|m| SHOWN.contains(&m.name) && m.name != metric.name));
+    let mut header = vec![">#".to_string(), "motor".into()];
+    header.extend(columns.iter().map(|m| format!(">{}\n[{}]", m.symbol, m.unit)));
+    header.insert(3, ">ahead\nof next".into());
+    let rows: Vec<Vec<String>> = ranking
+        .ranked
+        .iter()
+        .take(top)
+        .enumerate()
+        .map(|(place, (motor, _))| {
+            let mut row = vec![(place + 1).to_string(), motor.id.clone()];
+            row.extend(columns.iter().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))));
+            row.insert(3, ranking.sure(place).map_or_else(|| "?".into(), |p| format!("{:.0} %", 100.0 * p)));
+            row
+        })
+        .collect();
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let mut out = format!("{}: {}; {} is better\n\n", metric.symbol, metric.meaning, if metric.lower_is_better { "less" } else { "more" });
+    out.push_str(&super::table::table(&header, &rows));
+    let hidden = ranking.ranked.len().saturating_sub(top);
+    out.push('\n');
+    if hidden > 0 {
+        out.push_str(&format!("{hidden} more are ranked; `--top {}` shows all.\n", ranking.ranked.len()));
+    }
+    if !ranking.unranked.is_empty() {
+        let ids: Vec<&str> = ranking.unranked.iter().map(|m| m.id.as_str()).collect();
+        let list = format!("Not ranked, because a parameter of {} is not known ({}): {}", metric.symbol, ids.len(), ids.join(", "));
+        out.push_str(&super::table::wrap(&list, 2));
+        out.push('\n');
+    }
+    let known = "`±` is what the rows state, combined as independent; `ahead of next` reads it as a 95 % interval. `?`: a ± is missing";
+    let assumed = ranking.default_tolerance.map_or_else(
+        || " (`--tolerance 5%` assumes one).".to_string(),
+        |t| format!("; where a row has none, ±{} % was assumed.", number(100.0 * t)),
+    );
+    out.push_str(&super::table::wrap(&format!("{known}{assumed}"), 0));
+    out.push('\n');
+    out
+}
+
+/// For programs.
+pub fn json(ranking: &Ranking) -> Value {
+    let motors = ranking.ranked.iter().enumerate().map(|(place, (motor, _))| {
+        let mut object = Map::new();
+        object.insert("rank".into(), json!(place + 1));
+        object.insert("motor".into(), json!(motor.id));
+        object.insert("manufacturer".into(), json!(motor.manufacturer));
+        object.insert("source".into(), json!(motor.source));
+        object.insert("probability_ahead_of_next".into(), json!(ranking.sure(place)));
+        for metric in METRICS {
+            let estimate = metric.of_with_tolerance(motor, ranking.default_tolerance);
+            let key = format!("{}_{}", metric.name, metric.si_suffix);
+            object.insert(key, json!(estimate.map(|e| e.value)));
+            if let Some(e) = estimate.filter(|e| e.independent.is_some()) {
+                object.insert(format!("{}_relative_tolerance", metric.name), json!(e.independent));
+                object.insert(format!("{}_relative_worst_case", metric.name), json!(e.worst_case));
+            }
+        }
+        Value::Object(object)
+    });
+    json!({
+        "sorted_by": ranking.metric.name,
+        "motors": motors.collect::<Vec<_>>(),
+        "not_ranked": ranking.unranked.iter().map(|m| &m.id).collect::<Vec<_>>(),
+    })
+}
+
+/// As rows.
+pub fn csv(ranking: &Ranking) -> String {
+    let names: Vec<String> = METRICS.iter().map(|m| format!("{}_{}", m.name, m.si_suffix)).collect();
+    let mut header = vec!["rank", "motor", "manufacturer", "probability_ahead_of_next"];
+    header.extend(names.iter().map(String::as_str));
+    let ranked = ranking.ranked.iter().enumerate().map(|(place, (motor, _))| (Some(place), *motor));
+    let all = ranked.chain(ranking.unranked.iter().map(|m| (None, *m)));
+    super::csv_text(
+        &header,
+        all.map(|(place, motor)| {
+            let mut row = vec![
+                place.map_or_else(String::new, |p| (p + 1).to_string()),
+                motor.id.clone(),
+                motor.manufacturer.clone(),
+                csv_number(place.and_then(|p| ranking.sure(p))),
+            ];
+            row.extend(METRICS.iter().map(|m| csv_number(m.value(motor))));
+            row
+        }),
+    )
+}

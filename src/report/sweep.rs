@@ -1,0 +1,209 @@
+//! Every motor at every ratio, feasible or why not.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value, json};
+
+use super::optimize::margins_json;
+use super::table::table;
+use super::{csv_number, number, optional};
+use crate::actuator::metrics::{METRICS, Metric};
+use crate::design::sweep::{JointSweep, SweptDesign};
+use crate::requirement::{Quantity, Robot};
+
+/// What a sweep is ordered by.
+#[derive(Debug, Clone, Copy)]
+pub enum Order {
+    /// The joint's objective.
+    Objective,
+    /// One quantity of the design.
+    Quantity(Quantity),
+    /// A metric of the motor, then the objective.
+    Metric(&'static Metric),
+    /// The smallest margin, largest first.
+    Margin,
+}
+
+/// The key that sorts a design: less is better, infeasible designs last by their worst margin.
+fn key(design: &SweptDesign, joint: &crate::requirement::Joint, order: Order) -> (bool, f64, f64) {
+    let e = &design.evaluation;
+    let objective = e.objective(&joint.objective).unwrap_or(f64::INFINITY);
+    let margin = e.tightest().map_or(0.0, |m| -m.margin);
+    let first = match order {
+        _ if !e.feasible => margin,
+        Order::Objective => objective,
+        Order::Quantity(quantity) => e.quantity(quantity).unwrap_or(f64::INFINITY),
+        Order::Metric(metric) => {
+            metric.value(design.motor).map_or(f64::INFINITY, |v| if metric.lower_is_better { v } else { -v })
+        }
+        Order::Margin => margin,
+    };
+    (!e.feasible, first, objective)
+}
+
+/// Designs in order, feasible ones first.
+pub fn ordered<'r, 'a>(sweep: &'r JointSweep<'a>, order: Order) -> Vec<&'r SweptDesign<'a>> {
+    let mut designs: Vec<(&SweptDesign, (bool, f64, f64))> = sweep.designs.iter().map(|d| (d, key(d, sweep.joint, order))).collect();
+    designs.sort_by(|(a, x), (b, y)| {
+        x.0.cmp(&y.0)
+            .then(x.1.total_cmp(&y.1))
+            .then(x.2.total_cmp(&y.2))
+            .then_with(|| a.motor.id.cmp(&b.motor.id))
+            .then_with(|| a.gear.cmp(&b.gear))
+            .then(a.evaluation.ratio.total_cmp(&b.evaluation.ratio))
+    });
+    designs.into_iter().map(|(d, _)| d).collect()
+}
+
+/// Why a design is not feasible: the worst limit, by how much, and when.
+fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -> String {
+    let Some(worst) = design.evaluation.tightest() else { return String::new() };
+    let at = worst.sample.map_or_else(String::new, |k| format!(" at {}", joint.motion.name_sample(k)));
+    format!("{}: {} of {} {}{at}", worst.limit, number(worst.demand), number(worst.bound), worst.unit)
+}
+
+/// For people.
+pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infeasible: bool) -> String {
+    let mut out = format!("{}: {} joints\n", robot.name, robot.joints.len());
+    for sweep in sweeps {
+        let feasible = sweep.designs.iter().filter(|d| d.evaluation.feasible).count();
+        out.push_str(&format!("\n{}: {} designs, {feasible} feasible\n\n", sweep.joint.name, sweep.designs.len()));
+        let geared = sweep.designs.iter().any(|d| d.gear.is_some());
+        let mut header = vec!["motor"];
+        if geared {
+            header.push("gear");
+        }
+        header.extend([">N", ">loss\n[W]", ">I peak\n[A]", ">J\n[kg*m^2]", ">mass\n[kg]", ">S_M\n[ms]", ">m·S_M\n[g*ms]", "verdict"]);
+        let designs = ordered(sweep, order);
+        let rows = designs.iter().filter(|d| infeasible || d.evaluation.feasible).take(top).map(|d| {
+            let e = &d.evaluation;
+            let mut row = vec![d.motor.id.clone()];
+            if geared {
+                row.push(d.gear.unwrap_or("").into());
+            }
+            row.extend([number(e.ratio), number(e.loss), number(e.peak_current), number(e.reflected_inertia), optional(e.mass)]);
+            row.push(optional(METRICS[0].value(d.motor).map(|v| v * 1e3)));
+            row.push(optional(METRICS[2].value(d.motor).map(|v| v * 1e6)));
+            row.push(if e.feasible {
+                e.tightest().map_or_else(|| "nothing checked".into(), |m| format!("{} {:.0} % left", m.limit, (100.0 * m.margin).max(0.0)))
+            } else {
+                because(d, sweep.joint)
+            });
+            row
+        });
+        let rows: Vec<_> = rows.collect();
+        if !rows.is_empty() {
+            out.push_str(&table(&header, &rows));
+        }
+        out.push_str(&counts(sweep));
+    }
+    out
+}
+
+/// How many designs each limit rejects, and what could not be checked.
+fn counts(sweep: &JointSweep) -> String {
+    let mut worst: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut unchecked: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for design in &sweep.designs {
+        if !design.evaluation.feasible {
+            if let Some(margin) = design.evaluation.tightest() {
+                *worst.entry(margin.limit).or_default() += 1;
+            }
+        }
+        for what in design.unchecked.iter() {
+            *unchecked.entry(*what).or_default() += 1;
+        }
+    }
+    let mut out = String::new();
+    if !worst.is_empty() {
+        let mut worst: Vec<_> = worst.into_iter().collect();
+        worst.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
+        let list: Vec<String> = worst.iter().map(|(limit, n)| format!("{limit} {n}")).collect();
+        out.push_str(&format!("\nInfeasible designs by the limit they exceed most: {}\n", list.join(", ")));
+    }
+    for ((limit, why), n) in unchecked {
+        out.push_str(&format!("Not checked in {n} designs: {limit}, because {why}\n"));
+    }
+    let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for (motor, gear, why) in &sweep.unusable {
+        reasons.entry(why.reason()).or_default().push(gear.map_or_else(|| (*motor).to_string(), |g| format!("{motor} with {g}")));
+    }
+    for (why, who) in reasons {
+        let shown = who.len().min(6);
+        let more = if who.len() > shown { format!(", and {} more", who.len() - shown) } else { String::new() };
+        let line = format!("Left out ({}) because {why}: {}{more}", who.len(), who[..shown].join(", "));
+        out.push_str(&super::table::wrap(&line, 2));
+        out.push('\n');
+    }
+    out
+}
+
+/// For programs.
+pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
+    let joints = sweeps.iter().map(|sweep| {
+        let designs = ordered(sweep, order).into_iter().map(|d| {
+            let e = &d.evaluation;
+            let (margins, limits) = margins_json(&e.margins, sweep.joint);
+            let mut object = Map::new();
+            let mut put = |key: &str, value: Value| object.insert(key.into(), value);
+            put("motor", json!(d.motor.id));
+            put("gear", json!(d.gear));
+            put("ratio", json!(e.ratio));
+            put("feasible", json!(e.feasible));
+            put("because", if e.feasible { Value::Null } else { json!(because(d, sweep.joint)) });
+            put("objective", json!(e.objective(&sweep.joint.objective)));
+            put("loss_w", json!(e.loss));
+            put("mean_electrical_power_w", json!(e.mean_power));
+            put("peak_current_a", json!(e.peak_current));
+            put("rms_current_a", json!(e.rms_current));
+            put("reflected_inertia_kgm2", json!(e.reflected_inertia));
+            put("mass_kg", json!(e.mass));
+            put("margins", margins);
+            put("limits", limits);
+            put("not_checked", d.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
+            for metric in METRICS.iter().take(4) {
+                put(&format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(d.motor)));
+            }
+            Value::Object(object)
+        });
+        let unusable = sweep.unusable.iter().map(|(motor, gear, why)| json!({ "motor": motor, "gear": gear, "because": why.reason() }));
+        json!({ "joint": sweep.joint.name, "designs": designs.collect::<Vec<_>>(), "left_out": unusable.collect::<Vec<_>>() })
+    });
+    json!({ "robot": robot.name, "joints": joints.collect::<Vec<_>>() })
+}
+
+/// As rows: every design, then what was left out.
+pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
+    let header = [
+        "joint", "motor", "gear", "ratio", "feasible", "because", "objective", "loss_w", "peak_current_a", "rms_current_a",
+        "reflected_inertia_kgm2", "mass_kg", "tightest_limit", "tightest_margin", "s_m_s", "s_t_kgm2a2_per_nm2", "mass_s_m_kgs",
+        "mass_s_t_kg2m2a2_per_nm2",
+    ];
+    let rows = sweeps.iter().flat_map(|sweep| {
+        let designs = ordered(sweep, order).into_iter().map(|d| {
+            let e = &d.evaluation;
+            let mut row = vec![sweep.joint.name.clone(), d.motor.id.clone(), d.gear.unwrap_or("").into(), csv_number(Some(e.ratio))];
+            row.push(e.feasible.to_string());
+            row.push(if e.feasible { String::new() } else { because(d, sweep.joint) });
+            let objective = e.objective(&sweep.joint.objective);
+            row.extend(
+                [objective, Some(e.loss), Some(e.peak_current), Some(e.rms_current), Some(e.reflected_inertia), e.mass].map(csv_number),
+            );
+            let tightest = e.tightest();
+            row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
+            row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
+            row
+        });
+        let left_out = sweep.unusable.iter().map(|(motor, gear, why)| {
+            let mut row = vec![String::new(); header.len()];
+            row[0] = sweep.joint.name.clone();
+            row[1] = (*motor).to_string();
+            row[2] = gear.unwrap_or("").to_string();
+            row[4] = "false".into();
+            row[5] = why.reason().into();
+            row
+        });
+        designs.chain(left_out).collect::<Vec<_>>()
+    });
+    super::csv_text(&header, rows)
+}
