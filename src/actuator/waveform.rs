@@ -181,22 +181,6 @@ impl Waveform {
         }
     }
 
-    /// As [`largest`](Self::largest), by looking at every point: the baseline of the benchmarks.
-    pub fn largest_by_scan(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
-        let value = match functional {
-            Functional::TorqueSquared => value_torque,
-            Functional::VoltageSquared => value_voltage,
-            Functional::Power => value_power,
-            Functional::PowerBack => |w: &Weights, x: &[f64; FEATURES]| -value_power(w, x),
-        };
-        let mut best = Largest { value: f64::NEG_INFINITY, index: 0 };
-        for (flow, root) in &self.roots {
-            let weights = Weights::new(actuator, *flow, ratio);
-            self.scan(self.nodes[*root].start, self.nodes[*root].end, &weights, value, &mut best);
-        }
-        best
-    }
-
     #[inline(always)]
     fn search(
         &self,
@@ -345,4 +329,53 @@ fn bound_power(weights: &Weights, node: &Node) -> f64 {
 fn bound_power_back(weights: &Weights, node: &Node) -> f64 {
     let (low, ..) = mechanical(weights, node);
     -weights.emf * low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalog::Catalog;
+    use crate::requirement::GearModel;
+
+    /// Samples without any pattern, from a linear congruential sequence.
+    fn points(count: usize) -> Vec<WavePoint> {
+        let mut state = 12_345_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(u32::MAX >> 1) - 1.0
+        };
+        let size = [20.0, 800.0, 100.0, 9_000.0, 10.0, 1.0];
+        (0..count)
+            .map(|origin| {
+                let features: [f64; FEATURES] = std::array::from_fn(|f| size[f] * next());
+                WavePoint { features, flow: Flow::of(features[0], features[4]), origin }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_largest_is_the_largest_over_all_points() {
+        let catalog = Catalog::builtin().unwrap();
+        let gear = GearModel { efficiency: 0.8, backdrive_efficiency: 0.75, inertia: 1e-6, ..GearModel::IDEAL };
+        for count in [1, 7, 8, 9, 1000] {
+            let points = points(count);
+            let wave = Waveform::new(&points);
+            assert_eq!(wave.len(), count);
+            for id in ["t-motor-ri50", "faulhaber-3274g024bp4", "maxon-ec-90-flat-323772"] {
+                let motor = catalog.motor(id).unwrap();
+                let actuator = Actuator::new(motor, motor.rotor_inertia.unwrap(), &gear);
+                for functional in [Functional::TorqueSquared, Functional::VoltageSquared, Functional::Power, Functional::PowerBack] {
+                    for ratio in [0.5, 3.0, 17.0, 140.0] {
+                        let found = wave.largest(functional, &actuator, ratio);
+                        // Independent of the search: the polynomial of every point.
+                        let at = |p: &WavePoint| functional.polynomial(&actuator, p.flow, &p.features).at(ratio);
+                        let all = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
+                        let size = points.iter().map(|p| at(p).abs()).fold(0.0, f64::max);
+                        assert!((found.value - all).abs() <= 1e-9 * size, "{id} {functional:?} {ratio}: {} {all}", found.value);
+                        assert!((at(&wave.point(found.index)) - all).abs() <= 1e-9 * size);
+                    }
+                }
+            }
+        }
+    }
 }

@@ -237,7 +237,7 @@ fn speed_constant(motor: &Motor) -> Option<Outcome> {
     let (kv, convention) = (motor.sheet.speed_constant?.value, motor.conventions.speed_constant?);
     motor.sheet.torque_constant?;
     let k_b = convention.back_emf_constant(motor.conventions.commutation) / kv;
-    let allowed = if convention == SpeedConstantConvention::Dc { 0.03 } else { 0.06 };
+    let allowed = if convention == SpeedConstantConvention::Dc { 0.05 } else { 0.06 };
     let message = mismatch("K_T (on the q axis)", motor.torque_constant, k_b, allowed, "N*m/A", "the speed constant")?;
     error(message, explain_constants(motor, k_b, true))
 }

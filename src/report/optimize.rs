@@ -39,7 +39,10 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
             format!("{} is exceeded at every ratio: at best {} the limit, at N = {}", bind_text(bind, joint), times(*least), number(*ratio)),
         ),
         Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) => (
-            format!("{} needs a larger ratio than {} allows", low.limit, high.limit),
+            match low.limit == high.limit {
+                true => format!("{} is exceeded at every ratio, at one instant or another", low.limit),
+                false => format!("{} needs a larger ratio than {} allows", low.limit, high.limit),
+            },
             format!(
                 "{} needs N ≥ {}, {} allows N ≤ {}",
                 bind_text(low, joint),
@@ -121,50 +124,34 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
     let joint = result.joint;
     let weighted = joint.objective.sole().is_none();
     let geared = matches!(joint.ratio, RatioChoice::Catalog(_));
-    let mut header = vec![">#", "motor"];
-    header.extend(if geared { vec!["gear", ">N"] } else { vec![">N*", "feasible\nN", "bound by"] });
+    let mut header = vec![">#", "motor", if geared { ">N" } else { ">N*" }];
     if weighted {
         header.push(">objective");
     }
-    header.extend([">loss\n[W]", ">I peak\n[A]", ">J\n[kg*m^2]", ">mass\n[kg]", ">S_M\n[ms]", "tightest\nmargin", "proof"]);
-    let rows: Vec<Vec<String>> = result
-        .candidates
+    header.extend([">loss [W]", ">I peak [A]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", "proof"]);
+    let shown = &result.candidates[..top.min(result.candidates.len())];
+    let rows: Vec<Vec<String>> = shown
         .iter()
-        .take(top)
         .enumerate()
         .map(|(place, design)| {
             let e = &design.evaluation;
             let mut row = vec![(place + 1).to_string(), design.motor.id.clone()];
-            if geared {
-                row.extend([design.gear.unwrap_or("").to_string(), number(e.ratio)]);
-            } else {
-                let window = design.optimum.window();
-                let more = design.optimum.windows.len() - 1;
-                let more = if more > 0 { format!(" (+{more})") } else { String::new() };
-                row.extend([
-                    number(e.ratio),
-                    format!("{} – {}{more}", number(window.min), number(window.max)),
-                    format!("{}, {}", window.low.limit, window.high.limit),
-                ]);
-            }
+            row.push(number(e.ratio));
             if weighted {
                 row.push(number(design.optimum.objective));
             }
             let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
-            let tightest = e.tightest().map_or_else(|| "nothing checked".into(), margin_text);
-            row.extend([
-                number(e.loss),
-                number(e.peak_current),
-                number(e.reflected_inertia),
-                optional(e.mass),
-                optional(s_m),
-                tightest,
-                proof(&design.optimum.certificate),
-            ]);
+            row.extend([number(e.loss), number(e.peak_current), number(e.reflected_inertia), optional(e.mass), optional(s_m)]);
+            row.push(proof(&design.optimum.certificate));
             row
         })
         .collect();
-    let mut out = indent(&table(&header, &rows));
+    let mut lines = table(&header, &rows).lines().map(|l| format!("  {l}\n")).collect::<Vec<_>>().into_iter();
+    let mut out = lines.next().unwrap_or_default();
+    for (design, line) in shown.iter().zip(lines) {
+        out.push_str(&line);
+        out.push_str(&format!("     {}\n", wrap(&details(design, joint), 7)));
+    }
     let hidden = result.candidates.len().saturating_sub(top);
     if hidden > 0 {
         out.push_str(&format!("  … and {hidden} more; `--top {}` shows all\n", result.candidates.len()));
@@ -172,12 +159,20 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
     out
 }
 
-fn margin_text(margin: &Margin) -> String {
-    format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
+/// Which ratios are feasible and what ends them, and which limit is nearest.
+fn details(design: &Design, joint: &Joint) -> String {
+    let tightest = design.evaluation.tightest().map_or_else(|| "nothing could be checked".into(), |m| format!("tightest margin {}", margin_text(m)));
+    if let Some(gear) = design.gear {
+        return format!("with {gear}; {tightest}");
+    }
+    let windows = design.optimum.windows.iter().map(|w| {
+        format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
+    });
+    format!("feasible from {}; {tightest}", windows.collect::<Vec<_>>().join(" and from "))
 }
 
-fn indent(text: &str) -> String {
-    text.lines().map(|l| format!("  {l}\n")).collect()
+fn margin_text(margin: &Margin) -> String {
+    format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
 }
 
 /// What could not be checked or certified for the candidates shown.

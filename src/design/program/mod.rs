@@ -249,7 +249,14 @@ impl<'a> RatioProgram<'a> {
         let mut high = End { u: max * max, bind: Bind { limit: "ratio_max", sample: None }, du_dbound: 2.0 * max, bound: max };
         for asked in self.prepared.asked.iter().filter(|a| a.limit.class == Class::UpperBound) {
             let (ratio, sample) = match asked.demand {
-                Demand::Mass => (self.largest_ratio_by_mass(asked), None),
+                Demand::Mass => {
+                    let ratio = self.largest_ratio_by_mass(asked);
+                    if ratio == 0.0 {
+                        let least = self.prepared.candidate.mass_at(min).unwrap_or(f64::INFINITY) / asked.bound;
+                        return Err(Infeasible::Never { bind: Bind { limit: asked.limit.name, sample: None }, least, ratio: min });
+                    }
+                    (ratio, None)
+                }
                 Demand::Polynomial(polynomial, sample) => (largest_ratio_by_monomial(&polynomial, asked.raw_bound()), sample),
                 _ => continue,
             };

@@ -1,0 +1,132 @@
+//! What the performance claims rest on: a motor-ratio pair of the sweep and a ratio program, at 100 to
+//! 10 000 samples, each beside the plain loop over all samples in the same run.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use gearwise::actuator::Load;
+use gearwise::catalog::{Catalog, Motor};
+use gearwise::catalog::convention::Modulation;
+use gearwise::design::program::RatioProgram;
+use gearwise::design::{Prepared, continuous_candidate, optimize};
+use gearwise::requirement::{
+    Budget, Bus, Course, GearModel, Joint, Limits, Motion, Objective, Quantity, RatioChoice, Regeneration, Robot, Samples,
+    backdrive_efficiency,
+};
+
+/// A periodic motion of a few harmonics, like a leg's.
+fn motion(samples: usize, seed: f64) -> Motion {
+    let period = 0.6;
+    let at = |k: usize| std::f64::consts::TAU * k as f64 / samples as f64;
+    let sum = |k: usize, terms: &[(f64, f64, f64)]| terms.iter().map(|(a, n, p)| a * (n * at(k) + p + seed).sin()).sum::<f64>();
+    let torque = [(9.0, 1.0, 0.3), (4.0, 2.0, 1.1), (2.0, 3.0, 2.0), (0.7, 7.0, 0.2)];
+    let velocity = [(5.0, 1.0, 1.0), (3.0, 2.0, 0.4), (1.0, 5.0, 0.9)];
+    let series = |terms: &[(f64, f64, f64)]| (0..samples).map(|k| sum(k, terms)).collect::<Vec<_>>();
+    let time = (0..samples).map(|k| period * k as f64 / samples as f64).collect();
+    let samples = Samples { time, torque: series(&torque), velocity: Some(series(&velocity)), ..Samples::default() };
+    Motion::from_samples(samples, Course::Periodic(period))
+}
+
+fn robot(samples: usize, joints: usize) -> Robot {
+    let joint = |i: usize| Joint {
+        name: format!("joint {i}"),
+        count: 1,
+        ratio: RatioChoice::Continuous { min: 3.0, max: 60.0 },
+        gear: GearModel { efficiency: 0.92, backdrive_efficiency: backdrive_efficiency(0.92), inertia: 2e-6, ..GearModel::IDEAL },
+        motion: motion(samples, i as f64),
+        objective: Objective::single(Quantity::Loss),
+        limits: Limits { reflected_inertia: Some(0.05), winding_temperature: Some(383.15), safety: 1.2, ..Limits::default() },
+        drive_current: None,
+    };
+    Robot {
+        name: "bench".into(),
+        bus: Bus {
+            voltage: 48.0,
+            modulation: Modulation::SpaceVector,
+            modulation_limit: 0.95,
+            drive_current: Some(40.0),
+            power: None,
+            current: None,
+            regeneration: Regeneration::Allowed,
+            drive_efficiency: 1.0,
+        },
+        ambient: 298.15,
+        budget: Budget::default(),
+        joints: (0..joints).map(joint).collect(),
+    }
+}
+
+/// Largest squared torque and voltage, and the mean squared torque, by one loop over all samples: what a
+/// spreadsheet or script does for each pair.
+fn plain_loop(joint: &Joint, motor: &Motor, ratio: f64) -> (f64, f64, f64) {
+    let m = &joint.motion;
+    let (r, k_t, k_b) = (motor.resistance, motor.torque_constant, motor.back_emf_constant);
+    let (l, p) = motor.inductance_and_poles().unwrap_or((0.0, 0.0));
+    let inertia = motor.rotor_inertia.unwrap_or(0.0) + joint.gear.inertia;
+    let (mut torque, mut voltage, mut mean) = (0.0_f64, 0.0_f64, 0.0);
+    for k in 0..m.len() {
+        let phi = if m.torque[k] * m.velocity[k] < 0.0 { joint.gear.backdrive_efficiency } else { 1.0 / joint.gear.efficiency };
+        let t = phi * m.torque[k] / ratio + ratio * inertia * m.acceleration[k];
+        let rate = phi * m.torque_rate[k] / ratio + ratio * inertia * m.jerk[k];
+        let v_q = (r * t + l * rate) / k_t + k_b * ratio * m.velocity[k];
+        let v_d = p * l * ratio * m.velocity[k] * t / k_t;
+        torque = torque.max(t * t);
+        voltage = voltage.max(v_q * v_q + v_d * v_d);
+        mean += m.weight[k] * t * t;
+    }
+    (torque, voltage, mean)
+}
+
+const MOTOR: &str = "tq-robodrive-ilm-85x26";
+
+fn pair(c: &mut Criterion) {
+    let catalog = Catalog::builtin().expect("the shipped catalogue is sound");
+    let motor = catalog.motor(MOTOR).expect("a shipped motor");
+    let mut group = c.benchmark_group("sweep, one pair");
+    for samples in [100, 1000, 10_000] {
+        let robot = robot(samples, 1);
+        let joint = &robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).expect("a candidate"));
+        let ratios: Vec<f64> = gearwise::design::sweep::grid(3.0, 60.0, 64);
+        let mut next = ratios.iter().cycle();
+        group.bench_function(BenchmarkId::new("tree", samples), |b| {
+            b.iter(|| prepared.at(black_box(*next.next().expect("a cycle"))));
+        });
+        group.bench_function(BenchmarkId::new("plain loop", samples), |b| {
+            b.iter(|| plain_loop(joint, motor, black_box(*next.next().expect("a cycle"))));
+        });
+    }
+    group.finish();
+}
+
+fn program(c: &mut Criterion) {
+    let catalog = Catalog::builtin().expect("the shipped catalogue is sound");
+    let mut group = c.benchmark_group("ratio program, one motor");
+    for samples in [100, 1000, 10_000] {
+        let robot = robot(samples, 1);
+        let joint = &robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        for id in [MOTOR, "t-motor-ri50", "faulhaber-3274g024bp4"] {
+            let motor = catalog.motor(id).expect("a shipped motor");
+            let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).expect("a candidate"));
+            group.bench_function(BenchmarkId::new(id, samples), |b| {
+                b.iter(|| RatioProgram::new(&prepared, &joint.objective, 3.0, 60.0).solve());
+            });
+        }
+    }
+    group.finish();
+}
+
+fn whole(c: &mut Criterion) {
+    let mut catalog = Catalog::builtin().expect("the shipped catalogue is sound");
+    catalog.motors.truncate(100);
+    let robot = robot(1000, 4);
+    let mut group = c.benchmark_group("optimize");
+    group.sample_size(10);
+    group.bench_function("100 motors, 4 joints, 1000 samples", |b| b.iter(|| optimize(&robot, &catalog)));
+    group.finish();
+}
+
+criterion_group!(benches, pair, program, whole);
+criterion_main!(benches);
