@@ -1,0 +1,89 @@
+//! What several tests need.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::path::Path;
+use std::sync::Arc;
+
+use gearwise::actuator::Load;
+use gearwise::catalog::convention::Modulation;
+use gearwise::catalog::{Catalog, Motor};
+use gearwise::design::{Evaluation, Prepared, continuous_candidate};
+use gearwise::input::Source;
+use gearwise::requirement::{
+    Budget, Bus, GearModel, Joint, Limits, Motion, Objective, Point, Quantity, RatioChoice, Regeneration, Robot,
+    backdrive_efficiency,
+};
+
+/// The path of a file of the repository.
+pub fn repository(path: &str) -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// A motor from the cells of one catalogue row: `(column, cell)`; the rest is filled in.
+pub fn motor(cells: &[(&str, &str)]) -> Motor {
+    let mut columns = vec![("id", "test"), ("source", "test"), ("source_kind", "derived")];
+    for (name, cell) in [("terminals", "q_axis"), ("current", "q_axis")] {
+        if !cells.iter().any(|(n, _)| *n == name) {
+            columns.push((name, cell));
+        }
+    }
+    columns.extend(cells);
+    let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let row: Vec<&str> = columns.iter().map(|(_, cell)| *cell).collect();
+    let text = format!("{}\n{}\n", header.join(","), row.join(","));
+    let catalog = Catalog::from_sources(vec![Arc::new(Source::new("test.csv", text))]);
+    catalog.unwrap_or_else(|e| panic!("{}", e[0])).motors.remove(0)
+}
+
+/// A robot with one joint on an ample bus: no limit but those that are set later.
+pub fn robot(motion: Motion, gear: GearModel) -> Robot {
+    let joint = Joint {
+        name: "joint".into(),
+        count: 1,
+        ratio: RatioChoice::Continuous { min: 1.0, max: 1000.0 },
+        gear,
+        motion,
+        objective: Objective::single(Quantity::Loss),
+        limits: Limits::default(),
+        drive_current: None,
+    };
+    Robot {
+        name: "test".into(),
+        bus: Bus {
+            voltage: 1e6,
+            modulation: Modulation::SpaceVector,
+            modulation_limit: 1.0,
+            drive_current: None,
+            power: None,
+            current: None,
+            regeneration: Regeneration::Allowed,
+            drive_efficiency: 1.0,
+        },
+        ambient: 298.15,
+        budget: Budget::default(),
+        joints: vec![joint],
+    }
+}
+
+/// One operating point that lasts.
+pub fn hold(torque: f64, velocity: f64, acceleration: f64) -> Motion {
+    Motion::from_points(&[Point { torque, velocity, acceleration, duration: Some(1.0), ..Point::default() }])
+}
+
+/// A gear with an efficiency and nothing else.
+pub fn gear(efficiency: f64) -> GearModel {
+    GearModel { efficiency, backdrive_efficiency: backdrive_efficiency(efficiency), ..GearModel::IDEAL }
+}
+
+/// One design of the robot's first joint.
+pub fn evaluate(robot: &Robot, motor: &Motor, ratio: f64) -> Evaluation {
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    Prepared::new(continuous_candidate(robot, joint, &load, motor).expect("a candidate")).at(ratio)
+}
+
+/// The demand of one limit.
+pub fn demand(evaluation: &Evaluation, limit: &str) -> f64 {
+    let found = evaluation.margins.iter().find(|m| m.limit == limit);
+    found.unwrap_or_else(|| panic!("{limit} was not checked")).demand
+}
