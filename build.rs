@@ -19,7 +19,9 @@ fn main() {
         }
     }
     files.sort();
-    let mut code = String::from("/// Name and text of every catalogue file that is built in.\nconst BUILTIN: &[(&str, &str)] = &[\n");
+    let mut code = String::from(
+        "/// Name and text of every catalogue file that is built in.\nconst BUILTIN: &[(&str, &str)] = &[\n",
+    );
     for (name, path) in files {
         writeln!(code, "    ({name:?}, include_str!({:?})),", path.display().to_string()).expect("a string");
     }

@@ -5,20 +5,22 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use gearwise::actuator::Load;
-use gearwise::catalog::{Catalog, Motor};
 use gearwise::catalog::convention::Modulation;
+use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::program::RatioProgram;
 use gearwise::design::{Prepared, continuous_candidate, optimize};
 use gearwise::requirement::{
-    Budget, Bus, Course, GearModel, Joint, Limits, Motion, Objective, Quantity, RatioChoice, Regeneration, Robot, Samples,
-    backdrive_efficiency,
+    Budget, Bus, Course, GearModel, Joint, Limits, Motion, Objective, Quantity, RatioChoice, Regeneration, Robot,
+    Samples, backdrive_efficiency,
 };
 
 /// A periodic motion of a few harmonics, like a leg's.
 fn motion(samples: usize, seed: f64) -> Motion {
     let period = 0.6;
     let at = |k: usize| std::f64::consts::TAU * k as f64 / samples as f64;
-    let sum = |k: usize, terms: &[(f64, f64, f64)]| terms.iter().map(|(a, n, p)| a * (n * at(k) + p + seed).sin()).sum::<f64>();
+    let sum = |k: usize, terms: &[(f64, f64, f64)]| {
+        terms.iter().map(|(a, n, p)| a * (n * at(k) + p + seed).sin()).sum::<f64>()
+    };
     let torque = [(9.0, 1.0, 0.3), (4.0, 2.0, 1.1), (2.0, 3.0, 2.0), (0.7, 7.0, 0.2)];
     let velocity = [(5.0, 1.0, 1.0), (3.0, 2.0, 0.4), (1.0, 5.0, 0.9)];
     let series = |terms: &[(f64, f64, f64)]| (0..samples).map(|k| sum(k, terms)).collect::<Vec<_>>();
@@ -32,10 +34,20 @@ fn robot(samples: usize, joints: usize) -> Robot {
         name: format!("joint {i}"),
         count: 1,
         ratio: RatioChoice::Continuous { min: 3.0, max: 60.0 },
-        gear: GearModel { efficiency: 0.92, backdrive_efficiency: backdrive_efficiency(0.92), inertia: 2e-6, ..GearModel::IDEAL },
+        gear: GearModel {
+            efficiency: 0.92,
+            backdrive_efficiency: backdrive_efficiency(0.92),
+            inertia: 2e-6,
+            ..GearModel::IDEAL
+        },
         motion: motion(samples, i as f64),
         objective: Objective::single(Quantity::Loss),
-        limits: Limits { reflected_inertia: Some(0.05), winding_temperature: Some(383.15), safety: 1.2, ..Limits::default() },
+        limits: Limits {
+            reflected_inertia: Some(0.05),
+            winding_temperature: Some(383.15),
+            safety: 1.2,
+            ..Limits::default()
+        },
         drive_current: None,
     };
     Robot {
@@ -65,7 +77,11 @@ fn plain_loop(joint: &Joint, motor: &Motor, ratio: f64) -> (f64, f64, f64) {
     let inertia = motor.rotor_inertia.unwrap_or(0.0) + joint.gear.inertia;
     let (mut torque, mut voltage, mut mean) = (0.0_f64, 0.0_f64, 0.0);
     for k in 0..m.len() {
-        let phi = if m.torque[k] * m.velocity[k] < 0.0 { joint.gear.backdrive_efficiency } else { 1.0 / joint.gear.efficiency };
+        let phi = if m.torque[k] * m.velocity[k] < 0.0 {
+            joint.gear.backdrive_efficiency
+        } else {
+            1.0 / joint.gear.efficiency
+        };
         let t = phi * m.torque[k] / ratio + ratio * inertia * m.acceleration[k];
         let rate = phi * m.torque_rate[k] / ratio + ratio * inertia * m.jerk[k];
         let v_q = (r * t + l * rate) / k_t + k_b * ratio * m.velocity[k];

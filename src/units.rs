@@ -107,6 +107,12 @@ kinds! {
 }
 
 impl Kind {
+    /// "a torque", "an inertia".
+    pub fn with_article(&self) -> String {
+        let article = if self.name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
+        format!("{article} {}", self.name)
+    }
+
     /// Whether the quantity has a dimension, so that a bare number is not enough.
     pub fn needs_unit(&self) -> bool {
         *self != RATIO
@@ -178,7 +184,7 @@ impl UnitError {
     pub fn message(&self, kind: &Kind) -> String {
         match self {
             UnitError::NotANumber(text) => format!("`{text}` is not a finite number"),
-            UnitError::MissingUnit => format!("a {} needs its unit", kind.name),
+            UnitError::MissingUnit => format!("{} needs its unit", kind.with_article()),
             UnitError::UnknownUnit(unit, _) => format!("unknown unit `{unit}`"),
             UnitError::BadExpression(text) => format!("`{text}` is not a unit"),
             UnitError::WrongDimension(unit) => format!("`{unit}` is not a unit of {}", kind.name),
@@ -189,12 +195,12 @@ impl UnitError {
     pub fn help(&self, kind: &Kind) -> String {
         match self {
             UnitError::UnknownUnit(_, Some(near)) => {
-                format!("did you mean `{near}`? A {} reads like \"{}\"", kind.name, kind.example)
+                format!("did you mean `{near}`? For example \"{}\"", kind.example)
             }
             UnitError::WrongDimension(unit) if kind.angle == Exactly(1.0) && matches!(unit.trim(), "Hz" | "1/s") => {
-                format!("write rad/s, rpm or deg/s: a {} reads like \"{}\"", kind.name, kind.example)
+                format!("write rad/s, rpm or deg/s: {} reads like \"{}\"", kind.with_article(), kind.example)
             }
-            _ => format!("a {} reads like \"{}\"", kind.name, kind.example),
+            _ => format!("{} reads like \"{}\"", kind.with_article(), kind.example),
         }
     }
 }
@@ -421,7 +427,9 @@ impl UnitParser<'_> {
     }
 
     fn power(&mut self) -> Result<f64, UnitError> {
-        if let Some((power, length)) = [("²", 2.0), ("³", 3.0)].iter().find_map(|(s, p)| self.rest.starts_with(s).then_some((*p, s.len()))) {
+        if let Some((power, length)) =
+            [("²", 2.0), ("³", 3.0)].iter().find_map(|(s, p)| self.rest.starts_with(s).then_some((*p, s.len())))
+        {
             self.rest = &self.rest[length..];
             return Ok(power);
         }
@@ -431,7 +439,8 @@ impl UnitParser<'_> {
         let (digits, rest) = rest.split_at(length);
         let power = digits.parse::<f64>().ok().filter(|p| p.abs() <= 9.0);
         let power = power.ok_or_else(|| UnitError::BadExpression(format!("^{digits}")))?;
-        self.rest = if open { rest.strip_prefix(')').ok_or_else(|| UnitError::BadExpression(rest.to_string()))? } else { rest };
+        self.rest =
+            if open { rest.strip_prefix(')').ok_or_else(|| UnitError::BadExpression(rest.to_string()))? } else { rest };
         Ok(power)
     }
 }

@@ -40,12 +40,23 @@ fn the_four_inconsistencies_of_the_paper_are_found() {
 fn sheets_that_add_up_have_no_findings() {
     // maxon EC-4pole 22 90 W, 323218, catalogue March 2021 p. 257, and FAULHABER 4221 BXT H: in the DC frame.
     let maxon = motor(&[
-        ("terminals", "line_to_line"), ("current", "dc"), ("resistance [ohm]", "0.527"), ("inductance [uH]", "50.3"),
-        ("torque_constant [mN*m/A]", "14.0"), ("speed_constant [rpm/V]", "680"), ("speed_constant_convention", "dc"),
-        ("rotor_inertia [g*cm^2]", "5.54"), ("voltage [V]", "24"), ("stall_torque [mN*m]", "639"),
-        ("no_load_speed [rpm]", "16300"), ("no_load_current [A]", "0.164"), ("mechanical_time_constant [ms]", "1.48"),
-        ("continuous_torque [mN*m]", "45.1"), ("continuous_current [A]", "3.34"),
-        ("thermal_time_constant_winding [s]", "5.12"), ("thermal_time_constant_housing [s]", "482"),
+        ("terminals", "line_to_line"),
+        ("current", "dc"),
+        ("resistance [ohm]", "0.527"),
+        ("inductance [uH]", "50.3"),
+        ("torque_constant [mN*m/A]", "14.0"),
+        ("speed_constant [rpm/V]", "680"),
+        ("speed_constant_convention", "dc"),
+        ("rotor_inertia [g*cm^2]", "5.54"),
+        ("voltage [V]", "24"),
+        ("stall_torque [mN*m]", "639"),
+        ("no_load_speed [rpm]", "16300"),
+        ("no_load_current [A]", "0.164"),
+        ("mechanical_time_constant [ms]", "1.48"),
+        ("continuous_torque [mN*m]", "45.1"),
+        ("continuous_current [A]", "3.34"),
+        ("thermal_time_constant_winding [s]", "5.12"),
+        ("thermal_time_constant_housing [s]", "482"),
     ]);
     assert!(audit_motor(&maxon).is_empty(), "{:?}", audit_motor(&maxon));
     for (r, k, i0, v, speed, stall, tau) in [
@@ -54,9 +65,16 @@ fn sheets_that_add_up_have_no_findings() {
         ("2.6", "0.0752", "0.103", "48", "6070", "1.39", "3.18"),
     ] {
         let faulhaber = motor(&[
-            ("terminals", "line_to_line"), ("current", "dc"), ("resistance [ohm]", r), ("torque_constant [N*m/A]", k),
-            ("rotor_inertia [g*cm^2]", "69"), ("voltage [V]", v), ("no_load_speed [rpm]", speed), ("no_load_current [A]", i0),
-            ("stall_torque [N*m]", stall), ("mechanical_time_constant [ms]", tau),
+            ("terminals", "line_to_line"),
+            ("current", "dc"),
+            ("resistance [ohm]", r),
+            ("torque_constant [N*m/A]", k),
+            ("rotor_inertia [g*cm^2]", "69"),
+            ("voltage [V]", v),
+            ("no_load_speed [rpm]", speed),
+            ("no_load_current [A]", i0),
+            ("stall_torque [N*m]", stall),
+            ("mechanical_time_constant [ms]", tau),
         ]);
         assert!(audit_motor(&faulhaber).is_empty(), "{:?}", audit_motor(&faulhaber));
     }
@@ -67,7 +85,10 @@ fn a_wrong_convention_is_named() {
     // An outrunner of Kv 100: 0.0827 N·m per ampere of phase amplitude, 0.117 per rms, declared as q axis.
     let outrunner = |k: &str, current: &str| {
         motor(&[
-            ("current", current), ("resistance [ohm]", "0.1"), ("torque_constant [N*m/A]", k), ("speed_constant [rpm/V]", "100"),
+            ("current", current),
+            ("resistance [ohm]", "0.1"),
+            ("torque_constant [N*m/A]", k),
+            ("speed_constant [rpm/V]", "100"),
             ("speed_constant_convention", "line_to_line_peak"),
         ])
     };
@@ -86,7 +107,10 @@ fn other_contradictions_are_found() {
         ("peak-torque", vec![("peak_torque [N*m]", "2.5"), ("peak_current [A]", "20")]),
         ("continuous-torque", vec![("continuous_torque [N*m]", "5"), ("continuous_current [A]", "10")]),
         ("rotor-inertia", vec![("rotor_mass [g]", "100"), ("gap_radius [mm]", "100")]),
-        ("thermal-time-constants", vec![("thermal_time_constant_winding [s]", "900"), ("thermal_time_constant_housing [s]", "30")]),
+        (
+            "thermal-time-constants",
+            vec![("thermal_time_constant_winding [s]", "900"), ("thermal_time_constant_housing [s]", "30")],
+        ),
         ("mechanical-time-constant", vec![("mechanical_time_constant [ms]", "1")]),
         ("torque-specific-inertia", vec![("torque_specific_inertia [g*(A/N)^2]", "4")]),
         ("stall-torque", vec![("voltage [V]", "24"), ("stall_torque [N*m]", "24")]),
@@ -96,18 +120,30 @@ fn other_contradictions_are_found() {
         assert_eq!(codes(&audit_motor(&motor)), [code]);
     }
     // 0.86 of K_T·I is iron saturation: worth a note, not an error.
-    let saturated = motor(&base.iter().copied().chain([("peak_torque [N*m]", "1.72"), ("peak_current [A]", "20")]).collect::<Vec<_>>());
+    let saturated = motor(
+        &base.iter().copied().chain([("peak_torque [N*m]", "1.72"), ("peak_current [A]", "20")]).collect::<Vec<_>>(),
+    );
     assert!(codes(&audit_motor(&saturated)).is_empty() && audit_motor(&saturated).len() == 1);
 }
 
 #[test]
 fn an_acceptance_must_fit_a_finding_and_be_explained() {
-    let base = [("resistance [ohm]", "0.1"), ("torque_constant [N*m/A]", "0.1"), ("peak_torque [N*m]", "2.5"), ("peak_current [A]", "20")];
-    let with = |cells: &[(&'static str, &'static str)]| motor(&base.iter().copied().chain(cells.iter().copied()).collect::<Vec<_>>());
+    let base = [
+        ("resistance [ohm]", "0.1"),
+        ("torque_constant [N*m/A]", "0.1"),
+        ("peak_torque [N*m]", "2.5"),
+        ("peak_current [A]", "20"),
+    ];
+    let with = |cells: &[(&'static str, &'static str)]| {
+        motor(&base.iter().copied().chain(cells.iter().copied()).collect::<Vec<_>>())
+    };
     let accepted = audit_motor(&with(&[("audit_accept", "peak-torque"), ("note", "measured hot")]));
     assert!(accepted.len() == 1 && accepted[0].accepted);
     assert_eq!(codes(&audit_motor(&with(&[("audit_accept", "peak-torque")]))), ["peak-torque", "accept-without-note"]);
-    assert_eq!(codes(&audit_motor(&with(&[("audit_accept", "stall-torque"), ("note", "x")]))), ["peak-torque", "stale-accept"]);
+    assert_eq!(
+        codes(&audit_motor(&with(&[("audit_accept", "stall-torque"), ("note", "x")]))),
+        ["peak-torque", "stale-accept"]
+    );
 }
 
 #[test]
@@ -116,7 +152,8 @@ fn the_shipped_catalogue_is_sound() {
     let broken: Vec<_> = audit(&catalog).into_iter().filter(|f| f.severity == Severity::Error && !f.accepted).collect();
     assert!(broken.is_empty(), "{broken:?}");
     assert!(catalog.motors.len() >= 100 && catalog.gears.len() >= 80);
-    let complete = catalog.motors.iter().filter(|m| m.inductance.is_some() && m.pole_pairs.is_some_and(|p| p > 0)).count();
+    let complete =
+        catalog.motors.iter().filter(|m| m.inductance.is_some() && m.pole_pairs.is_some_and(|p| p > 0)).count();
     assert!(complete >= 40, "{complete} motors have inductance and pole pairs");
     assert!(catalog.motors.iter().all(|m| !m.source.is_empty()) && catalog.gears.iter().all(|g| !g.source.is_empty()));
     let collected = catalog.motors.iter().filter(|m| m.source.contains("MGDB")).count();

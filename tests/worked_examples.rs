@@ -92,7 +92,9 @@ fn gear_efficiency_flips_with_the_direction_of_power() {
     let efficiency = 0.97_f64.powi(2);
     assert_relative_eq!(backdrive_efficiency(efficiency), 0.937188, max_relative = 1e-6);
     assert!(backdrive_efficiency(0.5).abs() < 1e-12);
-    let torque = |speed| demand(&evaluate(&robot(hold(100.0, speed, 0.0), gear(efficiency)), &motor, 50.0), "peak_current") * 0.1;
+    let torque = |speed| {
+        demand(&evaluate(&robot(hold(100.0, speed, 0.0), gear(efficiency)), &motor, 50.0), "peak_current") * 0.1
+    };
     assert_relative_eq!(torque(0.1), 2.125624, max_relative = 1e-6);
     assert_relative_eq!(torque(-0.1), 1.874376, max_relative = 1e-6);
     // Shaft power is joint power and the gear's heat, both ways.
@@ -107,9 +109,11 @@ fn gear_efficiency_flips_with_the_direction_of_power() {
 #[test]
 fn responsiveness_does_not_depend_on_the_transmission() {
     // N² J = S_M T²/P exactly: U8 with K_M 0.265, HT90M, HT60M (DC frame) at 20 N·m and 50 W.
-    for (inertia, k_m, ratio, reflected) in
-        [(1.2e-4, 0.265049, 10.67, 0.01367), (1.2e-4, 0.474087, 5.966, 0.0042713), (1.77e-5, 0.139291, 20.31, 0.0072982)]
-    {
+    for (inertia, k_m, ratio, reflected) in [
+        (1.2e-4, 0.265049, 10.67, 0.01367),
+        (1.2e-4, 0.474087, 5.966, 0.0042713),
+        (1.77e-5, 0.139291, 20.31, 0.0072982),
+    ] {
         let motor = motor(&[
             ("resistance [ohm]", "1"),
             ("torque_constant [N*m/A]", &k_m.to_string()),
@@ -128,8 +132,11 @@ fn responsiveness_does_not_depend_on_the_transmission() {
 #[test]
 fn reflected_inertia_of_an_arm() {
     // KUKA iiwa 14, RobotLocomotion/models iiwa_description/README.md.
-    for (rotor, ratio, expected) in [("1.321e-4", 160.0, 3.38176), ("1.321e-4", 100.0, 1.321), ("4.54e-5", 160.0, 1.16224)] {
-        let motor = motor(&[("resistance [ohm]", "1"), ("torque_constant [N*m/A]", "0.1"), ("rotor_inertia [kg*m^2]", rotor)]);
+    for (rotor, ratio, expected) in
+        [("1.321e-4", 160.0, 3.38176), ("1.321e-4", 100.0, 1.321), ("4.54e-5", 160.0, 1.16224)]
+    {
+        let motor =
+            motor(&[("resistance [ohm]", "1"), ("torque_constant [N*m/A]", "0.1"), ("rotor_inertia [kg*m^2]", rotor)]);
         let e = evaluate(&robot(hold(1.0, 0.0, 0.0), GearModel::IDEAL), &motor, ratio);
         assert_relative_eq!(e.reflected_inertia, expected, max_relative = 1e-6);
     }
@@ -199,7 +206,11 @@ fn the_case_study_of_the_paper() {
     assert_relative_eq!(value("s_m", ri50), 0.644e-3, max_relative = 1e-3);
     assert_relative_eq!(value("k_m", u8), 0.26505, max_relative = 1e-4);
     assert_relative_eq!(value("s_m", u8), 1.7082e-3, max_relative = 1e-3);
-    assert_relative_eq!(value("k_t_per_mass", ri50) / value("k_t_per_mass", u8), (0.105 / 0.193) / (0.14 / 0.242), max_relative = 1e-9);
+    assert_relative_eq!(
+        value("k_t_per_mass", ri50) / value("k_t_per_mass", u8),
+        (0.105 / 0.193) / (0.14 / 0.242),
+        max_relative = 1e-9
+    );
     assert_relative_eq!(value("electrical_time_constant", ri50), 3.63e-3, max_relative = 1e-3);
     // At the U8's inertia the RI50 has √(S_T) and √(S_M) more torque per ampere and per root of heat.
     let a = at_matched_inertia(ri50, 1.2e-4).unwrap();
@@ -221,7 +232,11 @@ fn speed_follows_a_voltage_step_with_s_m_unless_inductance_interferes() {
     // On paper: ζ = ½ √(S_M/(L/R)), overshoot exp(−π ζ/√(1 − ζ²)) = 51 %.
     let with = simulate(ri50, ri50.inductance.unwrap()).unwrap();
     let zeta = 0.5 * (s_m / (2.559e-3 / 0.705)).sqrt();
-    assert_relative_eq!(with.overshoot, (-std::f64::consts::PI * zeta / (1.0 - zeta * zeta).sqrt()).exp(), max_relative = 1e-4);
+    assert_relative_eq!(
+        with.overshoot,
+        (-std::f64::consts::PI * zeta / (1.0 - zeta * zeta).sqrt()).exp(),
+        max_relative = 1e-4
+    );
     assert_relative_eq!(with.rise_time, 2.0e-3, max_relative = 0.02);
 }
 
@@ -236,8 +251,15 @@ fn power_balances_over_a_cycle() {
         ("coulomb_friction [N*m]", "0.02"),
     ]);
     let points = [(8.0, 3.0, 0.3), (-5.0, 6.0, 0.2), (2.0, -4.0, 0.4), (-3.0, -2.0, 0.1)];
-    let motion: Vec<Point> =
-        points.iter().map(|(torque, velocity, duration)| Point { torque: *torque, velocity: *velocity, duration: Some(*duration), ..Point::default() }).collect();
+    let motion: Vec<Point> = points
+        .iter()
+        .map(|(torque, velocity, duration)| Point {
+            torque: *torque,
+            velocity: *velocity,
+            duration: Some(*duration),
+            ..Point::default()
+        })
+        .collect();
     let (efficiency, ratio) = (0.85, 12.0);
     let robot = robot(Motion::from_points(&motion), gear(efficiency));
     let e = evaluate(&robot, &motor, ratio);

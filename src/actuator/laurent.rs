@@ -129,7 +129,11 @@ mod tests {
         assert_relative_eq!(p.at(n), direct(n), max_relative = 1e-14);
         assert_relative_eq!(p.squared().at(n), direct(n).powi(2), max_relative = 1e-13);
         let h = 1e-6;
-        assert_relative_eq!(p.squared().slope(n), (direct(n + h).powi(2) - direct(n - h).powi(2)) / (2.0 * h), max_relative = 1e-7);
+        assert_relative_eq!(
+            p.squared().slope(n),
+            (direct(n + h).powi(2) - direct(n - h).powi(2)) / (2.0 * h),
+            max_relative = 1e-7
+        );
         assert!(p.squared().upper_bound(1.0, 2.0) >= p.squared().at(1.3));
     }
 }

@@ -282,7 +282,9 @@ pub const LIMITS: &[Limit] = &[
         prepare: |c| match c.motor.continuous_torque {
             None => Prepared::NotAsked,
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            Some(bound) => torque(Demand::Polynomial(c.load.mean_torque_squared(&c.actuator), None), 1.0, bound, "motor"),
+            Some(bound) => {
+                torque(Demand::Polynomial(c.load.mean_torque_squared(&c.actuator), None), 1.0, bound, "motor")
+            }
         },
     },
     Limit {
@@ -297,7 +299,9 @@ pub const LIMITS: &[Limit] = &[
                 torque(Demand::Polynomial(mean, None), 1.0 / c.motor.torque_constant, bound, owner)
             }
             (None, Some(_)) => Prepared::Unknown("the motor's thermal resistances are not known"),
-            (None, None) if c.motor.thermal_resistance.is_some() => Prepared::Unknown("no highest winding temperature is known"),
+            (None, None) if c.motor.thermal_resistance.is_some() => {
+                Prepared::Unknown("no highest winding temperature is known")
+            }
             (None, None) => Prepared::NotAsked,
         },
     },
@@ -389,7 +393,9 @@ pub const LIMITS: &[Limit] = &[
         formula: "N² (J_m + J_g) ≤ J",
         class: Class::UpperBound,
         prepare: |c| match c.joint.limits.reflected_inertia {
-            Some(bound) => plain(Demand::Polynomial(Laurent::monomial(c.actuator.inertia, 2), None), 1.0, bound, "requirement"),
+            Some(bound) => {
+                plain(Demand::Polynomial(Laurent::monomial(c.actuator.inertia, 2), None), 1.0, bound, "requirement")
+            }
             None => Prepared::NotAsked,
         },
     },

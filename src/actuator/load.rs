@@ -53,10 +53,14 @@ impl Load {
                 _ => &[-1.0],
             };
             let flow = Flow::of(torque, motion.velocity[k]);
-            signs.iter().map(move |s| WavePoint { features: features(k, torque, rate, *s), flow, origin: k }).collect::<Vec<_>>()
+            signs
+                .iter()
+                .map(move |s| WavePoint { features: features(k, torque, rate, *s), flow, origin: k })
+                .collect::<Vec<_>>()
         };
         let samples = 0..motion.len();
-        let plain: Vec<WavePoint> = samples.clone().flat_map(|k| points(k, motion.torque[k], motion.torque_rate[k])).collect();
+        let plain: Vec<WavePoint> =
+            samples.clone().flat_map(|k| points(k, motion.torque[k], motion.torque_rate[k])).collect();
         let bandwidth = bandwidth.map(|TorqueBandwidth { frequency, amplitude }| {
             let omega = std::f64::consts::TAU * frequency;
             let superposed = samples.clone().flat_map(|k| {

@@ -37,7 +37,10 @@ impl Parameter {
             Parameter::TorqueConstant => {
                 with(motor.torque_constant, sheet.torque_constant.or(sheet.back_emf_constant).or(sheet.speed_constant))
             }
-            Parameter::BackEmfConstant => with(motor.back_emf_constant, sheet.back_emf_constant.or(sheet.torque_constant).or(sheet.speed_constant)),
+            Parameter::BackEmfConstant => with(
+                motor.back_emf_constant,
+                sheet.back_emf_constant.or(sheet.torque_constant).or(sheet.speed_constant),
+            ),
             Parameter::RotorInertia => with(motor.rotor_inertia?, sheet.rotor_inertia),
             Parameter::Mass => with(motor.mass?, sheet.mass),
             Parameter::ThermalResistance => Some((motor.thermal_resistance?, None)),
@@ -77,67 +80,123 @@ pub struct Metric {
     exponents: &'static [(Parameter, f64)],
 }
 
-use Parameter::{BackEmfConstant, GapRadius, Inductance, Mass, Resistance, RotorInertia, ThermalResistance, TorqueConstant};
+use Parameter::{
+    BackEmfConstant, GapRadius, Inductance, Mass, Resistance, RotorInertia, ThermalResistance, TorqueConstant,
+};
 
 /// Every metric.
 pub const METRICS: &[Metric] = &[
     Metric {
-        name: "s_m", symbol: "S_M", unit: "ms", si_suffix: "s", lower_is_better: true,
+        name: "s_m",
+        symbol: "S_M",
+        unit: "ms",
+        si_suffix: "s",
+        lower_is_better: true,
         meaning: "responsiveness J_m/K_M²: the mechanical time constant for L = 0 (Urs et al., eq. 11)",
         exponents: &[(RotorInertia, 1.0), (Resistance, 1.0), (TorqueConstant, -1.0), (BackEmfConstant, -1.0)],
     },
     Metric {
-        name: "s_t", symbol: "S_T", unit: "g*(A/N)^2", si_suffix: "kgm2a2_per_nm2", lower_is_better: true,
+        name: "s_t",
+        symbol: "S_T",
+        unit: "g*(A/N)^2",
+        si_suffix: "kgm2a2_per_nm2",
+        lower_is_better: true,
         meaning: "torque-specific inertia J_m/K_T² (Urs et al., eq. 12)",
         exponents: &[(RotorInertia, 1.0), (TorqueConstant, -2.0)],
     },
     Metric {
-        name: "mass_s_m", symbol: "m·S_M", unit: "g*ms", si_suffix: "kgs", lower_is_better: true,
+        name: "mass_s_m",
+        symbol: "m·S_M",
+        unit: "g*ms",
+        si_suffix: "kgs",
+        lower_is_better: true,
         meaning: "responsiveness weighted by mass",
-        exponents: &[(Mass, 1.0), (RotorInertia, 1.0), (Resistance, 1.0), (TorqueConstant, -1.0), (BackEmfConstant, -1.0)],
+        exponents: &[
+            (Mass, 1.0),
+            (RotorInertia, 1.0),
+            (Resistance, 1.0),
+            (TorqueConstant, -1.0),
+            (BackEmfConstant, -1.0),
+        ],
     },
     Metric {
-        name: "mass_s_t", symbol: "m·S_T", unit: "kg*g*(A/N)^2", si_suffix: "kg2m2a2_per_nm2", lower_is_better: true,
+        name: "mass_s_t",
+        symbol: "m·S_T",
+        unit: "kg*g*(A/N)^2",
+        si_suffix: "kg2m2a2_per_nm2",
+        lower_is_better: true,
         meaning: "torque-specific inertia weighted by mass",
         exponents: &[(Mass, 1.0), (RotorInertia, 1.0), (TorqueConstant, -2.0)],
     },
     Metric {
-        name: "k_m", symbol: "K_M", unit: "N*m/W^0.5", si_suffix: "nm_per_sqrt_w", lower_is_better: false,
+        name: "k_m",
+        symbol: "K_M",
+        unit: "N*m/W^0.5",
+        si_suffix: "nm_per_sqrt_w",
+        lower_is_better: false,
         meaning: "motor constant √(K_T K_B/R)",
         exponents: &[(TorqueConstant, 0.5), (BackEmfConstant, 0.5), (Resistance, -0.5)],
     },
     Metric {
-        name: "k_t", symbol: "K_T", unit: "N*m/A", si_suffix: "nm_per_a", lower_is_better: false,
+        name: "k_t",
+        symbol: "K_T",
+        unit: "N*m/A",
+        si_suffix: "nm_per_a",
+        lower_is_better: false,
         meaning: "torque constant, q axis",
         exponents: &[(TorqueConstant, 1.0)],
     },
     Metric {
-        name: "k_t_per_mass", symbol: "K_T/m", unit: "N*m/(A*kg)", si_suffix: "nm_per_a_kg", lower_is_better: false,
+        name: "k_t_per_mass",
+        symbol: "K_T/m",
+        unit: "N*m/(A*kg)",
+        si_suffix: "nm_per_a_kg",
+        lower_is_better: false,
         meaning: "torque density",
         exponents: &[(TorqueConstant, 1.0), (Mass, -1.0)],
     },
     Metric {
-        name: "k_ts", symbol: "K_ts", unit: "N*m/(kg*K^0.5)", si_suffix: "nm_per_kg_sqrt_k", lower_is_better: false,
+        name: "k_ts",
+        symbol: "K_ts",
+        unit: "N*m/(kg*K^0.5)",
+        si_suffix: "nm_per_kg_sqrt_k",
+        lower_is_better: false,
         meaning: "thermal specific torque (K_T/m) √(1/(R_th R)) (Kenneally et al.)",
         exponents: &[(TorqueConstant, 1.0), (Mass, -1.0), (ThermalResistance, -0.5), (Resistance, -0.5)],
     },
     Metric {
-        name: "gap_radius", symbol: "r_g", unit: "mm", si_suffix: "m", lower_is_better: false,
+        name: "gap_radius",
+        symbol: "r_g",
+        unit: "mm",
+        si_suffix: "m",
+        lower_is_better: false,
         meaning: "gap radius, the traditional criterion",
         exponents: &[(GapRadius, 1.0)],
     },
     Metric {
-        name: "rotor_inertia", symbol: "J_m", unit: "g*cm^2", si_suffix: "kgm2", lower_is_better: true,
+        name: "rotor_inertia",
+        symbol: "J_m",
+        unit: "g*cm^2",
+        si_suffix: "kgm2",
+        lower_is_better: true,
         meaning: "rotor inertia",
         exponents: &[(RotorInertia, 1.0)],
     },
     Metric {
-        name: "mass", symbol: "m", unit: "g", si_suffix: "kg", lower_is_better: true,
+        name: "mass",
+        symbol: "m",
+        unit: "g",
+        si_suffix: "kg",
+        lower_is_better: true,
         meaning: "mass",
         exponents: &[(Mass, 1.0)],
     },
     Metric {
-        name: "electrical_time_constant", symbol: "L/R", unit: "ms", si_suffix: "s", lower_is_better: true,
+        name: "electrical_time_constant",
+        symbol: "L/R",
+        unit: "ms",
+        si_suffix: "s",
+        lower_is_better: true,
         meaning: "electrical time constant",
         exponents: &[(Inductance, 1.0), (Resistance, -1.0)],
     },
@@ -198,7 +257,13 @@ impl Metric {
         let sigma = deviation(a)?.hypot(deviation(b)?);
         let lead = (b.value / a.value).ln() * if self.lower_is_better { 1.0 } else { -1.0 };
         if sigma == 0.0 {
-            return Some(if lead > 0.0 { 1.0 } else if lead < 0.0 { 0.0 } else { 0.5 });
+            return Some(if lead > 0.0 {
+                1.0
+            } else if lead < 0.0 {
+                0.0
+            } else {
+                0.5
+            });
         }
         Normal::new(0.0, 1.0).ok().map(|normal| normal.cdf(lead / sigma))
     }
@@ -210,7 +275,11 @@ pub fn at_matched_inertia(motor: &Motor, inertia: f64) -> Option<MatchedInertia>
     let rotor = motor.rotor_inertia?;
     let ratio = (inertia / rotor).sqrt();
     let motor_constant = (motor.torque_constant * motor.back_emf_constant / motor.resistance).sqrt();
-    Some(MatchedInertia { ratio, torque_constant: ratio * motor.torque_constant, motor_constant: ratio * motor_constant })
+    Some(MatchedInertia {
+        ratio,
+        torque_constant: ratio * motor.torque_constant,
+        motor_constant: ratio * motor_constant,
+    })
 }
 
 /// An actuator whose inertia was matched.

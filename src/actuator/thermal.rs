@@ -28,7 +28,13 @@ pub fn winding_temperature(
 
 /// Mean squared current \[A²\] that heats the winding to `limit` \[K\] in steady state; not positive
 /// where ambient is already too hot.
-pub fn allowed_current_squared(limit: f64, resistance: f64, reference: f64, thermal_resistance: f64, ambient: f64) -> f64 {
+pub fn allowed_current_squared(
+    limit: f64,
+    resistance: f64,
+    reference: f64,
+    thermal_resistance: f64,
+    ambient: f64,
+) -> f64 {
     let hot = resistance * (1.0 + COPPER * (limit - reference)).max(f64::MIN_POSITIVE);
     (limit - ambient) / (thermal_resistance * hot)
 }
@@ -42,7 +48,11 @@ mod tests {
     fn the_allowed_current_leads_to_the_limit() {
         let (limit, r, reference, r_th, ambient) = (398.15, 0.16, 295.642, 1.1752, 303.15);
         let squared = allowed_current_squared(limit, r, reference, r_th, ambient);
-        assert_relative_eq!(winding_temperature(squared, r, reference, r_th, ambient).unwrap(), limit, max_relative = 1e-12);
+        assert_relative_eq!(
+            winding_temperature(squared, r, reference, r_th, ambient).unwrap(),
+            limit,
+            max_relative = 1e-12
+        );
     }
 
     #[test]

@@ -93,7 +93,8 @@ impl Waveform {
         let driving = points.iter().filter(|p| p.flow == Flow::Driving).count();
         // Features are compared in units of their spread, so that no unit is preferred.
         let spread = |f: usize| {
-            let (low, high) = points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.features[f]), h.max(p.features[f])));
+            let (low, high) =
+                points.iter().fold((f64::MAX, f64::MIN), |(l, h), p| (l.min(p.features[f]), h.max(p.features[f])));
             if high > low { high - low } else { f64::INFINITY }
         };
         let spreads: [f64; FEATURES] = std::array::from_fn(spread);
@@ -111,7 +112,14 @@ impl Waveform {
         wave
     }
 
-    fn grow(&mut self, points: &[WavePoint], order: &mut [usize], start: usize, end: usize, spreads: &[f64; FEATURES]) -> usize {
+    fn grow(
+        &mut self,
+        points: &[WavePoint],
+        order: &mut [usize],
+        start: usize,
+        end: usize,
+        spreads: &[f64; FEATURES],
+    ) -> usize {
         let mut low = [f64::MAX; FEATURES];
         let mut high = [f64::MIN; FEATURES];
         for i in &order[start..end] {
@@ -218,7 +226,14 @@ impl Waveform {
     }
 
     #[inline(always)]
-    fn scan(&self, start: usize, end: usize, weights: &Weights, value: impl Fn(&Weights, &[f64; FEATURES]) -> f64, best: &mut Largest) {
+    fn scan(
+        &self,
+        start: usize,
+        end: usize,
+        weights: &Weights,
+        value: impl Fn(&Weights, &[f64; FEATURES]) -> f64,
+        best: &mut Largest,
+    ) {
         let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.columns[f][start..end]);
         for i in 0..end - start {
             let features = std::array::from_fn(|f| columns[f][i]);
@@ -364,14 +379,20 @@ mod tests {
             for id in ["t-motor-ri50", "faulhaber-3274g024bp4", "maxon-ec-90-flat-323772"] {
                 let motor = catalog.motor(id).unwrap();
                 let actuator = Actuator::new(motor, motor.rotor_inertia.unwrap(), &gear);
-                for functional in [Functional::TorqueSquared, Functional::VoltageSquared, Functional::Power, Functional::PowerBack] {
+                for functional in
+                    [Functional::TorqueSquared, Functional::VoltageSquared, Functional::Power, Functional::PowerBack]
+                {
                     for ratio in [0.5, 3.0, 17.0, 140.0] {
                         let found = wave.largest(functional, &actuator, ratio);
                         // Independent of the search: the polynomial of every point.
                         let at = |p: &WavePoint| functional.polynomial(&actuator, p.flow, &p.features).at(ratio);
                         let all = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
                         let size = points.iter().map(|p| at(p).abs()).fold(0.0, f64::max);
-                        assert!((found.value - all).abs() <= 1e-9 * size, "{id} {functional:?} {ratio}: {} {all}", found.value);
+                        assert!(
+                            (found.value - all).abs() <= 1e-9 * size,
+                            "{id} {functional:?} {ratio}: {} {all}",
+                            found.value
+                        );
                         assert!((at(&wave.point(found.index)) - all).abs() <= 1e-9 * size);
                     }
                 }

@@ -56,17 +56,49 @@ struct Outcome {
 pub const CHECKS: &[MotorCheck] = &[
     MotorCheck { code: "motor-constant", compares: "K_M against √(K_T K_B/R)", run: motor_constant },
     MotorCheck { code: "speed-constant", compares: "K_T against the speed constant", run: speed_constant },
-    MotorCheck { code: "back-emf", compares: "K_T against K_B: more torque than back-EMF would make energy", run: back_emf },
+    MotorCheck {
+        code: "back-emf",
+        compares: "K_T against K_B: more torque than back-EMF would make energy",
+        run: back_emf,
+    },
     MotorCheck { code: "stall-torque", compares: "stall torque against K_T V/R", run: stall_torque },
     MotorCheck { code: "no-load-speed", compares: "no-load speed against (V − R I_0)/K_B", run: no_load_speed },
-    MotorCheck { code: "mechanical-time-constant", compares: "mechanical time constant against J_m R/(K_T K_B)", run: mechanical_time_constant },
+    MotorCheck {
+        code: "mechanical-time-constant",
+        compares: "mechanical time constant against J_m R/(K_T K_B)",
+        run: mechanical_time_constant,
+    },
     MotorCheck { code: "responsiveness", compares: "printed S_M against J_m R/(K_T K_B)", run: responsiveness },
-    MotorCheck { code: "torque-specific-inertia", compares: "printed S_T against J_m/K_T²", run: torque_specific_inertia },
-    MotorCheck { code: "peak-torque", compares: "peak torque against K_T I_peak: 0.6 to 0.95 is iron saturation, above 1 an error", run: peak_torque },
-    MotorCheck { code: "continuous-torque", compares: "continuous torque against K_T I_continuous", run: continuous_torque },
-    MotorCheck { code: "inductance-unit", compares: "L/R against what motors have: 0.02 to 20 ms", run: electrical_time_constant },
-    MotorCheck { code: "rotor-inertia", compares: "rotor inertia against the rotor's mass at the gap radius", run: rotor_inertia },
-    MotorCheck { code: "thermal-time-constants", compares: "the winding must warm up faster than the housing", run: thermal },
+    MotorCheck {
+        code: "torque-specific-inertia",
+        compares: "printed S_T against J_m/K_T²",
+        run: torque_specific_inertia,
+    },
+    MotorCheck {
+        code: "peak-torque",
+        compares: "peak torque against K_T I_peak: 0.6 to 0.95 is iron saturation, above 1 an error",
+        run: peak_torque,
+    },
+    MotorCheck {
+        code: "continuous-torque",
+        compares: "continuous torque against K_T I_continuous",
+        run: continuous_torque,
+    },
+    MotorCheck {
+        code: "inductance-unit",
+        compares: "L/R against what motors have: 0.02 to 20 ms",
+        run: electrical_time_constant,
+    },
+    MotorCheck {
+        code: "rotor-inertia",
+        compares: "rotor inertia against the rotor's mass at the gap radius",
+        run: rotor_inertia,
+    },
+    MotorCheck {
+        code: "thermal-time-constants",
+        compares: "the winding must warm up faster than the housing",
+        run: thermal,
+    },
 ];
 
 /// Runs every check over a catalogue, in the order of its rows.
@@ -97,10 +129,24 @@ pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
                 true => format!("the row accepts `{code}`, but there is nothing to accept"),
                 false => format!("the row accepts `{code}`, which is not the code of a check"),
             };
-            findings.push(Finding { id: motor.id.clone(), code: "stale-accept", severity: Severity::Error, message, explanation: None, accepted: false });
+            findings.push(Finding {
+                id: motor.id.clone(),
+                code: "stale-accept",
+                severity: Severity::Error,
+                message,
+                explanation: None,
+                accepted: false,
+            });
         } else if motor.note.is_empty() {
             let message = format!("the row accepts `{code}` but has no note that explains it");
-            findings.push(Finding { id: motor.id.clone(), code: "accept-without-note", severity: Severity::Error, message, explanation: None, accepted: false });
+            findings.push(Finding {
+                id: motor.id.clone(),
+                code: "accept-without-note",
+                severity: Severity::Error,
+                message,
+                explanation: None,
+                accepted: false,
+            });
         }
     }
     findings
@@ -110,17 +156,34 @@ pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
 fn audit_gear(gear: &Gear) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut add = |code, message| {
-        findings.push(Finding { id: gear.id.clone(), code, severity: Severity::Error, message, explanation: None, accepted: false });
+        findings.push(Finding {
+            id: gear.id.clone(),
+            code,
+            severity: Severity::Error,
+            message,
+            explanation: None,
+            accepted: false,
+        });
     };
     if let (GearKind::Planetary, Some(stages)) = (gear.kind, gear.stages) {
         let per_stage = gear.ratio.powf(1.0 / f64::from(stages));
         if !(2.4..=13.0).contains(&per_stage) {
-            add("gear-stages", format!("{stages} planetary stages for a ratio of {}: {} per stage", number(gear.ratio), number(per_stage)));
+            add(
+                "gear-stages",
+                format!(
+                    "{stages} planetary stages for a ratio of {}: {} per stage",
+                    number(gear.ratio),
+                    number(per_stage)
+                ),
+            );
         }
     }
     if let (Some(forward), Some(backward)) = (gear.efficiency, gear.backdrive_efficiency) {
         if backward > forward + 0.1 {
-            add("gear-efficiency", format!("the gear is {} efficient backwards, {} forwards", number(backward), number(forward)));
+            add(
+                "gear-efficiency",
+                format!("the gear is {} efficient backwards, {} forwards", number(backward), number(forward)),
+            );
         }
     }
     findings
@@ -143,7 +206,11 @@ fn frame(motor: &Motor) -> Frame {
     let voltage = motor.sheet.voltage.map(|v| v.value);
     match (motor.conventions.current, commutation) {
         (_, Commutation::Brushed) => Frame {
-            torque_constant: motor.torque_constant, back_emf_constant: motor.back_emf_constant, resistance: motor.resistance, voltage, name: "brushed",
+            torque_constant: motor.torque_constant,
+            back_emf_constant: motor.back_emf_constant,
+            resistance: motor.resistance,
+            voltage,
+            name: "brushed",
         },
         (CurrentConvention::Dc, _) => Frame {
             torque_constant: motor.torque_constant * block,
@@ -171,7 +238,11 @@ fn mismatch(what: &str, printed: f64, expected: f64, allowed: f64, unit: &str, f
     let show = |si: f64| format!("{} {unit}", number(crate::units::in_unit(si, unit)));
     let percent = number(100.0 * deviation.abs());
     let side = if deviation > 0.0 { "above" } else { "below" };
-    Some(format!("{what} is printed as {}, {percent} % {side} the {} that follows from {from}", show(printed), show(expected)))
+    Some(format!(
+        "{what} is printed as {}, {percent} % {side} the {} that follows from {from}",
+        show(printed),
+        show(expected)
+    ))
 }
 
 fn error(message: String, explanation: Option<String>) -> Option<Outcome> {
@@ -218,14 +289,18 @@ fn explain_constants(motor: &Motor, back_emf: f64, speed: bool) -> Option<String
     if speed {
         let kv = motor.sheet.speed_constant?.value;
         for (name, convention) in SpeedConstantConvention::NAMES {
-            if Some(*convention) != motor.conventions.speed_constant && agree(k_t_q, convention.back_emf_constant(commutation) / kv) {
+            if Some(*convention) != motor.conventions.speed_constant
+                && agree(k_t_q, convention.back_emf_constant(commutation) / kv)
+            {
                 readings.push(format!("`speed_constant_convention = {name}`"));
             }
         }
     } else {
         let printed = motor.sheet.back_emf_constant?.value;
         for (name, convention) in BackEmfConvention::NAMES {
-            if Some(*convention) != motor.conventions.back_emf && agree(k_t_q, printed * convention.back_emf_constant(commutation)) {
+            if Some(*convention) != motor.conventions.back_emf
+                && agree(k_t_q, printed * convention.back_emf_constant(commutation))
+            {
                 readings.push(format!("`back_emf_convention = {name}`"));
             }
         }
@@ -250,16 +325,23 @@ fn back_emf(motor: &Motor) -> Option<Outcome> {
         _ => None,
     };
     let percent = |x: f64| format!("{:.1}", 100.0 * x);
-    let by = uncertainty.map_or_else(|| format!("{} %", percent(excess.abs())), |u| format!("{} ± {} %", percent(excess.abs()), percent(u)));
+    let by = uncertainty.map_or_else(
+        || format!("{} %", percent(excess.abs())),
+        |u| format!("{} ± {} %", percent(excess.abs()), percent(u)),
+    );
     if excess > 0.03 {
         return error(
             format!("K_T exceeds K_B by {by}: more torque per ampere than back-EMF would make energy"),
-            explain_constants(motor, motor.back_emf_constant, false)
-                .or_else(|| Some("a back-EMF that is not sinusoidal, or a gain error of the torque or current measurement".into())),
+            explain_constants(motor, motor.back_emf_constant, false).or_else(|| {
+                Some("a back-EMF that is not sinusoidal, or a gain error of the torque or current measurement".into())
+            }),
         );
     }
     if excess < -0.15 {
-        return error(format!("K_T is {by} below K_B: more than saturation and iron loss explain"), explain_constants(motor, motor.back_emf_constant, false));
+        return error(
+            format!("K_T is {by} below K_B: more than saturation and iron loss explain"),
+            explain_constants(motor, motor.back_emf_constant, false),
+        );
     }
     None
 }
@@ -284,13 +366,28 @@ fn stall_torque(motor: &Motor) -> Option<Outcome> {
 fn no_load_speed(motor: &Motor) -> Option<Outcome> {
     let frame = frame(motor);
     let printed = motor.sheet.no_load_speed?.value;
-    let drop = if frame.name == "q-axis" { 0.0 } else { motor.sheet.no_load_current.map_or(0.0, |i| i.value) * frame.resistance };
+    let drop = if frame.name == "q-axis" {
+        0.0
+    } else {
+        motor.sheet.no_load_current.map_or(0.0, |i| i.value) * frame.resistance
+    };
     let expected = (frame.voltage? - drop) / frame.back_emf_constant;
-    let message = mismatch("no-load speed", printed, expected, 0.06, "rpm", &format!("(V − R I_0)/K_B in the {} frame", frame.name))?;
+    let message = mismatch(
+        "no-load speed",
+        printed,
+        expected,
+        0.06,
+        "rpm",
+        &format!("(V − R I_0)/K_B in the {} frame", frame.name),
+    )?;
     let commutation = motor.conventions.commutation;
     let explanation = CurrentConvention::NAMES
         .iter()
-        .filter(|(_, c)| *c != motor.conventions.current && commutation == Commutation::Brushless && motor.sheet.back_emf_constant.is_none())
+        .filter(|(_, c)| {
+            *c != motor.conventions.current
+                && commutation == Commutation::Brushless
+                && motor.sheet.back_emf_constant.is_none()
+        })
         .find_map(|(name, convention)| {
             let k_t = motor.sheet.torque_constant?.value;
             let (k, v) = match convention {
@@ -310,8 +407,10 @@ fn mechanical_time_constant(motor: &Motor) -> Option<Outcome> {
     let message = mismatch("mechanical time constant", printed, expected, 0.05, "ms", &from)?;
     let readings = [(2.0, "twice"), (0.5, "half"), (1.5, "3/2 of"), (2.0 / 3.0, "2/3 of")];
     let ratio = printed / expected;
-    let explanation =
-        readings.iter().find(|(f, _)| (ratio / f - 1.0).abs() < 0.05).map(|(_, name)| format!("it follows with {name} the resistance"));
+    let explanation = readings
+        .iter()
+        .find(|(f, _)| (ratio / f - 1.0).abs() < 0.05)
+        .map(|(_, name)| format!("it follows with {name} the resistance"));
     error(message, explanation)
 }
 
@@ -365,9 +464,18 @@ fn continuous_torque(motor: &Motor) -> Option<Outcome> {
     let share = number(ratio);
     let message = format!("continuous torque is {share} of K_T I_continuous");
     if ratio > 1.05 {
-        return error(message, Some("more than the torque constant gives: another current convention, or torque at a gear's output".into()));
+        return error(
+            message,
+            Some(
+                "more than the torque constant gives: another current convention, or torque at a gear's output".into(),
+            ),
+        );
     }
-    (ratio < 0.7).then(|| Outcome { severity: Severity::Error, message, explanation: Some("losses at speed explain at most some 30 %".into()) })
+    (ratio < 0.7).then(|| Outcome {
+        severity: Severity::Error,
+        message,
+        explanation: Some("losses at speed explain at most some 30 %".into()),
+    })
 }
 
 fn electrical_time_constant(motor: &Motor) -> Option<Outcome> {
@@ -375,10 +483,13 @@ fn electrical_time_constant(motor: &Motor) -> Option<Outcome> {
     if (0.02e-3..=20e-3).contains(&seconds) || motor.inductance == Some(0.0) {
         return None;
     }
-    let explanation = [(1e3, "a thousand times more: the inductance may be headed µH for mH"), (1e-3, "a thousandth: the inductance may be headed mH for µH")]
-        .iter()
-        .find(|(factor, _)| (0.02e-3..=20e-3).contains(&(seconds * factor)))
-        .map(|(factor, why)| format!("{why} (L/R would be {} ms)", number(seconds * factor * 1e3)));
+    let explanation = [
+        (1e3, "a thousand times more: the inductance may be headed µH for mH"),
+        (1e-3, "a thousandth: the inductance may be headed mH for µH"),
+    ]
+    .iter()
+    .find(|(factor, _)| (0.02e-3..=20e-3).contains(&(seconds * factor)))
+    .map(|(factor, why)| format!("{why} (L/R would be {} ms)", number(seconds * factor * 1e3)));
     error(format!("L/R is {} ms: no motor is like that", number(seconds * 1e3)), explanation)
 }
 
@@ -392,12 +503,17 @@ fn rotor_inertia(motor: &Motor) -> Option<Outcome> {
 }
 
 fn thermal(motor: &Motor) -> Option<Outcome> {
-    let (winding, housing) = (motor.sheet.thermal_time_constant_winding?.value, motor.sheet.thermal_time_constant_housing?.value);
+    let (winding, housing) =
+        (motor.sheet.thermal_time_constant_winding?.value, motor.sheet.thermal_time_constant_housing?.value);
     if winding <= housing {
         return None;
     }
     error(
-        format!("the winding's time constant ({} s) is longer than the housing's ({} s)", number(winding), number(housing)),
+        format!(
+            "the winding's time constant ({} s) is longer than the housing's ({} s)",
+            number(winding),
+            number(housing)
+        ),
         Some("the two may be swapped".into()),
     )
 }

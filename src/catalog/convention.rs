@@ -160,7 +160,9 @@ impl Terminals {
     /// the windings are connected: `None` where it is not said.
     pub fn resistance(self, winding: Option<Winding>, commutation: Commutation) -> Option<f64> {
         match (self, winding, commutation) {
-            (_, _, Commutation::Brushed) | (Terminals::QAxis, ..) | (Terminals::Winding, Some(Winding::Wye), _) => Some(1.0),
+            (_, _, Commutation::Brushed) | (Terminals::QAxis, ..) | (Terminals::Winding, Some(Winding::Wye), _) => {
+                Some(1.0)
+            }
             (Terminals::LineToLine, ..) => Some(0.5),
             (Terminals::Winding, Some(Winding::Delta), _) => Some(1.0 / 3.0),
             (Terminals::Winding, None, _) => None,
@@ -175,7 +177,8 @@ impl Winding {
 
 impl Commutation {
     /// Both kinds with the word a catalogue uses for them.
-    pub const NAMES: &[(&str, Commutation)] = &[("brushless", Commutation::Brushless), ("brushed", Commutation::Brushed)];
+    pub const NAMES: &[(&str, Commutation)] =
+        &[("brushless", Commutation::Brushless), ("brushed", Commutation::Brushed)];
 }
 
 /// The word of a convention in its list of names.
@@ -222,8 +225,18 @@ mod tests {
     const MACHINES: &[Machine] = &[
         Machine { name: "RI50", flux: 0.105 / 1.224_744_871_391_589 / 7.0, phase_resistance: 0.705, pole_pairs: 7.0 },
         Machine { name: "U8", flux: 0.14 / 1.224_744_871_391_589 / 21.0, phase_resistance: 0.093, pole_pairs: 21.0 },
-        Machine { name: "maxon 323218", flux: 0.014 * PI / (3.0 * 1.732_050_807_568_877_2) / 2.0, phase_resistance: 0.2635, pole_pairs: 2.0 },
-        Machine { name: "FAULHABER 4221G024BXTH", flux: 0.0377 * PI / (3.0 * 1.732_050_807_568_877_2) / 7.0, phase_resistance: 0.37, pole_pairs: 7.0 },
+        Machine {
+            name: "maxon 323218",
+            flux: 0.014 * PI / (3.0 * 1.732_050_807_568_877_2) / 2.0,
+            phase_resistance: 0.2635,
+            pole_pairs: 2.0,
+        },
+        Machine {
+            name: "FAULHABER 4221G024BXTH",
+            flux: 0.0377 * PI / (3.0 * 1.732_050_807_568_877_2) / 7.0,
+            phase_resistance: 0.37,
+            pole_pairs: 7.0,
+        },
         Machine { name: "mj5208 on a moteus", flux: 0.0273 / 1.5 / 7.0, phase_resistance: 0.047, pole_pairs: 7.0 },
     ];
 
@@ -292,13 +305,21 @@ mod tests {
             // Block commutation: a DC ampere flows through two windings in series, so its heat is
             // 2 R_phase i², which the heating factor must reproduce.
             let heating = 3.0 * CurrentConvention::Dc.heating_current(brushless);
-            assert_relative_eq!(machine.phase_resistance * heating * heating, 2.0 * machine.phase_resistance * 9.0, max_relative = 1e-12);
+            assert_relative_eq!(
+                machine.phase_resistance * heating * heating,
+                2.0 * machine.phase_resistance * 9.0,
+                max_relative = 1e-12
+            );
             // Speed constants are the inverse of the back-EMF they are taken on.
             for (speed_convention, emf) in [
                 (SpeedConstantConvention::LineToLinePeak, 3.0_f64.sqrt() * pl),
                 (SpeedConstantConvention::Dc, 3.0 * 3.0_f64.sqrt() / PI * pl),
             ] {
-                assert_relative_eq!(speed_convention.back_emf_constant(brushless) * emf, 1.5_f64.sqrt() * pl, max_relative = 1e-12);
+                assert_relative_eq!(
+                    speed_convention.back_emf_constant(brushless) * emf,
+                    1.5_f64.sqrt() * pl,
+                    max_relative = 1e-12
+                );
             }
             assert!(!machine.name.is_empty());
         }
@@ -308,15 +329,25 @@ mod tests {
     fn the_factors_are_those_on_paper() {
         assert_relative_eq!(BLOCK, 0.740_480_489_693, max_relative = 1e-9);
         let brushless = Commutation::Brushless;
-        assert_relative_eq!(CurrentConvention::Dc.torque_current(brushless), 3.0 * 2.0_f64.sqrt() / PI, max_relative = 1e-12);
+        assert_relative_eq!(
+            CurrentConvention::Dc.torque_current(brushless),
+            3.0 * 2.0_f64.sqrt() / PI,
+            max_relative = 1e-12
+        );
         // 8.27/Kv is the phase-amplitude torque constant of an outrunner; rms is √2 of it.
         let kv = crate::units::quantity("100 rpm/V", &crate::units::SPEED_CONSTANT).unwrap();
         let q = SpeedConstantConvention::LineToLinePeak.back_emf_constant(brushless) / kv;
-        assert_relative_eq!(q / CurrentConvention::PhaseAmplitude.torque_constant(brushless), 0.0827, max_relative = 1e-3);
+        assert_relative_eq!(
+            q / CurrentConvention::PhaseAmplitude.torque_constant(brushless),
+            0.0827,
+            max_relative = 1e-3
+        );
         // Voltage: the largest line-to-line voltage under space-vector modulation is the bus.
-        let line_to_line_peak = Modulation::SpaceVector.voltage(brushless) / BackEmfConvention::LineToLinePeak.back_emf_constant(brushless);
+        let line_to_line_peak =
+            Modulation::SpaceVector.voltage(brushless) / BackEmfConvention::LineToLinePeak.back_emf_constant(brushless);
         assert_relative_eq!(line_to_line_peak, 1.0, max_relative = 1e-12);
-        let phase_peak = Modulation::Sine.voltage(brushless) / BackEmfConvention::PhasePeak.back_emf_constant(brushless);
+        let phase_peak =
+            Modulation::Sine.voltage(brushless) / BackEmfConvention::PhasePeak.back_emf_constant(brushless);
         assert_relative_eq!(phase_peak, 0.5, max_relative = 1e-12);
     }
 

@@ -55,7 +55,10 @@ impl Catalog {
                 let found = csv_files(path);
                 if found.is_empty() {
                     let source = Arc::new(Source::new(path.display().to_string(), ""));
-                    errors.push(InputError { source, problems: vec![Problem::whole("there is no .csv file in this folder")] });
+                    errors.push(InputError {
+                        source,
+                        problems: vec![Problem::whole("there is no .csv file in this folder")],
+                    });
                 }
                 files.extend(found);
             } else {
@@ -92,7 +95,11 @@ impl Catalog {
             let mut twice = |homes: &mut HashMap<String, String>, id: &str| {
                 if let Some(first) = homes.insert(id.to_string(), source.name().to_string()) {
                     let at = source.text().find(id).unwrap_or(0);
-                    let problem = Problem::at(at..at + id.len(), format!("the id `{id}` stands in two files"), format!("first in {first}"));
+                    let problem = Problem::at(
+                        at..at + id.len(),
+                        format!("the id `{id}` stands in two files"),
+                        format!("first in {first}"),
+                    );
                     errors.push(InputError { source: source.clone(), problems: vec![problem] });
                 }
             };
@@ -137,7 +144,10 @@ impl Catalog {
 fn csv_files(folder: &Path) -> Vec<PathBuf> {
     let list = |folder: &Path| -> Vec<PathBuf> {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        entries.map(|e| e.path()).filter(|p| p.is_file() && p.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))).collect()
+        entries
+            .map(|e| e.path())
+            .filter(|p| p.is_file() && p.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")))
+            .collect()
     };
     let mut files = list(folder);
     files.extend(list(&folder.join("motors")));

@@ -104,7 +104,12 @@ impl Motor {
     ///
     /// # Errors
     /// What is missing for it.
-    pub fn new(identity: Identity, conventions: Conventions, sheet: Sheet, pole_pairs: Option<u32>) -> Result<Motor, Incomplete> {
+    pub fn new(
+        identity: Identity,
+        conventions: Conventions,
+        sheet: Sheet,
+        pole_pairs: Option<u32>,
+    ) -> Result<Motor, Incomplete> {
         let commutation = conventions.commutation;
         let mut assumptions = Vec::new();
         let value = |p: Option<Printed>| p.map(|p| p.value);
@@ -146,7 +151,8 @@ impl Motor {
             rotor_inertia: value(sheet.rotor_inertia),
             mass: value(sheet.mass),
             pole_pairs: if commutation == Commutation::Brushed { Some(0) } else { pole_pairs },
-            continuous_current: value(sheet.continuous_current).map(|i| i * conventions.current.heating_current(commutation)),
+            continuous_current: value(sheet.continuous_current)
+                .map(|i| i * conventions.current.heating_current(commutation)),
             peak_current: value(sheet.peak_current).map(|i| i * conventions.current.torque_current(commutation)),
             continuous_torque: value(sheet.continuous_torque),
             peak_torque: value(sheet.peak_torque),

@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::convention::{BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding};
+use super::convention::{
+    BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding,
+};
 use super::gear::{Gear, GearKind};
 use super::motor::{Identity, Incomplete, Motor};
 use super::sheet::{Conventions, FIELDS, Printed, Sheet, SourceKind};
@@ -12,7 +14,13 @@ use crate::input::{InputError, Problem, Range, Source};
 use crate::units;
 
 const MOTOR_TEXTS: &[&str] = &[
-    "manufacturer", "model", "commutation", "winding", "back_emf_convention", "speed_constant_convention", "note",
+    "manufacturer",
+    "model",
+    "commutation",
+    "winding",
+    "back_emf_convention",
+    "speed_constant_convention",
+    "note",
     "audit_accept",
 ];
 const MOTOR_REQUIRED: &[&str] = &["id", "terminals", "current", "source", "source_kind"];
@@ -31,18 +39,42 @@ struct GearField {
 const GEAR_FIELDS: &[GearField] = &[
     GearField { name: "ratio", kind: &units::RATIO, range: Range::Positive, set: |g, v| g.ratio = v },
     GearField { name: "efficiency", kind: &units::RATIO, range: Range::Fraction, set: |g, v| g.efficiency = Some(v) },
-    GearField { name: "backdrive_efficiency", kind: &units::RATIO, range: Range::Any, set: |g, v| g.backdrive_efficiency = Some(v) },
+    GearField {
+        name: "backdrive_efficiency",
+        kind: &units::RATIO,
+        range: Range::Any,
+        set: |g, v| g.backdrive_efficiency = Some(v),
+    },
     GearField { name: "mass", kind: &units::MASS, range: Range::NonNegative, set: |g, v| g.mass = Some(v) },
     GearField { name: "inertia", kind: &units::INERTIA, range: Range::NonNegative, set: |g, v| g.inertia = Some(v) },
-    GearField { name: "continuous_torque", kind: &units::TORQUE, range: Range::Positive, set: |g, v| g.continuous_torque = Some(v) },
-    GearField { name: "peak_torque", kind: &units::TORQUE, range: Range::Positive, set: |g, v| g.peak_torque = Some(v) },
-    GearField { name: "max_input_speed", kind: &units::SPEED, range: Range::Positive, set: |g, v| g.max_input_speed = Some(v) },
+    GearField {
+        name: "continuous_torque",
+        kind: &units::TORQUE,
+        range: Range::Positive,
+        set: |g, v| g.continuous_torque = Some(v),
+    },
+    GearField {
+        name: "peak_torque",
+        kind: &units::TORQUE,
+        range: Range::Positive,
+        set: |g, v| g.peak_torque = Some(v),
+    },
+    GearField {
+        name: "max_input_speed",
+        kind: &units::SPEED,
+        range: Range::Positive,
+        set: |g, v| g.max_input_speed = Some(v),
+    },
     GearField { name: "backlash", kind: &units::ANGLE, range: Range::NonNegative, set: |g, v| g.backlash = Some(v) },
     GearField { name: "stiffness", kind: &units::STIFFNESS, range: Range::Positive, set: |g, v| g.stiffness = Some(v) },
 ];
 
 fn text_columns(names: &[&str], required: bool) -> impl Iterator<Item = Column> {
-    names.iter().map(move |name| Column { name: (*name).to_string(), content: Content::Text, required }).collect::<Vec<_>>().into_iter()
+    names
+        .iter()
+        .map(move |name| Column { name: (*name).to_string(), content: Content::Text, required })
+        .collect::<Vec<_>>()
+        .into_iter()
 }
 
 /// The columns that a motor catalogue may have, in the order of the documentation.
@@ -52,7 +84,11 @@ pub fn motor_columns() -> Vec<Column> {
     for field in FIELDS {
         let required = field.name == "resistance";
         columns.push(Column { name: field.name.into(), content: Content::Quantity(field.kind, field.range), required });
-        columns.push(Column { name: format!("{}_tolerance", field.name), content: Content::Tolerance(field.kind), required: false });
+        columns.push(Column {
+            name: format!("{}_tolerance", field.name),
+            content: Content::Tolerance(field.kind),
+            required: false,
+        });
     }
     columns
 }
@@ -62,7 +98,11 @@ pub fn gear_columns() -> Vec<Column> {
     let mut columns: Vec<Column> = text_columns(GEAR_REQUIRED, true).chain(text_columns(GEAR_TEXTS, false)).collect();
     columns.push(Column { name: "stages".into(), content: Content::Count, required: false });
     for field in GEAR_FIELDS {
-        columns.push(Column { name: field.name.into(), content: Content::Quantity(field.kind, field.range), required: field.name == "ratio" });
+        columns.push(Column {
+            name: field.name.into(),
+            content: Content::Quantity(field.kind, field.range),
+            required: field.name == "ratio",
+        });
     }
     columns
 }
@@ -128,7 +168,11 @@ fn note_duplicate(table: &Table, row: usize, id: &str, seen: &mut HashMap<String
 fn required(table: &Table, row: usize, name: &str, problems: &mut Vec<Problem>) -> Option<String> {
     let text = table.text(row, name).map(str::to_string);
     if text.is_none() && table.has(name) {
-        problems.push(Problem::at(table.row_span(row), format!("`{name}` is blank"), format!("this row needs its {name}")));
+        problems.push(Problem::at(
+            table.row_span(row),
+            format!("`{name}` is blank"),
+            format!("this row needs its {name}"),
+        ));
     }
     text
 }
@@ -139,8 +183,12 @@ fn read_identity(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Opti
         let good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '-' | '.' | '_');
         if !id.chars().all(good) {
             problems.push(
-                Problem::at(table.cell_span(row, "id"), "an id has lower-case letters, digits, `-`, `_` and `.` only", "other characters here")
-                    .help(format!("for example `{}`", id.to_lowercase().replace(|c| !good(c), "-"))),
+                Problem::at(
+                    table.cell_span(row, "id"),
+                    "an id has lower-case letters, digits, `-`, `_` and `.` only",
+                    "other characters here",
+                )
+                .help(format!("for example `{}`", id.to_lowercase().replace(|c| !good(c), "-"))),
             );
         }
     }
@@ -160,7 +208,11 @@ fn read_identity(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Opti
         source: source?,
         source_kind: source_kind?,
         note: text("note"),
-        accepted_findings: text("audit_accept").split([';', ' ']).filter(|s| !s.is_empty()).map(str::to_string).collect(),
+        accepted_findings: text("audit_accept")
+            .split([';', ' '])
+            .filter(|s| !s.is_empty())
+            .map(str::to_string)
+            .collect(),
     })
 }
 
@@ -170,8 +222,12 @@ fn read_motor(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<
     let convention = |name: &str, problems: &mut Vec<Problem>, names: &str| {
         if table.text(row, name).is_none() && table.has(name) {
             problems.push(
-                Problem::at(table.row_span(row), format!("`{name}` is blank: no convention given"), "the numbers of this row cannot be read without it")
-                    .help(format!("one of {names}; `audit` can suggest which fits")),
+                Problem::at(
+                    table.row_span(row),
+                    format!("`{name}` is blank: no convention given"),
+                    "the numbers of this row cannot be read without it",
+                )
+                .help(format!("one of {names}; `audit` can suggest which fits")),
             );
         }
     };
@@ -206,13 +262,18 @@ fn read_motor(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<
     }
     if let (Some(continuous), Some(peak)) = (sheet.continuous_current, sheet.peak_current) {
         if continuous.value > peak.value {
-            problems.push(Problem::at(table.cell_span(row, "peak_current"), "`peak_current` is less than `continuous_current`", "the two may be swapped"));
+            problems.push(Problem::at(
+                table.cell_span(row, "peak_current"),
+                "`peak_current` is less than `continuous_current`",
+                "the two may be swapped",
+            ));
         }
     }
     if problems.len() > before {
         return None;
     }
-    let conventions = Conventions { commutation, terminals: terminals?, winding, current: current?, back_emf, speed_constant };
+    let conventions =
+        Conventions { commutation, terminals: terminals?, winding, current: current?, back_emf, speed_constant };
     match Motor::new(identity?, conventions, sheet, pole_pairs) {
         Ok(motor) => Some(motor),
         Err(incomplete) => {
@@ -224,13 +285,21 @@ fn read_motor(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<
 
 fn incomplete_problem(table: &Table, row: usize, incomplete: Incomplete) -> Problem {
     let (column, message, help) = match incomplete {
-        Incomplete::Resistance => ("resistance", "`resistance` is blank", "without a resistance nothing can be said of a motor; leave the row out"),
+        Incomplete::Resistance => (
+            "resistance",
+            "`resistance` is blank",
+            "without a resistance nothing can be said of a motor; leave the row out",
+        ),
         Incomplete::TorqueConstant => (
             "torque_constant",
             "no torque constant, and nothing to derive it from",
             "give torque_constant, back_emf_constant or speed_constant",
         ),
-        Incomplete::Winding => ("terminals", "`terminals` is `winding`, but `winding` does not say wye or delta", "give winding as wye or delta"),
+        Incomplete::Winding => (
+            "terminals",
+            "`terminals` is `winding`, but `winding` does not say wye or delta",
+            "give winding as wye or delta",
+        ),
         Incomplete::BackEmfConvention => (
             "back_emf_constant",
             "`back_emf_constant` stands without `back_emf_convention`",
@@ -254,10 +323,25 @@ fn read_gear(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<G
     let kind = table.choice(row, "kind", GearKind::NAMES, problems);
     let stages = table.number(row, "stages", problems).map(|n| n.value as u32);
     let mut gear = Gear {
-        id: String::new(), manufacturer: String::new(), model: String::new(), kind: kind.unwrap_or(GearKind::Direct), ratio: f64::NAN, stages,
-        efficiency: None, backdrive_efficiency: None, mass: None, inertia: None, continuous_torque: None, peak_torque: None,
-        max_input_speed: None, backlash: None, stiffness: None, fits: Vec::new(), source: String::new(),
-        source_kind: SourceKind::Datasheet, note: String::new(),
+        id: String::new(),
+        manufacturer: String::new(),
+        model: String::new(),
+        kind: kind.unwrap_or(GearKind::Direct),
+        ratio: f64::NAN,
+        stages,
+        efficiency: None,
+        backdrive_efficiency: None,
+        mass: None,
+        inertia: None,
+        continuous_torque: None,
+        peak_torque: None,
+        max_input_speed: None,
+        backlash: None,
+        stiffness: None,
+        fits: Vec::new(),
+        source: String::new(),
+        source_kind: SourceKind::Datasheet,
+        note: String::new(),
     };
     for field in GEAR_FIELDS {
         if let Some(number) = table.number(row, field.name, problems) {
@@ -268,14 +352,23 @@ fn read_gear(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<G
         required(table, row, "ratio", problems);
     }
     if gear.backdrive_efficiency.is_some_and(|b| b > 1.0) {
-        problems.push(Problem::at(table.cell_span(row, "backdrive_efficiency"), "`backdrive_efficiency` is out of range", "expected at most 1"));
+        problems.push(Problem::at(
+            table.cell_span(row, "backdrive_efficiency"),
+            "`backdrive_efficiency` is out of range",
+            "expected at most 1",
+        ));
     }
     if let (Some(continuous), Some(peak)) = (gear.continuous_torque, gear.peak_torque) {
         if continuous > peak {
-            problems.push(Problem::at(table.cell_span(row, "peak_torque"), "`peak_torque` is less than `continuous_torque`", "the two may be swapped"));
+            problems.push(Problem::at(
+                table.cell_span(row, "peak_torque"),
+                "`peak_torque` is less than `continuous_torque`",
+                "the two may be swapped",
+            ));
         }
     }
-    gear.fits = table.text(row, "fits").unwrap_or("").split([';', ' ']).filter(|p| !p.is_empty()).map(str::to_string).collect();
+    gear.fits =
+        table.text(row, "fits").unwrap_or("").split([';', ' ']).filter(|p| !p.is_empty()).map(str::to_string).collect();
     if problems.len() > before || kind.is_none() {
         return None;
     }

@@ -3,7 +3,9 @@
 //! [`FIELDS`] is the one list of numeric columns: a new one is one line here and one member of
 //! [`Sheet`]; reader, audit and documentation follow.
 
-use super::convention::{BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding};
+use super::convention::{
+    BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding,
+};
 use crate::input::Range;
 use crate::units::{self, Kind};
 

@@ -32,18 +32,24 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             Ok(_) => return Err(Failure::Argument(format!("`--inertia {text}` is not greater than zero"))),
             Err(error) => {
                 let kind = &units::INERTIA;
-                return Err(Failure::Argument(format!("`--inertia {text}`: {}; {}", error.message(kind), error.help(kind))));
+                return Err(Failure::Argument(format!(
+                    "`--inertia {text}`: {}; {}",
+                    error.message(kind),
+                    error.help(kind)
+                )));
             }
         },
     };
     let catalog = super::motors(&arguments.catalog.catalog)?;
     let find = |id: &str| {
         catalog.motor(id).map_err(|near| {
-            let help = near.map_or_else(|| "`gearwise rank` lists them".to_string(), |n| format!("did you mean `{n}`?"));
+            let help =
+                near.map_or_else(|| "`gearwise rank` lists them".to_string(), |n| format!("did you mean `{n}`?"));
             Failure::Argument(format!("there is no motor `{id}` in the catalogue; {help}"))
         })
     };
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
-    let text = if arguments.json { crate::report::json_text(&report::json(&comparison)) } else { report::text(&comparison) };
+    let text =
+        if arguments.json { crate::report::json_text(&report::json(&comparison)) } else { report::text(&comparison) };
     Ok(Done { text, satisfied: true })
 }

@@ -56,7 +56,12 @@ struct Output {
 
 impl Output {
     /// The text in the form that was asked for.
-    fn choose(&self, text: impl FnOnce() -> String, json: impl FnOnce() -> serde_json::Value, csv: impl FnOnce() -> String) -> String {
+    fn choose(
+        &self,
+        text: impl FnOnce() -> String,
+        json: impl FnOnce() -> serde_json::Value,
+        csv: impl FnOnce() -> String,
+    ) -> String {
         if self.json {
             crate::report::json_text(&json())
         } else if self.csv {
@@ -172,7 +177,12 @@ pub fn run() -> ExitCode {
                 eprint!("{error}");
             }
             let mistakes: usize = errors.iter().map(|e| e.problems.len()).sum();
-            eprintln!("{mistakes} {} in {} {}", plural(mistakes, "mistake"), errors.len(), plural(errors.len(), "file"));
+            eprintln!(
+                "{mistakes} {} in {} {}",
+                plural(mistakes, "mistake"),
+                errors.len(),
+                plural(errors.len(), "file")
+            );
             ExitCode::from(2)
         }
         Err(Failure::Argument(message)) => {

@@ -35,6 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let result = optimize_with_progress(&robot, &catalog, &|| bar.inc(1));
     bar.finish_and_clear();
     let shown = report::Shown { top: arguments.top, rejected: arguments.rejected };
-    let text = arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));
+    let text =
+        arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));
     Ok(Done { text, satisfied: result.satisfied() })
 }

@@ -30,17 +30,25 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let by = metric(&arguments.sort).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
+    let by =
+        metric(&arguments.sort).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
     let tolerance = match &arguments.tolerance {
         None => None,
         Some(text) => match units::quantity(text, &units::RATIO) {
             Ok(value) if (0.0..1.0).contains(&value) => Some(value),
-            _ => return Err(Failure::Argument(format!("`--tolerance {text}` is not a tolerance; write it like 5% or 0.05"))),
+            _ => {
+                return Err(Failure::Argument(format!(
+                    "`--tolerance {text}` is not a tolerance; write it like 5% or 0.05"
+                )));
+            }
         },
     };
     let catalog = super::motors(&arguments.catalog)?;
     let ranking = Ranking::new(&catalog.motors, by, tolerance);
-    let text =
-        arguments.output.choose(|| report::text(&ranking, arguments.top), || report::json(&ranking), || report::csv(&ranking));
+    let text = arguments.output.choose(
+        || report::text(&ranking, arguments.top),
+        || report::json(&ranking),
+        || report::csv(&ranking),
+    );
     Ok(Done { text, satisfied: true })
 }

@@ -46,7 +46,10 @@ fn order(name: &str) -> Result<Order, Failure> {
         return Ok(Order::Quantity(*quantity));
     }
     METRICS.iter().find(|m| m.name == name).map(Order::Metric).ok_or_else(|| {
-        let names = ["objective", "margin"].into_iter().chain(Quantity::NAMES.iter().map(|(n, _)| *n)).chain(METRICS.iter().map(|m| m.name));
+        let names = ["objective", "margin"]
+            .into_iter()
+            .chain(Quantity::NAMES.iter().map(|(n, _)| *n))
+            .chain(METRICS.iter().map(|m| m.name));
         super::unknown_order(name, names)
     })
 }

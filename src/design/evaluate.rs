@@ -103,7 +103,9 @@ impl<'a> Prepared<'a> {
         for asked in &self.asked {
             let (raw, sample) = match asked.demand {
                 // Current and torque limits share the search that has been made already.
-                Demand::Samples(Functional::TorqueSquared) => (peak.value, Some(candidate.load.waveform.origin(peak.index))),
+                Demand::Samples(Functional::TorqueSquared) => {
+                    (peak.value, Some(candidate.load.waveform.origin(peak.index)))
+                }
                 _ => asked.raw_demand(candidate, ratio),
             };
             let demand = asked.natural(raw);
@@ -136,7 +138,10 @@ impl<'a> Prepared<'a> {
     /// By how much the worst limit is exceeded at a ratio, relative in the functional; not positive
     /// where all are kept.
     pub fn violation(&self, ratio: f64) -> f64 {
-        self.asked.iter().map(|a| violation(a.raw_demand(&self.candidate, ratio).0, a.raw_bound())).fold(f64::NEG_INFINITY, f64::max)
+        self.asked
+            .iter()
+            .map(|a| violation(a.raw_demand(&self.candidate, ratio).0, a.raw_bound()))
+            .fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Winding temperature in steady state at a ratio \[K\]: `None` where it cannot be told,
@@ -145,7 +150,13 @@ impl<'a> Prepared<'a> {
         let motor = self.candidate.motor;
         let r_th = motor.thermal_resistance.filter(|_| self.candidate.load.has_durations)?;
         let mean = self.mean_torque_squared.at(ratio).max(0.0) / motor.torque_constant.powi(2);
-        Some(thermal::winding_temperature(mean, motor.resistance, motor.reference_temperature, r_th, self.candidate.robot.ambient))
+        Some(thermal::winding_temperature(
+            mean,
+            motor.resistance,
+            motor.reference_temperature,
+            r_th,
+            self.candidate.robot.ambient,
+        ))
     }
 
     /// Longest time that the current needs for its jumps where the motion reverses \[s\]:
@@ -175,7 +186,13 @@ impl<'a> Prepared<'a> {
             let jump = (step * torque.abs() / ratio + 2.0 * friction) / actuator.torque_constant;
             let current = load(Flow::Driving) * torque.abs() / ratio / actuator.torque_constant;
             let left = candidate.voltage() - actuator.resistance * current;
-            longest = longest.max(if jump == 0.0 { 0.0 } else if left > 0.0 { inductance * jump / left } else { f64::INFINITY });
+            longest = longest.max(if jump == 0.0 {
+                0.0
+            } else if left > 0.0 {
+                inductance * jump / left
+            } else {
+                f64::INFINITY
+            });
         }
         Some(longest)
     }

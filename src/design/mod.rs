@@ -55,14 +55,25 @@ pub fn allowed_gears<'a>(joint: &Joint, catalog: &'a Catalog) -> Vec<&'a Gear> {
 }
 
 /// A candidate with a continuous ratio.
-pub fn continuous_candidate<'a>(robot: &'a Robot, joint: &'a Joint, load: &'a Load, motor: &'a Motor) -> Result<Candidate<'a>, Unusable> {
+pub fn continuous_candidate<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    load: &'a Load,
+    motor: &'a Motor,
+) -> Result<Candidate<'a>, Unusable> {
     let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
     let actuator = Actuator::new(motor, rotor, &joint.gear);
     Ok(Candidate { robot, joint, load, motor, catalog_gear: None, gear: joint.gear, actuator })
 }
 
 /// A candidate with a gear of the catalogue.
-pub fn geared_candidate<'a>(robot: &'a Robot, joint: &'a Joint, load: &'a Load, motor: &'a Motor, gear: &'a Gear) -> Result<Candidate<'a>, Unusable> {
+pub fn geared_candidate<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    load: &'a Load,
+    motor: &'a Motor,
+    gear: &'a Gear,
+) -> Result<Candidate<'a>, Unusable> {
     let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
     let efficiency = gear.efficiency.ok_or(Unusable::GearEfficiency)?;
     let model = GearModel {

@@ -103,7 +103,8 @@ pub fn optimize<'a>(robot: &'a Robot, catalog: &'a Catalog) -> RobotResult<'a> {
 /// As [`optimize`]; `tick` is called once for each motor and joint that is done.
 pub fn optimize_with_progress<'a>(robot: &'a Robot, catalog: &'a Catalog, tick: &(dyn Fn() + Sync)) -> RobotResult<'a> {
     let loads: Vec<Load> = robot.joints.par_iter().map(|j| Load::new(&j.motion, j.limits.torque_bandwidth)).collect();
-    let pairs: Vec<(usize, &Motor)> = (0..robot.joints.len()).flat_map(|j| catalog.motors.iter().map(move |m| (j, m))).collect();
+    let pairs: Vec<(usize, &Motor)> =
+        (0..robot.joints.len()).flat_map(|j| catalog.motors.iter().map(move |m| (j, m))).collect();
     let found: Vec<(usize, Result<Design, Rejected>)> = pairs
         .par_iter()
         .map(|(j, motor)| {
@@ -137,14 +138,21 @@ pub fn optimize_with_progress<'a>(robot: &'a Robot, catalog: &'a Catalog, tick: 
 }
 
 /// The best design of one motor at one joint.
-pub fn best_design<'a>(robot: &'a Robot, joint: &'a Joint, load: &Load, motor: &'a Motor, catalog: &'a Catalog) -> Result<Design<'a>, Rejected<'a>> {
+pub fn best_design<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    load: &Load,
+    motor: &'a Motor,
+    catalog: &'a Catalog,
+) -> Result<Design<'a>, Rejected<'a>> {
     let reject = |gear, reason| Rejected { motor, gear, reason };
     if joint.objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
         return Err(reject(None, Reason::Unusable(Unusable::Mass)));
     }
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => {
-            let candidate = continuous_candidate(robot, joint, load, motor).map_err(|u| reject(None, Reason::Unusable(u)))?;
+            let candidate =
+                continuous_candidate(robot, joint, load, motor).map_err(|u| reject(None, Reason::Unusable(u)))?;
             let prepared = Prepared::new(candidate);
             match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
                 Outcome::Optimal(optimum) => Ok(design(&prepared, motor, None, optimum)),
@@ -153,7 +161,9 @@ pub fn best_design<'a>(robot: &'a Robot, joint: &'a Joint, load: &Load, motor: &
                 Outcome::NotSolved(why) => Err(reject(None, Reason::NotSolved(why))),
             }
         }
-        RatioChoice::Catalog(_) => best_gear(robot, joint, load, motor, catalog).map_err(|(gear, reason)| reject(gear, reason)),
+        RatioChoice::Catalog(_) => {
+            best_gear(robot, joint, load, motor, catalog).map_err(|(gear, reason)| reject(gear, reason))
+        }
     }
 }
 
@@ -226,7 +236,9 @@ fn best_gear<'a>(
     }
     match nearest {
         Some((_, gear, bind, over)) => Err((Some(gear), Reason::Gears { bind, over, tried })),
-        None => Err((None, Reason::Unusable(if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { unusable }))),
+        None => {
+            Err((None, Reason::Unusable(if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { unusable })))
+        }
     }
 }
 
@@ -253,7 +265,8 @@ impl RobotResult<'_> {
 
     /// Number of different motors among the first choices.
     pub fn distinct_motors(&self) -> usize {
-        let mut ids: Vec<&str> = self.joints.iter().filter_map(|j| j.candidates.first().map(|d| d.motor.id.as_str())).collect();
+        let mut ids: Vec<&str> =
+            self.joints.iter().filter_map(|j| j.candidates.first().map(|d| d.motor.id.as_str())).collect();
         ids.sort_unstable();
         ids.dedup();
         ids.len()

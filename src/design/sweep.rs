@@ -49,7 +49,12 @@ pub fn sweep<'a>(robot: &'a Robot, catalog: &'a Catalog, ratios: usize) -> Vec<J
 }
 
 /// As [`sweep`]; `tick` is called once for each motor and joint that is done.
-pub fn sweep_with_progress<'a>(robot: &'a Robot, catalog: &'a Catalog, ratios: usize, tick: &(dyn Fn() + Sync)) -> Vec<JointSweep<'a>> {
+pub fn sweep_with_progress<'a>(
+    robot: &'a Robot,
+    catalog: &'a Catalog,
+    ratios: usize,
+    tick: &(dyn Fn() + Sync),
+) -> Vec<JointSweep<'a>> {
     let loads: Vec<Load> = robot.joints.par_iter().map(|j| Load::new(&j.motion, j.limits.torque_bandwidth)).collect();
     robot
         .joints
@@ -74,7 +79,14 @@ pub fn sweep_with_progress<'a>(robot: &'a Robot, catalog: &'a Catalog, ratios: u
 
 type MotorSweep<'a> = (Vec<SweptDesign<'a>>, Vec<(&'a str, Option<&'a str>, Unusable)>);
 
-fn sweep_motor<'a>(robot: &'a Robot, joint: &'a Joint, load: &Load, motor: &'a Motor, catalog: &'a Catalog, ratios: usize) -> MotorSweep<'a> {
+fn sweep_motor<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    load: &Load,
+    motor: &'a Motor,
+    catalog: &'a Catalog,
+    ratios: usize,
+) -> MotorSweep<'a> {
     let (mut designs, mut unusable) = (Vec::new(), Vec::new());
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => match continuous_candidate(robot, joint, load, motor) {
@@ -82,7 +94,12 @@ fn sweep_motor<'a>(robot: &'a Robot, joint: &'a Joint, load: &Load, motor: &'a M
                 let prepared = Prepared::new(candidate);
                 let unchecked: std::sync::Arc<[_]> = prepared.unchecked.clone().into();
                 for ratio in grid(*min, *max, ratios) {
-                    designs.push(SweptDesign { motor, gear: None, evaluation: prepared.at(ratio), unchecked: unchecked.clone() });
+                    designs.push(SweptDesign {
+                        motor,
+                        gear: None,
+                        evaluation: prepared.at(ratio),
+                        unchecked: unchecked.clone(),
+                    });
                 }
             }
             Err(why) => unusable.push((motor.id.as_str(), None, why)),
@@ -96,7 +113,12 @@ fn sweep_motor<'a>(robot: &'a Robot, joint: &'a Joint, load: &Load, motor: &'a M
                     Ok(candidate) => {
                         let prepared = Prepared::new(candidate);
                         let evaluation = prepared.at(gear.ratio);
-                        designs.push(SweptDesign { motor, gear: Some(&gear.id), evaluation, unchecked: prepared.unchecked.into() });
+                        designs.push(SweptDesign {
+                            motor,
+                            gear: Some(&gear.id),
+                            evaluation,
+                            unchecked: prepared.unchecked.into(),
+                        });
                     }
                     Err(why) => unusable.push((motor.id.as_str(), Some(gear.id.as_str()), why)),
                 }

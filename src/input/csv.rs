@@ -104,17 +104,27 @@ impl Table {
         if table.records.is_empty() {
             problems.push(Problem::at(start..start, "the file has a header but no rows", "no row follows this header"));
         }
-        for row in 0..table.records.len() {
-            let cells = table.records[row].len();
-            if cells != table.width {
-                let span = table.row_span(row);
+        table.remove_ragged_rows(problems);
+        Some(table)
+    }
+
+    /// Notes rows whose cells do not match the header and takes them away: what their cells mean
+    /// cannot be known.
+    fn remove_ragged_rows(&mut self, problems: &mut Vec<Problem>) {
+        let width = self.width;
+        for (record, start) in self.records.iter().zip(&self.starts) {
+            if record.len() != width {
+                let message = format!("this row has {} cells, the header has {width}", record.len());
                 problems.push(
-                    Problem::at(span, format!("this row has {cells} cells, the header has {}", table.width), "the cells do not match the header")
+                    Problem::at(line_span(self.source.text(), *start), message, "the cells do not match the header")
                         .help("a comma too many or too few? Text with commas needs double quotes"),
                 );
             }
         }
-        Some(table)
+        let good: Vec<bool> = self.records.iter().map(|r| r.len() == width).collect();
+        let mut keep = good.iter();
+        self.starts.retain(|_| *keep.next().unwrap_or(&false));
+        self.records.retain(|r| r.len() == width);
     }
 
     fn read_header(&mut self, problems: &mut Vec<Problem>) {
@@ -136,12 +146,19 @@ impl Table {
             let head = match header_unit(column, unit) {
                 Ok((unit, relative)) => Head { column: position, unit, relative },
                 Err((message, help)) => {
-                    problems.push(Problem::at(span, format!("column `{name}`: {message}"), "the unit stands in brackets").help(help));
+                    problems.push(
+                        Problem::at(span, format!("column `{name}`: {message}"), "the unit stands in brackets")
+                            .help(help),
+                    );
                     Head { column: position, unit: None, relative: false }
                 }
             };
             if self.heads.insert(name.to_string(), head).is_some() {
-                problems.push(Problem::at(self.cell_span_in(0, position), format!("column `{name}` stands twice"), "second time"));
+                problems.push(Problem::at(
+                    self.cell_span_in(0, position),
+                    format!("column `{name}` stands twice"),
+                    "second time",
+                ));
             }
         }
         for column in self.columns.iter().filter(|c| c.required) {
@@ -197,11 +214,19 @@ impl Table {
             (Ok(value), Content::Tolerance(_), Some(unit)) => value * unit.scale(),
             (Ok(value), _, _) => value,
             (Err(error), ..) => {
-                let mut problem = Problem::at(self.cell_span(row, name), format!("`{name}`: {}", error.message(&units::RATIO)), format!("expected {expected}"));
+                let mut problem = Problem::at(
+                    self.cell_span(row, name),
+                    format!("`{name}`: {}", error.message(&units::RATIO)),
+                    format!("expected {expected}"),
+                );
                 if text.contains(',') {
                     problem = problem.help("numbers have a decimal point, not a comma");
-                } else if text.contains(char::is_alphabetic) && !text.to_lowercase().contains("nan") && !text.to_lowercase().contains("inf") {
-                    problem = problem.help("the unit stands in the header, in brackets; an unknown value is a blank cell");
+                } else if text.contains(char::is_alphabetic)
+                    && !text.to_lowercase().contains("nan")
+                    && !text.to_lowercase().contains("inf")
+                {
+                    problem =
+                        problem.help("the unit stands in the header, in brackets; an unknown value is a blank cell");
                 } else {
                     problem = problem.help("leave the cell blank where the value is not known");
                 }
@@ -211,21 +236,37 @@ impl Table {
         };
         let whole = !matches!(column.content, Content::Count) || value.fract() == 0.0;
         if !range.contains(value) || !whole {
-            problems.push(Problem::at(self.cell_span(row, name), format!("`{name}` is out of range"), format!("expected {expected}")));
+            let mut problem = Problem::at(
+                self.cell_span(row, name),
+                format!("`{name}` is out of range"),
+                format!("expected {expected}"),
+            );
+            problem.help = range.help(value);
+            problems.push(problem);
             return None;
         }
         Some(Number { value, relative: head.relative })
     }
 
     /// One of several words; `None` where the cell is blank.
-    pub fn choice<T: Copy>(&self, row: usize, name: &str, choices: &[(&'static str, T)], problems: &mut Vec<Problem>) -> Option<T> {
+    pub fn choice<T: Copy>(
+        &self,
+        row: usize,
+        name: &str,
+        choices: &[(&'static str, T)],
+        problems: &mut Vec<Problem>,
+    ) -> Option<T> {
         let text = self.text(row, name)?;
         let found = choices.iter().find(|(word, _)| *word == text);
         if found.is_none() {
             let text = text.chars().take(60).collect::<String>();
             problems.push(
-                Problem::at(self.cell_span(row, name), format!("`{name}` cannot be `{text}`"), "not one of the choices")
-                    .suggest(&text, choices.iter().map(|(word, _)| *word)),
+                Problem::at(
+                    self.cell_span(row, name),
+                    format!("`{name}` cannot be `{text}`"),
+                    "not one of the choices",
+                )
+                .suggest(&text, choices.iter().map(|(word, _)| *word)),
             );
         }
         found.map(|(_, value)| *value)
@@ -316,9 +357,10 @@ fn header_unit(column: &Column, unit: Option<&str>) -> Result<(Option<Unit>, boo
     let example = kind.example.split_once(' ').map_or("", |(_, unit)| unit);
     match unit {
         Some("%") if tolerance => Ok((Some(units::unit_of("%", &units::RATIO).expect("per cent is a unit")), true)),
-        None if kind.needs_unit() => {
-            Err((units::UnitError::MissingUnit.message(kind), format!("write the unit in brackets, for example `{} [{example}]`", column.name)))
-        }
+        None if kind.needs_unit() => Err((
+            units::UnitError::MissingUnit.message(kind),
+            format!("write the unit in brackets, for example `{} [{example}]`", column.name),
+        )),
         None => Ok((None, false)),
         Some(unit) => match units::unit_of(unit, kind) {
             Ok(unit) => Ok((Some(unit), false)),

@@ -49,7 +49,10 @@ impl Form {
             None
         };
         InputError::unless_empty(source, form.problems.into_inner())?;
-        result.ok_or_else(|| InputError { source: source.clone(), problems: vec![Problem::whole("the file could not be read")] })
+        result.ok_or_else(|| InputError {
+            source: source.clone(),
+            problems: vec![Problem::whole("the file could not be read")],
+        })
     }
 
     fn note(&self, problem: Problem) {
@@ -138,7 +141,11 @@ impl<'a> Section<'a> {
         }
         let text = self.text(key)?;
         if text.get_ref().trim().is_empty() {
-            self.form.note(Problem::at(text.span(), format!("{} is empty", self.name(key)), format!("for example {example}")));
+            self.form.note(Problem::at(
+                text.span(),
+                format!("{} is empty", self.name(key)),
+                format!("for example {example}"),
+            ));
             return None;
         }
         Some(text)
@@ -159,7 +166,11 @@ impl<'a> Section<'a> {
             }
         }
         if array.is_empty() {
-            self.form.note(Problem::at(value.span(), format!("{} is empty", self.name(key)), "expected at least one string"));
+            self.form.note(Problem::at(
+                value.span(),
+                format!("{} is empty", self.name(key)),
+                "expected at least one string",
+            ));
         }
         Some(texts)
     }
@@ -180,6 +191,11 @@ impl<'a> Section<'a> {
         let number = value.get_ref().as_integer().and_then(|i| u32::from_str_radix(i.as_str(), i.radix()).ok());
         match number {
             Some(number) if number > 0 => Some(number),
+            _ if value.get_ref().is_integer() => {
+                let message = format!("{} is out of range", self.name(key));
+                self.form.note(Problem::at(value.span(), message, "expected a whole number, at least 1"));
+                None
+            }
             _ => {
                 self.wrong_type(value, key, "a whole number, at least 1");
                 None
@@ -210,7 +226,10 @@ impl<'a> Section<'a> {
             return Some(number);
         }
         let what = if number.is_finite() { "out of range" } else { "not a finite number" };
-        self.form.note(Problem::at(span, format!("{} is {what}", self.name(key)), format!("expected {}", range.expected())));
+        let mut problem =
+            Problem::at(span, format!("{} is {what}", self.name(key)), format!("expected {}", range.expected()));
+        problem.help = range.help(number);
+        self.form.note(problem);
         None
     }
 
@@ -233,13 +252,21 @@ impl<'a> Section<'a> {
             DeValue::String(text) => text,
             DeValue::Integer(_) | DeValue::Float(_) => {
                 self.form.note(
-                    Problem::at(value.span(), format!("{} has no unit", self.name(key)), format!("expected a {} with its unit", kind.name))
-                        .help(format!("write it in quotes with its unit, for example {key} = \"{}\"", kind.example)),
+                    Problem::at(
+                        value.span(),
+                        format!("{} has no unit", self.name(key)),
+                        format!("expected {} with its unit", kind.with_article()),
+                    )
+                    .help(format!("write it in quotes with its unit, for example {key} = \"{}\"", kind.example)),
                 );
                 return None;
             }
             _ => {
-                self.wrong_type(value, key, &format!("a {} with its unit, like \"{}\"", kind.name, kind.example));
+                self.wrong_type(
+                    value,
+                    key,
+                    &format!("{} with its unit, like \"{}\"", kind.with_article(), kind.example),
+                );
                 return None;
             }
         };
@@ -247,8 +274,12 @@ impl<'a> Section<'a> {
             Ok(number) => self.in_range(number, value.span(), key, range),
             Err(error) => {
                 self.form.note(
-                    Problem::at(value.span(), format!("{}: {}", self.name(key), error.message(kind)), format!("expected a {}", kind.name))
-                        .help(error.help(kind)),
+                    Problem::at(
+                        value.span(),
+                        format!("{}: {}", self.name(key), error.message(kind)),
+                        format!("expected {}", kind.with_article()),
+                    )
+                    .help(error.help(kind)),
                 );
                 None
             }
@@ -262,8 +293,12 @@ impl<'a> Section<'a> {
         if found.is_none() {
             let names = choices.iter().map(|(name, _)| *name);
             self.form.note(
-                Problem::at(text.span(), format!("{} cannot be `{}`", self.name(key), text.get_ref()), "not one of the choices")
-                    .suggest(text.get_ref(), names),
+                Problem::at(
+                    text.span(),
+                    format!("{} cannot be `{}`", self.name(key), text.get_ref()),
+                    "not one of the choices",
+                )
+                .suggest(text.get_ref(), names),
             );
         }
         found.map(|(_, value)| *value)
@@ -321,8 +356,16 @@ impl<'a> Section<'a> {
             let mut known: Vec<&str> = asked.clone();
             known.sort_unstable();
             self.form.note(
-                Problem::at(key.span(), format!("unknown key `{}` {}", key.get_ref(), if self.path.is_empty() { place.to_string() } else { format!("in {place}") }), "not a key of this table")
-                    .suggest(key.get_ref(), known),
+                Problem::at(
+                    key.span(),
+                    format!(
+                        "unknown key `{}` {}",
+                        key.get_ref(),
+                        if self.path.is_empty() { place.to_string() } else { format!("in {place}") }
+                    ),
+                    "not a key of this table",
+                )
+                .suggest(key.get_ref(), known),
             );
         }
     }

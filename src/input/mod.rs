@@ -49,6 +49,12 @@ impl Range {
             Range::AtLeastOne => "a number that is at least 1",
         }
     }
+
+    /// What was probably meant by a value outside: a fraction given in per cent.
+    fn help(self, value: f64) -> Option<String> {
+        let percent = self == Range::Fraction && value > 1.0 && value <= 100.0;
+        percent.then(|| format!("for {value} % write {}", value / 100.0))
+    }
 }
 
 /// The name in `names` that is most like `text`, if any is near enough to be what was meant.

@@ -31,11 +31,15 @@ impl Source {
     /// of the same folder where one is missing.
     pub fn read(path: &Path) -> Result<Arc<Source>, InputError> {
         let name = path.display().to_string();
-        let fail = |what: String, help: Option<String>| {
-            InputError { source: Arc::new(Source::new(name.clone(), String::new())), problems: vec![Problem { help, ..Problem::whole(what) }] }
+        let fail = |what: String, help: Option<String>| InputError {
+            source: Arc::new(Source::new(name.clone(), String::new())),
+            problems: vec![Problem { help, ..Problem::whole(what) }],
         };
         let meta = std::fs::metadata(path).map_err(|e| {
-            fail(format!("cannot read the file: {}", reason(&e)), neighbour(path).map(|n| format!("there is `{n}` in that folder")))
+            fail(
+                format!("cannot read the file: {}", reason(&e)),
+                neighbour(path).map(|n| format!("there is `{n}` in that folder")),
+            )
         })?;
         if meta.is_dir() {
             return Err(fail("this is a folder, not a file".into(), None));
@@ -103,8 +107,12 @@ fn reason(error: &std::io::Error) -> String {
 
 fn neighbour(path: &Path) -> Option<String> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut names: Vec<String> =
-        std::fs::read_dir(folder).ok()?.take(10_000).flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .take(10_000)
+        .flatten()
+        .filter_map(|e| e.file_name().into_string().ok())
+        .collect();
     names.sort();
     super::nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str)).map(String::from)
 }
@@ -148,7 +156,8 @@ impl Problem {
             None => {
                 let names: Vec<&str> = names.into_iter().collect();
                 let shown = names.len().min(40);
-                let more = if names.len() > shown { format!(", and {} more", names.len() - shown) } else { String::new() };
+                let more =
+                    if names.len() > shown { format!(", and {} more", names.len() - shown) } else { String::new() };
                 self.help(format!("valid here: {}{more}", names[..shown].join(", ")))
             }
         }

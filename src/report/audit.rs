@@ -69,7 +69,13 @@ pub fn csv(findings: &[Finding]) -> String {
     super::csv_text(
         &["id", "code", "severity", "message", "explanation"],
         findings.iter().map(|f| {
-            vec![f.id.clone(), f.code.into(), word(f).into(), f.message.clone(), f.explanation.clone().unwrap_or_default()]
+            vec![
+                f.id.clone(),
+                f.code.into(),
+                word(f).into(),
+                f.message.clone(),
+                f.explanation.clone().unwrap_or_default(),
+            ]
         }),
     )
 }

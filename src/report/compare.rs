@@ -93,10 +93,24 @@ pub fn text(comparison: &Comparison) -> String {
                 || "a ± is missing, so how sure that is cannot be said".to_string(),
                 |p| format!("sure to {:.0} %", 100.0 * p.max(1.0 - p)),
             );
-            out.push_str(&format!("\n{}\n", wrap(&format!("{} is {} times as responsive as {} (ratio of S_M; {sure}).", faster.0.id, number(faster.2), faster.1.id), 0)));
+            out.push_str(&format!(
+                "\n{}\n",
+                wrap(
+                    &format!(
+                        "{} is {} times as responsive as {} (ratio of S_M; {sure}).",
+                        faster.0.id,
+                        number(faster.2),
+                        faster.1.id
+                    ),
+                    0
+                )
+            ));
         }
     }
-    out.push_str(&format!("\nAt matched actuator inertia J_a = {} g*cm^2 (massless gears without loss)\n\n", number(comparison.inertia * 1e7)));
+    out.push_str(&format!(
+        "\nAt matched actuator inertia J_a = {} g*cm^2 (massless gears without loss)\n\n",
+        number(comparison.inertia * 1e7)
+    ));
     let matched = |f: fn(&MatchedInertia) -> f64| comparison.matched.map(|m| m.as_ref().map(f));
     let rows = vec![
         row("ratio N", matched(|m| m.ratio), "1", None),

@@ -36,7 +36,12 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
         Reason::Unusable(unusable) => (unusable.reason().into(), unusable.reason().into()),
         Reason::Infeasible(Infeasible::Never { bind, least, ratio }) => (
             format!("{} is exceeded at every ratio", bind.limit),
-            format!("{} is exceeded at every ratio: at best {} the limit, at N = {}", bind_text(bind, joint), times(*least), number(*ratio)),
+            format!(
+                "{} is exceeded at every ratio: at best {} the limit, at N = {}",
+                bind_text(bind, joint),
+                times(*least),
+                number(*ratio)
+            ),
         ),
         Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) => (
             match low.limit == high.limit {
@@ -53,11 +58,20 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
         ),
         Reason::Infeasible(Infeasible::Nowhere { bind, least, ratio }) => (
             format!("{} is exceeded even at the best ratio", bind.limit),
-            format!("{} is {} the limit even at the best ratio, N = {} (grid)", bind_text(bind, joint), times(*least), number(*ratio)),
+            format!(
+                "{} is {} the limit even at the best ratio, N = {} (grid)",
+                bind_text(bind, joint),
+                times(*least),
+                number(*ratio)
+            ),
         ),
         Reason::Gears { bind, over, tried } => (
             format!("{} with every gear", bind.limit),
-            format!("none of {tried} gears will do; with the nearest, {} is {} the limit", bind_text(bind, joint), times(*over)),
+            format!(
+                "none of {tried} gears will do; with the nearest, {} is {} the limit",
+                bind_text(bind, joint),
+                times(*over)
+            ),
         ),
         Reason::Unbounded => ("the objective has no lower bound".into(), "the objective has no lower bound".into()),
         Reason::NotSolved(why) => ("not solved".into(), format!("not solved: {why}")),
@@ -76,7 +90,12 @@ fn proof(certificate: &Certificate) -> String {
 pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, |j| j.candidates.len() + j.rejected.len());
-    let mut out = format!("{}: {} joints, {motors} motors, bus {} V\n", robot.name, robot.joints.len(), number(robot.bus.voltage));
+    let mut out = format!(
+        "{}: {} joints, {motors} motors, bus {} V\n",
+        robot.name,
+        robot.joints.len(),
+        number(robot.bus.voltage)
+    );
     for joint in &result.joints {
         out.push('\n');
         out.push_str(&joint_text(joint, shown));
@@ -115,7 +134,10 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
             Some(format!("{symbol} {}", a.tau.map_or_else(|| "?".into(), |t| format!("{t:+.2}"))))
         });
         let list = metrics.collect::<Vec<_>>().join(", ");
-        out.push_str(&format!("  {}\n", wrap(&format!("Order by metric against order by this task (Kendall's τ, 1 is the same order): {list}"), 4)));
+        out.push_str(&format!(
+            "  {}\n",
+            wrap(&format!("Order by metric against order by this task (Kendall's τ, 1 is the same order): {list}"), 4)
+        ));
     }
     out
 }
@@ -141,7 +163,13 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
                 row.push(number(design.optimum.objective));
             }
             let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
-            row.extend([number(e.loss), number(e.peak_current), number(e.reflected_inertia), optional(e.mass), optional(s_m)]);
+            row.extend([
+                number(e.loss),
+                number(e.peak_current),
+                number(e.reflected_inertia),
+                optional(e.mass),
+                optional(s_m),
+            ]);
             row.push(proof(&design.optimum.certificate));
             row
         })
@@ -161,7 +189,10 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
 
 /// Which ratios are feasible and what ends them, and which limit is nearest.
 fn details(design: &Design, joint: &Joint) -> String {
-    let tightest = design.evaluation.tightest().map_or_else(|| "nothing could be checked".into(), |m| format!("tightest margin {}", margin_text(m)));
+    let tightest = design
+        .evaluation
+        .tightest()
+        .map_or_else(|| "nothing could be checked".into(), |m| format!("tightest margin {}", margin_text(m)));
     if let Some(gear) = design.gear {
         return format!("with {gear}; {tightest}");
     }
@@ -193,7 +224,8 @@ fn footnotes(result: &JointResult, top: usize) -> String {
             add("no voltage is left to turn the current round where the motion reverses".into(), place);
         }
     }
-    let lines = notes.into_iter().map(|(note, places)| format!("  {}\n", wrap(&format!("{}: {note}", places.join(" ")), 4)));
+    let lines =
+        notes.into_iter().map(|(note, places)| format!("  {}\n", wrap(&format!("{}: {note}", places.join(" ")), 4)));
     lines.collect()
 }
 
@@ -205,7 +237,10 @@ fn rejected_text(result: &JointResult, shown: Shown) -> String {
     if shown.rejected {
         out.push_str("\n  Rejected:\n");
         for Rejected { motor, reason, .. } in &result.rejected {
-            out.push_str(&format!("    {}\n", wrap(&format!("{}: {}", motor.id, reason_text(reason, result.joint).1), 6)));
+            out.push_str(&format!(
+                "    {}\n",
+                wrap(&format!("{}: {}", motor.id, reason_text(reason, result.joint).1), 6)
+            ));
         }
         return out;
     }
@@ -219,7 +254,10 @@ fn rejected_text(result: &JointResult, shown: Shown) -> String {
     for (class, members) in classes {
         let ids: Vec<&str> = members.iter().take(3).map(|r| r.motor.id.as_str()).collect();
         let more = if members.len() > 3 { ", …" } else { "" };
-        out.push_str(&format!("    {}\n", wrap(&format!("{:>3} × {class}: {}{more}", members.len(), ids.join(", ")), 10)));
+        out.push_str(&format!(
+            "    {}\n",
+            wrap(&format!("{:>3} × {class}: {}{more}", members.len(), ids.join(", ")), 10)
+        ));
     }
     out
 }
@@ -228,27 +266,39 @@ fn summary(result: &RobotResult) -> String {
     let robot = result.robot;
     let mut out = String::from("First choices:");
     for joint in &result.joints {
-        let choice = joint.candidates.first().map_or_else(
-            || "none".to_string(),
-            |d| format!("{} at N = {}", d.motor.id, number(d.evaluation.ratio)),
-        );
+        let choice = joint
+            .candidates
+            .first()
+            .map_or_else(|| "none".to_string(), |d| format!("{} at N = {}", d.motor.id, number(d.evaluation.ratio)));
         out.push_str(&format!("\n  {} ×{}: {choice}", joint.joint.name, joint.joint.count));
     }
     out.push('\n');
     match (result.actuator_mass(), robot.budget.actuator_mass) {
         (Some(mass), Some(limit)) => {
             let verdict = if mass <= limit { "within" } else { "OVER" };
-            out.push_str(&format!("  actuator mass {} kg, {verdict} the budget of {} kg\n", number(mass), number(limit)));
+            out.push_str(&format!(
+                "  actuator mass {} kg, {verdict} the budget of {} kg\n",
+                number(mass),
+                number(limit)
+            ));
         }
-        (Some(mass), None) => out.push_str(&format!("  actuator mass {} kg, {} different motors\n", number(mass), result.distinct_motors())),
+        (Some(mass), None) => out.push_str(&format!(
+            "  actuator mass {} kg, {} different motors\n",
+            number(mass),
+            result.distinct_motors()
+        )),
         (None, Some(_)) => out.push_str("  the actuator mass budget cannot be checked: a mass is not known\n"),
         (None, None) => {}
     }
     if let Some(limit) = robot.budget.max_distinct_motors {
         let verdict = if result.distinct_motors() <= limit as usize { "within" } else { "OVER" };
-        out.push_str(&format!("  {} different motors, {verdict} the budget of {limit} (each joint chosen by itself)\n", result.distinct_motors()));
+        out.push_str(&format!(
+            "  {} different motors, {verdict} the budget of {limit} (each joint chosen by itself)\n",
+            result.distinct_motors()
+        ));
     }
-    let without: Vec<&str> = result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
+    let without: Vec<&str> =
+        result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
     if !without.is_empty() {
         out.push_str(&format!("  NO motor of the catalogue can do: {}\n", without.join(", ")));
     }
@@ -289,7 +339,9 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
         Certificate::Certified { lower_bound, gap, method } => {
             json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method })
         }
-        Certificate::NotCertified(why) => json!({ "certified": false, "lower_bound": null, "gap": null, "because": why }),
+        Certificate::NotCertified(why) => {
+            json!({ "certified": false, "lower_bound": null, "gap": null, "because": why })
+        }
     };
     let mut metrics = Map::new();
     for metric in METRICS {
@@ -305,7 +357,11 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("binds_at", json!({ "low": bind_json(&window.low, joint), "high": bind_json(&window.high, joint) }));
     put(
         "windows",
-        optimum.windows.iter().map(|w| json!({ "min": w.min, "max": w.max, "low": w.low.limit, "high": w.high.limit })).collect(),
+        optimum
+            .windows
+            .iter()
+            .map(|w| json!({ "min": w.min, "max": w.max, "low": w.low.limit, "high": w.high.limit }))
+            .collect(),
     );
     put("objective", json!(optimum.objective));
     put("objective_unit", json!(joint.objective.unit()));
@@ -358,19 +414,42 @@ pub fn json(result: &RobotResult) -> Value {
 /// As rows: every motor at every joint, feasible or not.
 pub fn csv(result: &RobotResult) -> String {
     let header = [
-        "joint", "rank", "motor", "gear", "ratio", "ratio_min", "ratio_max", "bound_low", "bound_high", "objective", "loss_w",
-        "peak_current_a", "reflected_inertia_kgm2", "mass_kg", "tightest_limit", "tightest_margin", "gap", "s_m_s", "s_t_kgm2a2_per_nm2",
-        "mass_s_m_kgs", "mass_s_t_kg2m2a2_per_nm2", "rejected_because",
+        "joint",
+        "rank",
+        "motor",
+        "gear",
+        "ratio",
+        "ratio_min",
+        "ratio_max",
+        "bound_low",
+        "bound_high",
+        "objective",
+        "loss_w",
+        "peak_current_a",
+        "reflected_inertia_kgm2",
+        "mass_kg",
+        "tightest_limit",
+        "tightest_margin",
+        "gap",
+        "s_m_s",
+        "s_t_kgm2a2_per_nm2",
+        "mass_s_m_kgs",
+        "mass_s_t_kg2m2a2_per_nm2",
+        "rejected_because",
     ];
     let rows = result.joints.iter().flat_map(|j| {
         let feasible = j.candidates.iter().enumerate().map(|(place, d)| {
             let e = &d.evaluation;
             let window = d.optimum.window();
             let tightest = e.tightest();
-            let mut row = vec![j.joint.name.clone(), (place + 1).to_string(), d.motor.id.clone(), d.gear.unwrap_or("").into()];
+            let mut row =
+                vec![j.joint.name.clone(), (place + 1).to_string(), d.motor.id.clone(), d.gear.unwrap_or("").into()];
             row.extend([e.ratio, window.min, window.max].map(|x| csv_number(Some(x))));
             row.extend([window.low.limit.to_string(), window.high.limit.to_string()]);
-            row.extend([Some(d.optimum.objective), Some(e.loss), Some(e.peak_current), Some(e.reflected_inertia), e.mass].map(csv_number));
+            row.extend(
+                [Some(d.optimum.objective), Some(e.loss), Some(e.peak_current), Some(e.reflected_inertia), e.mass]
+                    .map(csv_number),
+            );
             row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
             row.push(match d.optimum.certificate {
                 Certificate::Certified { gap, .. } => csv_number(Some(gap)),

@@ -49,12 +49,15 @@ pub fn with_tolerance(metric: &Metric, estimate: Option<Estimate>) -> String {
     let Some(estimate) = estimate else { return "–".into() };
     let value = number(in_unit(estimate.value, metric.unit));
     match estimate.independent {
-        Some(tolerance) if tolerance > 0.0 => format!("{value} ±{}%", number((100.0 * tolerance * 10.0).round() / 10.0)),
+        Some(tolerance) if tolerance > 0.0 => {
+            format!("{value} ±{}%", number((100.0 * tolerance * 10.0).round() / 10.0))
+        }
         _ => value,
     }
 }
 
-const SHOWN: &[&str] = &["s_m", "s_t", "mass_s_m", "mass_s_t", "k_m", "k_t_per_mass", "k_ts", "gap_radius", "electrical_time_constant"];
+const SHOWN: &[&str] =
+    &["s_m", "s_t", "mass_s_m", "mass_s_t", "k_m", "k_t_per_mass", "k_ts", "gap_radius", "electrical_time_constant"];
 
 /// For people.
 pub fn text(ranking: &Ranking, top: usize) -> String {
@@ -71,13 +74,20 @@ pub fn text(ranking: &Ranking, top: usize) -> String {
         .enumerate()
         .map(|(place, (motor, _))| {
             let mut row = vec![(place + 1).to_string(), motor.id.clone()];
-            row.extend(columns.iter().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))));
+            row.extend(
+                columns.iter().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))),
+            );
             row.insert(3, ranking.sure(place).map_or_else(|| "?".into(), |p| format!("{:.0} %", 100.0 * p)));
             row
         })
         .collect();
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let mut out = format!("{}: {}; {} is better\n\n", metric.symbol, metric.meaning, if metric.lower_is_better { "less" } else { "more" });
+    let mut out = format!(
+        "{}: {}; {} is better\n\n",
+        metric.symbol,
+        metric.meaning,
+        if metric.lower_is_better { "less" } else { "more" }
+    );
     out.push_str(&super::table::table(&header, &rows));
     let hidden = ranking.ranked.len().saturating_sub(top);
     out.push('\n');
@@ -86,7 +96,12 @@ pub fn text(ranking: &Ranking, top: usize) -> String {
     }
     if !ranking.unranked.is_empty() {
         let ids: Vec<&str> = ranking.unranked.iter().map(|m| m.id.as_str()).collect();
-        let list = format!("Not ranked, because a parameter of {} is not known ({}): {}", metric.symbol, ids.len(), ids.join(", "));
+        let list = format!(
+            "Not ranked, because a parameter of {} is not known ({}): {}",
+            metric.symbol,
+            ids.len(),
+            ids.join(", ")
+        );
         out.push_str(&super::table::wrap(&list, 2));
         out.push('\n');
     }

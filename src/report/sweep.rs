@@ -43,7 +43,8 @@ fn key(design: &SweptDesign, joint: &crate::requirement::Joint, order: Order) ->
 
 /// Designs in order, feasible ones first.
 pub fn ordered<'r, 'a>(sweep: &'r JointSweep<'a>, order: Order) -> Vec<&'r SweptDesign<'a>> {
-    let mut designs: Vec<(&SweptDesign, (bool, f64, f64))> = sweep.designs.iter().map(|d| (d, key(d, sweep.joint, order))).collect();
+    let mut designs: Vec<(&SweptDesign, (bool, f64, f64))> =
+        sweep.designs.iter().map(|d| (d, key(d, sweep.joint, order))).collect();
     designs.sort_by(|(a, x), (b, y)| {
         x.0.cmp(&y.0)
             .then(x.1.total_cmp(&y.1))
@@ -73,7 +74,16 @@ pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infe
         if geared {
             header.push("gear");
         }
-        header.extend([">N", ">loss\n[W]", ">I peak\n[A]", ">J\n[kg*m^2]", ">mass\n[kg]", ">S_M\n[ms]", ">m·S_M\n[g*ms]", "verdict"]);
+        header.extend([
+            ">N",
+            ">loss\n[W]",
+            ">I peak\n[A]",
+            ">J\n[kg*m^2]",
+            ">mass\n[kg]",
+            ">S_M\n[ms]",
+            ">m·S_M\n[g*ms]",
+            "verdict",
+        ]);
         let designs = ordered(sweep, order);
         let rows = designs.iter().filter(|d| infeasible || d.evaluation.feasible).take(top).map(|d| {
             let e = &d.evaluation;
@@ -81,11 +91,20 @@ pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infe
             if geared {
                 row.push(d.gear.unwrap_or("").into());
             }
-            row.extend([number(e.ratio), number(e.loss), number(e.peak_current), number(e.reflected_inertia), optional(e.mass)]);
+            row.extend([
+                number(e.ratio),
+                number(e.loss),
+                number(e.peak_current),
+                number(e.reflected_inertia),
+                optional(e.mass),
+            ]);
             row.push(optional(METRICS[0].value(d.motor).map(|v| v * 1e3)));
             row.push(optional(METRICS[2].value(d.motor).map(|v| v * 1e6)));
             row.push(if e.feasible {
-                e.tightest().map_or_else(|| "nothing checked".into(), |m| format!("{} {:.0} % left", m.limit, (100.0 * m.margin).max(0.0)))
+                e.tightest().map_or_else(
+                    || "nothing checked".into(),
+                    |m| format!("{} {:.0} % left", m.limit, (100.0 * m.margin).max(0.0)),
+                )
             } else {
                 because(d, sweep.joint)
             });
@@ -126,7 +145,10 @@ fn counts(sweep: &JointSweep) -> String {
     }
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {
-        reasons.entry(why.reason()).or_default().push(gear.map_or_else(|| (*motor).to_string(), |g| format!("{motor} with {g}")));
+        reasons
+            .entry(why.reason())
+            .or_default()
+            .push(gear.map_or_else(|| (*motor).to_string(), |g| format!("{motor} with {g}")));
     }
     for (why, who) in reasons {
         let shown = who.len().min(6);
@@ -175,19 +197,40 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
 /// As rows: every design, then what was left out.
 pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
     let header = [
-        "joint", "motor", "gear", "ratio", "feasible", "because", "objective", "loss_w", "peak_current_a", "rms_current_a",
-        "reflected_inertia_kgm2", "mass_kg", "tightest_limit", "tightest_margin", "s_m_s", "s_t_kgm2a2_per_nm2", "mass_s_m_kgs",
+        "joint",
+        "motor",
+        "gear",
+        "ratio",
+        "feasible",
+        "because",
+        "objective",
+        "loss_w",
+        "peak_current_a",
+        "rms_current_a",
+        "reflected_inertia_kgm2",
+        "mass_kg",
+        "tightest_limit",
+        "tightest_margin",
+        "s_m_s",
+        "s_t_kgm2a2_per_nm2",
+        "mass_s_m_kgs",
         "mass_s_t_kg2m2a2_per_nm2",
     ];
     let rows = sweeps.iter().flat_map(|sweep| {
         let designs = ordered(sweep, order).into_iter().map(|d| {
             let e = &d.evaluation;
-            let mut row = vec![sweep.joint.name.clone(), d.motor.id.clone(), d.gear.unwrap_or("").into(), csv_number(Some(e.ratio))];
+            let mut row = vec![
+                sweep.joint.name.clone(),
+                d.motor.id.clone(),
+                d.gear.unwrap_or("").into(),
+                csv_number(Some(e.ratio)),
+            ];
             row.push(e.feasible.to_string());
             row.push(if e.feasible { String::new() } else { because(d, sweep.joint) });
             let objective = e.objective(&sweep.joint.objective);
             row.extend(
-                [objective, Some(e.loss), Some(e.peak_current), Some(e.rms_current), Some(e.reflected_inertia), e.mass].map(csv_number),
+                [objective, Some(e.loss), Some(e.peak_current), Some(e.rms_current), Some(e.reflected_inertia), e.mass]
+                    .map(csv_number),
             );
             let tightest = e.tightest();
             row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);

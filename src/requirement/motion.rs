@@ -213,7 +213,11 @@ pub fn read(source: &Arc<Source>, periodic: bool, period: Option<f64>) -> Result
 }
 
 fn columns() -> Vec<Column> {
-    let column = |name: &str, kind, required| Column { name: name.into(), content: Content::Quantity(kind, Range::Any), required };
+    let column = |name: &str, kind, required| Column {
+        name: name.into(),
+        content: Content::Quantity(kind, Range::Any),
+        required,
+    };
     vec![
         column("time", &units::TIME, true),
         column("torque", &units::TORQUE, true),
@@ -225,7 +229,12 @@ fn columns() -> Vec<Column> {
     ]
 }
 
-fn read_samples(source: &Arc<Source>, periodic: bool, period: Option<f64>, problems: &mut Vec<Problem>) -> Option<Motion> {
+fn read_samples(
+    source: &Arc<Source>,
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<Motion> {
     let table = Table::read(source, columns(), problems)?;
     let mut read = |name: &str| -> Option<Vec<f64>> {
         if !table.has(name) {
@@ -237,7 +246,11 @@ fn read_samples(source: &Arc<Source>, periodic: bool, period: Option<f64>, probl
             match table.number(row, name, problems) {
                 Some(number) => values.push(number.value),
                 None if problems.len() == before => {
-                    problems.push(Problem::at(table.cell_span(row, name), format!("`{name}` is blank"), "a motion has no gaps"));
+                    problems.push(Problem::at(
+                        table.cell_span(row, name),
+                        format!("`{name}` is blank"),
+                        "a motion has no gaps",
+                    ));
                 }
                 None => {}
             }
@@ -257,7 +270,10 @@ fn read_samples(source: &Arc<Source>, periodic: bool, period: Option<f64>, probl
         jerk: read("jerk"),
     };
     if samples.velocity.is_none() && samples.position.is_none() {
-        problems.push(Problem::at(0..0, "a motion needs a column `velocity` or `position`", "neither is in the header").help("for example `velocity [rad/s]`"));
+        problems.push(
+            Problem::at(0..0, "a motion needs a column `velocity` or `position`", "neither is in the header")
+                .help("for example `velocity [rad/s]`"),
+        );
     }
     if !problems.is_empty() {
         return None;
@@ -265,8 +281,12 @@ fn read_samples(source: &Arc<Source>, periodic: bool, period: Option<f64>, probl
     for row in 1..table.len() {
         if samples.time[row] <= samples.time[row - 1] {
             problems.push(
-                Problem::at(table.cell_span(row, "time"), "time does not increase", format!("not later than the row above, {} s", samples.time[row - 1]))
-                    .help("sort the rows by time and remove duplicates"),
+                Problem::at(
+                    table.cell_span(row, "time"),
+                    "time does not increase",
+                    format!("not later than the row above, {} s", samples.time[row - 1]),
+                )
+                .help("sort the rows by time and remove duplicates"),
             );
             return None;
         }
@@ -285,7 +305,13 @@ fn read_samples(source: &Arc<Source>, periodic: bool, period: Option<f64>, probl
 }
 
 /// Finds the period, and takes the repeated last row of a periodic motion away.
-fn course(table: &Table, samples: &mut Samples, periodic: bool, period: Option<f64>, problems: &mut Vec<Problem>) -> Option<Course> {
+fn course(
+    table: &Table,
+    samples: &mut Samples,
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<Course> {
     let last = table.len().checked_sub(1)?;
     let duration = samples.time[last] - samples.time[0];
     if !periodic {
@@ -319,20 +345,28 @@ fn course(table: &Table, samples: &mut Samples, periodic: bool, period: Option<f
     for (name, values) in names {
         if values.is_some_and(|v| !repeats(v)) {
             problems.push(
-                Problem::at(table.cell_span(last, name), format!("a periodic motion repeats its first row at the end, but `{name}` does not"), "differs from the first row")
-                    .help("add the first row again at the end of the period, or give `period`, or set `periodic = false`"),
+                Problem::at(
+                    table.cell_span(last, name),
+                    format!("a periodic motion repeats its first row at the end, but `{name}` does not"),
+                    "differs from the first row",
+                )
+                .help("add the first row again at the end of the period, or give `period`, or set `periodic = false`"),
             );
         }
     }
     if !problems.is_empty() {
         return None;
     }
-    for values in [Some(&mut samples.time), Some(&mut samples.torque), samples.velocity.as_mut(), samples.position.as_mut()] {
+    for values in
+        [Some(&mut samples.time), Some(&mut samples.torque), samples.velocity.as_mut(), samples.position.as_mut()]
+    {
         if let Some(values) = values {
             values.pop();
         }
     }
-    for values in [samples.acceleration.as_mut(), samples.torque_rate.as_mut(), samples.jerk.as_mut()].into_iter().flatten() {
+    for values in
+        [samples.acceleration.as_mut(), samples.torque_rate.as_mut(), samples.jerk.as_mut()].into_iter().flatten()
+    {
         values.pop();
     }
     Some(Course::Periodic(duration))

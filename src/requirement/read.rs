@@ -85,7 +85,13 @@ fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Rob
     if !complete {
         return None;
     }
-    Some(Robot { name: name?, bus: bus?, ambient: ambient.unwrap_or(AMBIENT), budget: budget.unwrap_or_default(), joints })
+    Some(Robot {
+        name: name?,
+        bus: bus?,
+        ambient: ambient.unwrap_or(AMBIENT),
+        budget: budget.unwrap_or_default(),
+        joints,
+    })
 }
 
 fn read_bus(section: Section) -> Option<Bus> {
@@ -97,8 +103,12 @@ fn read_bus(section: Section) -> Option<Bus> {
             Ok(power) if power >= 0.0 => Some(Regeneration::Limited(power)),
             _ => {
                 section.note(
-                    Problem::at(text.span(), format!("`regeneration` of [bus] cannot be `{other}`"), "expected allowed, none, or a power")
-                        .help("for example regeneration = \"none\" or regeneration = \"200 W\""),
+                    Problem::at(
+                        text.span(),
+                        format!("`regeneration` of [bus] cannot be `{other}`"),
+                        "expected allowed, none, or a power",
+                    )
+                    .help("for example regeneration = \"none\" or regeneration = \"200 W\""),
                 );
                 None
             }
@@ -126,8 +136,12 @@ fn read_joint(section: Section, motion_errors: &mut Vec<InputError>) -> Option<J
         Some(gear) => {
             if matches!(ratio, Some(RatioChoice::Catalog(_))) {
                 section.note(
-                    Problem::at(gear.span(), "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue", "not used with `gears`")
-                        .help("remove one of the two"),
+                    Problem::at(
+                        gear.span(),
+                        "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue",
+                        "not used with `gears`",
+                    )
+                    .help("remove one of the two"),
                 );
             }
             read_gear(gear)
@@ -144,17 +158,34 @@ fn read_joint(section: Section, motion_errors: &mut Vec<InputError>) -> Option<J
     });
     for key in ["spring", "torque_per_mass", "actuator"] {
         if section.has(key) {
-            section.note(Problem::at(section.span_of(key), format!("`{key}` is not supported by this version"), "remove it"));
+            section.note(Problem::at(
+                section.span_of(key),
+                format!("`{key}` is not supported by this version"),
+                "remove it",
+            ));
         }
     }
     section.finish();
-    Some(Joint { name: name?, count, ratio: ratio?, gear, motion: motion?, objective: objective?, limits, drive_current })
+    Some(Joint {
+        name: name?,
+        count,
+        ratio: ratio?,
+        gear,
+        motion: motion?,
+        objective: objective?,
+        limits,
+        drive_current,
+    })
 }
 
 fn read_ratio(section: &Section) -> Option<RatioChoice> {
     match (section.has("ratio"), section.has("gears")) {
         (true, true) => {
-            section.note(Problem::at(section.span_of("gears"), "a joint has `ratio` or `gears`, not both", "remove one of the two"));
+            section.note(Problem::at(
+                section.span_of("gears"),
+                "a joint has `ratio` or `gears`, not both",
+                "remove one of the two",
+            ));
             None
         }
         (false, false) => {
@@ -177,11 +208,22 @@ fn read_ratio(section: &Section) -> Option<RatioChoice> {
             ratio.finish();
             let (min, max) = (min?, max?);
             if min > max {
-                section.note(Problem::at(max_span, format!("the ratio range is upside down: max = {max} is less than min = {min}"), "less than min").help("swap min and max"));
+                section.note(
+                    Problem::at(
+                        max_span,
+                        format!("the ratio range is upside down: max = {max} is less than min = {min}"),
+                        "less than min",
+                    )
+                    .help("swap min and max"),
+                );
                 return None;
             }
             if max / min > 1e6 || max > 1e6 || min < 1e-6 {
-                section.note(Problem::at(span, "the ratio range is not one of a gear", "expected ratios between 1e-6 and 1e6, at most a factor of 1e6 apart"));
+                section.note(Problem::at(
+                    span,
+                    "the ratio range is not one of a gear",
+                    "expected ratios between 1e-6 and 1e6, at most a factor of 1e6 apart",
+                ));
                 return None;
             }
             Some(RatioChoice::Continuous { min, max })
@@ -193,21 +235,35 @@ fn read_gear(section: Section) -> GearModel {
     let efficiency = section.number("efficiency", Range::Fraction).unwrap_or(1.0);
     let backdrive = section.number("backdrive_efficiency", Range::Any);
     if backdrive.is_some_and(|b| b > 1.0) {
-        section.note(Problem::at(section.span_of("backdrive_efficiency"), "`backdrive_efficiency` of [gear] is out of range", "expected at most 1"));
+        section.note(Problem::at(
+            section.span_of("backdrive_efficiency"),
+            "`backdrive_efficiency` of [gear] is out of range",
+            "expected at most 1",
+        ));
     }
     let per_stage = section.quantity("mass_per_stage", &units::MASS, Range::NonNegative);
     let stage_ratio = section.number("stage_ratio", Range::AtLeastOne);
     let mass = section.quantity("mass", &units::MASS, Range::NonNegative);
     match (per_stage, stage_ratio) {
         (Some(_), Some(ratio)) if ratio <= 1.0 => {
-            section.note(Problem::at(section.span_of("stage_ratio"), "`stage_ratio` of [gear] is out of range", "expected more than 1"));
+            section.note(Problem::at(
+                section.span_of("stage_ratio"),
+                "`stage_ratio` of [gear] is out of range",
+                "expected more than 1",
+            ));
         }
-        (Some(_), None) if !section.has("stage_ratio") => section.missing("stage_ratio", "5  # largest ratio of one stage"),
+        (Some(_), None) if !section.has("stage_ratio") => {
+            section.missing("stage_ratio", "5  # largest ratio of one stage")
+        }
         (None, Some(_)) if !section.has("mass_per_stage") => section.missing("mass_per_stage", "\"120 g\""),
         _ => {}
     }
     if per_stage.is_some() && mass.is_some() {
-        section.note(Problem::at(section.span_of("mass_per_stage"), "a gear has `mass` or `mass_per_stage`, not both", "remove one of the two"));
+        section.note(Problem::at(
+            section.span_of("mass_per_stage"),
+            "a gear has `mass` or `mass_per_stage`, not both",
+            "remove one of the two",
+        ));
     }
     let gear = GearModel {
         efficiency,
@@ -219,10 +275,16 @@ fn read_gear(section: Section) -> GearModel {
         continuous_torque: section.quantity("continuous_torque", &units::TORQUE, Range::Positive),
         max_input_speed: section.quantity("max_input_speed", &units::SPEED, Range::Positive),
     };
-    if section.has("efficiency_covers") && section.choice("efficiency_covers", &[("load", ()), ("load_and_gear", ())]).is_some() {
+    if section.has("efficiency_covers")
+        && section.choice("efficiency_covers", &[("load", ()), ("load_and_gear", ())]).is_some()
+    {
         let span = section.span_of("efficiency_covers");
         if section.text("efficiency_covers").is_some_and(|t| t.get_ref() == "load_and_gear") {
-            section.note(Problem::at(span, "`efficiency_covers = \"load_and_gear\"` is not supported by this version", "use `load`"));
+            section.note(Problem::at(
+                span,
+                "`efficiency_covers = \"load_and_gear\"` is not supported by this version",
+                "use `load`",
+            ));
         }
     }
     section.finish();
@@ -234,11 +296,18 @@ fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option
     let period = section.quantity("period", &units::TIME, Range::Positive);
     match (section.has("motion"), section.has("points")) {
         (true, true) => {
-            section.note(Problem::at(section.span_of("points"), "a joint has `motion` or `points`, not both", "remove one of the two"));
+            section.note(Problem::at(
+                section.span_of("points"),
+                "a joint has `motion` or `points`, not both",
+                "remove one of the two",
+            ));
             None
         }
         (false, false) => {
-            section.missing("motion", "\"motions/knee.csv\", or points = [ { torque = \"18 N*m\", speed = \"0 rad/s\" } ]");
+            section.missing(
+                "motion",
+                "\"motions/knee.csv\", or points = [ { torque = \"18 N*m\", speed = \"0 rad/s\" } ]",
+            );
             None
         }
         (false, true) => read_points(section),
@@ -250,7 +319,8 @@ fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option
                 Err(error) => {
                     let first = error.problems.into_iter().next();
                     let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
-                    let mut problem = Problem::at(file.span(), format!("motion `{}`: {message}", file.get_ref()), "named here");
+                    let mut problem =
+                        Problem::at(file.span(), format!("motion `{}`: {message}", file.get_ref()), "named here");
                     problem.help = help;
                     section.note(problem);
                     None
@@ -266,7 +336,10 @@ fn read_points(section: &Section) -> Option<Motion> {
     let (mut timed, mut untimed) = (0, 0);
     let sections = section.sections("points");
     if sections.is_empty() {
-        section.note(Problem::at(section.span_of("points"), "`points` is empty", "expected at least one operating point").help("for example points = [ { torque = \"18 N*m\", speed = \"0 rad/s\", duration = \"0.5 s\" } ]"));
+        section.note(
+            Problem::at(section.span_of("points"), "`points` is empty", "expected at least one operating point")
+                .help("for example points = [ { torque = \"18 N*m\", speed = \"0 rad/s\", duration = \"0.5 s\" } ]"),
+        );
         return None;
     }
     for point in sections {
@@ -277,15 +350,25 @@ fn read_points(section: &Section) -> Option<Motion> {
         let torque_rate = optional("torque_rate", &units::TORQUE_RATE);
         let jerk = optional("jerk", &units::JERK);
         let duration = point.quantity("duration", &units::TIME, Range::Positive);
-        if duration.is_some() { timed += 1 } else { untimed += 1 }
+        if duration.is_some() {
+            timed += 1
+        } else {
+            untimed += 1
+        }
         point.finish();
         match (torque, speed) {
-            (Some(torque), Some(velocity)) => points.push(Point { torque, velocity, acceleration, torque_rate, jerk, duration }),
+            (Some(torque), Some(velocity)) => {
+                points.push(Point { torque, velocity, acceleration, torque_rate, jerk, duration })
+            }
             _ => complete = false,
         }
     }
     if timed > 0 && untimed > 0 {
-        section.note(Problem::at(section.span_of("points"), format!("{timed} points have a `duration` and {untimed} have none"), "give all of them a duration, or none"));
+        section.note(Problem::at(
+            section.span_of("points"),
+            format!("{timed} points have a `duration` and {untimed} have none"),
+            "give all of them a duration, or none",
+        ));
         return None;
     }
     complete.then(|| Motion::from_points(&points))
@@ -298,7 +381,11 @@ fn read_objective(section: &Section) -> Option<Objective> {
     }
     if !section.is_table("objective") {
         if section.text("objective").is_some_and(|t| t.get_ref() == "energy") {
-            section.note(Problem::at(section.span_of("objective"), "the objective `energy` is not supported by this version", "use `loss`"));
+            section.note(Problem::at(
+                section.span_of("objective"),
+                "the objective `energy` is not supported by this version",
+                "use `loss`",
+            ));
             return None;
         }
         return section.choice("objective", Quantity::NAMES).map(Objective::single);
@@ -312,7 +399,12 @@ fn read_objective(section: &Section) -> Option<Objective> {
     match section.section("reference") {
         Some(reference) => {
             reference_span = reference.span();
-            for (name, kind) in [("loss", &units::POWER), ("reflected_inertia", &units::INERTIA), ("peak_current", &units::CURRENT), ("mass", &units::MASS)] {
+            for (name, kind) in [
+                ("loss", &units::POWER),
+                ("reflected_inertia", &units::INERTIA),
+                ("peak_current", &units::CURRENT),
+                ("mass", &units::MASS),
+            ] {
                 if let Some(value) = reference.quantity(name, kind, Range::Positive) {
                     references.push((name, value));
                 }
@@ -323,6 +415,14 @@ fn read_objective(section: &Section) -> Option<Objective> {
             reference_span = span.clone();
         }
     }
+    if !weights.iter().any(|(_, weight)| *weight > 0.0) {
+        section.note(Problem::at(
+            span,
+            "the objective has no weight above zero",
+            "expected for example { loss = 1, reflected_inertia = 0.5 }",
+        ));
+        return None;
+    }
     let mut terms = Vec::new();
     for (name, weight) in weights {
         if weight == 0.0 {
@@ -332,14 +432,14 @@ fn read_objective(section: &Section) -> Option<Objective> {
         match references.iter().find(|(n, _)| *n == name) {
             Some((_, reference)) => terms.push((*quantity, weight / reference)),
             None => section.note(
-                Problem::at(reference_span.clone(), format!("the weighted objective needs a reference for `{name}`"), "not in `reference`")
-                    .help(format!("for example reference = {{ {name} = \"10 {}\" }}", quantity.unit())),
+                Problem::at(
+                    reference_span.clone(),
+                    format!("the weighted objective needs a reference for `{name}`"),
+                    "not in `reference`",
+                )
+                .help(format!("for example reference = {{ {name} = \"1 {}\" }}", quantity.unit())),
             ),
         }
-    }
-    if terms.is_empty() {
-        section.note(Problem::at(span, "the objective has no weight above zero", "expected for example { loss = 1, reflected_inertia = 0.5 }"));
-        return None;
     }
     terms.sort_by_key(|(quantity, _)| *quantity);
     Some(Objective { terms })

@@ -244,7 +244,13 @@ pub struct Limits {
 
 impl Default for Limits {
     fn default() -> Limits {
-        Limits { actuator_mass: None, reflected_inertia: None, torque_bandwidth: None, winding_temperature: None, safety: 1.0 }
+        Limits {
+            actuator_mass: None,
+            reflected_inertia: None,
+            torque_bandwidth: None,
+            winding_temperature: None,
+            safety: 1.0,
+        }
     }
 }
 

@@ -5,7 +5,9 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 use super::certificate::{balancing_multiplier, lower_bound};
 use super::window::minimise;
-use super::{Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Row, ShadowPrice, Window, value};
+use super::{
+    Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Row, ShadowPrice, Window, value,
+};
 use crate::actuator::waveform::Functional;
 use crate::requirement::Quantity;
 
@@ -163,7 +165,11 @@ fn propose(goal: &Goal, rows: &[Row], low: f64, high: f64) -> Result<Proposal, S
     }
     // A variable that occurs in no row and no objective is pinned by its cone alone; the peak has no
     // cone, so it is held at zero where it is not used.
-    let mut cones = vec![SupportedConeT::NonnegativeConeT(linear), SupportedConeT::SecondOrderConeT(3), SupportedConeT::SecondOrderConeT(3)];
+    let mut cones = vec![
+        SupportedConeT::NonnegativeConeT(linear),
+        SupportedConeT::SecondOrderConeT(3),
+        SupportedConeT::SecondOrderConeT(3),
+    ];
     if peaks.is_empty() {
         a.push([0.0, 0.0, 0.0, 1.0]);
         b.push(0.0);
@@ -172,7 +178,8 @@ fn propose(goal: &Goal, rows: &[Row], low: f64, high: f64) -> Result<Proposal, S
     let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
     let p = CscMatrix::zeros((columns, columns));
     let matrix = CscMatrix::from(a.as_slice());
-    let mut solver = DefaultSolver::new(&p, &q, &matrix, &b, &cones, settings).map_err(|e| format!("the conic solver refused the program: {e:?}"))?;
+    let mut solver = DefaultSolver::new(&p, &q, &matrix, &b, &cones, settings)
+        .map_err(|e| format!("the conic solver refused the program: {e:?}"))?;
     solver.solve();
     let solution = &solver.solution;
     let multiplier = |i: usize, objective: f64| solution.z[i] * objective / norms[i];
@@ -185,7 +192,15 @@ fn propose(goal: &Goal, rows: &[Row], low: f64, high: f64) -> Result<Proposal, S
 }
 
 /// Verifies the proposal without the solver, and makes the certificate and the shadow prices.
-fn finish(program: &RatioProgram, window: &Window, goal: &Goal, rows: &[Row], proposal: &Proposal, low: &End, high: &End) -> Outcome {
+fn finish(
+    program: &RatioProgram,
+    window: &Window,
+    goal: &Goal,
+    rows: &[Row],
+    proposal: &Proposal,
+    low: &End,
+    high: &End,
+) -> Outcome {
     let (start, end) = (window.min * window.min, window.max * window.max);
     let torque_constant = program.prepared.candidate.actuator.torque_constant;
     let multipliers: Vec<(Row, f64)> = rows.iter().copied().zip(proposal.rows.iter().copied()).collect();
@@ -238,7 +253,16 @@ fn balanced_bound(f: &[f64; 4], rows: &[Row], u: f64, low: f64, high: f64) -> f6
 /// Prices of what binds at N*: `∂f*/∂limit = f'(u) du_end/d(limit)` where N* is the window's end
 /// that the limit sets. Inside the window nothing binds, and every price is zero.
 #[expect(clippy::too_many_arguments, reason = "the parts of one solution")]
-fn shadow_prices(program: &RatioProgram, goal: &Goal, window: &Window, rows: &[Row], u: f64, best: f64, low: &End, high: &End) -> Vec<ShadowPrice> {
+fn shadow_prices(
+    program: &RatioProgram,
+    goal: &Goal,
+    window: &Window,
+    rows: &[Row],
+    u: f64,
+    best: f64,
+    low: &End,
+    high: &End,
+) -> Vec<ShadowPrice> {
     let (start, end) = (window.min * window.min, window.max * window.max);
     let at_start = (u - start).abs() <= 1e-9 * u;
     let at_end = (u - end).abs() <= 1e-9 * u;
@@ -250,7 +274,8 @@ fn shadow_prices(program: &RatioProgram, goal: &Goal, window: &Window, rows: &[R
         Goal::Peak(_) => {
             // One-sided, towards the inside of the window.
             let row = peak_row(program, u * (1.0 + side * 1e-9));
-            super::slope(&row.coefficients, u) / (2.0 * best * program.prepared.candidate.actuator.torque_constant.powi(2))
+            super::slope(&row.coefficients, u)
+                / (2.0 * best * program.prepared.candidate.actuator.torque_constant.powi(2))
         }
     };
     let mut prices: Vec<ShadowPrice> = Vec::new();
@@ -271,11 +296,14 @@ fn shadow_prices(program: &RatioProgram, goal: &Goal, window: &Window, rows: &[R
             continue;
         }
         let binding = rows.iter().find(|r| {
-            program.prepared.asked[r.asked].limit.name == bind.limit && r.sample == bind.sample && r.excess(u).abs() < 1e-7
+            program.prepared.asked[r.asked].limit.name == bind.limit
+                && r.sample == bind.sample
+                && r.excess(u).abs() < 1e-7
         });
         if let Some(row) = binding {
             let asked = &program.prepared.asked[row.asked];
-            let raw_per_bound = if asked.squared { 2.0 * asked.bound / asked.factor.powi(2) } else { 1.0 / asked.factor };
+            let raw_per_bound =
+                if asked.squared { 2.0 * asked.bound / asked.factor.powi(2) } else { 1.0 / asked.factor };
             add(bind.limit, slope * raw_per_bound / super::slope(&row.coefficients, u), asked.bound);
         }
     }

@@ -221,7 +221,10 @@ impl<'a> RatioProgram<'a> {
         if weighted && self.objective.weight(Quantity::PeakCurrent) > 0.0 {
             return Some("a weighted sum with the peak current is not convex in N²");
         }
-        if weighted && self.objective.weight(Quantity::Mass) > 0.0 && self.prepared.candidate.gear.mass_per_stage.is_some() {
+        if weighted
+            && self.objective.weight(Quantity::Mass) > 0.0
+            && self.prepared.candidate.gear.mass_per_stage.is_some()
+        {
             return Some("a weighted sum with a mass that steps by stages is not convex in N²");
         }
         None
@@ -245,30 +248,49 @@ impl<'a> RatioProgram<'a> {
     /// The range of u = N² that the requirement and the limits of class `UpperBound` leave.
     fn ends(&self) -> Result<(End, End), Infeasible> {
         let (min, max) = self.range;
-        let low = End { u: min * min, bind: Bind { limit: "ratio_min", sample: None }, du_dbound: 2.0 * min, bound: min };
-        let mut high = End { u: max * max, bind: Bind { limit: "ratio_max", sample: None }, du_dbound: 2.0 * max, bound: max };
+        let low =
+            End { u: min * min, bind: Bind { limit: "ratio_min", sample: None }, du_dbound: 2.0 * min, bound: min };
+        let mut high =
+            End { u: max * max, bind: Bind { limit: "ratio_max", sample: None }, du_dbound: 2.0 * max, bound: max };
         for asked in self.prepared.asked.iter().filter(|a| a.limit.class == Class::UpperBound) {
             let (ratio, sample) = match asked.demand {
                 Demand::Mass => {
                     let ratio = self.largest_ratio_by_mass(asked);
                     if ratio == 0.0 {
                         let least = self.prepared.candidate.mass_at(min).unwrap_or(f64::INFINITY) / asked.bound;
-                        return Err(Infeasible::Never { bind: Bind { limit: asked.limit.name, sample: None }, least, ratio: min });
+                        return Err(Infeasible::Never {
+                            bind: Bind { limit: asked.limit.name, sample: None },
+                            least,
+                            ratio: min,
+                        });
                     }
                     (ratio, None)
                 }
-                Demand::Polynomial(polynomial, sample) => (largest_ratio_by_monomial(&polynomial, asked.raw_bound()), sample),
+                Demand::Polynomial(polynomial, sample) => {
+                    (largest_ratio_by_monomial(&polynomial, asked.raw_bound()), sample)
+                }
                 _ => continue,
             };
             if ratio * ratio < high.u {
                 // A monomial c N^p at its bound b: u = (b/c)^(2/p), so du/db = 2 u/(p b).
                 let power = if asked.limit.name == "reflected_inertia" { 2.0 } else { 1.0 };
-                let du_dbound = if asked.demand == Demand::Mass { 0.0 } else { 2.0 * ratio * ratio / (power * asked.bound) };
-                high = End { u: ratio * ratio, bind: Bind { limit: asked.limit.name, sample }, du_dbound, bound: asked.bound };
+                let du_dbound =
+                    if asked.demand == Demand::Mass { 0.0 } else { 2.0 * ratio * ratio / (power * asked.bound) };
+                high = End {
+                    u: ratio * ratio,
+                    bind: Bind { limit: asked.limit.name, sample },
+                    du_dbound,
+                    bound: asked.bound,
+                };
             }
         }
         if high.u < low.u * (1.0 - ROW_TOLERANCE) {
-            return Err(Infeasible::Contradiction { low: low.bind, at_least: min, high: high.bind, at_most: high.u.sqrt() });
+            return Err(Infeasible::Contradiction {
+                low: low.bind,
+                at_least: min,
+                high: high.bind,
+                at_most: high.u.sqrt(),
+            });
         }
         high.u = high.u.max(low.u);
         Ok((low, high))
@@ -367,7 +389,11 @@ impl<'a> RatioProgram<'a> {
             Outcome::Optimal(optimum) => Outcome::Optimal(Optimum {
                 objective: mass,
                 windows: vec![window.clone()],
-                certificate: Certificate::Certified { lower_bound: mass, gap: 0.0, method: "mass does not fall with the ratio" },
+                certificate: Certificate::Certified {
+                    lower_bound: mass,
+                    gap: 0.0,
+                    method: "mass does not fall with the ratio",
+                },
                 shadow_prices: Vec::new(),
                 ..optimum
             }),

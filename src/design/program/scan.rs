@@ -17,7 +17,9 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let grid: Vec<f64> = if max / min - 1.0 < 1e-12 {
         vec![min]
     } else {
-        (0..POINTS).map(|i| if i + 1 == POINTS { max } else { min * (max / min).powf(i as f64 / (POINTS - 1) as f64) }).collect()
+        (0..POINTS)
+            .map(|i| if i + 1 == POINTS { max } else { min * (max / min).powf(i as f64 / (POINTS - 1) as f64) })
+            .collect()
     };
     let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
     // A window narrower than the grid shows as a valley of the excess: look at its bottom.
@@ -69,7 +71,8 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
 /// The limit that is most exceeded at a ratio: its relative excess, and itself.
 fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
-    for asked in program.prepared.asked.iter().filter(|a| matches!(a.limit.class, Class::Convex | Class::ReverseConvex)) {
+    for asked in program.prepared.asked.iter().filter(|a| matches!(a.limit.class, Class::Convex | Class::ReverseConvex))
+    {
         let (raw, sample) = asked.raw_demand(&program.prepared.candidate, ratio);
         let excess = violation(raw, asked.raw_bound());
         if excess > worst.0 {
@@ -153,6 +156,7 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
     let (_, bind) = worst(program, least.0);
     let bind = bind.unwrap_or(Bind { limit: "ratio_min", sample: None });
     let asked = program.prepared.asked.iter().find(|a| a.limit.name == bind.limit);
-    let over = asked.map_or(f64::INFINITY, |a| a.natural(a.raw_demand(&program.prepared.candidate, least.0).0) / a.bound);
+    let over =
+        asked.map_or(f64::INFINITY, |a| a.natural(a.raw_demand(&program.prepared.candidate, least.0).0) / a.bound);
     Infeasible::Nowhere { bind, least: over, ratio: least.0 }
 }

@@ -20,7 +20,13 @@ pub(super) fn find(program: &RatioProgram, low: &End, high: &End) -> Result<(Win
 }
 
 /// Walks inwards from one end of the range; gives the end of the window and what binds there.
-fn walk(program: &RatioProgram, low: &End, high: &End, upwards: bool, rows: &mut Vec<Row>) -> Result<(f64, Bind), Infeasible> {
+fn walk(
+    program: &RatioProgram,
+    low: &End,
+    high: &End,
+    upwards: bool,
+    rows: &mut Vec<Row>,
+) -> Result<(f64, Bind), Infeasible> {
     let from = if upwards { low } else { high };
     let (mut u, mut bind) = (from.u, from.bind.clone());
     for _ in 0..MAX_JUMPS {
@@ -33,14 +39,23 @@ fn walk(program: &RatioProgram, low: &End, high: &End, upwards: bool, rows: &mut
         let Some((start, end)) = interval(&row, low.u, high.u) else {
             let least = minimum(&row, low.u, high.u);
             let asked = &program.prepared.asked[row.asked];
-            return Err(Infeasible::Never { bind: here, least: asked.natural(row.at(least)) / asked.bound, ratio: least.sqrt() });
+            return Err(Infeasible::Never {
+                bind: here,
+                least: asked.natural(row.at(least)) / asked.bound,
+                ratio: least.sqrt(),
+            });
         };
         let next = if upwards { start } else { end };
         // A row that is violated here and lies behind us contradicts the one that brought us here.
         let behind = if upwards { next <= u } else { next >= u };
         if behind {
             let (lower, at_least, upper, at_most) = if upwards { (bind, u, here, end) } else { (here, start, bind, u) };
-            return Err(Infeasible::Contradiction { low: lower, at_least: at_least.sqrt(), high: upper, at_most: at_most.sqrt() });
+            return Err(Infeasible::Contradiction {
+                low: lower,
+                at_least: at_least.sqrt(),
+                high: upper,
+                at_most: at_most.sqrt(),
+            });
         }
         u = next;
         bind = here;
