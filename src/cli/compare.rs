@@ -15,7 +15,7 @@ pub struct Arguments {
     /// Id of the second motor
     b: String,
     /// Actuator inertia at which they are compared; the larger rotor inertia unless given
-    #[arg(long, value_name = "J")]
+    #[arg(long, value_name = "J", allow_hyphen_values = true)]
     inertia: Option<String>,
     #[command(flatten)]
     catalog: CatalogChoice,

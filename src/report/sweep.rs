@@ -138,10 +138,12 @@ fn counts(sweep: &JointSweep) -> String {
         let mut worst: Vec<_> = worst.into_iter().collect();
         worst.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
         let list: Vec<String> = worst.iter().map(|(limit, n)| format!("{limit} {n}")).collect();
-        out.push_str(&format!("\nInfeasible designs by the limit they exceed most: {}\n", list.join(", ")));
+        let line = format!("Infeasible designs by the limit they exceed most: {}", list.join(", "));
+        out.push_str(&format!("\n{}\n", super::table::wrap(&line, 2)));
     }
     for ((limit, why), n) in unchecked {
-        out.push_str(&format!("Not checked in {n} designs: {limit}, because {why}\n"));
+        let line = format!("Not checked in {n} designs: {limit}, because {why}");
+        out.push_str(&format!("{}\n", super::table::wrap(&line, 2)));
     }
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {

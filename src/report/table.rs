@@ -33,12 +33,13 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     text.join("\n") + "\n"
 }
 
-/// Wraps text at the width of a table, each line after the first indented.
+/// Wraps text at the width of a table, each line after the first indented; the first line leaves room
+/// for what stands before it, at most as wide as the indent.
 pub fn wrap(text: &str, indent: usize) -> String {
     let width = usize::from(PLAIN_WIDTH);
     let (mut lines, mut line) = (Vec::new(), String::new());
     for word in text.split_whitespace() {
-        let room = width.saturating_sub(if lines.is_empty() { 0 } else { indent });
+        let room = width.saturating_sub(indent);
         if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > room {
             lines.push(std::mem::take(&mut line));
         }

@@ -1,0 +1,262 @@
+//! The program as a user runs it.
+
+mod common;
+
+use std::process::{Command, Output, Stdio};
+
+use common::repository;
+use serde_json::Value;
+
+fn gearwise(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(repository("")).output().unwrap()
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = gearwise(arguments);
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{arguments:?}: {e}: {}", String::from_utf8_lossy(&output.stderr)))
+}
+
+fn requirements() -> Vec<String> {
+    let entries = std::fs::read_dir(repository("requirements")).unwrap();
+    let mut files: Vec<String> = entries
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "toml"))
+        .map(|p| format!("requirements/{}", p.file_name().unwrap().to_str().unwrap()))
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn every_shipped_requirement_has_a_choice_for_every_joint() {
+    let files = requirements();
+    assert!(files.len() >= 4);
+    for file in files {
+        let output = gearwise(&["optimize", &file, "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{file}");
+        let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        for joint in result["joints"].as_array().unwrap() {
+            let (candidates, rejected) = (joint["candidates"].as_array().unwrap(), joint["rejected"].as_array().unwrap());
+            assert!(!candidates.is_empty(), "{file} {}", joint["joint"]);
+            assert_eq!(candidates.len() + rejected.len(), 125, "no motor is dropped silently");
+            for reject in rejected {
+                assert!(!reject["because"].as_str().unwrap().is_empty());
+                assert!(!reject["because"].as_str().unwrap().contains("not solved"), "{file}: {reject}");
+            }
+            let mut last = f64::NEG_INFINITY;
+            for candidate in candidates {
+                let objective = candidate["objective"].as_f64().unwrap();
+                assert!(objective >= last, "best first");
+                last = objective;
+                let window: Vec<f64> = candidate["window"].as_array().unwrap().iter().map(|w| w.as_f64().unwrap()).collect();
+                let ratio = candidate["ratio"].as_f64().unwrap();
+                assert!(window[0] <= ratio * (1.0 + 1e-9) && ratio <= window[1] * (1.0 + 1e-9));
+                for (limit, margin) in candidate["margins"].as_object().unwrap() {
+                    assert!(margin.as_f64().unwrap() >= -1e-9, "{file} {limit} {margin}");
+                }
+                let certificate = &candidate["certificate"];
+                if certificate["certified"].as_bool().unwrap() {
+                    assert!(certificate["gap"].as_f64().unwrap() <= 1e-6);
+                    assert!(certificate["lower_bound"].as_f64().unwrap() <= objective);
+                } else {
+                    assert!(certificate["because"].as_str().unwrap().contains("not") || certificate["because"].is_string());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_bytes_for_any_number_of_threads() {
+    for command in [
+        vec!["optimize", "requirements/quadruped_mini_cheetah.toml", "--json"],
+        vec!["optimize", "requirements/humanoid_hip_catalog_gears.toml", "--top", "50", "--rejected"],
+        vec!["sweep", "requirements/exoskeleton_hip.toml", "--csv"],
+    ] {
+        let with = |threads: &str| {
+            let mut arguments = command.clone();
+            arguments.extend(["--threads", threads]);
+            gearwise(&arguments).stdout
+        };
+        let one = with("1");
+        assert!(!one.is_empty());
+        assert!(["2", "3", "8"].iter().all(|n| with(n) == one), "{command:?}");
+    }
+}
+
+#[test]
+fn sweep_gives_every_design_with_its_verdict() {
+    let result = json(&["sweep", "requirements/quadruped_mini_cheetah.toml", "--ratios", "7", "--json"]);
+    for joint in result["joints"].as_array().unwrap() {
+        let designs = joint["designs"].as_array().unwrap();
+        let left_out = joint["left_out"].as_array().unwrap();
+        assert_eq!(designs.len() + 7 * left_out.len(), 7 * 125);
+        for design in designs {
+            let feasible = design["feasible"].as_bool().unwrap();
+            assert_eq!(feasible, design["because"].is_null());
+            let worst = design["margins"].as_object().unwrap().values().map(|m| m.as_f64().unwrap()).fold(f64::MAX, f64::min);
+            assert_eq!(feasible, worst >= -1e-9);
+        }
+    }
+    let csv = stdout(&gearwise(&["sweep", "requirements/quadruped_mini_cheetah.toml", "--ratios", "7", "--csv"]));
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let rows = reader.records().map(|r| r.unwrap()).count();
+    let (designs, left_out): (usize, usize) = result["joints"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|j| (j["designs"].as_array().unwrap().len(), j["left_out"].as_array().unwrap().len()))
+        .fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    assert_eq!(rows, designs + left_out);
+}
+
+#[test]
+fn a_sweep_can_be_ordered_by_the_metrics() {
+    for by in ["s_m", "s_t", "mass_s_m", "mass_s_t", "margin", "reflected_inertia", "mass"] {
+        let result = json(&["sweep", "requirements/quadruped_mini_cheetah.toml", "--ratios", "5", "--sort", by, "--json"]);
+        let designs = result["joints"][1]["designs"].as_array().unwrap();
+        let feasible: Vec<&Value> = designs.iter().filter(|d| d["feasible"] == true).collect();
+        assert!(feasible.len() > 5);
+        let key = match by {
+            "s_m" => "s_m_s",
+            "s_t" => "s_t_kgm2a2_per_nm2",
+            "mass_s_m" => "mass_s_m_kgs",
+            "mass_s_t" => "mass_s_t_kg2m2a2_per_nm2",
+            "reflected_inertia" => "reflected_inertia_kgm2",
+            "mass" => "mass_kg",
+            _ => continue,
+        };
+        let values: Vec<f64> = feasible.iter().map(|d| d[key].as_f64().unwrap_or(f64::INFINITY)).collect();
+        assert!(values.windows(2).all(|w| w[0] <= w[1]), "{by}");
+    }
+}
+
+#[test]
+fn the_metrics_stand_beside_every_candidate_and_are_judged() {
+    let result = json(&["optimize", "requirements/arm_six_axis_pick_and_place.toml", "--json"]);
+    let joint = &result["joints"][0];
+    for key in ["s_m_s", "s_t_kgm2a2_per_nm2", "mass_s_m_kgs", "mass_s_t_kg2m2a2_per_nm2"] {
+        assert!(joint["candidates"][0]["metrics"][key].is_number(), "{key}");
+    }
+    let agreement = joint["metric_agreement"].as_array().unwrap();
+    assert!(agreement.iter().any(|a| a["metric"] == "s_m" && (-1.0..=1.0).contains(&a["kendall_tau"].as_f64().unwrap())));
+}
+
+#[test]
+fn rank_says_how_sure_the_order_is() {
+    let result = json(&["rank", "--tolerance", "5%", "--json"]);
+    let motors = result["motors"].as_array().unwrap();
+    let not_ranked = result["not_ranked"].as_array().unwrap();
+    assert_eq!(motors.len() + not_ranked.len(), 125);
+    let mut last = 0.0;
+    for motor in &motors[..motors.len() - 1] {
+        let s_m = motor["s_m_s"].as_f64().unwrap();
+        assert!(s_m >= last);
+        last = s_m;
+        let sure = motor["probability_ahead_of_next"].as_f64().unwrap();
+        assert!((0.5..=1.0).contains(&sure));
+    }
+    // Without an assumption nothing is claimed of rows that state no tolerance.
+    let plain = json(&["rank", "--json"]);
+    assert!(plain["motors"][0]["probability_ahead_of_next"].is_null());
+}
+
+#[test]
+fn compare_tells_the_case_study() {
+    let result = json(&["compare", "t-motor-ri50", "t-motor-u8", "--json"]);
+    assert!((result["responsiveness_ratio"].as_f64().unwrap() - 2.654).abs() < 1e-3);
+    assert!((result["motors"][0]["matched"]["ratio"].as_f64().unwrap() - (1200.0_f64 / 90.1).sqrt()).abs() < 1e-9);
+    let text = stdout(&gearwise(&["compare", "t-motor-ri50", "t-motor-u8"]));
+    for expected in ["2.654 times as responsive", "3.4 times", "K_T exceeds K_B", "overshoot"] {
+        assert!(text.contains(expected), "{expected}:\n{text}");
+    }
+    let inertia = json(&["compare", "t-motor-ri50", "t-motor-u8", "--inertia", "0.02 kg*m^2", "--json"]);
+    assert_eq!(inertia["matched_inertia_kgm2"].as_f64(), Some(0.02));
+}
+
+#[test]
+fn exit_status_and_messages_of_wrong_arguments() {
+    for (arguments, expected) in [
+        (vec!["compare", "t-motor-ri5", "t-motor-u8"], "did you mean `t-motor-ri50`?"),
+        (vec!["compare", "t-motor-ri50", "t-motor-u8", "--inertia", "3"], "needs its unit"),
+        (vec!["compare", "t-motor-ri50", "t-motor-u8", "--inertia", "-3 kg*m^2"], "not greater than zero"),
+        (vec!["rank", "--sort", "s_n"], "did you mean `s_m`?"),
+        (vec!["rank", "--tolerance", "lots"], "write it like 5%"),
+        (vec!["sweep", "requirements/exoskeleton_hip.toml", "--sort", "weight"], "is not an order"),
+        (vec!["sweep", "requirements/exoskeleton_hip.toml", "--ratios", "0"], "0 is not in 1..="),
+        (vec!["optimize", "requirements/exoskeleton_hp.toml"], "there is `exoskeleton_hip.toml` in that folder"),
+        (vec!["optimize", "requirements"], "this is a folder"),
+        (vec!["optimize", "requirements/exoskeleton_hip.toml", "--catalog", "requirements"], "no .csv file in this folder"),
+        (vec!["optimize", "requirements/exoskeleton_hip.toml", "--catalog", "catalogs/gears"], "the catalogue has no motors"),
+        (vec!["rank", "no/such/file.csv"], "there is no such file"),
+        (vec!["optimise", "x"], "similar subcommand"),
+        (vec!["optimize", "requirements/exoskeleton_hip.toml", "--json", "--csv"], "cannot be used with"),
+    ] {
+        let output = gearwise(&arguments);
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+        assert!(stderr.contains(expected), "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
+fn a_joint_that_no_motor_can_do_is_status_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("impossible.toml");
+    let text = "name = \"x\"\nbus = { voltage = \"1 V\" }\n[[joint]]\nname = \"j\"\nratio = { min = 3, max = 30 }\n\
+                points = [ { torque = \"500 N*m\", speed = \"50 rad/s\", duration = \"1 s\" } ]\n";
+    std::fs::write(&file, text).unwrap();
+    let output = gearwise(&["optimize", file.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("NO motor of the catalogue can do: j"));
+    assert_eq!(gearwise(&["sweep", file.to_str().unwrap()]).status.code(), Some(1));
+    assert_eq!(gearwise(&["audit", "tests/fixtures/paper_motors.csv"]).status.code(), Some(1));
+    assert_eq!(gearwise(&["audit"]).status.code(), Some(0));
+}
+
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_gearwise"))
+        .args(["sweep", "requirements/arm_six_axis_pick_and_place.toml", "--csv"])
+        .current_dir(repository(""))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn help_and_completions() {
+    for command in ["optimize", "sweep", "rank", "compare", "audit", "completions"] {
+        let help = gearwise(&[command, "--help"]);
+        assert_eq!(help.status.code(), Some(0));
+        assert!(stdout(&help).contains("gearwise "), "{command} has an example");
+    }
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        assert!(stdout(&gearwise(&["completions", shell])).contains("gearwise"));
+    }
+}
+
+#[test]
+fn tables_fit_where_there_is_no_terminal() {
+    for command in [
+        vec!["optimize", "requirements/quadruped_mini_cheetah.toml"],
+        vec!["optimize", "requirements/humanoid_hip_catalog_gears.toml", "--rejected"],
+        vec!["sweep", "requirements/humanoid_hip_catalog_gears.toml"],
+        vec!["rank"],
+        vec!["compare", "t-motor-ri50", "t-motor-u8"],
+        vec!["audit"],
+    ] {
+        for line in stdout(&gearwise(&command)).lines() {
+            assert!(line.chars().count() <= 122, "{command:?}: {} columns: {line}", line.chars().count());
+        }
+    }
+}
