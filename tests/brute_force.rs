@@ -49,12 +49,12 @@ struct Case {
     rippled: Vec<Wave>,
 }
 
-/// A ratio, looked at: what it is worth, and every limit that applies with name, demand and bound.
+/// A ratio, looked at: what it is worth, and every limit with name, demand and, where it applies, bound.
 struct Look {
     objective: f64,
     loss: f64,
     peak_current: f64,
-    limits: Vec<(&'static str, f64, f64)>,
+    limits: [(&'static str, f64, Option<f64>); 18],
 }
 
 impl Case {
@@ -202,7 +202,6 @@ impl Case {
             ("regeneration", back * bus.drive_efficiency, regeneration),
             ("actuator_mass", mass, asked.actuator_mass),
         ];
-        let limits = limits.into_iter().filter_map(|(name, demand, bound)| Some((name, demand, bound?))).collect();
         let (loss, peak_current) = (r * square / (k_t * k_t), torque / k_t);
         let quantity = |quantity| match quantity {
             Quantity::Loss => loss,
@@ -217,7 +216,8 @@ impl Case {
     /// By how much the worst limit is exceeded (absolutely, where nothing is allowed), and which it is.
     fn worst(&self, n: f64) -> (f64, &'static str) {
         let over = |demand: f64, bound: f64| if bound > 0.0 { demand / bound - 1.0 } else { demand };
-        let limits = self.look(n).limits.into_iter().map(|(name, demand, bound)| (over(demand, bound), name));
+        let limits =
+            self.look(n).limits.into_iter().filter_map(|(name, demand, bound)| Some((over(demand, bound?), name)));
         limits.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
     }
 }
@@ -226,21 +226,11 @@ impl Case {
 
 /// Golden section for the least of `f` between two ratios.
 fn golden(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
-    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut c, mut d) = (b - share * (b - a), a + share * (b - a));
-    let (mut at_c, mut at_d) = (f(c), f(d));
     for _ in 0..60 {
-        if at_c <= at_d {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - share * (b - a);
-            at_c = f(c);
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + share * (b - a);
-            at_d = f(d);
-        }
+        let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
+        (a, b) = if f(c) <= f(d) { (a, d) } else { (c, b) };
     }
-    if at_c <= at_d { c } else { d }
+    0.5 * (a + b)
 }
 
 /// The least of `f` over the grid within the windows and their ends, refined between neighbours.
@@ -306,136 +296,331 @@ fn scan(case: &Case, min: f64, max: f64) -> (Vec<[f64; 2]>, Vec<f64>, (f64, &'st
 
 // ------------------------------------------------------------------ random cases
 
-struct Draw(Pcg64);
+/// What the cases start from; every number is replaced.
+const MOTOR: &str = "id,source,source_kind,terminals,current,resistance [ohm],torque_constant [N*m/A]
+m,s,derived,q_axis,q_axis,1,1
+";
+const ROBOT: &str = "name = 'r'
+[bus]
+voltage = '1 V'
+[[joint]]
+name = 'j'
+ratio = { min = 1, max = 2 }
+points = [ { torque = '1 N*m', speed = '1 rad/s' } ]
+";
 
-impl Draw {
-    fn chance(&mut self, share: f64) -> bool {
-        self.0.random::<f64>() < share
+/// Uniform in the logarithm.
+fn around(d: &mut Pcg64, a: f64, b: f64) -> f64 {
+    a * (b / a).powf(d.random::<f64>())
+}
+
+/// One to four harmonics: value, first and second derivative by the time.
+fn wave(d: &mut Pcg64, amplitude: f64, period: f64) -> impl Fn(f64) -> [f64; 3] + use<> {
+    let (count, turns) = (d.random_range(1..5), TAU / period);
+    let harmonic = |_| {
+        [d.random_range(0.1..1.0) * amplitude, d.random_range(1.0_f64..6.0).floor() * turns, d.random_range(0.0..TAU)]
+    };
+    let harmonics: Vec<[f64; 3]> = (0..count).map(harmonic).collect();
+    let derivative =
+        |[a, w, phase]: [f64; 3], t: f64, k: i32| a * w.powi(k) * (w * t + phase + 0.25 * TAU * f64::from(k)).sin();
+    move |t| [0, 1, 2].map(|k| harmonics.iter().map(|h| derivative(*h, t, k)).sum())
+}
+
+/// Draws a case: a motor and a motion that suit each other at some ratio, and limits around what is
+/// needed near it. A convex one has neither Coulomb friction nor a regeneration limit nor a weighted
+/// objective that bends the wrong way; the others have at least one of them.
+fn draw(index: u64, convex: bool) -> Case {
+    let d = &mut Pcg64::seed_from_u64(index);
+    let bent = [0, 1, 2, 3].map(|kind| !convex && (index % 4 == kind || d.random_bool(0.15)));
+    let [rubs, regenerates, peaked, stepped] = bent;
+    // The motion: harmonics at uneven times with stretches and single samples at standstill, or points.
+    let (period, speed, matched) = (around(d, 0.2, 3.0), around(d, 0.5, 30.0), around(d, 3.0, 60.0));
+    let (form, rippled) = (d.random_range(0.0..1.0), d.random_bool(0.2));
+    let points = form > 0.8;
+    let (fewest, most) = if points { (1.0, 12.0) } else { (8.0, if rippled { 24.0 } else { 301.0 }) };
+    let count = around(d, fewest, most) as usize;
+    let (rotor, of_gear) = (around(d, 1e-7, 1e-3), around(d, 1e-8, 1e-4) * d.random_range(0_u8..2) as f64);
+    let torque = (rotor + of_gear) * speed * TAU / period * matched * matched * around(d, 0.2, 5.0);
+    let (load, turn, offset) = (wave(d, torque, period), wave(d, speed, period), d.random_range(-torque..torque));
+    let rest = d.random_range(0..count);
+    let rest = rest..rest + d.random_range(0..3) * count / 8;
+    let time: Vec<f64> = (0..count).map(|k| period * (k as f64 + d.random_range(0.0..0.5)) / count as f64).collect();
+    let mut sample = |(k, t): (usize, &f64)| {
+        let ([tau, torque_rate, _], [omega, alpha, j]) = (load(*t), turn(*t));
+        let [velocity, acceleration, jerk] = if rest.contains(&k) { [0.0; 3] } else { [omega, alpha, j] };
+        let velocity = if d.random_bool(0.02) { 0.0 } else { velocity };
+        let duration = (form < 0.93).then(|| around(d, 0.1, 2.0));
+        Point { torque: tau + offset, velocity, acceleration, torque_rate, jerk, duration }
+    };
+    let raw: Vec<Point> = time.iter().enumerate().map(&mut sample).collect();
+    let column = |f: fn(&Point) -> f64| Some(raw.iter().map(f).collect::<Vec<f64>>());
+    let (velocity, acceleration) = (column(|p| p.velocity), column(|p| p.acceleration));
+    let (torque_rate, jerk, torques) = (column(|p| p.torque_rate), column(|p| p.jerk), column(|p| p.torque).unwrap());
+    let samples =
+        Samples { time: time.clone(), torque: torques, position: None, velocity, acceleration, torque_rate, jerk };
+    let course = if form < 0.55 { Course::Periodic(period) } else { Course::Once(time[count - 1] - time[0]) };
+    // The motor: R i and K_B N ω of like size.
+    let (resistance, brushless) = (around(d, 0.02, 5.0), d.random_bool(0.9));
+    let k_t = (resistance * torque / (matched * matched * speed) * around(d, 0.5, 50.0)).sqrt();
+    let mut motor = Catalog::from_sources(vec![Arc::new(Source::new("motor.csv", MOTOR))]).unwrap().motors.remove(0);
+    motor.conventions.commutation = if brushless { Commutation::Brushless } else { Commutation::Brushed };
+    (motor.resistance, motor.torque_constant) = (resistance, k_t);
+    motor.back_emf_constant = k_t * d.random_range(0.85_f64..1.15).clamp(0.9, 1.0);
+    motor.rotor_inertia = Some(rotor);
+    motor.inductance = [None, Some(0.0), Some(resistance * around(d, 1e-5, 4e-3))][d.random_range(0_usize..12).min(2)];
+    motor.pole_pairs = if brushless { Some(d.random_range(1..23)).filter(|p| *p < 22) } else { Some(0) };
+    motor.viscous_friction = d.random_bool(0.4).then(|| rotor * around(d, 0.1, 10.0));
+    motor.coulomb_friction = rubs.then(|| torque / matched * around(d, 0.01, 0.5));
+    motor.mass = Some(around(d, 0.05, 2.0));
+    motor.reference_temperature = d.random_range(288.0..300.0);
+    // Joint and bus.
+    let mut robot = read_source(&Arc::new(Source::new("robot.toml", ROBOT))).unwrap();
+    let joint = &mut robot.joints[0];
+    joint.motion = if points { Motion::from_points(&raw) } else { Motion::from_samples(samples, course) };
+    joint.gear.efficiency = d.random_range(0.5_f64..1.3).min(1.0);
+    joint.gear.backdrive_efficiency =
+        if d.random_bool(0.6) { 2.0 - 1.0 / joint.gear.efficiency } else { d.random_range(-0.2..1.0) };
+    joint.gear.inertia = of_gear;
+    joint.gear.mass_per_stage =
+        (stepped || d.random_bool(0.4)).then(|| (around(d, 0.05, 1.0), d.random_range(3.0..10.0)));
+    let middle = matched * around(d, 0.4, 2.5);
+    joint.ratio = RatioChoice::Continuous { min: middle * around(d, 0.01, 0.8), max: middle * around(d, 1.25, 100.0) };
+    let ripple = TorqueBandwidth { frequency: around(d, 1.0, 60.0), amplitude: torque * around(d, 0.05, 1.0) };
+    joint.limits.torque_bandwidth = rippled.then_some(ripple);
+    joint.limits.safety = d.random_range(0.5_f64..1.5).max(1.0);
+    robot.bus.modulation = if d.random_bool(0.3) { Modulation::Sine } else { Modulation::SpaceVector };
+    robot.bus.modulation_limit = d.random_range(0.85..1.0);
+    robot.bus.drive_efficiency = d.random_range(0.85..1.0);
+    robot.ambient = d.random_range(285.0..315.0);
+    // Limits: each is there or not, and allows more or less than the middle ratio needs.
+    let mut case = Case::new(motor, robot, time, raw);
+    let (at, (volt, ampere), mass) = (case.look(middle), case.drive(), case.mass(middle));
+    let (density, low) = ([0.1, 0.25, 0.5][d.random_range(0..3)], [0.6, 0.95][d.random_range(0..2)]);
+    let most = if d.random_bool(0.5) { 1.3 } else { 3.0 };
+    let need: BTreeMap<&str, f64> = at.limits.iter().map(|(name, demand, _)| (*name, *demand)).collect();
+    let mut allow = |name: &str| {
+        let allowed = need[name] * around(d, low, most);
+        (d.random_bool(density) && allowed > 0.0).then_some(allowed)
+    };
+    let current = if rippled { "torque_bandwidth_current" } else { "peak_current" };
+    let voltage = if rippled { "torque_bandwidth_voltage" } else { "voltage" };
+    case.robot.bus.voltage = need[voltage] / volt * 3.0;
+    case.robot.bus.voltage = allow(voltage).map_or(case.robot.bus.voltage, |v| v / volt);
+    case.robot.bus.drive_current = allow(current).map(|i| i / ampere);
+    case.robot.bus.power = allow("bus_power");
+    case.robot.bus.current = allow("bus_power").map(|watt| watt / case.robot.bus.voltage);
+    case.motor.peak_current = allow(current);
+    case.motor.peak_torque = allow("peak_torque");
+    case.motor.continuous_current = allow("standstill_holding");
+    case.motor.continuous_torque = allow("continuous_torque");
+    case.motor.max_speed = allow("max_speed");
+    let thermal = allow("standstill_holding");
+    let joint = &mut case.robot.joints[0];
+    joint.drive_current = allow(current).map(|i| i / ampere);
+    joint.gear.max_input_speed = allow("max_speed");
+    joint.gear.peak_torque = allow("gear_peak_torque").map(|x| x * 1.5);
+    joint.gear.continuous_torque = allow("gear_continuous_torque").map(|x| x * 1.5);
+    joint.limits.reflected_inertia = allow("reflected_inertia");
+    joint.limits.actuator_mass = allow("actuator_mass").map(|_| mass * 1.05);
+    let back = allow("regeneration").unwrap_or(0.0);
+    if regenerates {
+        case.robot.bus.regeneration = Regeneration::Limited(back);
+    }
+    let hot = d.random_range(360.0..420.0);
+    [case.motor.max_winding_temperature, joint.limits.winding_temperature] =
+        [[Some(hot), None], [None, Some(hot)], [Some(hot), Some(hot + 9.0)]][d.random_range(0..3)];
+    case.motor.thermal_resistance = thermal.map(|i| (hot - case.robot.ambient) / (i * i * case.resistance_at(hot)));
+    let kind = d.random_range(0..20);
+    let mut weigh = |quantity, scale: f64| (quantity, around(d, 0.2, 5.0) / scale);
+    let loss = weigh(Quantity::Loss, at.loss);
+    let terms = match kind {
+        _ if peaked => vec![loss, weigh(Quantity::PeakCurrent, at.peak_current)],
+        _ if stepped => vec![loss, weigh(Quantity::Mass, mass)],
+        0..10 => vec![(Quantity::Loss, 1.0)],
+        10..13 => vec![loss, weigh(Quantity::ReflectedInertia, middle * middle * case.inertia())],
+        13..16 => vec![(Quantity::PeakCurrent, 1.0)],
+        16 | 17 => vec![(Quantity::ReflectedInertia, 1.0)],
+        _ => vec![(Quantity::Mass, 1.0)],
+    };
+    case.robot.joints[0].objective = Objective { terms };
+    case
+}
+
+// ------------------------------------------------------------------ the comparison
+
+/// What came of a case: disagreements, limits that bind in the reference, largest deviations.
+#[derive(Default)]
+struct Verdict {
+    wrong: Vec<String>,
+    feasible: bool,
+    close: bool,
+    binding: Vec<&'static str>,
+    deviations: [f64; 5],
+}
+
+impl Verdict {
+    /// Notes a deviation of a kind, which must not be larger than `most`.
+    fn near(&mut self, kind: usize, what: &str, deviation: f64, most: f64) {
+        self.deviations[kind] = self.deviations[kind].max(deviation);
+        self.must(deviation <= most, || format!("{what} deviates by {deviation:e}"));
     }
 
-    fn within(&mut self, a: f64, b: f64) -> f64 {
-        a + (b - a) * self.0.random::<f64>()
-    }
-
-    /// Uniform in the logarithm.
-    fn around(&mut self, a: f64, b: f64) -> f64 {
-        a * (b / a).powf(self.0.random::<f64>())
-    }
-
-    /// One to four harmonics: value, first and second derivative by the time.
-    fn wave(&mut self, amplitude: f64, period: f64) -> impl Fn(f64) -> [f64; 3] + use<> {
-        let harmonic = |d: &mut Draw| {
-            [amplitude * d.within(0.1, 1.0), d.within(1.0, 6.0).floor() * TAU / period, d.within(0.0, TAU)]
-        };
-        let harmonics: Vec<[f64; 3]> = (0..self.0.random_range(1..5)).map(|_| harmonic(self)).collect();
-        move |t| {
-            let at = |[a, w, phase]: [f64; 3]| {
-                [a * (w * t + phase).sin(), a * w * (w * t + phase).cos(), -a * w * w * (w * t + phase).sin()]
-            };
-            harmonics.iter().map(|h| at(*h)).fold([0.0; 3], |sum, x| [sum[0] + x[0], sum[1] + x[1], sum[2] + x[2]])
+    fn must(&mut self, holds: bool, what: impl Fn() -> String) {
+        if !holds {
+            self.wrong.push(what());
         }
     }
 }
 
-/// Draws a case: a motor and a motion that suit each other at some ratio, and limits around what is
-/// needed there. A convex one has neither Coulomb friction nor a regeneration limit nor a weighted
-/// objective that bends the wrong way; the others have at least one of them.
-fn draw(index: u64, convex: bool) -> Case {
-    let mut d = Draw(Pcg64::seed_from_u64(index));
-    let bent = if convex { [false; 4] } else { [0, 1, 2, 3].map(|kind| index % 4 == kind || d.chance(0.15)) };
-    let [rubs, regenerates, peaked, stepped] = bent;
-    // The motion: harmonics at uneven times with stretches and single samples at standstill, or points.
-    let (period, speed, matched, form) =
-        (d.around(0.2, 3.0), d.around(0.5, 30.0), d.around(3.0, 60.0), d.within(0.0, 1.0));
-    let rippled = d.chance(0.2);
-    let most = if form > 0.8 {
-        12.0
-    } else if rippled {
-        24.0
-    } else {
-        301.0
+fn compare(case: &Case, convex: bool) -> Verdict {
+    let RatioChoice::Continuous { min, max } = case.joint().ratio else { unreachable!() };
+    let (windows, grid, least) = scan(case, min, max);
+    let widest = windows.iter().map(|[a, b]| b / a - 1.0).fold(0.0, f64::max);
+    let close = least.0.abs() < CLOSE || !windows.is_empty() && widest < NARROW;
+    let mut v = Verdict { feasible: !windows.is_empty(), close, ..Verdict::default() };
+    let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
+    let result = &optimize(&case.robot, &catalog).joints[0];
+    let filled = |limit: &str, n: f64| {
+        let (_, demand, bound) = *case.look(n).limits.iter().find(|l| l.0 == limit).unwrap();
+        demand / bound.unwrap()
     };
-    let count = d.around(if form > 0.8 { 1.0 } else { 8.0 }, most) as usize;
-    let (rotor, gear_inertia) = (d.around(1e-7, 1e-3), if d.chance(0.5) { d.around(1e-8, 1e-4) } else { 0.0 });
-    let torque = (rotor + gear_inertia) * speed * TAU / period * matched * matched * d.around(0.2, 5.0);
-    let (load, turn) = (d.wave(torque, period), d.wave(speed, period));
-    let offset = if d.chance(0.5) { d.within(-torque, torque) } else { 0.0 };
-    let rest = d.0.random_range(0..count);
-    let rest = rest..if d.chance(0.35) { rest + 1 + count / 4 } else { rest };
-    let time: Vec<f64> = (0..count).map(|k| period * (k as f64 + d.within(0.0, 0.5)) / count as f64).collect();
-    let mut raw = Vec::new();
-    for (k, t) in time.iter().enumerate() {
-        let ([tau, torque_rate, _], [omega, alpha, j]) = (load(*t), turn(*t));
-        let [velocity, acceleration, jerk] = if rest.contains(&k) { [0.0; 3] } else { [omega, alpha, j] };
-        let velocity = if d.chance(0.02) { 0.0 } else { velocity };
-        let duration = (form < 0.93).then(|| d.around(0.1, 2.0));
-        raw.push(Point { torque: tau + offset, velocity, acceleration, torque_rate, jerk, duration });
+    let Some(design) = result.candidates.first() else {
+        v.must(!v.feasible || close, || format!("rejected, but {windows:?} are feasible"));
+        v.binding.push(least.1);
+        let reason = &result.rejected[0].reason;
+        match reason {
+            _ if close => {}
+            // The claims about why there is no ratio hold at every ratio of the grid, or at the two named.
+            Reason::Infeasible(Infeasible::Never { bind, least, .. }) => {
+                let true_least = grid.iter().map(|n| filled(bind.limit, *n)).fold(f64::INFINITY, f64::min);
+                v.must(*least > 1.0 && *least <= true_least * (1.0 + 1e-9), || {
+                    format!("{reason:?}, true: {true_least}")
+                });
+            }
+            Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) => {
+                let low =
+                    low.limit == "ratio_min" && *at_least == min || filled(low.limit, at_least * (1.0 - NARROW)) > 1.0;
+                let high =
+                    high.limit == "ratio_max" && *at_most == max || filled(high.limit, at_most * (1.0 + NARROW)) > 1.0;
+                v.must(low && high && at_least > at_most, || format!("{reason:?} is not true"));
+            }
+            Reason::Infeasible(Infeasible::Nowhere { .. }) => v.must(!convex, || format!("{reason:?}")),
+            _ => v.must(false, || format!("{reason:?}")),
+        }
+        return v;
+    };
+    v.must(v.feasible || close, || format!("found N = {}, but {least:?} is violated", design.optimum.ratio));
+    if close {
+        return v;
     }
-    let column = |f: fn(&Point) -> f64| raw.iter().map(f).collect::<Vec<f64>>();
-    let [velocity, acceleration, torque_rate, jerk] =
-        [column(|p| p.velocity), column(|p| p.acceleration), column(|p| p.torque_rate), column(|p| p.jerk)].map(Some);
-    let (time_given, torques) = (time.clone(), column(|p| p.torque));
-    let samples =
-        Samples { time: time_given, torque: torques, velocity, acceleration, torque_rate, jerk, position: None };
-    let course = if form < 0.55 { Course::Periodic(period) } else { Course::Once(time[count - 1] - time[0]) };
-    let motion = if form > 0.8 { Motion::from_points(&raw) } else { Motion::from_samples(samples, course) };
-    // The motor: R i and K_B N ω of like size.
-    let (resistance, commutation) = (d.around(0.02, 5.0), if d.chance(0.1) { "brushed" } else { "brushless" });
-    let k_t = (resistance * torque / (matched * matched * speed) * d.around(0.5, 50.0)).sqrt();
-    let k_b = k_t * if d.chance(0.5) { 1.0 } else { d.within(0.85, 1.03) };
-    let text = "id,source,source_kind,terminals,current,back_emf_convention,commutation,resistance [ohm],torque_constant [N*m/A],back_emf_constant [V*s/rad]";
-    let text = format!("{text}\nmotor,none,derived,q_axis,q_axis,q_axis,{commutation},{resistance},{k_t},{k_b}\n");
-    let mut motor = Catalog::from_sources(vec![Arc::new(Source::new("motors.csv", text))]).unwrap().motors.remove(0);
-    assert_eq!([motor.resistance, motor.torque_constant, motor.back_emf_constant], [resistance, k_t, k_b]);
-    motor.rotor_inertia = Some(rotor);
-    motor.inductance =
-        if d.chance(0.1) { None } else { Some(if d.chance(0.15) { 0.0 } else { resistance * d.around(1e-5, 4e-3) }) };
-    motor.pole_pairs =
-        if commutation == "brushed" { Some(0) } else { (!d.chance(0.05)).then(|| d.0.random_range(1..22)) };
-    motor.viscous_friction = d.chance(0.4).then(|| rotor * d.around(0.1, 10.0));
-    motor.coulomb_friction =
-        if rubs { Some(torque / matched * d.around(0.01, 0.5)) } else { Some(0.0).filter(|_| d.chance(0.5)) };
-    motor.mass = Some(d.around(0.05, 2.0));
-    motor.reference_temperature = d.within(288.0, 300.0);
-    // Gear and robot.
-    let efficiency = if d.chance(0.3) { 1.0 } else { d.within(0.5, 1.0) };
-    let backdrive_efficiency = if d.chance(0.6) { 2.0 - 1.0 / efficiency } else { d.within(-0.2, 1.0) };
-    let mass = d.around(0.05, 1.0);
-    let mass_per_stage = if stepped || d.chance(0.4) { Some((mass, d.within(3.0, 10.0))) } else { None };
-    let gear = GearModel {
-        efficiency,
-        backdrive_efficiency,
-        mass: Some(mass),
-        mass_per_stage,
-        inertia: gear_inertia,
-        ..GearModel::IDEAL
-    };
-    let middle = matched * d.around(0.4, 2.5);
-    let ratio = RatioChoice::Continuous { min: middle * d.around(0.01, 0.8), max: middle * d.around(1.25, 100.0) };
-    let bandwidth = TorqueBandwidth { frequency: d.around(1.0, 60.0), amplitude: torque * d.around(0.05, 1.0) };
-    let safety = if d.chance(0.4) { d.within(1.0, 1.5) } else { 1.0 };
-    let limits = Limits { torque_bandwidth: rippled.then_some(bandwidth), safety, ..Limits::default() };
-    let objective = Objective { terms: Vec::new() };
-    let joint = Joint { name: "joint".into(), count: 1, ratio, gear, motion, objective, limits, drive_current: None };
-    let modulation = if d.chance(0.3) { Modulation::Sine } else { Modulation::SpaceVector };
-    let (modulation_limit, drive_efficiency) = (d.within(0.85, 1.0), d.within(0.85, 1.0));
-    let bus = Bus {
-        voltage: 1.0,
-        modulation,
-        modulation_limit,
-        drive_current: None,
-        power: None,
-        current: None,
-        regeneration: Regeneration::Allowed,
-        drive_efficiency,
-    };
-    let robot = Robot {
-        name: "robot".into(),
-        bus,
-        ambient: d.within(285.0, 315.0),
-        budget: Budget::default(),
-        joints: vec![joint],
-    };
-    let mut case = Case::new(motor, robot, time, raw);
-    todo!()
+    // The optimum.
+    let (n, optimum, evaluation) = (design.optimum.ratio, &design.optimum, &design.evaluation);
+    let best = least_over(&windows, &grid, |n| case.look(n).objective);
+    let at = case.look(n);
+    v.near(0, "N* above the best", optimum.objective / best - 1.0, 1e-6);
+    v.near(1, "N* below the best", 1.0 - optimum.objective / best, 1e-8);
+    v.near(4, "the objective", (optimum.objective / at.objective - 1.0).abs(), 1e-9);
+    if case.joint().objective.sole() == Some(Quantity::Mass) {
+        // Among the ratios of least mass the one of least loss is taken.
+        let lossy = |n| if case.mass(n) > best * (1.0 + 1e-12) { f64::INFINITY } else { case.look(n).loss };
+        v.near(0, "loss at least mass", at.loss / least_over(&windows, &grid, lossy) - 1.0, 1e-6);
+    }
+    v.must(evaluation.feasible && case.worst(n).0 <= CLOSE, || format!("N* = {n} violates {:?}", case.worst(n)));
+    if case.worst(n).0 > -CLOSE {
+        v.binding.push(case.worst(n).1);
+    }
+    // The windows, and what ends them.
+    let wide = |list: Vec<[f64; 2]>| list.into_iter().filter(|[a, b]| b / a - 1.0 > NARROW).collect::<Vec<_>>();
+    let mine = wide(windows);
+    let theirs = wide(optimum.windows.iter().map(|w| [w.min, w.max]).collect());
+    v.must(mine.len() == theirs.len() && (!convex || mine.len() == 1), || {
+        format!("windows {theirs:?}, true: {mine:?}")
+    });
+    for (a, b) in mine.iter().flatten().zip(theirs.iter().flatten()) {
+        v.near(2, "a window", (a / b - 1.0).abs(), 1e-6);
+    }
+    let inside = |w: &[f64; 2]| w[0] * (1.0 - 1e-9) <= n && n <= w[1] * (1.0 + 1e-9);
+    v.must(theirs.iter().any(inside), || format!("N* = {n} is outside {theirs:?}"));
+    for (bind, end, own) in optimum.windows.iter().flat_map(|w| [(&w.low, w.min, min), (&w.high, w.max, max)]) {
+        let own_end = bind.limit.starts_with("ratio_") && (end / own - 1.0).abs() < 1e-9;
+        v.must(own_end || filled(bind.limit, end) > 1.0 - 1e-6, || format!("{bind:?} does not bind at {end}"));
+        v.binding.extend(if own_end { None } else { Some(case.worst(end).1) });
+    }
+    // The proof.
+    match optimum.certificate {
+        Certificate::Certified { lower_bound, gap, .. } => {
+            v.must(convex && lower_bound <= best * (1.0 + 1e-9), || format!("bound {lower_bound}, best {best}"));
+            v.near(3, "the certificate", gap.max(1.0 - lower_bound / optimum.objective), 1e-6);
+        }
+        Certificate::NotCertified(why) => v.must(!convex, || format!("not certified: {why}")),
+    }
+    // The figures.
+    let inertia = n * n * case.inertia();
+    let figures = [
+        (evaluation.loss, at.loss),
+        (evaluation.peak_current, at.peak_current),
+        (evaluation.reflected_inertia, inertia),
+    ];
+    for (theirs, mine) in figures {
+        v.near(4, "a figure", (theirs / mine - 1.0).abs(), 1e-9);
+    }
+    let asked: Vec<_> =
+        at.limits.iter().filter_map(|(name, demand, bound)| Some((*name, *demand, (*bound)?))).collect();
+    let names: Vec<&str> = evaluation.margins.iter().map(|m| m.limit).collect();
+    v.must(names == asked.iter().map(|a| a.0).collect::<Vec<_>>(), || format!("limits {names:?}"));
+    for (margin, (name, demand, bound)) in evaluation.margins.iter().zip(asked) {
+        if bound > 0.0 {
+            v.near(4, name, (margin.margin - (1.0 - demand.max(0.0) / bound)).abs(), 1e-8);
+        }
+    }
+    v
+}
+
+/// Compares cases in parallel and says how it went.
+fn run(cases: std::ops::Range<u64>, convex: bool) {
+    let count = (cases.end - cases.start) as usize;
+    let verdicts: Vec<(u64, Verdict)> = cases.into_par_iter().map(|i| (i, compare(&draw(i, convex), convex))).collect();
+    let close = verdicts.iter().filter(|(_, v)| v.close).count();
+    let feasible = verdicts.iter().filter(|(_, v)| v.feasible).count();
+    let largest = [0, 1, 2, 3, 4].map(|kind| verdicts.iter().map(|(_, v)| v.deviations[kind]).fold(0.0, f64::max));
+    let mut binding: BTreeMap<&str, usize> = BTreeMap::new();
+    verdicts.iter().flat_map(|(_, v)| &v.binding).for_each(|name| *binding.entry(name).or_default() += 1);
+    println!("{count} cases, {feasible} feasible, {close} too close to call; binding: {binding:?}");
+    println!("largest deviations: above and below the best, windows, gap, figures: {largest:?}");
+    let wrong: Vec<_> = verdicts.iter().filter(|(_, v)| !v.wrong.is_empty()).collect();
+    for (i, verdict) in wrong.iter() {
+        println!(
+            "SHORT {convex} {i} K={} obj={:?}: {:?}",
+            draw(*i, convex).raw.len(),
+            draw(*i, convex).joint().objective.terms,
+            verdict.wrong
+        );
+    }
+    for (i, verdict) in wrong.iter().take(5) {
+        let case = draw(*i, convex);
+        println!(
+            "case {i}: {:#?}
+{:?}
+{:?}
+{:?}",
+            verdict.wrong, case.motor, case.robot, case.raw
+        );
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} of {count} cases disagree: {:?}",
+        wrong.len(),
+        wrong.iter().map(|w| w.0).collect::<Vec<_>>()
+    );
+    assert!(close * 50 < count, "{close} of {count} cases are too close to call");
+}
+
+#[test]
+fn convex_programs_agree_with_a_scan_of_the_raw_waveforms() {
+    run(0..640, true);
+}
+
+#[test]
+fn other_programs_agree_with_a_scan_of_the_raw_waveforms() {
+    run(1000..1240, false);
 }

@@ -49,7 +49,17 @@ impl Numbers {
 
 fn numbers() -> impl Strategy<Value = Numbers> {
     (0.05..2.0, 0.0..3e-3, 0.03..0.3, 0.9..1.0, -6.0..-4.0, 1_u32..20, 0.0..2e-4, 10.0..60.0, 3.0..20.0).prop_map(
-        |(resistance, time_constant, torque_constant, back_emf_share, inertia, poles, viscous, peak_current, continuous_current)| Numbers {
+        |(
+            resistance,
+            time_constant,
+            torque_constant,
+            back_emf_share,
+            inertia,
+            poles,
+            viscous,
+            peak_current,
+            continuous_current,
+        )| Numbers {
             resistance,
             time_constant,
             torque_constant,
@@ -67,11 +77,16 @@ fn numbers() -> impl Strategy<Value = Numbers> {
 fn motion(amplitudes: [f64; 6], phases: [f64; 6], samples: usize, period: f64) -> Motion {
     let at = |k: usize| std::f64::consts::TAU * k as f64 / samples as f64;
     let sum = |k: usize, from: usize| {
-        (0..3).map(|h| amplitudes[from + h] / (h + 1) as f64 * ((h + 1) as f64 * at(k) + phases[from + h]).sin()).sum::<f64>()
+        (0..3)
+            .map(|h| amplitudes[from + h] / (h + 1) as f64 * ((h + 1) as f64 * at(k) + phases[from + h]).sin())
+            .sum::<f64>()
     };
     let series = |from: usize| (0..samples).map(|k| sum(k, from)).collect::<Vec<_>>();
     let time = (0..samples).map(|k| period * k as f64 / samples as f64).collect();
-    Motion::from_samples(Samples { time, torque: series(0), velocity: Some(series(3)), ..Samples::default() }, Course::Periodic(period))
+    Motion::from_samples(
+        Samples { time, torque: series(0), velocity: Some(series(3)), ..Samples::default() },
+        Course::Periodic(period),
+    )
 }
 
 fn motions() -> impl Strategy<Value = Motion> {

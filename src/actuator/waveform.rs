@@ -235,6 +235,7 @@ impl Waveform {
         best: &mut Largest,
     ) {
         let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.columns[f][start..end]);
+        #[expect(clippy::needless_range_loop, reason = "six columns are walked together")]
         for i in 0..end - start {
             let features = std::array::from_fn(|f| columns[f][i]);
             let here = value(weights, &features);
@@ -259,11 +260,7 @@ impl Weights {
 
 #[inline(always)]
 fn dot(weights: &[f64; FEATURES], features: &[f64; FEATURES]) -> f64 {
-    let mut sum = 0.0;
-    for f in 0..FEATURES {
-        sum += weights[f] * features[f];
-    }
-    sum
+    weights.iter().zip(features).map(|(w, x)| w * x).sum()
 }
 
 /// Centre and half-width of a linear form over a box; the half-width is widened by what rounding
@@ -271,11 +268,11 @@ fn dot(weights: &[f64; FEATURES], features: &[f64; FEATURES]) -> f64 {
 #[inline(always)]
 fn interval(weights: &[f64; FEATURES], node: &Node) -> (f64, f64) {
     let (mut center, mut radius, mut size) = (0.0, 0.0, 0.0);
-    for f in 0..FEATURES {
-        let term = weights[f] * node.center[f];
+    for ((weight, middle), half) in weights.iter().zip(&node.center).zip(&node.radius) {
+        let term = weight * middle;
         center += term;
         size += term.abs();
-        radius += weights[f].abs() * node.radius[f];
+        radius += weight.abs() * half;
     }
     (center, radius + 1e-14 * (size + radius))
 }

@@ -178,13 +178,13 @@ fn audit_gear(gear: &Gear) -> Vec<Finding> {
             );
         }
     }
-    if let (Some(forward), Some(backward)) = (gear.efficiency, gear.backdrive_efficiency) {
-        if backward > forward + 0.1 {
-            add(
-                "gear-efficiency",
-                format!("the gear is {} efficient backwards, {} forwards", number(backward), number(forward)),
-            );
-        }
+    if let (Some(forward), Some(backward)) = (gear.efficiency, gear.backdrive_efficiency)
+        && backward > forward + 0.1
+    {
+        add(
+            "gear-efficiency",
+            format!("the gear is {} efficient backwards, {} forwards", number(backward), number(forward)),
+        );
     }
     findings
 }

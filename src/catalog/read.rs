@@ -260,14 +260,14 @@ fn read_motor(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<
         let tolerance = tolerance.map(|t| if t.relative { t.value * number.value.abs() } else { t.value });
         (field.set)(&mut sheet, Printed { value: number.value, tolerance });
     }
-    if let (Some(continuous), Some(peak)) = (sheet.continuous_current, sheet.peak_current) {
-        if continuous.value > peak.value {
-            problems.push(Problem::at(
-                table.cell_span(row, "peak_current"),
-                "`peak_current` is less than `continuous_current`",
-                "the two may be swapped",
-            ));
-        }
+    if let (Some(continuous), Some(peak)) = (sheet.continuous_current, sheet.peak_current)
+        && continuous.value > peak.value
+    {
+        problems.push(Problem::at(
+            table.cell_span(row, "peak_current"),
+            "`peak_current` is less than `continuous_current`",
+            "the two may be swapped",
+        ));
     }
     if problems.len() > before {
         return None;
@@ -358,14 +358,14 @@ fn read_gear(table: &Table, row: usize, problems: &mut Vec<Problem>) -> Option<G
             "expected at most 1",
         ));
     }
-    if let (Some(continuous), Some(peak)) = (gear.continuous_torque, gear.peak_torque) {
-        if continuous > peak {
-            problems.push(Problem::at(
-                table.cell_span(row, "peak_torque"),
-                "`peak_torque` is less than `continuous_torque`",
-                "the two may be swapped",
-            ));
-        }
+    if let (Some(continuous), Some(peak)) = (gear.continuous_torque, gear.peak_torque)
+        && continuous > peak
+    {
+        problems.push(Problem::at(
+            table.cell_span(row, "peak_torque"),
+            "`peak_torque` is less than `continuous_torque`",
+            "the two may be swapped",
+        ));
     }
     gear.fits =
         table.text(row, "fits").unwrap_or("").split([';', ' ']).filter(|p| !p.is_empty()).map(str::to_string).collect();

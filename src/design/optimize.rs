@@ -215,11 +215,11 @@ fn best_gear<'a>(
             if best.as_ref().is_none_or(|(o, l, ..)| (objective, evaluation.loss) < (*o, *l)) {
                 best = Some((objective, evaluation.loss, &gear.id, prepared, evaluation));
             }
-        } else if let Some(margin) = evaluation.tightest() {
-            if nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m) {
-                let bind = Bind { limit: margin.limit, sample: margin.sample };
-                nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound));
-            }
+        } else if let Some(margin) = evaluation.tightest()
+            && nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m)
+        {
+            let bind = Bind { limit: margin.limit, sample: margin.sample };
+            nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound));
         }
     }
     if let Some((objective, _, gear, prepared, evaluation)) = best {

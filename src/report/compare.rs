@@ -58,7 +58,7 @@ fn row(what: &str, values: [Option<f64>; 2], unit: &str, lower_is_better: Option
 pub fn text(comparison: &Comparison) -> String {
     let [a, b] = comparison.motors;
     let pair = |f: fn(&Motor) -> Option<f64>| comparison.motors.map(f);
-    let header = ["", &format!(">{}", a.id), &format!(">{}", b.id), ">first is better by"];
+    let header = ["", &format!(">{}", a.id), &format!(">{}", b.id), ">advantage of the first"];
     let mut out = String::from("As the program computes with them: power-invariant q axis\n\n");
     let rows = vec![
         row("resistance R", pair(|m| Some(m.resistance)), "ohm", None),
@@ -129,7 +129,8 @@ pub fn text(comparison: &Comparison) -> String {
     out.push_str(&table(&header, &rows));
     out.push_str("\nWhere the numbers come from, and what is doubtful about them\n\n");
     for motor in comparison.motors {
-        out.push_str(&format!("{}: {}; {}\n", motor.id, conventions_line(motor), motor.source));
+        out.push_str(&wrap(&format!("{}: {}; {}", motor.id, conventions_line(motor), motor.source), 2));
+        out.push('\n');
         if !motor.note.is_empty() {
             out.push_str(&format!("  {}\n", wrap(&motor.note, 2)));
         }

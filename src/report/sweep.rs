@@ -124,10 +124,10 @@ fn counts(sweep: &JointSweep) -> String {
     let mut worst: BTreeMap<&str, usize> = BTreeMap::new();
     let mut unchecked: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for design in &sweep.designs {
-        if !design.evaluation.feasible {
-            if let Some(margin) = design.evaluation.tightest() {
-                *worst.entry(margin.limit).or_default() += 1;
-            }
+        if !design.evaluation.feasible
+            && let Some(margin) = design.evaluation.tightest()
+        {
+            *worst.entry(margin.limit).or_default() += 1;
         }
         for what in design.unchecked.iter() {
             *unchecked.entry(*what).or_default() += 1;

@@ -357,16 +357,10 @@ fn course(
     if !problems.is_empty() {
         return None;
     }
-    for values in
-        [Some(&mut samples.time), Some(&mut samples.torque), samples.velocity.as_mut(), samples.position.as_mut()]
-    {
-        if let Some(values) = values {
-            values.pop();
-        }
-    }
-    for values in
-        [samples.acceleration.as_mut(), samples.torque_rate.as_mut(), samples.jerk.as_mut()].into_iter().flatten()
-    {
+    samples.time.pop();
+    samples.torque.pop();
+    let Samples { position, velocity, acceleration, torque_rate, jerk, .. } = samples;
+    for values in [position, velocity, acceleration, torque_rate, jerk].into_iter().flatten() {
         values.pop();
     }
     Some(Course::Periodic(duration))

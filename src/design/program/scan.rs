@@ -46,11 +46,11 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
                 _ => boundary(program, points[i - 1].0, n),
             });
         }
-        if !feasible(e) {
-            if let Some((start, bind)) = open.take() {
-                let (end, high) = boundary(program, n, points[i - 1].0);
-                windows.push(Window { min: start, max: end, low: bind, high });
-            }
+        if !feasible(e)
+            && let Some((start, bind)) = open.take()
+        {
+            let (end, high) = boundary(program, n, points[i - 1].0);
+            windows.push(Window { min: start, max: end, low: bind, high });
         }
     }
     if let Some((start, bind)) = open.take() {
