@@ -17,7 +17,15 @@ pub(super) fn lower_bound(f: &[f64; 4], rows: &[(Row, f64)], low: f64, high: f64
         }
         sum[1] -= multiplier * row.bound;
     }
-    value(&sum, minimise(&sum, low, high))
+    let u = minimise(&sum, low, high);
+    // What rounding may have added to the sum is taken off again: a bound must not exceed the truth.
+    value(&sum, u) - 4.0 * f64::EPSILON * size(f, rows, u)
+}
+
+/// Sum of the magnitudes of all terms at u: what cancels in the objective and in the rows.
+fn size(f: &[f64; 4], rows: &[(Row, f64)], u: f64) -> f64 {
+    let magnitude = |c: &[f64; 4]| value(&c.map(f64::abs), u);
+    magnitude(f) + rows.iter().map(|(row, m)| m.max(0.0) * (magnitude(&row.coefficients) + row.bound.abs())).sum::<f64>()
 }
 
 /// The multiplier that makes a single row's gradient balance the objective's at u.

@@ -204,24 +204,23 @@ fn finish(
     let (start, end) = (window.min * window.min, window.max * window.max);
     let torque_constant = program.prepared.candidate.actuator.torque_constant;
     let multipliers: Vec<(Row, f64)> = rows.iter().copied().zip(proposal.rows.iter().copied()).collect();
-    let (u, best, bound) = match goal {
+    // A peak is bounded, and its gap measured, by its square: the objective's own scale of convexity.
+    let (u, best, bound, size) = match goal {
         Goal::Sum(f) => {
             // The window is exact, and the objective is convex: the proposal is sharpened within it.
             let u = minimise(f, start, end);
             let proposed = lower_bound(f, &multipliers, low.u, high.u);
             let balanced = balanced_bound(f, rows, u, low.u, high.u);
-            (u, value(f, u), proposed.max(balanced))
+            (u, value(f, u), proposed.max(balanced), value(&f.map(f64::abs), u))
         }
         Goal::Peak(peaks) => {
-            let u = proposal.u.clamp(start, end);
+            let u = sharpen_peak(program, proposal.u.clamp(start, end), start, end);
             let total: f64 = proposal.peaks.iter().map(|m| m.max(0.0)).sum();
-            let zero = [0.0; 4];
             let weighted = peaks.iter().copied().zip(proposal.peaks.iter().map(|m| m.max(0.0) / total));
             let limits = multipliers.iter().map(|(row, m)| (*row, m / total));
             let all: Vec<(Row, f64)> = weighted.chain(limits).collect();
-            let squared = lower_bound(&zero, &all, low.u, high.u);
-            let best = peak_row(program, u).at(u).max(0.0).sqrt() / torque_constant;
-            (u, best, squared.max(0.0).sqrt() / torque_constant)
+            let size = peaks.iter().map(|r| value(&r.coefficients.map(f64::abs), u)).fold(0.0, f64::max);
+            (u, peak_row(program, u).at(u).max(0.0), lower_bound(&[0.0; 4], &all, low.u, high.u).max(0.0), size)
         }
     };
     if !(u.is_finite() && best.is_finite() && bound.is_finite()) {
@@ -230,10 +229,15 @@ fn finish(
     if program.worst_row(u).is_some_and(|row| row.excess(u) > 1e-8) {
         return Outcome::NotSolved("the solution breaks a limit".into());
     }
-    let gap = if best == bound { 0.0 } else { (best - bound).max(0.0) / best.abs().max(f64::MIN_POSITIVE) };
+    // An objective that vanishes because its terms cancel has no relative gap: it is measured against
+    // its terms.
+    let reference = best.abs().max(1e-6 * size).max(f64::MIN_POSITIVE);
+    let gap = if best <= bound { 0.0 } else { (best - bound) / reference };
     if gap > GAP_TOLERANCE {
         return Outcome::NotSolved(format!("the duality gap is {gap:.1e}"));
     }
+    let natural = |x: f64| if matches!(goal, Goal::Peak(_)) { x.sqrt() / torque_constant } else { x };
+    let (best, bound) = (natural(best), natural(bound));
     Outcome::Optimal(Optimum {
         ratio: u.sqrt(),
         objective: best,
@@ -241,6 +245,13 @@ fn finish(
         certificate: Certificate::Certified { lower_bound: bound.min(best), gap, method: "conic duality" },
         shadow_prices: shadow_prices(program, goal, window, rows, u, best, low, high),
     })
+}
+
+/// The lowest peak near the proposal: the largest of convex rows has one valley.
+fn sharpen_peak(program: &RatioProgram, u: f64, start: f64, end: f64) -> f64 {
+    let peak = |u: f64| peak_row(program, u).at(u);
+    let found = super::scan::golden(&peak, (u * 0.999).max(start), (u * 1.001).min(end));
+    if peak(found) < peak(u) { found } else { u }
 }
 
 /// Lower bound with the one multiplier that balances the objective at u, over the rows that bind.

@@ -350,6 +350,18 @@ impl<'a> RatioProgram<'a> {
         sum.unwrap_or(f64::NAN)
     }
 
+    /// The report of a convex limit that no ratio of the requirement keeps: its least demand. The
+    /// largest of convex rows has one valley, which a golden section finds.
+    fn never(&self, index: usize) -> Infeasible {
+        let asked = &self.prepared.asked[index];
+        let demand = |ln_n: f64| asked.raw_demand(&self.prepared.candidate, ln_n.exp()).0;
+        let ratio = scan::golden(&demand, self.range.0.ln(), self.range.1.ln()).exp();
+        let ends = [self.range.0, self.range.1];
+        let ratio = ends.into_iter().fold(ratio, |best, end| if demand(end.ln()) < demand(best.ln()) { end } else { best });
+        let (raw, sample) = asked.raw_demand(&self.prepared.candidate, ratio);
+        Infeasible::Never { bind: Bind { limit: asked.limit.name, sample }, least: asked.natural(raw) / asked.bound, ratio }
+    }
+
     fn bind(&self, row: &Row) -> Bind {
         Bind { limit: self.prepared.asked[row.asked].limit.name, sample: row.sample }
     }
@@ -367,6 +379,12 @@ impl<'a> RatioProgram<'a> {
             Some(Quantity::Mass) => self.least_mass(&window, rows, &low, &high),
             _ => conic::solve(self, &window, rows, &low, &high),
         }
+    }
+
+    /// Ratios of the range at which a further gear stage begins: there the mass steps up.
+    fn stage_ratios(&self, min: f64, max: f64) -> Vec<f64> {
+        let Some((_, stage_ratio)) = self.prepared.candidate.gear.mass_per_stage else { return Vec::new() };
+        (0..64).map(|n| stage_ratio.powi(n)).filter(|n| *n > min && *n < max).collect()
     }
 
     /// Mass does not fall with the ratio: least at the smallest ratio, and among the ratios of the

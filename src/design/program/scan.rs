@@ -3,6 +3,7 @@
 
 use super::{Bind, Certificate, Class, Infeasible, Optimum, Outcome, RatioProgram, Window};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
+use crate::requirement::{Objective, Quantity};
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 400;
@@ -14,23 +15,23 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     };
     let (min, max) = (low.u.sqrt(), high.u.sqrt());
     let excess = |n: f64| worst(program, n).0;
-    let grid: Vec<f64> = if max / min - 1.0 < 1e-12 {
-        vec![min]
-    } else {
-        (0..POINTS)
-            .map(|i| if i + 1 == POINTS { max } else { min * (max / min).powf(i as f64 / (POINTS - 1) as f64) })
-            .collect()
-    };
+    let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::design::sweep::grid(min, max, POINTS) };
     let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
-    // A window narrower than the grid shows as a valley of the excess: look at its bottom.
+    // A window, or a gap in one, that is narrower than the grid shows as a valley, or a hill, of the
+    // excess: look at its bottom, or its top.
     let mut valleys = Vec::new();
     for i in 0..points.len() {
-        let left = points[i.saturating_sub(1)];
-        let right = points[(i + 1).min(points.len() - 1)];
+        let (left, right) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
         let here = points[i];
-        if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 && left.0 < right.0 {
+        if left.0 >= right.0 {
+            continue;
+        }
+        if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 {
             let bottom = golden(&excess, left.0, right.0);
             valleys.push((bottom, excess(bottom)));
+        } else if here.1 <= 0.0 && here.1 >= left.1 && here.1 >= right.1 {
+            let top = golden(&|n| -excess(n), left.0, right.0);
+            valleys.push((top, excess(top)));
         }
     }
     points.extend(valleys);
@@ -97,7 +98,7 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
 }
 
 /// Bottom of a valley between `a` and `b`, by golden section.
-fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+pub(super) fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     let share = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut c, mut d) = (b - share * (b - a), a + share * (b - a));
     let (mut fc, mut fd) = (f(c), f(d));
@@ -111,39 +112,58 @@ fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
             d = a + share * (b - a);
             fd = f(d);
         }
-        if b - a <= 1e-12 * b {
+        if b - a <= 1e-13 * b.abs() {
             break;
         }
     }
     if fc <= fd { c } else { d }
 }
 
-/// The best ratio over all windows: grid, then every valley refined.
+/// The best ratio over all windows. Where only the mass counts, the least loss at the least mass.
 fn best_of(program: &RatioProgram, windows: &[Window]) -> Option<(f64, f64)> {
-    let value = |n: f64| program.objective_at(n);
+    let pieces = pieces(program, windows);
+    if program.objective.sole() != Some(Quantity::Mass) {
+        return least(&|n| program.objective_at(n), &pieces);
+    }
+    // Mass is constant on each piece, but for the start that belongs to the piece before.
+    let mass = |piece: &(f64, f64)| program.objective_at(piece.1);
+    let lightest = pieces.iter().map(mass).fold(f64::INFINITY, f64::min);
+    let lightest_pieces: Vec<(f64, f64)> = pieces.iter().copied().filter(|p| mass(p) <= lightest).collect();
+    let loss = Objective::single(Quantity::Loss);
+    let least_loss = RatioProgram { prepared: program.prepared, objective: &loss, range: program.range };
+    least(&|n| least_loss.objective_at(n), &lightest_pieces).map(|(n, _)| (n, program.objective_at(n)))
+}
+
+/// The windows, cut where the mass steps.
+fn pieces(program: &RatioProgram, windows: &[Window]) -> Vec<(f64, f64)> {
+    let mut pieces = Vec::new();
+    for window in windows {
+        let mut start = window.min;
+        for step in program.stage_ratios(window.min, window.max) {
+            pieces.push((start, step));
+            start = step;
+        }
+        pieces.push((start, window.max));
+    }
+    pieces
+}
+
+/// The least value over some intervals: a grid on each, then every valley refined.
+fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)]) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     let mut offer = |n: f64, f: f64| {
         if best.is_none_or(|(_, b)| f < b) {
             best = Some((n, f));
         }
     };
-    for window in windows {
-        let points = if window.max > window.min { POINTS } else { 1 };
-        let at = |i: usize| {
-            if i == 0 {
-                window.min
-            } else if i + 1 == points {
-                window.max
-            } else {
-                window.min * (window.max / window.min).powf(i as f64 / (points - 1) as f64)
-            }
-        };
-        let values: Vec<f64> = (0..points).map(|i| value(at(i))).collect();
-        for i in 0..points {
-            offer(at(i), values[i]);
-            let (left, right) = (i.saturating_sub(1), (i + 1).min(points - 1));
+    for (min, max) in intervals {
+        let grid = crate::design::sweep::grid(*min, *max, if max > min { POINTS } else { 1 });
+        let values: Vec<f64> = grid.iter().map(|n| value(*n)).collect();
+        for i in 0..grid.len() {
+            offer(grid[i], values[i]);
+            let (left, right) = (i.saturating_sub(1), (i + 1).min(grid.len() - 1));
             if left < right && values[i] <= values[left] && values[i] <= values[right] {
-                let n = golden(&value, at(left), at(right));
+                let n = golden(value, grid[left], grid[right]);
                 offer(n, value(n));
             }
         }

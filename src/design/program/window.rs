@@ -27,6 +27,12 @@ fn walk(
     upwards: bool,
     rows: &mut Vec<Row>,
 ) -> Result<(f64, Bind), Infeasible> {
+    // What a row leaves is judged over the requirement's whole range, so that a row is blamed alone
+    // only where no ratio at all would keep it.
+    let (first, last) = (program.range.0.powi(2), program.range.1.powi(2));
+    let contradiction = |low: Bind, at_least: f64, high: Bind, at_most: f64| {
+        Infeasible::Contradiction { low, at_least: at_least.sqrt(), high, at_most: at_most.sqrt() }
+    };
     let from = if upwards { low } else { high };
     let (mut u, mut bind) = (from.u, from.bind.clone());
     for _ in 0..MAX_JUMPS {
@@ -36,31 +42,26 @@ fn walk(
             break;
         }
         let here = program.bind(&row);
-        let Some((start, end)) = interval(&row, low.u, high.u) else {
-            let least = minimum(&row, low.u, high.u);
-            let asked = &program.prepared.asked[row.asked];
-            return Err(Infeasible::Never {
-                bind: here,
-                least: asked.natural(row.at(least)) / asked.bound,
-                ratio: least.sqrt(),
-            });
+        let Some((start, end)) = interval(&row, first, last) else {
+            return Err(program.never(row.asked));
         };
-        let next = if upwards { start } else { end };
         // A row that is violated here and lies behind us contradicts the one that brought us here.
-        let behind = if upwards { next <= u } else { next >= u };
-        if behind {
-            let (lower, at_least, upper, at_most) = if upwards { (bind, u, here, end) } else { (here, start, bind, u) };
-            return Err(Infeasible::Contradiction {
-                low: lower,
-                at_least: at_least.sqrt(),
-                high: upper,
-                at_most: at_most.sqrt(),
-            });
+        if upwards && end <= u {
+            return Err(contradiction(bind, u, here, end));
         }
-        u = next;
+        if !upwards && start >= u {
+            return Err(contradiction(here, start, bind, u));
+        }
+        u = if upwards { start } else { end };
+        if u > high.u * (1.0 + ROW_TOLERANCE) {
+            return Err(contradiction(here, u, high.bind.clone(), high.u));
+        }
+        if u < low.u * (1.0 - ROW_TOLERANCE) {
+            return Err(contradiction(low.bind.clone(), low.u, here, u));
+        }
         bind = here;
     }
-    Ok((u, bind))
+    Ok((u.clamp(low.u, high.u), bind))
 }
 
 /// Where `slope` of the row is zero, kept within the range: the row's least value there.
