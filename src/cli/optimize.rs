@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Output};
-use crate::design::optimize::optimize_with_progress;
+use crate::design::optimize::{Options, optimize_with};
 use crate::report::optimize as report;
 use crate::requirement;
 
@@ -22,6 +22,9 @@ pub struct Arguments {
     /// List every rejected motor with its reason
     #[arg(long)]
     rejected: bool,
+    /// Leave out motors whose rows do not say enough to check every limit
+    #[arg(long)]
+    only_checked: bool,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
@@ -32,7 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "optimising");
-    let result = optimize_with_progress(&robot, &catalog, &|| bar.inc(1));
+    let options = Options { only_checked: arguments.only_checked, tick: &|| bar.inc(1) };
+    let result = optimize_with(&robot, &catalog, options);
     bar.finish_and_clear();
     let shown = report::Shown { top: arguments.top, rejected: arguments.rejected };
     let text =

@@ -69,6 +69,8 @@ pub enum Reason {
     Unusable(Unusable),
     /// No ratio keeps all limits.
     Infeasible(Infeasible),
+    /// A limit cannot be checked, and only designs with all limits checked were wanted.
+    Unchecked(&'static str, &'static str),
     /// No gear of the catalogue keeps all limits; at the nearest one this is exceeded.
     Gears {
         /// The limit, with its sample.
@@ -95,21 +97,36 @@ pub struct Agreement {
     pub motors: usize,
 }
 
-/// Finds the best ratio of every motor at every joint.
-pub fn optimize<'a>(robot: &'a Robot, catalog: &'a Catalog) -> RobotResult<'a> {
-    optimize_with_progress(robot, catalog, &|| {})
+/// How an optimisation is run.
+#[derive(Clone, Copy)]
+pub struct Options<'p> {
+    /// Reject designs with a limit that cannot be checked, because a number is not known.
+    pub only_checked: bool,
+    /// Called once for each motor and joint that is done.
+    pub tick: &'p (dyn Fn() + Sync),
 }
 
-/// As [`optimize`]; `tick` is called once for each motor and joint that is done.
-pub fn optimize_with_progress<'a>(robot: &'a Robot, catalog: &'a Catalog, tick: &(dyn Fn() + Sync)) -> RobotResult<'a> {
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Options { only_checked: false, tick: &|| {} }
+    }
+}
+
+/// Finds the best ratio of every motor at every joint.
+pub fn optimize<'a>(robot: &'a Robot, catalog: &'a Catalog) -> RobotResult<'a> {
+    optimize_with(robot, catalog, Options::default())
+}
+
+/// As [`optimize`], with options.
+pub fn optimize_with<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> RobotResult<'a> {
     let loads: Vec<Load> = robot.joints.par_iter().map(|j| Load::new(&j.motion, j.limits.torque_bandwidth)).collect();
     let pairs: Vec<(usize, &Motor)> =
         (0..robot.joints.len()).flat_map(|j| catalog.motors.iter().map(move |m| (j, m))).collect();
     let found: Vec<(usize, Result<Design, Rejected>)> = pairs
         .par_iter()
         .map(|(j, motor)| {
-            let found = best_design(robot, &robot.joints[*j], &loads[*j], motor, catalog);
-            tick();
+            let found = best_design(robot, &robot.joints[*j], &loads[*j], motor, catalog, options.only_checked);
+            (options.tick)();
             (*j, found)
         })
         .collect();
@@ -144,6 +161,7 @@ pub fn best_design<'a>(
     load: &Load,
     motor: &'a Motor,
     catalog: &'a Catalog,
+    only_checked: bool,
 ) -> Result<Design<'a>, Rejected<'a>> {
     let reject = |gear, reason| Rejected { motor, gear, reason };
     if joint.objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
@@ -154,6 +172,9 @@ pub fn best_design<'a>(
             let candidate =
                 continuous_candidate(robot, joint, load, motor).map_err(|u| reject(None, Reason::Unusable(u)))?;
             let prepared = Prepared::new(candidate);
+            if let (true, Some((limit, why))) = (only_checked, prepared.unchecked.first()) {
+                return Err(reject(None, Reason::Unchecked(limit, why)));
+            }
             match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
                 Outcome::Optimal(optimum) => Ok(design(&prepared, motor, None, optimum)),
                 Outcome::Infeasible(infeasible) => Err(reject(None, Reason::Infeasible(infeasible))),
@@ -162,7 +183,7 @@ pub fn best_design<'a>(
             }
         }
         RatioChoice::Catalog(_) => {
-            best_gear(robot, joint, load, motor, catalog).map_err(|(gear, reason)| reject(gear, reason))
+            best_gear(robot, joint, load, motor, catalog, only_checked).map_err(|(gear, reason)| reject(gear, reason))
         }
     }
 }
@@ -187,10 +208,12 @@ fn best_gear<'a>(
     load: &Load,
     motor: &'a Motor,
     catalog: &'a Catalog,
+    only_checked: bool,
 ) -> Result<Design<'a>, (Option<&'a str>, Reason)> {
     let mut best: Option<(f64, f64, &'a str, Prepared, Evaluation)> = None;
     let mut nearest: Option<(f64, &'a str, Bind, f64)> = None;
     let mut unusable = Unusable::NoGearFits;
+    let mut unchecked: Option<(&'a str, (&'static str, &'static str))> = None;
     let mut tried = 0;
     for gear in allowed_gears(joint, catalog) {
         if gear.fits(&motor.id) == Some(false) {
@@ -203,8 +226,12 @@ fn best_gear<'a>(
                 continue;
             }
         };
-        tried += 1;
         let prepared = Prepared::new(candidate);
+        if let (true, Some(what)) = (only_checked, prepared.unchecked.first()) {
+            unchecked = Some((&gear.id, *what));
+            continue;
+        }
+        tried += 1;
         let evaluation = prepared.at(gear.ratio);
         if evaluation.feasible {
             let Some(objective) = evaluation.objective(&joint.objective) else {
@@ -234,9 +261,10 @@ fn best_gear<'a>(
         };
         return Ok(design(&prepared, motor, Some(gear), optimum));
     }
-    match nearest {
-        Some((_, gear, bind, over)) => Err((Some(gear), Reason::Gears { bind, over, tried })),
-        None => {
+    match (nearest, unchecked) {
+        (Some((_, gear, bind, over)), _) => Err((Some(gear), Reason::Gears { bind, over, tried })),
+        (None, Some((gear, (limit, why)))) => Err((Some(gear), Reason::Unchecked(limit, why))),
+        (None, None) => {
             Err((None, Reason::Unusable(if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { unusable })))
         }
     }

@@ -73,6 +73,9 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
                 times(*over)
             ),
         ),
+        Reason::Unchecked(limit, why) => {
+            (format!("{limit} cannot be checked"), format!("{limit} cannot be checked: {why}"))
+        }
         Reason::Unbounded => ("the objective has no lower bound".into(), "the objective has no lower bound".into()),
         Reason::NotSolved(why) => ("not solved".into(), format!("not solved: {why}")),
     }
@@ -193,6 +196,11 @@ fn details(design: &Design, joint: &Joint) -> String {
         .evaluation
         .tightest()
         .map_or_else(|| "nothing could be checked".into(), |m| format!("tightest margin {}", margin_text(m)));
+    let tightest = match design.unchecked.len() {
+        0 => tightest,
+        1 => format!("{tightest}; 1 thing not checked"),
+        n => format!("{tightest}; {n} things not checked"),
+    };
     if let Some(gear) = design.gear {
         return format!("with {gear}; {tightest}");
     }

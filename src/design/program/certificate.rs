@@ -25,7 +25,8 @@ pub(super) fn lower_bound(f: &[f64; 4], rows: &[(Row, f64)], low: f64, high: f64
 /// Sum of the magnitudes of all terms at u: what cancels in the objective and in the rows.
 fn size(f: &[f64; 4], rows: &[(Row, f64)], u: f64) -> f64 {
     let magnitude = |c: &[f64; 4]| value(&c.map(f64::abs), u);
-    magnitude(f) + rows.iter().map(|(row, m)| m.max(0.0) * (magnitude(&row.coefficients) + row.bound.abs())).sum::<f64>()
+    magnitude(f)
+        + rows.iter().map(|(row, m)| m.max(0.0) * (magnitude(&row.coefficients) + row.bound.abs())).sum::<f64>()
 }
 
 /// The multiplier that makes a single row's gradient balance the objective's at u.

@@ -357,9 +357,14 @@ impl<'a> RatioProgram<'a> {
         let demand = |ln_n: f64| asked.raw_demand(&self.prepared.candidate, ln_n.exp()).0;
         let ratio = scan::golden(&demand, self.range.0.ln(), self.range.1.ln()).exp();
         let ends = [self.range.0, self.range.1];
-        let ratio = ends.into_iter().fold(ratio, |best, end| if demand(end.ln()) < demand(best.ln()) { end } else { best });
+        let ratio =
+            ends.into_iter().fold(ratio, |best, end| if demand(end.ln()) < demand(best.ln()) { end } else { best });
         let (raw, sample) = asked.raw_demand(&self.prepared.candidate, ratio);
-        Infeasible::Never { bind: Bind { limit: asked.limit.name, sample }, least: asked.natural(raw) / asked.bound, ratio }
+        Infeasible::Never {
+            bind: Bind { limit: asked.limit.name, sample },
+            least: asked.natural(raw) / asked.bound,
+            ratio,
+        }
     }
 
     fn bind(&self, row: &Row) -> Bind {

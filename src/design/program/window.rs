@@ -30,8 +30,11 @@ fn walk(
     // What a row leaves is judged over the requirement's whole range, so that a row is blamed alone
     // only where no ratio at all would keep it.
     let (first, last) = (program.range.0.powi(2), program.range.1.powi(2));
-    let contradiction = |low: Bind, at_least: f64, high: Bind, at_most: f64| {
-        Infeasible::Contradiction { low, at_least: at_least.sqrt(), high, at_most: at_most.sqrt() }
+    let contradiction = |low: Bind, at_least: f64, high: Bind, at_most: f64| Infeasible::Contradiction {
+        low,
+        at_least: at_least.sqrt(),
+        high,
+        at_most: at_most.sqrt(),
     };
     let from = if upwards { low } else { high };
     let (mut u, mut bind) = (from.u, from.bind.clone());
