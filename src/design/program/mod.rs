@@ -4,11 +4,14 @@
 //! with `c_w, c_t ≥ 0`, hence convex; with `w ≥ 1/u` and `t ≥ u²` the program is conic and exact.
 //! It is solved with few rows, the violated ones are added ([`conic`]); the window of feasible
 //! ratios comes from the rows themselves ([`window`]); the certificate is a Lagrangian bound computed
-//! without the solver ([`certificate`]). Where convexity ends the program is evaluated on a refined
-//! grid and marked as not certified ([`scan`]).
+//! without the solver ([`certificate`]). Where convexity ends, interval branch and bound in N goes on until
+//! its bounds meet ([`branch`]), from the best ratio of a refined grid ([`scan`]).
 
+mod branch;
 mod certificate;
 mod conic;
+mod objective;
+mod prices;
 mod scan;
 mod window;
 
@@ -182,14 +185,20 @@ pub struct RatioProgram<'a> {
     range: (f64, f64),
 }
 
-/// An end of the range of u with the limit that sets it.
+/// An end of the range of ratios with the limit that sets it.
 #[derive(Debug, Clone)]
 struct End {
-    u: f64,
+    ratio: f64,
     bind: Bind,
-    /// `du/d(bound)` of the limit, for its shadow price.
-    du_dbound: f64,
+    /// `dN/d(bound)` of the limit, for its shadow price.
+    ratio_per_bound: f64,
     bound: f64,
+}
+
+impl End {
+    fn u(&self) -> f64 {
+        self.ratio * self.ratio
+    }
 }
 
 impl<'a> RatioProgram<'a> {
@@ -203,9 +212,12 @@ impl<'a> RatioProgram<'a> {
         if let Some(infeasible) = self.fixed_limits() {
             return Outcome::Infeasible(infeasible);
         }
+        if self.objective.sole() == Some(Quantity::Mass) {
+            return self.least_mass();
+        }
         match self.why_not_convex() {
             None => self.solve_convex(),
-            Some(why) => scan::solve(self, why),
+            Some(why) => branch::solve(self, why),
         }
     }
 
@@ -248,21 +260,17 @@ impl<'a> RatioProgram<'a> {
     /// The range of u = N² that the requirement and the limits of class `UpperBound` leave.
     fn ends(&self) -> Result<(End, End), Infeasible> {
         let (min, max) = self.range;
-        let low =
-            End { u: min * min, bind: Bind { limit: "ratio_min", sample: None }, du_dbound: 2.0 * min, bound: min };
+        let low = End { ratio: min, bind: Bind { limit: "ratio_min", sample: None }, ratio_per_bound: 1.0, bound: min };
         let mut high =
-            End { u: max * max, bind: Bind { limit: "ratio_max", sample: None }, du_dbound: 2.0 * max, bound: max };
+            End { ratio: max, bind: Bind { limit: "ratio_max", sample: None }, ratio_per_bound: 1.0, bound: max };
         for asked in self.prepared.asked.iter().filter(|a| a.limit.class == Class::UpperBound) {
             let (ratio, sample) = match asked.demand {
                 Demand::Mass => {
                     let ratio = self.largest_ratio_by_mass(asked);
                     if ratio == 0.0 {
                         let least = self.prepared.candidate.mass_at(min).unwrap_or(f64::INFINITY) / asked.bound;
-                        return Err(Infeasible::Never {
-                            bind: Bind { limit: asked.limit.name, sample: None },
-                            least,
-                            ratio: min,
-                        });
+                        let bind = Bind { limit: asked.limit.name, sample: None };
+                        return Err(Infeasible::Never { bind, least, ratio: min });
                     }
                     (ratio, None)
                 }
@@ -271,28 +279,23 @@ impl<'a> RatioProgram<'a> {
                 }
                 _ => continue,
             };
-            if ratio * ratio < high.u {
-                // A monomial c N^p at its bound b: u = (b/c)^(2/p), so du/db = 2 u/(p b).
+            if ratio < high.ratio {
+                // A monomial c N^p at its bound b: N = (b/c)^(1/p), so dN/db = N/(p b).
                 let power = if asked.limit.name == "reflected_inertia" { 2.0 } else { 1.0 };
-                let du_dbound =
-                    if asked.demand == Demand::Mass { 0.0 } else { 2.0 * ratio * ratio / (power * asked.bound) };
-                high = End {
-                    u: ratio * ratio,
-                    bind: Bind { limit: asked.limit.name, sample },
-                    du_dbound,
-                    bound: asked.bound,
-                };
+                let ratio_per_bound = if asked.demand == Demand::Mass { 0.0 } else { ratio / (power * asked.bound) };
+                high =
+                    End { ratio, bind: Bind { limit: asked.limit.name, sample }, ratio_per_bound, bound: asked.bound };
             }
         }
-        if high.u < low.u * (1.0 - ROW_TOLERANCE) {
+        if high.ratio < low.ratio * (1.0 - ROW_TOLERANCE) {
             return Err(Infeasible::Contradiction {
                 low: low.bind,
                 at_least: min,
                 high: high.bind,
-                at_most: high.u.sqrt(),
+                at_most: high.ratio,
             });
         }
-        high.u = high.u.max(low.u);
+        high.ratio = high.ratio.max(low.ratio);
         Ok((low, high))
     }
 
@@ -309,20 +312,27 @@ impl<'a> RatioProgram<'a> {
         }
     }
 
-    /// The row of a limit that is most violated (or least slack) at a ratio.
-    fn row_at(&self, index: usize, ratio: f64) -> Option<Row> {
+    /// The polynomial of a limit that is largest at a ratio (over samples), and its sample. It is
+    /// nowhere above the limit's demand. `None` for limits that are no polynomial.
+    fn polynomial_at(&self, index: usize, ratio: f64) -> Option<(Laurent, Option<usize>)> {
         let asked = &self.prepared.asked[index];
         let candidate = &self.prepared.candidate;
-        let (polynomial, sample): (Laurent, _) = match asked.demand {
-            Demand::Polynomial(polynomial, sample) => (polynomial, sample),
+        match asked.demand {
+            Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
             Demand::Samples(functional) | Demand::Bandwidth(functional) => {
                 let bandwidth = matches!(asked.demand, Demand::Bandwidth(_));
                 let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
                 let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
-                (functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin))
+                Some((functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin)))
             }
-            Demand::Fixed(..) | Demand::Mass => return None,
-        };
+            Demand::Fixed(..) | Demand::Mass => None,
+        }
+    }
+
+    /// The row of a convex limit that is most violated (or least slack) at a ratio.
+    fn row_at(&self, index: usize, ratio: f64) -> Option<Row> {
+        let asked = &self.prepared.asked[index];
+        let (polynomial, sample) = self.polynomial_at(index, ratio)?;
         debug_assert!(polynomial.is_convex_in_square(), "{} is not convex", asked.limit.name);
         Some(Row { asked: index, sample, coefficients: polynomial.in_square(), bound: asked.raw_bound() })
     }
@@ -380,10 +390,7 @@ impl<'a> RatioProgram<'a> {
             Ok(found) => found,
             Err(infeasible) => return Outcome::Infeasible(infeasible),
         };
-        match self.objective.sole() {
-            Some(Quantity::Mass) => self.least_mass(&window, rows, &low, &high),
-            _ => conic::solve(self, &window, rows, &low, &high),
-        }
+        conic::solve(self, &window, rows, &low, &high)
     }
 
     /// Ratios of the range at which a further gear stage begins: there the mass steps up.
@@ -392,34 +399,42 @@ impl<'a> RatioProgram<'a> {
         (0..64).map(|n| stage_ratio.powi(n)).filter(|n| *n > min && *n < max).collect()
     }
 
-    /// Mass does not fall with the ratio: least at the smallest ratio, and among the ratios of the
-    /// same mass the one of least loss is taken.
-    fn least_mass(&self, window: &Window, rows: Vec<Row>, low: &End, high: &End) -> Outcome {
+    /// Mass does not fall with the ratio: it is least at the smallest feasible one, and among the ratios
+    /// of that mass the one of least loss is taken.
+    fn least_mass(&self) -> Outcome {
+        let inertia = Objective::single(Quantity::ReflectedInertia);
+        let smallest = RatioProgram { prepared: self.prepared, objective: &inertia, range: self.range };
+        let smallest = match smallest.solve() {
+            Outcome::Optimal(optimum) => optimum,
+            other => return other,
+        };
         let candidate = &self.prepared.candidate;
-        let Some(mass) = candidate.mass_at(window.min) else {
+        let Some(mass) = candidate.mass_at(smallest.ratio) else {
             return Outcome::NotSolved("the mass of motor or gear is not known".into());
         };
         let same_mass = candidate.gear.mass_per_stage.map_or(f64::INFINITY, |(_, stage_ratio)| {
-            stage_ratio.powi(crate::requirement::stages(window.min, stage_ratio) as i32).max(1.0)
+            stage_ratio.powi(crate::requirement::stages(smallest.ratio, stage_ratio) as i32).max(1.0)
         });
-        let mut narrow = window.clone();
-        narrow.max = narrow.max.min(same_mass);
         let loss = Objective::single(Quantity::Loss);
-        let least_loss = RatioProgram { prepared: self.prepared, objective: &loss, range: self.range };
-        let mut high = high.clone();
-        high.u = high.u.min(narrow.max * narrow.max);
-        match conic::solve(&least_loss, &narrow, rows, low, &high) {
-            Outcome::Optimal(optimum) => Outcome::Optimal(Optimum {
-                objective: mass,
-                windows: vec![window.clone()],
-                certificate: Certificate::Certified {
-                    lower_bound: mass,
-                    gap: 0.0,
-                    method: "mass does not fall with the ratio",
-                },
-                shadow_prices: Vec::new(),
-                ..optimum
-            }),
+        let range = (self.range.0, self.range.1.min(same_mass.max(smallest.ratio)));
+        match (RatioProgram { prepared: self.prepared, objective: &loss, range }.solve()) {
+            Outcome::Optimal(optimum) => {
+                let certificate = match smallest.certificate {
+                    Certificate::Certified { .. } => Certificate::Certified {
+                        lower_bound: mass,
+                        gap: 0.0,
+                        method: "mass does not fall with the ratio",
+                    },
+                    not => not,
+                };
+                Outcome::Optimal(Optimum {
+                    objective: mass,
+                    windows: smallest.windows,
+                    certificate,
+                    shadow_prices: Vec::new(),
+                    ..optimum
+                })
+            }
             other => other,
         }
     }

@@ -1,19 +1,30 @@
-//! Where convexity ends: the program evaluated on a refined grid. The best ratio that was found, and
-//! all windows that were seen, marked as not certified.
+//! The program evaluated on a refined grid: the best ratio and the windows that were seen. A start for
+//! the branch and bound, which alone proves.
 
-use super::{Bind, Certificate, Class, Infeasible, Optimum, Outcome, RatioProgram, Window};
+use super::{Bind, Class, End, Infeasible, RatioProgram, Window};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
-use crate::requirement::{Objective, Quantity};
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 400;
 
-pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
-    let (low, high) = match program.ends() {
-        Ok(ends) => ends,
-        Err(infeasible) => return Outcome::Infeasible(infeasible),
-    };
-    let (min, max) = (low.u.sqrt(), high.u.sqrt());
+/// What the grid shows.
+pub(super) struct Found {
+    /// The best feasible ratio that was seen.
+    pub(super) best: Option<f64>,
+    /// The windows that were seen.
+    pub(super) windows: Vec<Window>,
+    /// The limit that was nearest to be kept where nothing is feasible.
+    pub(super) nearest: Infeasible,
+}
+
+/// A window of a single ratio.
+pub(super) fn point(program: &RatioProgram, ratio: f64) -> Window {
+    let bind = worst(program, ratio).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
+    Window { min: ratio, max: ratio, low: bind.clone(), high: bind }
+}
+
+pub(super) fn scan(program: &RatioProgram, low: &End, high: &End) -> Found {
+    let (min, max) = (low.ratio, high.ratio);
     let excess = |n: f64| worst(program, n).0;
     let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::design::sweep::grid(min, max, POINTS) };
     let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
@@ -57,20 +68,12 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     if let Some((start, bind)) = open.take() {
         windows.push(Window { min: start, max, low: bind, high: high.bind.clone() });
     }
-    let Some(best) = best_of(program, &windows) else {
-        return Outcome::Infeasible(nowhere(program, &points));
-    };
-    Outcome::Optimal(Optimum {
-        ratio: best.0,
-        objective: best.1,
-        windows,
-        certificate: Certificate::NotCertified(why),
-        shadow_prices: Vec::new(),
-    })
+    let best = best_of(program, &windows).map(|(n, _)| n);
+    Found { best, windows, nearest: nowhere(program, &points) }
 }
 
 /// The limit that is most exceeded at a ratio: its relative excess, and itself.
-fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
+pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
     for asked in program.prepared.asked.iter().filter(|a| matches!(a.limit.class, Class::Convex | Class::ReverseConvex))
     {
@@ -119,19 +122,9 @@ pub(super) fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     if fc <= fd { c } else { d }
 }
 
-/// The best ratio over all windows. Where only the mass counts, the least loss at the least mass.
+/// The best ratio over all windows.
 fn best_of(program: &RatioProgram, windows: &[Window]) -> Option<(f64, f64)> {
-    let pieces = pieces(program, windows);
-    if program.objective.sole() != Some(Quantity::Mass) {
-        return least(&|n| program.objective_at(n), &pieces);
-    }
-    // Mass is constant on each piece, but for the start that belongs to the piece before.
-    let mass = |piece: &(f64, f64)| program.objective_at(piece.1);
-    let lightest = pieces.iter().map(mass).fold(f64::INFINITY, f64::min);
-    let lightest_pieces: Vec<(f64, f64)> = pieces.iter().copied().filter(|p| mass(p) <= lightest).collect();
-    let loss = Objective::single(Quantity::Loss);
-    let least_loss = RatioProgram { prepared: program.prepared, objective: &loss, range: program.range };
-    least(&|n| least_loss.objective_at(n), &lightest_pieces).map(|(n, _)| (n, program.objective_at(n)))
+    least(&|n| program.objective_at(n), &pieces(program, windows))
 }
 
 /// The windows, cut where the mass steps.

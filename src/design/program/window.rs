@@ -37,7 +37,7 @@ fn walk(
         at_most: at_most.sqrt(),
     };
     let from = if upwards { low } else { high };
-    let (mut u, mut bind) = (from.u, from.bind.clone());
+    let (mut u, mut bind) = (from.u(), from.bind.clone());
     for _ in 0..MAX_JUMPS {
         let Some(row) = program.worst_row(u) else { break };
         rows.push(row);
@@ -56,15 +56,15 @@ fn walk(
             return Err(contradiction(here, start, bind, u));
         }
         u = if upwards { start } else { end };
-        if u > high.u * (1.0 + ROW_TOLERANCE) {
-            return Err(contradiction(here, u, high.bind.clone(), high.u));
+        if u > high.u() * (1.0 + ROW_TOLERANCE) {
+            return Err(contradiction(here, u, high.bind.clone(), high.u()));
         }
-        if u < low.u * (1.0 - ROW_TOLERANCE) {
-            return Err(contradiction(low.bind.clone(), low.u, here, u));
+        if u < low.u() * (1.0 - ROW_TOLERANCE) {
+            return Err(contradiction(low.bind.clone(), low.u(), here, u));
         }
         bind = here;
     }
-    Ok((u.clamp(low.u, high.u), bind))
+    Ok((u.clamp(low.u(), high.u()), bind))
 }
 
 /// Where `slope` of the row is zero, kept within the range: the row's least value there.

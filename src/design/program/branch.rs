@@ -1,0 +1,276 @@
+//! Where convexity in N² ends: interval branch and bound in N, until the bounds meet.
+//!
+//! On an interval of ratios a Laurent polynomial is bounded from below by a convex one: concave terms
+//! are replaced by their secants. Rows so bounded cut the ends of the interval off; the objective's
+//! cut so bounded gives the lower bound. What a sweep of the grid found is the upper bound; an
+//! interval that cannot beat it is done.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::objective::Goal;
+use super::{
+    Certificate, Class, GAP_TOLERANCE, Infeasible, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, prices, scan,
+};
+use crate::actuator::Laurent;
+use crate::design::evaluate::violation;
+
+/// More intervals than any case has been seen to need; what is left then is reported as a gap.
+const MAX_INTERVALS: usize = 20_000;
+/// An interval narrower than this (relative) is not divided further.
+const NARROWEST: f64 = 1e-12;
+
+/// A convex function `Σ c_j N^j + slope N + constant`, all `c_j ≥ 0`, below a polynomial on an interval.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Underestimator {
+    convex: [(f64, i32); 5],
+    slope: f64,
+    constant: f64,
+    /// Sum of the magnitudes of all terms at their worst: what rounding is measured by.
+    size: f64,
+}
+
+const CONVEX_POWERS: [i32; 5] = [-2, -1, 2, 3, 4];
+
+impl Underestimator {
+    /// Of a polynomial on `[a, b]`, 0 < a ≤ b.
+    pub(super) fn new(polynomial: &Laurent, a: f64, b: f64) -> Underestimator {
+        let mut under =
+            Underestimator { convex: [(0.0, 1); 5], slope: polynomial[1], constant: polynomial[0], size: 0.0 };
+        under.size = polynomial[0].abs() + polynomial[1].abs() * b;
+        for (i, power) in CONVEX_POWERS.into_iter().enumerate() {
+            let c = polynomial[power];
+            under.size += c.abs() * a.powi(power).max(b.powi(power));
+            if c >= 0.0 {
+                under.convex[i] = (c, power);
+                continue;
+            }
+            // Concave: on the interval it is above its secant.
+            let (at_a, at_b) = (c * a.powi(power), c * b.powi(power));
+            let slope = if b > a { (at_b - at_a) / (b - a) } else { 0.0 };
+            under.slope += slope;
+            under.constant += at_a - slope * a;
+        }
+        under
+    }
+
+    fn at(&self, n: f64) -> f64 {
+        self.convex.iter().map(|(c, p)| c * n.powi(*p)).sum::<f64>() + self.slope * n + self.constant
+    }
+
+    fn derivative(&self, n: f64) -> f64 {
+        self.convex.iter().map(|(c, p)| f64::from(*p) * c * n.powi(p - 1)).sum::<f64>() + self.slope
+    }
+
+    /// Where it is least on `[a, b]`.
+    fn minimum(&self, a: f64, b: f64) -> f64 {
+        if self.derivative(a) >= 0.0 {
+            return a;
+        }
+        if self.derivative(b) <= 0.0 {
+            return b;
+        }
+        let (mut low, mut high) = (a, b);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.derivative(middle) < 0.0 { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    /// The part of `[a, b]` on which it is at most `bound`, a little too wide; `None` if empty.
+    fn below(&self, bound: f64, a: f64, b: f64) -> Option<(f64, f64)> {
+        let slack = 1e-14 * self.size;
+        let least = self.minimum(a, b);
+        if self.at(least) > bound + slack {
+            return None;
+        }
+        let end = |outside: f64| {
+            if self.at(outside) <= bound + slack {
+                return outside;
+            }
+            let (mut bad, mut good) = (outside, least);
+            for _ in 0..50 {
+                let middle = 0.5 * (bad + good);
+                if self.at(middle) > bound + slack { bad = middle } else { good = middle }
+            }
+            bad
+        };
+        Some((end(a), end(b)))
+    }
+}
+
+/// An interval with a lower bound of the objective on it.
+struct Interval {
+    a: f64,
+    b: f64,
+    bound: f64,
+}
+
+impl PartialEq for Interval {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Interval {}
+
+impl PartialOrd for Interval {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Interval {
+    /// The heap gives the least bound first, ties from the left.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.bound.total_cmp(&self.bound).then(other.a.total_cmp(&self.a))
+    }
+}
+
+struct Search<'a> {
+    program: &'a RatioProgram<'a>,
+    goal: Goal<'a>,
+    best: Option<(f64, f64)>,
+    /// What rounding can do to a bound.
+    rounding: f64,
+}
+
+pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
+    let (low, high) = match program.ends() {
+        Ok(ends) => ends,
+        Err(infeasible) => return Outcome::Infeasible(infeasible),
+    };
+    let (min, max) = (low.ratio, high.ratio);
+    let found = scan::scan(program, &low, &high);
+    let goal = Goal::new(program);
+    let mut search = Search { program, best: found.best.map(|n| (n, goal.value(n))), goal, rounding: 0.0 };
+    let (bound, finished) = search.run(min, max);
+    let Some((ratio, value)) = search.best else {
+        return match found.nearest {
+            _ if finished => Outcome::Infeasible(found.nearest),
+            Infeasible::Nowhere { bind, least, ratio } => Outcome::NotSolved(format!(
+                "no feasible ratio was found, but {} comes within {least} of its limit at {ratio}",
+                bind.limit
+            )),
+            _ => Outcome::NotSolved("no feasible ratio was found, and none was ruled out".into()),
+        };
+    };
+    let windows = if found.best.is_some() { found.windows } else { vec![scan::point(program, ratio)] };
+    let reference = value.abs().max(1e-6 * search.goal.cut(ratio).size(ratio)).max(f64::MIN_POSITIVE);
+    let gap = ((value - bound) / reference).max(0.0);
+    let certificate = if finished && gap <= GAP_TOLERANCE {
+        Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
+    } else {
+        Certificate::NotCertified(why)
+    };
+    let optimum = Optimum {
+        ratio,
+        objective: search.goal.natural(value),
+        shadow_prices: prices::at(program, &search.goal, &windows, ratio, &low, &high),
+        windows,
+        certificate,
+    };
+    Outcome::Optimal(optimum)
+}
+
+impl Search<'_> {
+    /// Runs until the bounds meet; gives the lower bound, and whether they did.
+    fn run(&mut self, min: f64, max: f64) -> (f64, bool) {
+        let mut heap = BinaryHeap::new();
+        let mut start = min;
+        // The least bound of what is not divided further.
+        let mut settled = f64::INFINITY;
+        self.offer(min);
+        self.offer(max);
+        for end in self.program.stage_ratios(min, max).into_iter().chain([max]) {
+            self.offer(end);
+            settled = settled.min(self.enter(&mut heap, start, end));
+            start = end;
+        }
+        for _ in 0..MAX_INTERVALS {
+            let Some(interval) = heap.pop() else {
+                // Where nothing feasible was found, everything must have been ruled out.
+                return (settled, self.best.is_some() || settled == f64::INFINITY);
+            };
+            if interval.bound >= self.target() {
+                return (settled.min(interval.bound), true);
+            }
+            let middle = (interval.a * interval.b).sqrt();
+            for (a, b) in [(interval.a, middle), (middle, interval.b)] {
+                settled = settled.min(self.enter(&mut heap, a, b));
+            }
+        }
+        let left = heap.peek().map_or(f64::INFINITY, |i| i.bound);
+        (settled.min(left), false)
+    }
+
+    /// The value below which an interval is still of interest.
+    fn target(&self) -> f64 {
+        self.best.map_or(f64::INFINITY, |(_, value)| value - 0.25 * GAP_TOLERANCE * value.abs() - self.rounding)
+    }
+
+    fn offer(&mut self, ratio: f64) {
+        let feasible = scan::worst(self.program, ratio).0 <= ROW_TOLERANCE;
+        let value = self.goal.value(ratio);
+        if feasible && value.is_finite() && self.best.is_none_or(|(_, best)| value < best) {
+            self.best = Some((ratio, value));
+        }
+    }
+
+    /// Narrows an interval, bounds it, and puts it on the heap if it may hold something better. Gives
+    /// its bound where it is too narrow to be divided, else infinity.
+    fn enter(&mut self, heap: &mut BinaryHeap<Interval>, mut a: f64, mut b: f64) -> f64 {
+        // A mass by stages is that of the interval's end everywhere but at its start, which the
+        // interval before has as its end.
+        let steps = self.goal.steps(b);
+        for _ in 0..4 {
+            let before = b - a;
+            for at in [a, b] {
+                let Some((polynomial, bound)) = self.worst_row(at) else { continue };
+                match Underestimator::new(&polynomial, a, b).below(bound, a, b) {
+                    Some(part) => (a, b) = part,
+                    None => return f64::INFINITY,
+                }
+            }
+            if b - a > 0.5 * before {
+                break;
+            }
+        }
+        let cut = self.goal.cut((a * b).sqrt());
+        let under = Underestimator::new(&cut, a, b);
+        let least = under.minimum(a, b);
+        let rounding = 1e-14 * under.size;
+        self.rounding =
+            self.rounding.max(if self.best.is_some_and(|(n, _)| n >= a && n <= b) { rounding } else { 0.0 });
+        let bound = under.at(least) + steps - rounding;
+        self.offer(least);
+        if bound >= self.target() {
+            return bound;
+        }
+        if b - a <= NARROWEST * b {
+            return bound;
+        }
+        heap.push(Interval { a, b, bound });
+        f64::INFINITY
+    }
+
+    /// The most violated row at a ratio, where one is violated.
+    fn worst_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
+        let asked = &self.program.prepared.asked;
+        let mut worst: Option<(f64, Laurent, f64)> = None;
+        for (index, limit) in asked.iter().enumerate() {
+            if !matches!(limit.limit.class, Class::Convex | Class::ReverseConvex) {
+                continue;
+            }
+            let Some((polynomial, _)) = self.program.polynomial_at(index, ratio) else { continue };
+            let bound = limit.raw_bound();
+            let excess = violation(polynomial.at(ratio), bound);
+            if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(e, ..)| excess > *e) {
+                worst = Some((excess, polynomial, bound));
+            }
+        }
+        // A limit counts as kept within the tolerance everywhere.
+        worst.map(|(_, polynomial, bound)| (polynomial, bound + ROW_TOLERANCE * bound.abs()))
+    }
+}

@@ -1,0 +1,76 @@
+//! The objective as cuts: at any ratio, one polynomial that touches the objective there and lies
+//! below it everywhere. A smooth objective is its own cut; a largest or a mean of positive parts has a
+//! cut for each ratio. The conic program and the branch and bound both work on cuts alone.
+
+use super::RatioProgram;
+use crate::actuator::Laurent;
+use crate::actuator::waveform::Functional;
+use crate::requirement::Quantity;
+
+/// The objective of a program, without the mass that steps by stages.
+#[derive(Debug)]
+pub(super) struct Goal<'a> {
+    program: &'a RatioProgram<'a>,
+    smooth: Laurent,
+    /// The sole objective is the peak current: minimised, and bounded, by its square.
+    squared_peak: bool,
+}
+
+impl<'a> Goal<'a> {
+    pub(super) fn new(program: &'a RatioProgram<'a>) -> Goal<'a> {
+        let (objective, prepared) = (program.objective, program.prepared);
+        let inertia = objective.weight(Quantity::ReflectedInertia) * prepared.candidate.actuator.inertia;
+        let mut smooth = prepared.loss() * objective.weight(Quantity::Loss) + Laurent::monomial(inertia, 2);
+        let mass = objective.weight(Quantity::Mass);
+        if mass > 0.0 && prepared.candidate.gear.mass_per_stage.is_none() {
+            smooth = smooth + Laurent::constant(mass * prepared.candidate.mass_at(1.0).unwrap_or(f64::NAN));
+        }
+        Goal { program, smooth, squared_peak: objective.sole() == Some(Quantity::PeakCurrent) }
+    }
+
+    /// The polynomial that touches the objective at a ratio and is nowhere above it.
+    pub(super) fn cut(&self, ratio: f64) -> Laurent {
+        let candidate = &self.program.prepared.candidate;
+        let weight = self.program.objective.weight(Quantity::PeakCurrent);
+        if weight == 0.0 {
+            return self.smooth;
+        }
+        let waveform = &candidate.load.waveform;
+        let point = waveform.point(waveform.largest(Functional::TorqueSquared, &candidate.actuator, ratio).index);
+        let torque = candidate.actuator.torque_form(point.flow).polynomial(&point.features);
+        if self.squared_peak {
+            return torque.squared();
+        }
+        // |T| is at least T and at least −T.
+        self.smooth + torque * (weight * torque.at(ratio).signum() / candidate.actuator.torque_constant)
+    }
+
+    /// What steps with the ratio: the weighted mass, where it is by stages.
+    pub(super) fn steps(&self, ratio: f64) -> f64 {
+        let candidate = &self.program.prepared.candidate;
+        let weight = self.program.objective.weight(Quantity::Mass);
+        if weight == 0.0 || candidate.gear.mass_per_stage.is_none() {
+            return 0.0;
+        }
+        weight * candidate.mass_at(ratio).unwrap_or(f64::NAN)
+    }
+
+    /// The value at a ratio, in the unit of the cuts.
+    pub(super) fn value(&self, ratio: f64) -> f64 {
+        self.cut(ratio).at(ratio) + self.steps(ratio)
+    }
+
+    /// Whether the cuts are in the square of the objective.
+    pub(super) fn is_squared(&self) -> bool {
+        self.squared_peak
+    }
+
+    /// From the unit of the cuts to the objective's own.
+    pub(super) fn natural(&self, value: f64) -> f64 {
+        if self.squared_peak {
+            value.max(0.0).sqrt() / self.program.prepared.candidate.actuator.torque_constant
+        } else {
+            value
+        }
+    }
+}
