@@ -80,6 +80,8 @@ kinds! {
     CURRENT = "current", [0, 0, 0, 1, 0], Exactly(0.0), "A", "40 A";
     /// Power \[W\].
     POWER = "power", [1, 2, -3, 0, 0], Exactly(0.0), "W", "500 W";
+    /// Energy \[J\].
+    ENERGY = "energy", [1, 2, -2, 0, 0], Exactly(0.0), "J", "10 J";
     /// Resistance \[Ω\].
     RESISTANCE = "resistance", [1, 2, -3, -2, 0], Exactly(0.0), "ohm", "0.705 ohm";
     /// Inductance \[H\].

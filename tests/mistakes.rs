@@ -107,7 +107,6 @@ fn requirement_files() {
         ("no ratio at all", &[("ratio = { min = 3, max = 30 }\n", "")]),
         ("ratio and gears", &[("count = 2", "count = 2\ngears = [\"planetary-*\"]")]),
         ("unknown objective", &[("\"loss\"", "\"lost\"")]),
-        ("objective of a later version", &[("\"loss\"", "\"energy\"")]),
         ("weighted objective without reference", &[("\"loss\"", "{ loss = 1, reflected_inertia = 0.5 }")]),
         ("motion that is not there", &[("knee.csv", "kne.csv")]),
         ("motion and points", &[("count = 2", "points = [ { torque = \"1 N*m\", speed = \"0 rad/s\" } ]")]),

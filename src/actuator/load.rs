@@ -28,8 +28,13 @@ pub struct Load {
     pub dwell: f64,
     /// Whether means over time mean anything.
     pub has_durations: bool,
+    /// Period, or duration \[s\], where the motion has one.
+    pub duration: Option<f64>,
     mean: Moments,
     standstill: Moments,
+    /// The samples as they are in means: no friction at standstill.
+    samples: Vec<WavePoint>,
+    weight: Vec<f64>,
 }
 
 impl Load {
@@ -73,10 +78,17 @@ impl Load {
             });
             Waveform::new(&superposed.collect::<Vec<_>>())
         });
+        let in_means: Vec<WavePoint> = samples
+            .clone()
+            .map(|k| WavePoint {
+                features: features(k, motion.torque[k], motion.torque_rate[k], sign(motion.velocity[k])),
+                flow: Flow::of(motion.torque[k], motion.velocity[k]),
+                origin: k,
+            })
+            .collect();
         let (mut mean, mut standstill): (Moments, Moments) = Default::default();
         for k in samples.clone() {
-            let x = features(k, motion.torque[k], motion.torque_rate[k], sign(motion.velocity[k]));
-            let flow = Flow::of(motion.torque[k], motion.velocity[k]) as usize;
+            let (x, flow) = (&in_means[k].features, in_means[k].flow as usize);
             for f in 0..FEATURES {
                 for g in 0..FEATURES {
                     mean[flow][f][g] += motion.weight[k] * x[f] * x[g];
@@ -101,8 +113,11 @@ impl Load {
             rms_torque: motion.mean(|k| motion.torque[k].powi(2)).sqrt(),
             dwell: motion.dwell.iter().sum(),
             has_durations: motion.has_durations(),
+            duration: motion.duration(),
             mean,
             standstill,
+            samples: in_means,
+            weight: motion.weight.clone(),
         }
     }
 
@@ -116,6 +131,34 @@ impl Load {
     pub fn mean_torque_squared_worst_phase(&self, actuator: &Actuator) -> Laurent {
         self.mean_torque_squared(actuator)
             + quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)))
+    }
+
+    /// Energy drawn from the bus per cycle \[J\] as a cut: the polynomial that equals it at `ratio` and is
+    /// nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_d P`; which
+    /// samples do what is taken at `ratio`, and any other choice costs more. `None` without durations.
+    pub fn energy_cut(&self, actuator: &Actuator, drive_efficiency: f64, ratio: f64) -> Option<Laurent> {
+        let duration = self.duration?;
+        let (copper, emf) = (actuator.copper(), actuator.back_emf_constant / actuator.torque_constant);
+        let (up, down) = (ratio, 1.0 / ratio);
+        let mut sum = [0.0; 5];
+        for (sample, weight) in self.samples.iter().zip(&self.weight) {
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let speed = emf * sample.features[Feature::Velocity as usize];
+            let power = [
+                copper * a * a,
+                2.0 * copper * a * c,
+                copper * (c * c + 2.0 * a * b) + speed * a,
+                2.0 * copper * b * c + speed * c,
+                copper * b * b + speed * b,
+            ];
+            let here = (power[0] * down + power[1]) * down + power[2] + (power[3] + power[4] * up) * up;
+            let factor = weight * if here > 0.0 { 1.0 / drive_efficiency } else { drive_efficiency };
+            for (s, p) in sum.iter_mut().zip(power) {
+                *s += factor * p;
+            }
+        }
+        let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(c * duration, power));
+        Some(terms.fold(Laurent::default(), |a, b| a + b))
     }
 
     /// Mean terminal power over time \[W\].

@@ -13,6 +13,7 @@ pub mod metrics;
 pub mod shaft;
 pub mod step_response;
 pub mod thermal;
+pub mod thermal_motion;
 pub mod waveform;
 
 pub use laurent::Laurent;

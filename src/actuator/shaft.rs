@@ -202,6 +202,15 @@ impl Actuator {
         torque.squared() * self.copper() + speed * torque * (self.back_emf_constant / self.torque_constant)
     }
 
+    /// `T` of a sample as coefficients of N⁻¹, 1 and N \[N·m\].
+    pub fn torque_terms(&self, flow: Flow, features: &[f64; FEATURES]) -> [f64; 3] {
+        let mut terms = [0.0; 3];
+        for ((coefficient, feature), power) in self.torque[flow as usize].0.iter().zip(features).zip(FEATURE_POWER) {
+            terms[(power + 1) as usize] += coefficient * feature;
+        }
+        terms
+    }
+
     /// Copper loss per squared torque \[W/(N·m)²\], `R/K_T²`.
     pub fn copper(&self) -> f64 {
         self.resistance / (self.torque_constant * self.torque_constant)

@@ -61,6 +61,11 @@ pub struct Evaluation {
     pub mass: Option<f64>,
     /// Mean electrical power at the motor's terminals \[W\].
     pub mean_power: f64,
+    /// Energy drawn from the bus per cycle \[J\]: only where the objective counts it, and durations are
+    /// known.
+    pub energy: Option<f64>,
+    /// Largest power drawn from the bus \[W\]: only where the objective counts it.
+    pub peak_power: Option<f64>,
 }
 
 impl<'a> Prepared<'a> {
@@ -132,7 +137,27 @@ impl<'a> Prepared<'a> {
             reflected_inertia: ratio * ratio * actuator.inertia,
             mass: candidate.mass_at(ratio),
             mean_power: candidate.load.mean_power(actuator).at(ratio),
+            energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
+            peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
         }
+    }
+
+    fn counts(&self, quantity: Quantity) -> bool {
+        self.candidate.joint.objective.weight(quantity) > 0.0
+    }
+
+    /// Energy drawn from the bus per cycle at a ratio \[J\]; `None` without durations.
+    pub fn energy(&self, ratio: f64) -> Option<f64> {
+        let candidate = &self.candidate;
+        let cut = candidate.load.energy_cut(&candidate.actuator, candidate.robot.bus.drive_efficiency, ratio);
+        cut.map(|cut| cut.at(ratio))
+    }
+
+    /// Largest power drawn from the bus at a ratio \[W\].
+    pub fn peak_power(&self, ratio: f64) -> f64 {
+        let candidate = &self.candidate;
+        let peak = candidate.load.waveform.largest(Functional::Power, &candidate.actuator, ratio).value;
+        peak.max(0.0) / candidate.robot.bus.drive_efficiency
     }
 
     /// By how much the worst limit is exceeded at a ratio, relative in the functional; not positive
@@ -217,6 +242,8 @@ impl Evaluation {
             Quantity::ReflectedInertia => Some(self.reflected_inertia),
             Quantity::PeakCurrent => Some(self.peak_current),
             Quantity::Mass => self.mass,
+            Quantity::Energy => self.energy,
+            Quantity::PeakPower => self.peak_power,
         }
     }
 

@@ -30,6 +30,8 @@ pub enum Unusable {
     GearEfficiency,
     /// The objective needs a mass that is not known.
     Mass,
+    /// Energy per cycle needs durations.
+    Durations,
 }
 
 impl Unusable {
@@ -40,6 +42,7 @@ impl Unusable {
             Unusable::NoGearFits => "no allowed gear of the catalogue fits it",
             Unusable::GearEfficiency => "the gear's efficiency is not known",
             Unusable::Mass => "the objective needs a mass that is not known",
+            Unusable::Durations => "energy needs operating points with durations",
         }
     }
 }

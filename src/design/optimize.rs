@@ -167,6 +167,9 @@ pub fn best_design<'a>(
     if joint.objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
         return Err(reject(None, Reason::Unusable(Unusable::Mass)));
     }
+    if joint.objective.weight(Quantity::Energy) > 0.0 && !load.has_durations {
+        return Err(reject(None, Reason::Unusable(Unusable::Durations)));
+    }
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => {
             let candidate =
@@ -190,10 +193,16 @@ pub fn best_design<'a>(
 
 fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, optimum: Optimum) -> Design<'a> {
     let ratio = optimum.ratio;
+    // For one design the costlier figures are worth their time.
+    let evaluation = Evaluation {
+        energy: prepared.energy(ratio),
+        peak_power: Some(prepared.peak_power(ratio)),
+        ..prepared.at(ratio)
+    };
     Design {
         motor,
         gear,
-        evaluation: prepared.at(ratio),
+        evaluation,
         unchecked: prepared.unchecked.clone(),
         winding_temperature: prepared.winding_temperature(ratio),
         reversal_time: prepared.reversal_time(ratio),

@@ -375,6 +375,8 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("objective_unit", json!(joint.objective.unit()));
     put("loss_w", json!(e.loss));
     put("mean_electrical_power_w", json!(e.mean_power));
+    put("energy_per_cycle_j", json!(e.energy));
+    put("peak_electrical_power_w", json!(e.peak_power));
     put("peak_current_a", json!(e.peak_current));
     put("rms_current_a", json!(e.rms_current));
     put("reflected_inertia_kgm2", json!(e.reflected_inertia));

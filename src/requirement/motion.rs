@@ -164,6 +164,14 @@ impl Motion {
         self.course != Course::Points(None)
     }
 
+    /// Period or duration \[s\]; `None` for points without durations.
+    pub fn duration(&self) -> Option<f64> {
+        match self.course {
+            Course::Periodic(duration) | Course::Once(duration) => Some(duration),
+            Course::Points(duration) => duration,
+        }
+    }
+
     /// Mean over time of a quantity given per sample.
     pub fn mean(&self, quantity: impl Fn(usize) -> f64) -> f64 {
         (0..self.len()).map(|k| self.weight[k] * quantity(k)).sum()

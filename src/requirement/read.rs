@@ -375,19 +375,11 @@ fn read_points(section: &Section) -> Option<Motion> {
 }
 
 fn read_objective(section: &Section) -> Option<Objective> {
-    const NAMES: &[&str] = &["loss", "reflected_inertia", "peak_current", "mass"];
+    const NAMES: &[&str] = &["loss", "reflected_inertia", "peak_current", "mass", "energy", "peak_power"];
     if !section.has("objective") {
         return Some(Objective::single(Quantity::Loss));
     }
     if !section.is_table("objective") {
-        if section.text("objective").is_some_and(|t| t.get_ref() == "energy") {
-            section.note(Problem::at(
-                section.span_of("objective"),
-                "the objective `energy` is not supported by this version",
-                "use `loss`",
-            ));
-            return None;
-        }
         return section.choice("objective", Quantity::NAMES).map(Objective::single);
     }
     let table = section.section("objective")?;
@@ -399,14 +391,9 @@ fn read_objective(section: &Section) -> Option<Objective> {
     match section.section("reference") {
         Some(reference) => {
             reference_span = reference.span();
-            for (name, kind) in [
-                ("loss", &units::POWER),
-                ("reflected_inertia", &units::INERTIA),
-                ("peak_current", &units::CURRENT),
-                ("mass", &units::MASS),
-            ] {
-                if let Some(value) = reference.quantity(name, kind, Range::Positive) {
-                    references.push((name, value));
+            for (name, quantity) in Quantity::NAMES {
+                if let Some(value) = reference.quantity(name, quantity.kind(), Range::Positive) {
+                    references.push((*name, value));
                 }
             }
             reference.finish();

@@ -2,6 +2,7 @@
 
 use super::motion::Motion;
 use crate::catalog::convention::Modulation;
+use crate::units::{self, Kind};
 
 /// A robot: its supply, its surroundings and its joints.
 #[derive(Debug, Clone)]
@@ -162,6 +163,11 @@ pub enum Quantity {
     PeakCurrent,
     /// Mass of motor and gear \[kg\].
     Mass,
+    /// Electrical energy drawn from the bus per cycle \[J\]; what comes back counts as far as the
+    /// drive's efficiency lets it.
+    Energy,
+    /// Largest electrical power drawn from the bus \[W\].
+    PeakPower,
 }
 
 impl Quantity {
@@ -171,6 +177,8 @@ impl Quantity {
         ("reflected_inertia", Quantity::ReflectedInertia),
         ("peak_current", Quantity::PeakCurrent),
         ("mass", Quantity::Mass),
+        ("energy", Quantity::Energy),
+        ("peak_power", Quantity::PeakPower),
     ];
 
     /// Its name.
@@ -178,14 +186,20 @@ impl Quantity {
         Quantity::NAMES.iter().find(|(_, q)| *q == self).map_or("", |(name, _)| name)
     }
 
+    /// What it measures.
+    pub fn kind(self) -> &'static Kind {
+        match self {
+            Quantity::Loss | Quantity::PeakPower => &units::POWER,
+            Quantity::ReflectedInertia => &units::INERTIA,
+            Quantity::PeakCurrent => &units::CURRENT,
+            Quantity::Mass => &units::MASS,
+            Quantity::Energy => &units::ENERGY,
+        }
+    }
+
     /// Its SI unit.
     pub fn unit(self) -> &'static str {
-        match self {
-            Quantity::Loss => "W",
-            Quantity::ReflectedInertia => "kg*m^2",
-            Quantity::PeakCurrent => "A",
-            Quantity::Mass => "kg",
-        }
+        self.kind().si
     }
 }
 

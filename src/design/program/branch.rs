@@ -19,6 +19,8 @@ use crate::design::evaluate::violation;
 const MAX_INTERVALS: usize = 20_000;
 /// An interval narrower than this (relative) is not divided further.
 const NARROWEST: f64 = 1e-12;
+/// A limit that is met with equality is exceeded by no more than this (relative).
+const ROUNDING: f64 = 1e-13;
 
 /// A convex function `Σ c_j N^j + slope N + constant`, all `c_j ≥ 0`, below a polynomial on an interval.
 #[derive(Debug, Clone, Copy)]
@@ -142,8 +144,8 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         Err(infeasible) => return Outcome::Infeasible(infeasible),
     };
     let (min, max) = (low.ratio, high.ratio);
-    let found = scan::scan(program, &low, &high);
     let goal = Goal::new(program);
+    let found = scan::scan(program, &goal, &low, &high);
     let mut search = Search { program, best: found.best.map(|n| (n, goal.value(n))), goal, rounding: 0.0 };
     let (bound, finished) = search.run(min, max);
     let Some((ratio, value)) = search.best else {
@@ -211,7 +213,7 @@ impl Search<'_> {
     }
 
     fn offer(&mut self, ratio: f64) {
-        let feasible = scan::worst(self.program, ratio).0 <= ROW_TOLERANCE;
+        let feasible = scan::worst(self.program, ratio).0 <= ROUNDING;
         let value = self.goal.value(ratio);
         if feasible && value.is_finite() && self.best.is_none_or(|(_, best)| value < best) {
             self.best = Some((ratio, value));

@@ -17,7 +17,6 @@ mod window;
 
 use crate::actuator::Laurent;
 use crate::actuator::limits::{Asked, Class, Demand};
-use crate::actuator::waveform::Functional;
 use crate::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
@@ -342,22 +341,6 @@ impl<'a> RatioProgram<'a> {
         let convex = self.prepared.asked.iter().enumerate().filter(|(_, a)| a.limit.class == Class::Convex);
         let rows = convex.filter_map(|(index, _)| self.row_at(index, u.sqrt()));
         rows.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
-    }
-
-    /// The objective at a ratio, from the same functions that evaluate a design.
-    fn objective_at(&self, ratio: f64) -> f64 {
-        let candidate = &self.prepared.candidate;
-        let quantity = |quantity| match quantity {
-            Quantity::Loss => Some(self.prepared.loss().at(ratio)),
-            Quantity::ReflectedInertia => Some(ratio * ratio * candidate.actuator.inertia),
-            Quantity::PeakCurrent => {
-                let peak = candidate.load.waveform.largest(Functional::TorqueSquared, &candidate.actuator, ratio);
-                Some(peak.value.max(0.0).sqrt() / candidate.actuator.torque_constant)
-            }
-            Quantity::Mass => candidate.mass_at(ratio),
-        };
-        let sum: Option<f64> = self.objective.terms.iter().map(|(q, weight)| Some(weight * quantity(*q)?)).sum();
-        sum.unwrap_or(f64::NAN)
     }
 
     /// The report of a convex limit that no ratio of the requirement keeps: its least demand. The

@@ -30,11 +30,22 @@ impl<'a> Goal<'a> {
 
     /// The polynomial that touches the objective at a ratio and is nowhere above it.
     pub(super) fn cut(&self, ratio: f64) -> Laurent {
-        let candidate = &self.program.prepared.candidate;
-        let weight = self.program.objective.weight(Quantity::PeakCurrent);
-        if weight == 0.0 {
-            return self.smooth;
+        let weight = |quantity| self.program.objective.weight(quantity);
+        let mut cut = self.smooth;
+        if weight(Quantity::PeakCurrent) > 0.0 {
+            cut = cut + self.peak_current(ratio, weight(Quantity::PeakCurrent));
         }
+        if weight(Quantity::Energy) > 0.0 {
+            cut = cut + self.energy(ratio) * weight(Quantity::Energy);
+        }
+        if weight(Quantity::PeakPower) > 0.0 {
+            cut = cut + self.peak_power(ratio) * weight(Quantity::PeakPower);
+        }
+        cut
+    }
+
+    fn peak_current(&self, ratio: f64, weight: f64) -> Laurent {
+        let candidate = &self.program.prepared.candidate;
         let waveform = &candidate.load.waveform;
         let point = waveform.point(waveform.largest(Functional::TorqueSquared, &candidate.actuator, ratio).index);
         let torque = candidate.actuator.torque_form(point.flow).polynomial(&point.features);
@@ -42,7 +53,25 @@ impl<'a> Goal<'a> {
             return torque.squared();
         }
         // |T| is at least T and at least −T.
-        self.smooth + torque * (weight * torque.at(ratio).signum() / candidate.actuator.torque_constant)
+        torque * (weight * torque.at(ratio).signum() / candidate.actuator.torque_constant)
+    }
+
+    fn energy(&self, ratio: f64) -> Laurent {
+        let candidate = &self.program.prepared.candidate;
+        let cut = candidate.load.energy_cut(&candidate.actuator, candidate.robot.bus.drive_efficiency, ratio);
+        cut.unwrap_or(Laurent::constant(f64::NAN))
+    }
+
+    fn peak_power(&self, ratio: f64) -> Laurent {
+        let candidate = &self.program.prepared.candidate;
+        let waveform = &candidate.load.waveform;
+        let largest = waveform.largest(Functional::Power, &candidate.actuator, ratio);
+        // Where nothing is drawn at any instant the peak is zero.
+        if largest.value <= 0.0 {
+            return Laurent::default();
+        }
+        let point = waveform.point(largest.index);
+        candidate.actuator.power(point.flow, &point.features) * (1.0 / candidate.robot.bus.drive_efficiency)
     }
 
     /// What steps with the ratio: the weighted mass, where it is by stages.

@@ -1,11 +1,12 @@
 //! The program evaluated on a refined grid: the best ratio and the windows that were seen. A start for
 //! the branch and bound, which alone proves.
 
+use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, RatioProgram, Window};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
 
 /// Points of the first grid, evenly spaced in ln N.
-const POINTS: usize = 400;
+const POINTS: usize = 1000;
 
 /// What the grid shows.
 pub(super) struct Found {
@@ -23,7 +24,7 @@ pub(super) fn point(program: &RatioProgram, ratio: f64) -> Window {
     Window { min: ratio, max: ratio, low: bind.clone(), high: bind }
 }
 
-pub(super) fn scan(program: &RatioProgram, low: &End, high: &End) -> Found {
+pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -> Found {
     let (min, max) = (low.ratio, high.ratio);
     let excess = |n: f64| worst(program, n).0;
     let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::design::sweep::grid(min, max, POINTS) };
@@ -68,7 +69,7 @@ pub(super) fn scan(program: &RatioProgram, low: &End, high: &End) -> Found {
     if let Some((start, bind)) = open.take() {
         windows.push(Window { min: start, max, low: bind, high: high.bind.clone() });
     }
-    let best = best_of(program, &windows).map(|(n, _)| n);
+    let best = best_of(program, goal, &windows).map(|(n, _)| n);
     Found { best, windows, nearest: nowhere(program, &points) }
 }
 
@@ -123,8 +124,8 @@ pub(super) fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 }
 
 /// The best ratio over all windows.
-fn best_of(program: &RatioProgram, windows: &[Window]) -> Option<(f64, f64)> {
-    least(&|n| program.objective_at(n), &pieces(program, windows))
+fn best_of(program: &RatioProgram, goal: &Goal, windows: &[Window]) -> Option<(f64, f64)> {
+    least(&|n| goal.value(n), &pieces(program, windows))
 }
 
 /// The windows, cut where the mass steps.
