@@ -41,13 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         },
     };
     let catalog = super::motors(&arguments.catalog.catalog)?;
-    let find = |id: &str| {
-        catalog.motor(id).map_err(|near| {
-            let help =
-                near.map_or_else(|| "`gearwise rank` lists them".to_string(), |n| format!("did you mean `{n}`?"));
-            Failure::Argument(format!("there is no motor `{id}` in the catalogue; {help}"))
-        })
-    };
+    let find = |id: &str| super::find_motor(&catalog, id);
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
     let text =
         if arguments.json { crate::report::json_text(&report::json(&comparison)) } else { report::text(&comparison) };

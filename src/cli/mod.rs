@@ -3,6 +3,7 @@
 mod audit;
 mod compare;
 mod completions;
+mod explain;
 mod optimize;
 mod rank;
 mod sweep;
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
-use crate::catalog::Catalog;
+use crate::catalog::{Catalog, Motor};
 use crate::input::InputError;
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
@@ -31,6 +32,8 @@ struct Cli {
 enum Command {
     /// Per joint: the best motors, each with its best ratio, what binds, margins and proof
     Optimize(optimize::Arguments),
+    /// The whole story of one motor at a joint, feasible or not
+    Explain(explain::Arguments),
     /// Every motor at every ratio: feasible, or why not
     Sweep(sweep::Arguments),
     /// Motors by metric: S_M, S_T, mass-weighted, K_M, …
@@ -115,6 +118,14 @@ fn motors(paths: &[PathBuf]) -> Result<Catalog, Failure> {
     Ok(catalog)
 }
 
+/// The motor of the catalogue with this id.
+fn find_motor<'c>(catalog: &'c Catalog, id: &str) -> Result<&'c Motor, Failure> {
+    catalog.motor(id).map_err(|near| {
+        let help = near.map_or_else(|| "`gearwise rank` lists them".to_string(), |n| format!("did you mean `{n}`?"));
+        Failure::Argument(format!("there is no motor `{id}` in the catalogue; {help}"))
+    })
+}
+
 /// An order that does not exist, with the nearest that does.
 fn unknown_order<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Failure {
     let help = match crate::input::nearest(name, names.clone()) {
@@ -158,6 +169,7 @@ pub fn run() -> ExitCode {
     }
     let result = match &cli.command {
         Command::Optimize(arguments) => optimize::run(arguments),
+        Command::Explain(arguments) => explain::run(arguments),
         Command::Sweep(arguments) => sweep::run(arguments),
         Command::Rank(arguments) => rank::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),

@@ -10,7 +10,7 @@ use crate::requirement::{Course, Objective, Quantity};
 pub const FEASIBILITY_TOLERANCE: f64 = 1e-9;
 
 /// A candidate whose limits were gathered once, to be evaluated at many ratios.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Prepared<'a> {
     /// Motor, gear, joint.
     pub candidate: Candidate<'a>,
@@ -91,6 +91,13 @@ impl<'a> Prepared<'a> {
         }
         let mean_torque_squared = candidate.load.mean_torque_squared(&candidate.actuator);
         Prepared { candidate, asked, unchecked, mean_torque_squared }
+    }
+
+    /// The same without one limit.
+    pub fn without(&self, limit: &str) -> Prepared<'a> {
+        let mut other = self.clone();
+        other.asked.retain(|a| a.limit.name != limit);
+        other
     }
 
     /// Mean copper loss as a polynomial in N \[W\].

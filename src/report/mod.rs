@@ -3,6 +3,7 @@
 
 pub mod audit;
 pub mod compare;
+pub mod explain;
 pub mod optimize;
 pub mod rank;
 pub mod sweep;

@@ -22,7 +22,7 @@ pub struct Shown {
 }
 
 /// A limit with the instant at which it binds.
-fn bind_text(bind: &Bind, joint: &Joint) -> String {
+pub fn bind_text(bind: &Bind, joint: &Joint) -> String {
     match bind.sample {
         Some(k) => format!("{} ({})", bind.limit, joint.motion.name_sample(k)),
         None => bind.limit.to_string(),
@@ -81,7 +81,8 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
     }
 }
 
-fn proof(certificate: &Certificate) -> String {
+/// How an optimum is proved, in a word.
+pub fn proof(certificate: &Certificate) -> String {
     match certificate {
         Certificate::Certified { gap, .. } if *gap < 1e-12 => "exact".into(),
         Certificate::Certified { gap, .. } => format!("gap {gap:.0e}"),

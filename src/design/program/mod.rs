@@ -21,6 +21,8 @@ use crate::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
 
+pub use scan::golden as golden_section;
+
 /// Rows are met to this relative accuracy in the functional.
 const ROW_TOLERANCE: f64 = 1e-10;
 /// A certificate with a larger relative gap is no proof.

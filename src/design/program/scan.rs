@@ -102,7 +102,7 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
 }
 
 /// Bottom of a valley between `a` and `b`, by golden section.
-pub(super) fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+pub fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
     let share = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut c, mut d) = (b - share * (b - a), a + share * (b - a));
     let (mut fc, mut fd) = (f(c), f(d));

@@ -1,0 +1,203 @@
+//! The whole story of one motor at one joint: the design that was asked for, the best one, what the
+//! best one is sensitive to, and what would have to change where none is feasible.
+
+use super::optimize::Reason;
+use super::program::{Infeasible, Optimum, Outcome, RatioProgram, golden_section};
+use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate};
+use crate::actuator::Load;
+use crate::catalog::{Gear, Motor};
+use crate::requirement::{Joint, RatioChoice, Robot};
+
+/// Everything about a motor at a joint.
+#[derive(Debug)]
+pub struct Explanation<'a> {
+    /// The joint.
+    pub joint: &'a Joint,
+    /// The motor.
+    pub motor: &'a Motor,
+    /// The gear, where it is one of the catalogue.
+    pub gear: Option<&'a Gear>,
+    /// The design at the ratio that was asked for.
+    pub evaluation: Evaluation,
+    /// Winding temperature there \[K\] (`Some(None)`: it runs away).
+    pub winding_temperature: Option<Option<f64>>,
+    /// The best ratio, or why there is none; `None` where the gear fixes the ratio.
+    pub best: Option<Result<Optimum, Reason>>,
+    /// By how much the objective changes with a parameter of the motor.
+    pub sensitivities: Vec<Sensitivity>,
+    /// Single changes that would make the motor feasible.
+    pub remedies: Vec<Remedy>,
+    /// Limits that could not be checked, and why.
+    pub unchecked: Vec<(&'static str, &'static str)>,
+}
+
+/// Relative change of the best objective with a relative change of a parameter, the ratio re-chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensitivity {
+    /// The parameter.
+    pub parameter: &'static str,
+    /// By how much it was changed (relative).
+    pub change: f64,
+    /// By how much the objective changed (relative); `None` where no ratio is feasible any more.
+    pub objective: Option<f64>,
+}
+
+/// One limit that, widened alone, would make the motor feasible.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remedy {
+    /// The limit.
+    pub limit: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it is now.
+    pub bound: f64,
+    /// What it would have to be.
+    pub needed: f64,
+    /// The ratio at which that is enough.
+    pub ratio: f64,
+    /// Whose limit it is.
+    pub owner: &'static str,
+}
+
+/// Explains a motor at a ratio, or with a gear of the catalogue, at a joint. Without a ratio it is the
+/// best one, or where none is feasible the one that comes nearest.
+///
+/// # Errors
+/// Why the motor is no candidate.
+pub fn explain<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    motor: &'a Motor,
+    gear: Option<&'a Gear>,
+    ratio: Option<f64>,
+) -> Result<Explanation<'a>, Unusable> {
+    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let prepared = match gear {
+        Some(gear) => Prepared::new(geared_candidate(robot, joint, &load, motor, gear)?),
+        None => Prepared::new(continuous_candidate(robot, joint, &load, motor)?),
+    };
+    let range = match (&joint.ratio, gear) {
+        (RatioChoice::Continuous { min, max }, None) => Some((*min, *max)),
+        _ => None,
+    };
+    let best = range.map(|range| solve(&prepared, joint, range));
+    let here = ratio.or(gear.map(|g| g.ratio)).unwrap_or_else(|| match &best {
+        Some(Ok(optimum)) => optimum.ratio,
+        Some(Err(Reason::Infeasible(Infeasible::Never { ratio, .. } | Infeasible::Nowhere { ratio, .. }))) => *ratio,
+        Some(Err(Reason::Infeasible(Infeasible::Contradiction { at_least, at_most, .. }))) => {
+            (at_least * at_most).sqrt()
+        }
+        _ => range.map_or(1.0, |(min, max)| (min * max).sqrt()),
+    });
+    let sensitivities = match (&best, range) {
+        (Some(Ok(optimum)), Some(range)) => sensitivities(robot, joint, &load, motor, range, optimum.objective),
+        _ => Vec::new(),
+    };
+    let remedies = match (&best, range) {
+        (Some(Err(_)), Some(range)) => remedies(&prepared, joint, range),
+        (None, _) => remedies_at(&prepared, here),
+        _ => Vec::new(),
+    };
+    let evaluation =
+        Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
+    let winding_temperature = prepared.winding_temperature(here);
+    let unchecked = prepared.unchecked.clone();
+    Ok(Explanation { joint, motor, gear, evaluation, winding_temperature, best, sensitivities, remedies, unchecked })
+}
+
+fn solve(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Result<Optimum, Reason> {
+    match RatioProgram::new(prepared, &joint.objective, min, max).solve() {
+        Outcome::Optimal(optimum) => Ok(optimum),
+        Outcome::Infeasible(infeasible) => Err(Reason::Infeasible(infeasible)),
+        Outcome::Unbounded => Err(Reason::Unbounded),
+        Outcome::NotSolved(why) => Err(Reason::NotSolved(why)),
+    }
+}
+
+/// Re-solves with each parameter of the motor changed for the better by a tenth.
+fn sensitivities(
+    robot: &Robot,
+    joint: &Joint,
+    load: &Load,
+    motor: &Motor,
+    range: (f64, f64),
+    objective: f64,
+) -> Vec<Sensitivity> {
+    type Change = (&'static str, f64, fn(&mut Motor, f64));
+    let changes: [Change; 5] = [
+        ("resistance", -0.1, |m, f| m.resistance *= f),
+        ("inductance", -0.1, |m, f| m.inductance = m.inductance.map(|l| l * f)),
+        ("torque and back-EMF constant", 0.1, |m, f| {
+            m.torque_constant *= f;
+            m.back_emf_constant *= f;
+        }),
+        ("rotor inertia", -0.1, |m, f| m.rotor_inertia = m.rotor_inertia.map(|j| j * f)),
+        ("mass", -0.1, |m, f| m.mass = m.mass.map(|x| x * f)),
+    ];
+    let known = |name: &str| match name {
+        "inductance" => motor.inductance.is_some(),
+        "mass" => motor.mass.is_some(),
+        _ => true,
+    };
+    let changed = changes.into_iter().filter(|(name, ..)| known(name)).map(|(parameter, change, apply)| {
+        let mut other = motor.clone();
+        apply(&mut other, 1.0 + change);
+        let candidate = continuous_candidate(robot, joint, load, &other).ok();
+        let solved = candidate.and_then(|c| solve(&Prepared::new(c), joint, range).ok());
+        Sensitivity { parameter, change, objective: solved.map(|o| o.objective / objective - 1.0) }
+    });
+    changed.collect()
+}
+
+/// For each limit: what it would have to be if it were widened alone.
+fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<Remedy> {
+    let mut found = Vec::new();
+    for asked in &prepared.asked {
+        let without = prepared.without(asked.limit.name);
+        let Outcome::Optimal(optimum) = RatioProgram::new(&without, &joint.objective, min, max).solve() else {
+            continue;
+        };
+        let demand = |n: f64| asked.raw_demand(&prepared.candidate, n).0;
+        let mut least: Option<(f64, f64)> = None;
+        for window in &optimum.windows {
+            let inside = golden_section(&demand, window.min, window.max);
+            for n in [window.min, inside, window.max] {
+                let value = demand(n);
+                if least.is_none_or(|(_, l)| value < l) {
+                    least = Some((n, value));
+                }
+            }
+        }
+        if let Some((ratio, raw)) = least {
+            let needed = asked.natural(raw);
+            found.push(Remedy {
+                limit: asked.limit.name,
+                unit: asked.limit.unit,
+                bound: asked.bound,
+                needed,
+                ratio,
+                owner: asked.owner,
+            });
+        }
+    }
+    found.retain(|r| r.needed > r.bound);
+    found.sort_by(|a, b| (a.needed / a.bound).total_cmp(&(b.needed / b.bound)).then(a.limit.cmp(b.limit)));
+    found
+}
+
+/// The limits that a fixed ratio exceeds, each with what it would have to be.
+fn remedies_at(prepared: &Prepared, ratio: f64) -> Vec<Remedy> {
+    let broken = prepared.asked.iter().filter_map(|asked| {
+        let needed = asked.natural(asked.raw_demand(&prepared.candidate, ratio).0);
+        let exceeded = asked.margin(needed) < -super::evaluate::FEASIBILITY_TOLERANCE;
+        exceeded.then_some(Remedy {
+            limit: asked.limit.name,
+            unit: asked.limit.unit,
+            bound: asked.bound,
+            needed,
+            ratio,
+            owner: asked.owner,
+        })
+    });
+    broken.collect()
+}

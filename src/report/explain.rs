@@ -1,0 +1,187 @@
+//! The whole story of one motor at a joint.
+
+use serde_json::{Value, json};
+
+use super::optimize::{bind_text, margins_json, proof, reason_text};
+use super::table::{table, wrap};
+use super::{number, optional};
+use crate::actuator::metrics::METRICS;
+use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::design::explain::{Explanation, Remedy};
+use crate::design::program::{Certificate, Optimum};
+
+fn percent(fraction: f64) -> String {
+    format!("{}{} %", if fraction > 0.0 { "+" } else { "" }, number((1e4 * fraction).round() / 100.0))
+}
+
+/// For people.
+pub fn text(story: &Explanation) -> String {
+    let e = &story.evaluation;
+    let joint = story.joint;
+    let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
+    let verdict = if e.feasible { "keeps every limit that could be checked" } else { "is not feasible" };
+    let mut out = format!("{}: {} at N = {}{gear} {verdict}\n\n", joint.name, story.motor.id, number(e.ratio));
+    out.push_str(&limits(story));
+    out.push('\n');
+    for (what, value, unit) in [
+        ("copper loss", Some(e.loss), "W"),
+        ("energy per cycle", e.energy, "J"),
+        ("peak electrical power", e.peak_power, "W"),
+        ("current, rms", Some(e.rms_current), "A (q axis)"),
+        ("current, peak", Some(e.peak_current), "A (q axis)"),
+        ("reflected inertia", Some(e.reflected_inertia), "kg*m^2"),
+        ("mass", e.mass, "kg"),
+        ("winding, steady state", story.winding_temperature.flatten().map(|t| t - 273.15), "degC"),
+    ] {
+        out.push_str(&format!("  {what:<24}{} {unit}\n", optional(value)));
+    }
+    if story.winding_temperature == Some(None) {
+        out.push_str("  thermal runaway: the copper's resistance rises faster than heat flows off\n");
+    }
+    for metric in METRICS.iter().take(4) {
+        let value = metric.value(story.motor).map(|v| crate::units::in_unit(v, metric.unit));
+        out.push_str(&format!("  {:<24}{} {}\n", metric.symbol, optional(value), metric.unit));
+    }
+    match &story.best {
+        Some(Ok(optimum)) => out.push_str(&best(story, optimum)),
+        Some(Err(reason)) => {
+            out.push_str(&format!(
+                "\n{}\n",
+                wrap(&format!("No ratio of this motor will do: {}.", reason_text(reason, joint).1), 0)
+            ));
+        }
+        None => {}
+    }
+    if !story.remedies.is_empty() {
+        let heading = if story.best.is_some() { "Any one of these would make it feasible" } else { "What is exceeded" };
+        out.push_str(&format!("\n{heading}:\n"));
+        for remedy in &story.remedies {
+            out.push_str(&format!("  {}\n", remedy_text(remedy)));
+        }
+    } else if matches!(story.best, Some(Err(_))) {
+        out.push_str("\nNo single limit, widened alone, would make it feasible.\n");
+    }
+    if !story.unchecked.is_empty() {
+        out.push_str("\nNot checked:\n");
+        for (limit, why) in &story.unchecked {
+            out.push_str(&format!("  {}\n", wrap(&format!("{limit}: {why}"), 4)));
+        }
+    }
+    out.push_str(&format!(
+        "\n{}\n",
+        wrap(&format!("The row: {}; {}", conventions_line(story.motor), story.motor.source), 2)
+    ));
+    if !story.motor.note.is_empty() {
+        out.push_str(&format!("  {}\n", wrap(&story.motor.note, 2)));
+    }
+    for assumption in &story.motor.assumptions {
+        out.push_str(&format!("  assumed: {assumption}\n"));
+    }
+    for finding in audit_motor(story.motor) {
+        out.push_str(&format!("  {}\n", wrap(&format!("audit [{}]: {}", finding.code, finding.message), 4)));
+    }
+    out
+}
+
+fn remedy_text(remedy: &Remedy) -> String {
+    format!(
+        "{} of at least {} {} instead of {} ({}, {}'s), at N = {}",
+        remedy.limit,
+        number(remedy.needed),
+        remedy.unit,
+        number(remedy.bound),
+        percent(remedy.needed / remedy.bound - 1.0),
+        remedy.owner,
+        number(remedy.ratio)
+    )
+}
+
+/// The limits, tightest first.
+fn limits(story: &Explanation) -> String {
+    let mut margins: Vec<_> = story.evaluation.margins.iter().collect();
+    margins.sort_by(|a, b| a.margin.total_cmp(&b.margin).then(a.limit.cmp(b.limit)));
+    let rows: Vec<Vec<String>> = margins
+        .iter()
+        .map(|m| {
+            let at = m.sample.map_or_else(String::new, |k| story.joint.motion.name_sample(k));
+            vec![
+                m.limit.into(),
+                number(m.demand),
+                number(m.bound),
+                m.unit.into(),
+                percent(m.margin),
+                m.owner.into(),
+                at,
+            ]
+        })
+        .collect();
+    table(&["limit", ">demand", ">limit", "", ">margin", "whose", "at"], &rows)
+}
+
+fn best(story: &Explanation, optimum: &Optimum) -> String {
+    let joint = story.joint;
+    let windows = optimum.windows.iter().map(|w| {
+        format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
+    });
+    let line = format!(
+        "Best ratio for least {}: N* = {} with {} {} ({}); feasible from {}.",
+        joint.objective.name(),
+        number(optimum.ratio),
+        number(optimum.objective),
+        joint.objective.unit(),
+        proof(&optimum.certificate),
+        windows.collect::<Vec<_>>().join(" and from ")
+    );
+    let mut out = format!("\n{}\n", wrap(&line, 0));
+    if let Certificate::Certified { lower_bound, method, .. } = &optimum.certificate {
+        out.push_str(&format!("  no ratio is better than {lower_bound:.9e} {} ({method})\n", joint.objective.unit()));
+    }
+    if optimum.shadow_prices.is_empty() {
+        out.push_str("  no limit binds at N*: every shadow price is zero\n");
+    }
+    for price in &optimum.shadow_prices {
+        out.push_str(&format!(
+            "  {} +1 %: {} {}\n",
+            price.limit,
+            joint.objective.name(),
+            percent(price.elasticity / 100.0)
+        ));
+    }
+    out.push_str("\nIf the motor were better, the ratio chosen anew:\n");
+    for s in &story.sensitivities {
+        let change = s.objective.map_or_else(
+            || "no ratio is feasible".to_string(),
+            |o| format!("{} {}", joint.objective.name(), percent(o)),
+        );
+        out.push_str(&format!("  {} {}: {change}\n", s.parameter, percent(s.change)));
+    }
+    out
+}
+
+/// For programs.
+pub fn json(story: &Explanation) -> Value {
+    let e = &story.evaluation;
+    let (margins, limits) = margins_json(&e.margins, story.joint);
+    let best = story.best.as_ref().map(|b| match b {
+        Ok(o) => json!({
+            "ratio": o.ratio, "objective": o.objective, "window": [o.window().min, o.window().max],
+            "binds": { "low": o.window().low.limit, "high": o.window().high.limit },
+            "certificate": match &o.certificate {
+                Certificate::Certified { lower_bound, gap, method } => json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method }),
+                Certificate::NotCertified(why) => json!({ "certified": false, "because": why }),
+            },
+            "shadow_prices": o.shadow_prices.iter().map(|p| json!({ "limit": p.limit, "price": p.price, "elasticity": p.elasticity })).collect::<Vec<_>>(),
+        }),
+        Err(reason) => json!({ "because": reason_text(reason, story.joint).1 }),
+    });
+    json!({
+        "joint": story.joint.name, "motor": story.motor.id, "gear": story.gear.map(|g| &g.id), "ratio": e.ratio, "feasible": e.feasible,
+        "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power, "peak_current_a": e.peak_current,
+        "rms_current_a": e.rms_current, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
+        "winding_temperature_k": story.winding_temperature.flatten(), "thermal_runaway": story.winding_temperature == Some(None),
+        "margins": margins, "limits": limits, "best": best,
+        "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
+        "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
+        "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
+    })
+}
