@@ -234,4 +234,63 @@ proptest! {
             prop_assert!(close(a.0, b.0, 1e-7) && close(a.1, b.1, 1e-9), "{:?} {:?}", a, b);
         }
     }
+
+    #[test]
+    fn shadow_prices_are_what_finite_differences_say(numbers in numbers(), robot in robots(), objective in 0..3_usize) {
+        let mut robot = robot;
+        robot.bus.drive_current = Some(30.0);
+        robot.joints[0].limits.reflected_inertia = Some(0.3 * 200.0 * 200.0 * numbers.inertia);
+        robot.joints[0].objective = Objective::single([Quantity::Loss, Quantity::PeakCurrent, Quantity::Energy][objective]);
+        let motor = numbers.motor(1.0);
+        let value = |robot: &Robot, motor: &Motor| solve(robot, motor, |d| d.map(|d| d.optimum.objective));
+        let prices = solve(&robot, &motor, |d| d.map(|d| d.optimum.shadow_prices.clone())).unwrap_or_default();
+        for price in prices {
+            let step = 1e-5;
+            let changed = |factor: f64| {
+                let (mut robot, mut motor) = (robot.clone(), motor.clone());
+                match price.limit {
+                    "voltage" => robot.bus.voltage *= factor,
+                    "peak_current" => {
+                        robot.bus.drive_current = robot.bus.drive_current.map(|i| i * factor);
+                        motor.peak_current = motor.peak_current.map(|i| i * factor);
+                    }
+                    "continuous_current" => motor.continuous_current = motor.continuous_current.map(|i| i * factor),
+                    "reflected_inertia" => robot.joints[0].limits.reflected_inertia = robot.joints[0].limits.reflected_inertia.map(|j| j * factor),
+                    "ratio_min" => robot.joints[0].ratio = RatioChoice::Continuous { min: factor, max: 200.0 },
+                    "ratio_max" => robot.joints[0].ratio = RatioChoice::Continuous { min: 1.0, max: 200.0 * factor },
+                    other => panic!("{other}"),
+                }
+                value(&robot, &motor)
+            };
+            // Two limits may bind at once: then the price holds to one side only.
+            if let (Some(wider), Some(tighter), Some(here)) = (changed(1.0 + step), changed(1.0 - step), value(&robot, &motor)) {
+                let (up, down) = ((wider - here) / (here * step), (here - tighter) / (here * step));
+                let near = |difference: f64| (difference - price.elasticity).abs() <= 0.01 * price.elasticity.abs() + 1e-5;
+                prop_assert!(near(up) || near(down), "{:?}: {} {}", price, up, down);
+            }
+        }
+    }
+
+    #[test]
+    fn with_coulomb_friction_no_ratio_of_a_fine_grid_is_better_than_the_certified_one(numbers in numbers(), robot in robots(), friction in 0.001..0.2) {
+        let mut motor = numbers.motor(1.0);
+        motor.coulomb_friction = Some(friction);
+        let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
+        let swept = sweep(&robot, &catalog, 400);
+        let feasible: Vec<&gearwise::design::Evaluation> = swept[0].designs.iter().map(|d| &d.evaluation).filter(|e| e.feasible).collect();
+        let found = solve(&robot, &motor, |d| d.map(|d| (d.evaluation.loss, d.evaluation.feasible, d.optimum.certificate.clone())));
+        match found {
+            None => prop_assert!(feasible.is_empty()),
+            Some((loss, ok, certificate)) => {
+                prop_assert!(ok);
+                let gearwise::design::program::Certificate::Certified { lower_bound, gap, .. } = certificate else {
+                    return Err(TestCaseError::fail("not certified"));
+                };
+                prop_assert!(gap <= 1e-6 && lower_bound <= loss);
+                for e in feasible {
+                    prop_assert!(e.loss >= lower_bound && e.loss >= loss * (1.0 - 1e-6), "N = {} has {} W, N* {} W", e.ratio, e.loss, loss);
+                }
+            }
+        }
+    }
 }

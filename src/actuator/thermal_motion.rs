@@ -42,17 +42,19 @@ const PARTS_PER_TIME_CONSTANT: f64 = 16.0;
 const MOST_PARTS: f64 = 256.0;
 
 /// `1/(n+1)!`, the coefficients of `φ(z) = (e^z − 1)/z`.
-const PHI: [f64; 10] = [
+const PHI: [f64; 12] = [
     1.0,
     1.0 / 2.0,
     1.0 / 6.0,
     1.0 / 24.0,
     1.0 / 120.0,
     1.0 / 720.0,
-    1.0 / 5040.0,
-    1.0 / 40320.0,
+    1.0 / 5_040.0,
+    1.0 / 40_320.0,
     1.0 / 362_880.0,
     1.0 / 3_628_800.0,
+    1.0 / 39_916_800.0,
+    1.0 / 479_001_600.0,
 ];
 
 /// Winding and housing between heat and ambient.
@@ -173,6 +175,12 @@ impl Step {
         [x[0] + (change[0] + self.gain[0]), x[1] + (change[1] + self.gain[1])]
     }
 
+    /// The row `row Φ`.
+    fn pull(&self, row: Rise) -> Rise {
+        let [winding, housing] = self.change;
+        [0, 1].map(|node| row[node] + (row[0] * winding[node] + row[1] * housing[node]))
+    }
+
     /// This step, then another: `(I + B)(I + A) − I = A + B + BA`.
     fn then(&self, next: &Step) -> Step {
         let (a, b) = (&self.change, &next.change);
@@ -212,12 +220,19 @@ impl Rates {
     fn expand(&self, duration: f64, heat: f64) -> (Step, Step) {
         let stiffness = 2.0 * (self.winding + self.housing) + self.ambient + self.growth * heat;
         let size = duration * stiffness;
-        if size <= 1.0 / 512.0 {
-            return self.series::<5>(duration, heat);
+        if size <= 1.0 / 512.0 { self.series::<5>(duration, heat) } else { self.doubled(duration, heat, size) }
+    }
+
+    /// The same, of a long time: halved until the series is short, and doubled again.
+    #[inline(always)]
+    fn doubled(&self, duration: f64, heat: f64, size: f64) -> (Step, Step) {
+        let (mut part, mut doublings) = (1.0, 0);
+        // Heat beyond all numbers must not halve for ever.
+        while size * part > 0.25 && doublings < 1000 {
+            part *= 0.5;
+            doublings += 1;
         }
-        // Heat that is no number must not double for ever.
-        let doublings = (size * 8.0).log2().ceil().clamp(0.0, 1000.0) as i32;
-        let (mut step, mut slope) = self.series::<10>(duration * 0.5_f64.powi(doublings), heat);
+        let (mut step, mut slope) = self.series::<12>(duration * part, heat);
         for _ in 0..doublings {
             slope = step.twice_slope(&slope);
             step = step.then(&step);
@@ -267,6 +282,7 @@ impl Rates {
     }
 
     /// The step over a time \[s\] at constant heat \[W\].
+    #[inline(always)]
     fn step(&self, duration: f64, heat: f64) -> Step {
         self.expand(duration, heat).0
     }
@@ -289,9 +305,10 @@ impl<'a> Heat<'a> {
             };
             let until = if sample < last { times[sample + 1] } else { end };
             let interval = (until - times[sample]).max(0.0);
-            let count = (interval * (PARTS_PER_TIME_CONSTANT / time_constant)).ceil().clamp(1.0, MOST_PARTS);
-            let one = 1.0 / count;
-            (0..count as u32).map(move |part| {
+            let parts = interval * (PARTS_PER_TIME_CONSTANT / time_constant);
+            let count = if parts <= 1.0 { 1 } else { parts.ceil().min(MOST_PARTS) as u32 };
+            let one = if count == 1 { 1.0 } else { 1.0 / f64::from(count) };
+            (0..count).map(move |part| {
                 let share = (f64::from(part) + 0.5) * one;
                 Part {
                     sample,
@@ -345,16 +362,16 @@ impl TwoNode {
         let rates = self.rates(COPPER);
         let mut steps = Vec::with_capacity(heat.times.len());
         let mut period = Step::NOTHING;
-        for part in heat.parts(Course::Periodic, self.time_constant_winding) {
+        heat.parts(Course::Periodic, self.time_constant_winding).for_each(|part| {
             let step = rates.step(part.duration, part.heat);
             period = period.then(&step);
             steps.push(step);
-        }
+        });
         match period.sum_of_powers() {
             Some(inverse) => {
-                let parts = heat.parts(Course::Periodic, self.time_constant_winding);
-                let start = times(&inverse, period.gain);
-                Outcome::Settles(self.march(heat.times.len(), parts.zip(steps), start, Course::Periodic))
+                let (start, mut steps) = (times(&inverse, period.gain), steps.into_iter());
+                let next = |_: &Part| steps.next().expect("the parts do not change");
+                Outcome::Settles(self.march(heat, Course::Periodic, start, next))
             }
             None => Outcome::Runaway,
         }
@@ -366,24 +383,17 @@ impl TwoNode {
     /// Without a sample, or with unequal numbers of times and of heats.
     pub fn from_cold(&self, heat: &Heat) -> Temperature {
         let rates = self.rates(COPPER);
-        let parts = heat.parts(Course::FromCold, self.time_constant_winding);
-        let steps = parts.map(|part| (part, rates.step(part.duration, part.heat)));
-        self.march(heat.times.len(), steps, [0.0; 2], Course::FromCold)
+        self.march(heat, Course::FromCold, [0.0; 2], |part| rates.step(part.duration, part.heat))
     }
 
-    fn march(
-        &self,
-        samples: usize,
-        steps: impl Iterator<Item = (Part, Step)>,
-        start: Rise,
-        course: Course,
-    ) -> Temperature {
+    fn march(&self, heat: &Heat, course: Course, start: Rise, mut step: impl FnMut(&Part) -> Step) -> Temperature {
+        let samples = heat.times.len();
         let kelvin = |rise: f64| if rise.is_finite() { self.ambient + rise } else { f64::INFINITY };
         let mut winding = Vec::with_capacity(samples);
         let mut housing = Vec::with_capacity(samples);
         let (mut peak, mut peak_sample) = (f64::NEG_INFINITY, 0);
         let mut rise = start;
-        for (part, step) in steps {
+        heat.parts(course, self.time_constant_winding).for_each(|part| {
             let hot = kelvin(rise[0]);
             if part.first {
                 winding.push(hot);
@@ -392,8 +402,8 @@ impl TwoNode {
             if hot > peak {
                 (peak, peak_sample) = (hot, part.sample);
             }
-            rise = step.apply(rise);
-        }
+            rise = step(&part).apply(rise);
+        });
         // The end of a period is its start.
         if course == Course::FromCold && kelvin(rise[0]) > peak {
             (peak, peak_sample) = (kelvin(rise[0]), samples - 1);
@@ -407,18 +417,22 @@ impl TwoNode {
     ///
     /// As the largest temperature is convex in heat, `T_peak(q') ≥ T_peak(q) + Σ g_k (q'_k − q_k)` for all
     /// q' ≥ 0 that settle; where several times share the peak, it is a subgradient. By the adjoint: the
-    /// row `λ = e_w (I − Φ_j)⁻¹`, with the map of one period from the peak j on, goes backwards through
-    /// one period; `λ = e_w` through the past of a motion from cold.
+    /// row `λ = e_w` goes backwards from the peak j to the start, `λ ← λ Φ_k`; in a motion that repeats, all
+    /// earlier periods follow as `λ (I − Φ)⁻¹`, once more backwards through a period.
     ///
     /// Beyond runaway there is no peak. The peak of a few periods from cold lies below the peak of the
     /// periodic state, and its gradient, added up over periods, cuts such a heat off.
+    ///
+    /// # Panics
+    /// Where the heat of a motion that repeats runs away, and as
+    /// [`periodic_state`](Self::periodic_state).
     pub fn peak_gradient(&self, heat: &Heat, course: Course, temperature: &Temperature) -> Vec<f64> {
         let rates = self.rates(COPPER);
         let mut gradient = vec![0.0; heat.times.len()];
         let mut nodes = Vec::with_capacity(heat.times.len());
         let mut rise = [temperature.winding[0] - self.ambient, temperature.housing[0] - self.ambient];
         let (mut peak, mut hottest) = (f64::NEG_INFINITY, 0);
-        for part in heat.parts(course, self.time_constant_winding) {
+        heat.parts(course, self.time_constant_winding).for_each(|part| {
             if rise[0] > peak {
                 (peak, hottest) = (rise[0], nodes.len());
             }
@@ -428,35 +442,39 @@ impl TwoNode {
             let per_watt = [by_change[0] + slope.gain[0], by_change[1] + slope.gain[1]];
             nodes.push((part, step, per_watt));
             rise = step.apply(rise);
-        }
+        });
         if course == Course::FromCold && rise[0] > peak {
             hottest = nodes.len();
         }
-        let (before, after) = nodes.split_at(hottest);
-        let (mut row, after) = match course {
-            Course::FromCold => ([1.0, 0.0], &[][..]),
-            Course::Periodic => {
-                let period = after.iter().chain(before).fold(Step::NOTHING, |period, (_, step, _)| period.then(step));
-                // The state settles, so this exists; where rounding denies it, nothing is claimed.
-                (period.sum_of_powers().map_or([0.0; 2], |inverse| inverse[0]), after)
+        // Backwards through time; the row is the derivative of the peak by the rises at a node.
+        let mut back = |mut row: Rise, nodes: &[(Part, Step, Rise)], counts: bool| {
+            for (part, step, per_watt) in nodes.iter().rev() {
+                if counts {
+                    let slope = row[0] * per_watt[0] + row[1] * per_watt[1];
+                    gradient[part.sample] += (1.0 - part.share) * slope;
+                    gradient[part.next] += part.share * slope;
+                }
+                row = step.pull(row);
             }
+            row
         };
-        for (part, step, per_watt) in after.iter().chain(before).rev() {
-            let slope = row[0] * per_watt[0] + row[1] * per_watt[1];
-            gradient[part.sample] += (1.0 - part.share) * slope;
-            gradient[part.next] += part.share * slope;
-            let change = &step.change;
-            row = [
-                row[0] + (row[0] * change[0][0] + row[1] * change[1][0]),
-                row[1] + (row[0] * change[0][1] + row[1] * change[1][1]),
-            ];
+        let (before, after) = nodes.split_at(hottest);
+        let mut row = [1.0, 0.0];
+        if course == Course::Periodic {
+            let period = nodes.iter().fold(Step::NOTHING, |period, (_, step, _)| period.then(step));
+            let [to_winding, to_housing] = period.sum_of_powers().expect("this heat settles");
+            let once = back(row, before, false);
+            let all = [0, 1].map(|node| once[0] * to_winding[node] + once[1] * to_housing[node]);
+            let later = back(all, after, true);
+            row = [later[0] + 1.0, later[1]];
         }
+        back(row, before, true);
         gradient
     }
 
     /// How long constant heat `q = R_0 i²` \[W\] may last from ambient until the winding reaches `limit`
-    /// \[K\]; `None` where it never does. `coefficient` is α \[1/K\]: [`COPPER`], or zero for heat that does
-    /// not rise with temperature, as simple textbook figures have it.
+    /// \[K\]; `None` where it never does. `coefficient` is α \[1/K\]: [`COPPER`], or zero for a
+    /// resistance that does not rise with temperature, as textbooks' first figures have it.
     ///
     /// With one node (`R_ha = 0`) this is `−τ/(1 − a) ln(1 − (1 − a) ΔT/(R q (1 + α (T_a − T_0))))`, with
     /// `a = α R q` and `R = R_wh`. Two nodes have no closed form: Newton, within a bracket.
@@ -486,7 +504,7 @@ impl TwoNode {
         let (growth, source) = (rates.growth * heat, rates.source * heat);
         let out = rates.housing + rates.ambient;
         let determinant = rates.winding * rates.ambient - growth * out;
-        if !(source > 0.0) || (determinant > 0.0 && source * out <= target * determinant) {
+        if source <= 0.0 || (determinant > 0.0 && source * out <= target * determinant) {
             return None;
         }
         // A bracket, then Newton within it.
@@ -821,9 +839,10 @@ mod tests {
     #[test]
     fn maps_are_positive_and_log_convex_in_heat() {
         let mut rng = Pcg64::seed_from_u64(4);
+        let flat = |s: &Step| [s.change[0][0], s.change[0][1], s.change[1][0], s.change[1][1], s.gain[0], s.gain[1]];
         let entries = |s: &Step| {
-            let [[a, b], [c, d]] = s.change;
-            [1.0 + a, b, c, 1.0 + d, s.gain[0], s.gain[1]]
+            let [a, b, c, d, winding, housing] = flat(s);
+            [1.0 + a, b, c, 1.0 + d, winding, housing]
         };
         for _ in 0..2000 {
             let motor = random_motor(&mut rng);
@@ -834,19 +853,12 @@ mod tests {
             let (low, high) = (low.min(high), low.max(high));
             let middle = 0.5 * (low + high);
             let (at, slope) = rates.expand(duration, middle);
+            let size = flat(&at);
             let (before, at, after) =
                 (entries(&rates.step(duration, low)), entries(&at), entries(&rates.step(duration, high)));
-            let slope = [
-                slope.change[0][0],
-                slope.change[0][1],
-                slope.change[1][0],
-                slope.change[1][1],
-                slope.gain[0],
-                slope.gain[1],
-            ];
+            let slope = flat(&slope);
             let step = 1e-3 * middle / (1.0 + motor.rates(COPPER).growth * middle * duration);
-            let (less, more) =
-                (entries(&rates.step(duration, middle - step)), entries(&rates.step(duration, middle + step)));
+            let (less, more) = (flat(&rates.step(duration, middle - step)), flat(&rates.step(duration, middle + step)));
             for e in 0..6 {
                 assert!(before[e] >= -1e-16 && before[e] <= at[e] * (1.0 + 1e-12) && at[e] <= after[e] * (1.0 + 1e-12));
                 assert!(slope[e] >= -1e-14 * duration, "{slope:?}");
@@ -856,7 +868,7 @@ mod tests {
                     assert!(at[e] <= 0.5 * (before[e] + after[e]) * (1.0 + 1e-12));
                 }
                 let difference = (more[e] - less[e]) / (2.0 * step);
-                assert_relative_eq!(slope[e], difference, max_relative = 1e-5, epsilon = 3e-14 * at[e] / step);
+                assert_relative_eq!(slope[e], difference, max_relative = 1e-5, epsilon = 1e-15 * size[e].abs() / step);
             }
         }
     }
@@ -1029,12 +1041,12 @@ mod tests {
 
     #[test]
     fn pulses_run_away_though_their_mean_would_not() {
-        // Ten seconds out of 200 at 16 times the heat of the threshold: 80 % of it on average.
-        let pulse = 16.0 * threshold(&MOTOR);
+        // Ten seconds out of 200 at 17 times the heat of the threshold: 85 % of it on average.
+        let pulse = 17.0 * threshold(&MOTOR);
         let times = [0.0, 0.01, 10.0, 10.01];
         let heat = Heat { times: &times, period_or_duration: 200.0, heat: &[0.0, pulse, pulse, 0.0] };
         let mean = mean_heat(&heat);
-        assert_relative_eq!(mean, 0.8 * threshold(&MOTOR), max_relative = 2e-3);
+        assert_relative_eq!(mean, 0.85 * threshold(&MOTOR), max_relative = 2e-3);
         let r_th = MOTOR.resistance_winding_housing + MOTOR.resistance_housing_ambient;
         let averaged = thermal::winding_temperature(mean, 1.0, MOTOR.reference, r_th, MOTOR.ambient);
         assert!(averaged.is_some(), "the mean settles");
@@ -1042,7 +1054,7 @@ mod tests {
         // As an independent integration sees: each period is hotter than the last by a growing amount.
         let mut x = Vector2::new(0.0, 0.0);
         let mut ends = vec![0.0];
-        for _ in 0..4 {
+        for _ in 0..8 {
             for (from, until, q) in [(0.0, 10.005, pulse), (10.005, 200.0, 0.0)] {
                 let steps = 4000;
                 let h = (until - from) / f64::from(steps);
@@ -1059,7 +1071,7 @@ mod tests {
             ends.push(x[0]);
         }
         let rises: Vec<f64> = ends.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        assert!(rises.windows(2).all(|pair| pair[1] > pair[0]), "{rises:?}");
+        assert!(rises[1..].windows(2).all(|pair| pair[1] > 1.01 * pair[0]), "{rises:?}");
     }
 
     #[test]
@@ -1107,9 +1119,9 @@ mod tests {
         let (times, q) = ([0.0, 1e7, 2e7, 3e7], [10.0, 100.0, 100.0, 40.0]);
         let heat = Heat { times: &times, period_or_duration: 4e7, heat: &q };
         let temperature = settled(&MOTOR, &heat);
-        for k in 0..4 {
-            let steady = thermal::winding_temperature(q[k], 1.0, MOTOR.reference, r_th, MOTOR.ambient).unwrap();
-            assert_relative_eq!(temperature.winding[k], steady, epsilon = 0.5);
+        for (winding, q) in temperature.winding.iter().zip(q) {
+            let steady = thermal::winding_temperature(q, 1.0, MOTOR.reference, r_th, MOTOR.ambient).unwrap();
+            assert_relative_eq!(*winding, steady, epsilon = 0.5);
         }
         let steady = thermal::winding_temperature(100.0, 1.0, MOTOR.reference, r_th, MOTOR.ambient).unwrap();
         assert_relative_eq!(temperature.peak, steady, max_relative = 1e-9);
