@@ -4,12 +4,16 @@ use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Output};
 use crate::design::optimize::{Options, optimize_with};
+use crate::design::pareto::fronts;
+use crate::input::nearest;
 use crate::report::optimize as report;
-use crate::requirement;
+use crate::report::pareto;
+use crate::requirement::{self, Quantity};
 
 /// Examples:
 ///   gearwise optimize requirements/quadruped_mini_cheetah.toml
 ///   gearwise optimize robot.toml --top 20 --rejected
+///   gearwise optimize robot.toml --pareto loss,reflected_inertia
 ///   gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'
 #[derive(Debug, Args)]
 #[command(verbatim_doc_comment)]
@@ -25,15 +29,43 @@ pub struct Arguments {
     /// Leave out motors whose rows do not say enough to check every limit
     #[arg(long)]
     only_checked: bool,
+    /// The front of two quantities instead, e.g. loss,reflected_inertia
+    #[arg(long, value_name = "A,B")]
+    pareto: Option<String>,
+    /// How many ratios along each motor's front, with --pareto
+    #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    points: u32,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
     output: Output,
 }
 
+/// Two different quantities, separated by a comma.
+fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
+    let all: Vec<&str> = Quantity::NAMES.iter().map(|(name, _)| *name).collect();
+    let parse = |name: &str| {
+        Quantity::NAMES.iter().find(|(n, _)| *n == name.trim()).map(|(_, q)| *q).ok_or_else(|| {
+            let help = nearest(name, all.iter().copied())
+                .map_or_else(|| format!("there are: {}", all.join(", ")), |n| format!("did you mean `{n}`?"));
+            Failure::Argument(format!("`--pareto`: `{}` is not a quantity; {help}", name.trim()))
+        })
+    };
+    match names.split(',').collect::<Vec<_>>()[..] {
+        [a, b] if a.trim() != b.trim() => Ok([parse(a)?, parse(b)?]),
+        _ => Err(Failure::Argument("`--pareto` takes two different quantities, e.g. loss,reflected_inertia".into())),
+    }
+}
+
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
+    if let Some(names) = &arguments.pareto {
+        let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
+        let satisfied = fronts.iter().all(|f| !f.points.is_empty());
+        let text = arguments.output.choose(|| pareto::text(&fronts), || pareto::json(&fronts), || pareto::csv(&fronts));
+        return Ok(Done { text, satisfied });
+    }
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "optimising");
     let options = Options { only_checked: arguments.only_checked, tick: &|| bar.inc(1) };
     let result = optimize_with(&robot, &catalog, options);

@@ -8,6 +8,7 @@ pub mod agreement;
 pub mod evaluate;
 pub mod explain;
 pub mod optimize;
+pub mod pareto;
 pub mod program;
 pub mod sweep;
 

@@ -5,6 +5,7 @@ pub mod audit;
 pub mod compare;
 pub mod explain;
 pub mod optimize;
+pub mod pareto;
 pub mod rank;
 pub mod sweep;
 pub mod table;
