@@ -96,15 +96,6 @@ impl Load {
                 }
             }
         }
-        let largest = |values: &[f64]| {
-            let mut best = (values[0].abs(), 0);
-            for (k, v) in values.iter().enumerate() {
-                if v.abs() > best.0 {
-                    best = (v.abs(), k);
-                }
-            }
-            best
-        };
         Load {
             waveform: Waveform::new(&plain),
             bandwidth,
@@ -119,6 +110,20 @@ impl Load {
             samples: in_means,
             weight: motion.weight.clone(),
         }
+    }
+
+    /// The same with an inertia at the output \[kg·m²\] that the gear's efficiency covers as it covers the
+    /// load torque. The gear's own limits stay on the torque at its output.
+    pub fn with_inertia(motion: &Motion, bandwidth: Option<TorqueBandwidth>, inertia: f64) -> Load {
+        let mut moved = motion.clone();
+        for k in 0..motion.len() {
+            moved.torque[k] += inertia * motion.acceleration[k];
+            moved.torque_rate[k] += inertia * motion.jerk[k];
+        }
+        let mut load = Load::new(&moved, bandwidth);
+        load.peak_torque = largest(&motion.torque);
+        load.rms_torque = motion.mean(|k| motion.torque[k].powi(2)).sqrt();
+        load
     }
 
     /// Mean of `T²` over time \[N²·m²\].
@@ -169,6 +174,17 @@ impl Load {
         self.mean_torque_squared(actuator) * actuator.copper()
             + mechanical * (actuator.back_emf_constant / actuator.torque_constant)
     }
+}
+
+/// The largest magnitude and its place.
+fn largest(values: &[f64]) -> (f64, usize) {
+    let mut best = (values[0].abs(), 0);
+    for (k, v) in values.iter().enumerate() {
+        if v.abs() > best.0 {
+            best = (v.abs(), k);
+        }
+    }
+    best
 }
 
 /// `Σ a_f b_g M_fg N^(p_f + p_g)` over both directions of power.

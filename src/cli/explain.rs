@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             })?);
         }
     }
-    if gear.is_none() && matches!(joint.ratio, requirement::RatioChoice::Catalog(_)) {
+    if gear.is_none() && matches!(joint.ratio, requirement::RatioChoice::Catalog { .. }) {
         let message = format!("joint `{}` takes gears of the catalogue: name one, as in {id}@GEAR", joint.name);
         return Err(Failure::Argument(message));
     }

@@ -3,7 +3,7 @@
 
 use super::optimize::Reason;
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram, golden_section};
-use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate};
+use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
 use crate::catalog::{Gear, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
@@ -71,7 +71,8 @@ pub fn explain<'a>(
     gear: Option<&'a Gear>,
     ratio: Option<f64>,
 ) -> Result<Explanation<'a>, Unusable> {
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let own = gear.and_then(|g| load_through(joint, g));
+    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
     let prepared = match gear {
         Some(gear) => Prepared::new(geared_candidate(robot, joint, &load, motor, gear)?),
         None => Prepared::new(continuous_candidate(robot, joint, &load, motor)?),

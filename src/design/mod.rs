@@ -19,7 +19,7 @@ pub use sweep::sweep;
 
 use crate::actuator::{Actuator, Load};
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
-use crate::requirement::{GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
+use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
 
 /// Why a motor, or a motor with a gear, is not a candidate at all.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,14 +49,46 @@ impl Unusable {
     }
 }
 
-/// The gears of the catalogue that a joint allows, in the order of their ids.
-pub fn allowed_gears<'a>(joint: &Joint, catalog: &'a Catalog) -> Vec<&'a Gear> {
-    match &joint.ratio {
-        RatioChoice::Continuous { .. } => Vec::new(),
-        RatioChoice::Catalog(patterns) => {
-            catalog.gears.iter().filter(|g| patterns.iter().any(|p| matches_pattern(p, &g.id))).collect()
-        }
+/// What a joint asks, made ready once for all motors: its load, and the gears it allows, each with the
+/// load as that gear passes it on.
+#[derive(Debug)]
+pub struct JointDemand<'a> {
+    /// The load at the joint.
+    pub load: Load,
+    /// The gears of the catalogue that the joint allows, in the order of their ids; a load of its own
+    /// where the gear's efficiency covers its inertia.
+    gears: Vec<(&'a Gear, Option<Load>)>,
+}
+
+impl<'a> JointDemand<'a> {
+    /// Prepares a joint.
+    pub fn new(joint: &Joint, catalog: &'a Catalog) -> JointDemand<'a> {
+        let gears = match &joint.ratio {
+            RatioChoice::Continuous { .. } => Vec::new(),
+            RatioChoice::Catalog { patterns, .. } => {
+                catalog.gears.iter().filter(|g| patterns.iter().any(|p| matches_pattern(p, &g.id))).collect()
+            }
+        };
+        let gears = gears.into_iter().map(|gear| (gear, load_through(joint, gear))).collect();
+        JointDemand { load: Load::new(&joint.motion, joint.limits.torque_bandwidth), gears }
     }
+
+    /// The gears that may be mounted on a motor, each with its load.
+    pub fn gears_for<'d>(&'d self, motor: &'d Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
+        let fitting = self.gears.iter().filter(|(gear, _)| gear.fits(&motor.id) != Some(false));
+        fitting.map(|(gear, own)| (*gear, own.as_ref().unwrap_or(&self.load)))
+    }
+}
+
+/// The load as a gear passes it on, where that is another than the joint's: with the torque that
+/// accelerates the gear's inertia, where its efficiency covers that too.
+pub fn load_through(joint: &Joint, gear: &Gear) -> Option<Load> {
+    let inertia = gear.inertia.filter(|_| covers_gear(joint))?;
+    Some(Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia * gear.ratio * gear.ratio))
+}
+
+fn covers_gear(joint: &Joint) -> bool {
+    matches!(joint.ratio, RatioChoice::Catalog { efficiency_covers: EfficiencyCovers::LoadAndGear, .. })
 }
 
 /// A candidate with a continuous ratio.
@@ -71,7 +103,7 @@ pub fn continuous_candidate<'a>(
     Ok(Candidate { robot, joint, load, motor, catalog_gear: None, gear: joint.gear, actuator })
 }
 
-/// A candidate with a gear of the catalogue.
+/// A candidate with a gear of the catalogue; `load` as the gear passes it on.
 pub fn geared_candidate<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
@@ -91,6 +123,9 @@ pub fn geared_candidate<'a>(
         continuous_torque: gear.continuous_torque,
         max_input_speed: gear.max_input_speed,
     };
-    let actuator = Actuator::new(motor, rotor, &model);
+    // Where the efficiency covers the gear's inertia, the load has it already.
+    let at_the_shaft = GearModel { inertia: if covers_gear(joint) { 0.0 } else { model.inertia }, ..model };
+    let mut actuator = Actuator::new(motor, rotor, &at_the_shaft);
+    actuator.inertia = rotor + model.inertia;
     Ok(Candidate { robot, joint, load, motor, catalog_gear: Some(gear), gear: model, actuator })
 }

@@ -4,8 +4,7 @@ use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
-use super::{Evaluation, Prepared, Unusable, allowed_gears, continuous_candidate, geared_candidate};
-use crate::actuator::Load;
+use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
@@ -119,13 +118,13 @@ pub fn optimize<'a>(robot: &'a Robot, catalog: &'a Catalog) -> RobotResult<'a> {
 
 /// As [`optimize`], with options.
 pub fn optimize_with<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> RobotResult<'a> {
-    let loads: Vec<Load> = robot.joints.par_iter().map(|j| Load::new(&j.motion, j.limits.torque_bandwidth)).collect();
+    let demands: Vec<JointDemand> = robot.joints.par_iter().map(|j| JointDemand::new(j, catalog)).collect();
     let pairs: Vec<(usize, &Motor)> =
         (0..robot.joints.len()).flat_map(|j| catalog.motors.iter().map(move |m| (j, m))).collect();
     let found: Vec<(usize, Result<Design, Rejected>)> = pairs
         .par_iter()
         .map(|(j, motor)| {
-            let found = best_design(robot, &robot.joints[*j], &loads[*j], motor, catalog, options.only_checked);
+            let found = best_design(robot, &robot.joints[*j], &demands[*j], motor, options.only_checked);
             (options.tick)();
             (*j, found)
         })
@@ -158,22 +157,21 @@ pub fn optimize_with<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Option
 pub fn best_design<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
-    load: &Load,
+    demand: &JointDemand<'a>,
     motor: &'a Motor,
-    catalog: &'a Catalog,
     only_checked: bool,
 ) -> Result<Design<'a>, Rejected<'a>> {
     let reject = |gear, reason| Rejected { motor, gear, reason };
     if joint.objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
         return Err(reject(None, Reason::Unusable(Unusable::Mass)));
     }
-    if joint.objective.weight(Quantity::Energy) > 0.0 && !load.has_durations {
+    if joint.objective.weight(Quantity::Energy) > 0.0 && !demand.load.has_durations {
         return Err(reject(None, Reason::Unusable(Unusable::Durations)));
     }
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => {
-            let candidate =
-                continuous_candidate(robot, joint, load, motor).map_err(|u| reject(None, Reason::Unusable(u)))?;
+            let candidate = continuous_candidate(robot, joint, &demand.load, motor)
+                .map_err(|u| reject(None, Reason::Unusable(u)))?;
             let prepared = Prepared::new(candidate);
             if let (true, Some((limit, why))) = (only_checked, prepared.unchecked.first()) {
                 return Err(reject(None, Reason::Unchecked(limit, why)));
@@ -185,8 +183,8 @@ pub fn best_design<'a>(
                 Outcome::NotSolved(why) => Err(reject(None, Reason::NotSolved(why))),
             }
         }
-        RatioChoice::Catalog(_) => {
-            best_gear(robot, joint, load, motor, catalog, only_checked).map_err(|(gear, reason)| reject(gear, reason))
+        RatioChoice::Catalog { .. } => {
+            best_gear(robot, joint, demand, motor, only_checked).map_err(|(gear, reason)| reject(gear, reason))
         }
     }
 }
@@ -214,9 +212,8 @@ fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, opti
 fn best_gear<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
-    load: &Load,
+    demand: &JointDemand<'a>,
     motor: &'a Motor,
-    catalog: &'a Catalog,
     only_checked: bool,
 ) -> Result<Design<'a>, (Option<&'a str>, Reason)> {
     let mut best: Option<(f64, f64, &'a str, Prepared, Evaluation)> = None;
@@ -224,10 +221,7 @@ fn best_gear<'a>(
     let mut unusable = Unusable::NoGearFits;
     let mut unchecked: Option<(&'a str, (&'static str, &'static str))> = None;
     let mut tried = 0;
-    for gear in allowed_gears(joint, catalog) {
-        if gear.fits(&motor.id) == Some(false) {
-            continue;
-        }
+    for (gear, load) in demand.gears_for(motor) {
         let candidate = match geared_candidate(robot, joint, load, motor, gear) {
             Ok(candidate) => candidate,
             Err(why) => {

@@ -9,8 +9,7 @@ use rayon::prelude::*;
 
 use super::program::{Certificate, Outcome, RatioProgram};
 use super::sweep::grid;
-use super::{Evaluation, Prepared, allowed_gears, continuous_candidate, geared_candidate};
-use crate::actuator::Load;
+use super::{Evaluation, JointDemand, Prepared, continuous_candidate, geared_candidate};
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, Objective, Quantity, RatioChoice, Robot};
 
@@ -45,12 +44,9 @@ pub struct Front<'a> {
 /// The fronts of all joints, with `points` ratios along the curve of each motor.
 pub fn fronts<'a>(robot: &'a Robot, catalog: &'a Catalog, quantities: [Quantity; 2], points: usize) -> Vec<Front<'a>> {
     let one = |joint: &'a Joint| {
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
-        let curves: Vec<Vec<FrontPoint>> = catalog
-            .motors
-            .par_iter()
-            .map(|motor| curve(robot, joint, &load, motor, catalog, quantities, points))
-            .collect();
+        let demand = JointDemand::new(joint, catalog);
+        let curves: Vec<Vec<FrontPoint>> =
+            catalog.motors.par_iter().map(|motor| curve(robot, joint, &demand, motor, quantities, points)).collect();
         let motors = curves.iter().filter(|c| !c.is_empty()).count();
         Front { joint, quantities, points: not_dominated(curves.into_iter().flatten().collect()), motors }
     };
@@ -68,9 +64,8 @@ fn value(prepared: &Prepared, evaluation: &Evaluation, quantity: Quantity) -> Op
 fn curve<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
-    load: &Load,
+    demand: &JointDemand<'a>,
     motor: &'a Motor,
-    catalog: &'a Catalog,
     quantities: [Quantity; 2],
     points: usize,
 ) -> Vec<FrontPoint<'a>> {
@@ -86,7 +81,7 @@ fn curve<'a>(
     };
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => {
-            let Ok(candidate) = continuous_candidate(robot, joint, load, motor) else { return Vec::new() };
+            let Ok(candidate) = continuous_candidate(robot, joint, &demand.load, motor) else { return Vec::new() };
             let prepared = Prepared::new(candidate);
             let best = quantities.map(|quantity| {
                 let objective = Objective::single(quantity);
@@ -103,10 +98,9 @@ fn curve<'a>(
             let ratios = if count == 1 { vec![a.ratio] } else { grid(from, to, count) };
             ratios.into_iter().filter_map(|n| at(&prepared, n, None, certified && convex)).collect()
         }
-        RatioChoice::Catalog(_) => allowed_gears(joint, catalog)
-            .into_iter()
-            .filter(|gear| gear.fits(&motor.id) != Some(false))
-            .filter_map(|gear| {
+        RatioChoice::Catalog { .. } => demand
+            .gears_for(motor)
+            .filter_map(|(gear, load)| {
                 let candidate = geared_candidate(robot, joint, load, motor, gear).ok()?;
                 at(&Prepared::new(candidate), gear.ratio, Some(gear.id.as_str()), true)
             })

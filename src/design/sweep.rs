@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Evaluation, Prepared, Unusable, allowed_gears, continuous_candidate, geared_candidate};
-use crate::actuator::Load;
+use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -55,14 +54,14 @@ pub fn sweep_with_progress<'a>(
     ratios: usize,
     tick: &(dyn Fn() + Sync),
 ) -> Vec<JointSweep<'a>> {
-    let loads: Vec<Load> = robot.joints.par_iter().map(|j| Load::new(&j.motion, j.limits.torque_bandwidth)).collect();
+    let demands: Vec<JointDemand> = robot.joints.par_iter().map(|j| JointDemand::new(j, catalog)).collect();
     robot
         .joints
         .iter()
-        .zip(&loads)
-        .map(|(joint, load)| {
+        .zip(&demands)
+        .map(|(joint, demand)| {
             let one = |motor| {
-                let swept = sweep_motor(robot, joint, load, motor, catalog, ratios);
+                let swept = sweep_motor(robot, joint, demand, motor, ratios);
                 tick();
                 swept
             };
@@ -82,14 +81,13 @@ type MotorSweep<'a> = (Vec<SweptDesign<'a>>, Vec<(&'a str, Option<&'a str>, Unus
 fn sweep_motor<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
-    load: &Load,
+    demand: &JointDemand<'a>,
     motor: &'a Motor,
-    catalog: &'a Catalog,
     ratios: usize,
 ) -> MotorSweep<'a> {
     let (mut designs, mut unusable) = (Vec::new(), Vec::new());
     match &joint.ratio {
-        RatioChoice::Continuous { min, max } => match continuous_candidate(robot, joint, load, motor) {
+        RatioChoice::Continuous { min, max } => match continuous_candidate(robot, joint, &demand.load, motor) {
             Ok(candidate) => {
                 let prepared = Prepared::new(candidate);
                 let unchecked: std::sync::Arc<[_]> = prepared.unchecked.clone().into();
@@ -104,11 +102,8 @@ fn sweep_motor<'a>(
             }
             Err(why) => unusable.push((motor.id.as_str(), None, why)),
         },
-        RatioChoice::Catalog(_) => {
-            for gear in allowed_gears(joint, catalog) {
-                if gear.fits(&motor.id) == Some(false) {
-                    continue;
-                }
+        RatioChoice::Catalog { .. } => {
+            for (gear, load) in demand.gears_for(motor) {
                 match geared_candidate(robot, joint, load, motor, gear) {
                     Ok(candidate) => {
                         let prepared = Prepared::new(candidate);

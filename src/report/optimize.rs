@@ -113,7 +113,7 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     let joint = result.joint;
     let ratio = match &joint.ratio {
         RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
-        RatioChoice::Catalog(patterns) => format!("gears {}", patterns.join(", ")),
+        RatioChoice::Catalog { patterns, .. } => format!("gears {}", patterns.join(", ")),
     };
     let mut out = format!(
         "{} (×{}), {ratio}, least {}: {} motors can do it, {} cannot\n",
@@ -149,7 +149,7 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
 fn candidates_table(result: &JointResult, top: usize) -> String {
     let joint = result.joint;
     let weighted = joint.objective.sole().is_none();
-    let geared = matches!(joint.ratio, RatioChoice::Catalog(_));
+    let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
     let mut header = vec![">#", "motor", if geared { ">N" } else { ">N*" }];
     if weighted {
         header.push(">objective");

@@ -134,7 +134,7 @@ fn read_joint(section: Section, motion_errors: &mut Vec<InputError>) -> Option<J
     let ratio = read_ratio(&section);
     let gear = match section.section("gear") {
         Some(gear) => {
-            if matches!(ratio, Some(RatioChoice::Catalog(_))) {
+            if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
                 section.note(
                     Problem::at(
                         gear.span(),
@@ -194,7 +194,12 @@ fn read_ratio(section: &Section) -> Option<RatioChoice> {
         }
         (false, true) => {
             let patterns = section.texts("gears")?;
-            Some(RatioChoice::Catalog(patterns.into_iter().map(|p| p.into_inner()).collect()))
+            Some(RatioChoice::Catalog {
+                patterns: patterns.into_iter().map(|p| p.into_inner()).collect(),
+                efficiency_covers: section
+                    .choice("efficiency_covers", EfficiencyCovers::NAMES)
+                    .unwrap_or(EfficiencyCovers::Load),
+            })
         }
         (true, false) => {
             let ratio = section.section("ratio")?;
@@ -275,17 +280,12 @@ fn read_gear(section: Section) -> GearModel {
         continuous_torque: section.quantity("continuous_torque", &units::TORQUE, Range::Positive),
         max_input_speed: section.quantity("max_input_speed", &units::SPEED, Range::Positive),
     };
-    if section.has("efficiency_covers")
-        && section.choice("efficiency_covers", &[("load", ()), ("load_and_gear", ())]).is_some()
-    {
+    if section.choice("efficiency_covers", EfficiencyCovers::NAMES) == Some(EfficiencyCovers::LoadAndGear) {
         let span = section.span_of("efficiency_covers");
-        if section.text("efficiency_covers").is_some_and(|t| t.get_ref() == "load_and_gear") {
-            section.note(Problem::at(
-                span,
-                "`efficiency_covers = \"load_and_gear\"` is not supported by this version",
-                "use `load`",
-            ));
-        }
+        section.note(
+            Problem::at(span, "`efficiency_covers = \"load_and_gear\"` needs gears of the catalogue", "not with a continuous ratio")
+                .help("which way power flows through the gear then depends on the ratio; use `gears`, or cover the load alone"),
+        );
     }
     section.finish();
     gear

@@ -90,7 +90,27 @@ pub enum RatioChoice {
         max: f64,
     },
     /// The gears of the catalogue whose id matches one of the patterns.
-    Catalog(Vec<String>),
+    Catalog {
+        /// The patterns, `*` for any run of characters.
+        patterns: Vec<String>,
+        /// What a gear's efficiency acts on.
+        efficiency_covers: EfficiencyCovers,
+    },
+}
+
+/// What torque a gear's efficiency acts on, and whose direction of power it flips with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EfficiencyCovers {
+    /// The load torque alone.
+    Load,
+    /// Load torque and the gear's own inertia (the convention of CORDS): the flip depends on the ratio.
+    LoadAndGear,
+}
+
+impl EfficiencyCovers {
+    /// Both with the word a requirement uses for them.
+    pub const NAMES: &[(&str, EfficiencyCovers)] =
+        &[("load", EfficiencyCovers::Load), ("load_and_gear", EfficiencyCovers::LoadAndGear)];
 }
 
 /// The gear assumed at a continuous ratio. SI; torques at the output, inertia and speed at the input.
