@@ -5,6 +5,7 @@ use super::laurent::Laurent;
 use super::load::Load;
 use super::shaft::Actuator;
 use super::thermal;
+use super::thermal_motion::TwoNode;
 use super::waveform::Functional;
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Gear, Motor};
@@ -56,6 +57,8 @@ pub enum Demand {
     Bandwidth(Functional),
     /// Mass of motor and gear, by stages \[kg\].
     Mass,
+    /// Largest rise of the winding's temperature over the motion \[K\].
+    WindingPeak(TwoNode),
 }
 
 /// A limit that applies to a candidate. In its natural unit the demand is `factor · √x` where
@@ -153,6 +156,7 @@ impl Asked {
                 None => (0.0, None),
             },
             Demand::Mass => (candidate.mass_at(ratio).unwrap_or(0.0), None),
+            Demand::WindingPeak(node) => candidate.load.winding_peak(&candidate.actuator, &node, ratio),
         }
     }
 
@@ -205,6 +209,19 @@ impl Candidate<'_> {
             (Some(m), Some(a)) => Some(if a.0 < m.0 { a } else { m }),
             (m, a) => m.or(a),
         }
+    }
+
+    /// The two thermal nodes, where the sheet gives both resistances and both time constants.
+    fn two_node(&self) -> Option<TwoNode> {
+        let sheet = &self.motor.sheet;
+        Some(TwoNode {
+            resistance_winding_housing: sheet.thermal_resistance_winding_housing?.value,
+            resistance_housing_ambient: sheet.thermal_resistance_housing_ambient?.value,
+            time_constant_winding: sheet.thermal_time_constant_winding?.value,
+            time_constant_housing: sheet.thermal_time_constant_housing?.value,
+            ambient: self.robot.ambient,
+            reference: self.motor.reference_temperature,
+        })
     }
 
     /// Rms current that heats the winding to its limit in steady state \[A\]; zero where ambient is
@@ -303,6 +320,19 @@ pub const LIMITS: &[Limit] = &[
                 Prepared::Unknown("no highest winding temperature is known")
             }
             (None, None) => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "winding_peak_temperature",
+        unit: "K",
+        formula: "max T_winding − T_ambient ≤ T_max − T_ambient over the motion: two nodes, hot copper, periodic state or from cold",
+        class: Class::Convex,
+        prepare: |c| match (c.two_node(), c.winding_temperature()) {
+            (Some(node), Some((limit, owner))) if c.load.has_course() => {
+                plain(Demand::WindingPeak(node), 1.0, (limit - node.ambient).max(0.0), owner)
+            }
+            // Without time constants the mean heat is all that can be checked.
+            _ => Prepared::NotAsked,
         },
     },
     Limit {

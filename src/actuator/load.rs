@@ -3,7 +3,8 @@
 use super::laurent::Laurent;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, Feature, Flow, ShaftForm, sign};
 use super::waveform::{WavePoint, Waveform};
-use crate::requirement::{Motion, TorqueBandwidth};
+use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
+use crate::requirement::{self, Motion, TorqueBandwidth};
 
 /// Phases of the torque that is superposed for the bandwidth limit.
 pub const BANDWIDTH_PHASES: usize = 32;
@@ -30,6 +31,9 @@ pub struct Load {
     pub has_durations: bool,
     /// Period, or duration \[s\], where the motion has one.
     pub duration: Option<f64>,
+    /// How heat goes on after the last sample; `None` for operating points.
+    course: Option<Course>,
+    times: Vec<f64>,
     mean: Moments,
     standstill: Moments,
     /// The samples as they are in means: no friction at standstill.
@@ -105,6 +109,12 @@ impl Load {
             dwell: motion.dwell.iter().sum(),
             has_durations: motion.has_durations(),
             duration: motion.duration(),
+            course: match motion.course {
+                requirement::Course::Periodic(_) => Some(Course::Periodic),
+                requirement::Course::Once(_) => Some(Course::FromCold),
+                requirement::Course::Points(_) => None,
+            },
+            times: motion.time.clone(),
             mean,
             standstill,
             samples: in_means,
@@ -164,6 +174,93 @@ impl Load {
         }
         let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(c * duration, power));
         Some(terms.fold(Laurent::default(), |a, b| a + b))
+    }
+
+    /// Whether the winding's temperature can be followed over the motion.
+    pub fn has_course(&self) -> bool {
+        self.course.is_some()
+    }
+
+    /// Largest rise of the winding's temperature over ambient \[K\] and its sample, with periodic motions in
+    /// their periodic state and others from cold. Infinite where it runs away.
+    pub fn winding_peak(&self, actuator: &Actuator, node: &TwoNode, ratio: f64) -> (f64, Option<usize>) {
+        let heat = self.copper_heat(actuator, ratio);
+        match self.settle(node, &heat) {
+            Some((_, temperature)) => (temperature.peak - node.ambient, Some(temperature.peak_sample)),
+            None => (f64::INFINITY, None),
+        }
+    }
+
+    /// The rise as a cut: the polynomial that equals it at `ratio` and is nowhere above it. Temperature is
+    /// convex and rising in the heat of every sample, so its gradient there bounds it from below. Where the
+    /// heat runs away the cut is that of the first periods from cold, as many as it takes to be beyond
+    /// `bound` \[K\].
+    pub fn winding_peak_cut(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> Laurent {
+        let heat = self.copper_heat(actuator, ratio);
+        let (rise, gradient) = match self.settle(node, &heat) {
+            Some((course, temperature)) => {
+                let gradient = node.peak_gradient(&self.heat(&self.times, &heat), course, &temperature);
+                (temperature.peak - node.ambient, gradient)
+            }
+            None => self.first_periods(node, &heat, bound),
+        };
+        let squares = self.weighted_torque_squared(actuator, &gradient) * actuator.copper();
+        squares + Laurent::constant(rise - squares.at(ratio))
+    }
+
+    /// Rise and gradient after the first periods of a heat that runs away.
+    fn first_periods(&self, node: &TwoNode, heat: &[f64], bound: f64) -> (f64, Vec<f64>) {
+        let period = self.duration.unwrap_or(1.0);
+        let mut periods = 1;
+        loop {
+            let times: Vec<f64> = (0..periods).flat_map(|n| self.times.iter().map(move |t| t + n as f64 * period)).collect();
+            let repeated: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
+            let course = Heat { times: &times, period_or_duration: periods as f64 * period, heat: &repeated };
+            let temperature = node.from_cold(&course);
+            let rise = temperature.peak - node.ambient;
+            if (rise > bound && rise.is_finite()) || periods >= 1 << 14 {
+                let long = node.peak_gradient(&course, Course::FromCold, &temperature);
+                let folded = (0..heat.len()).map(|k| long.iter().skip(k).step_by(heat.len()).sum()).collect();
+                return (rise, folded);
+            }
+            periods *= 2;
+        }
+    }
+
+    fn heat<'h>(&self, times: &'h [f64], heat: &'h [f64]) -> Heat<'h> {
+        Heat { times, period_or_duration: self.duration.unwrap_or(1.0), heat }
+    }
+
+    fn settle(&self, node: &TwoNode, heat: &[f64]) -> Option<(Course, Temperature)> {
+        let heat = self.heat(&self.times, heat);
+        match self.course? {
+            Course::Periodic => match node.periodic_state(&heat) {
+                Outcome::Settles(temperature) => Some((Course::Periodic, temperature)),
+                Outcome::Runaway => None,
+            },
+            Course::FromCold => Some((Course::FromCold, node.from_cold(&heat))),
+        }
+    }
+
+    /// Copper heat of every sample at a ratio, at the reference temperature \[W\].
+    fn copper_heat(&self, actuator: &Actuator, ratio: f64) -> Vec<f64> {
+        let square = |sample: &WavePoint| {
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            actuator.copper() * (a / ratio + c + b * ratio).powi(2)
+        };
+        self.samples.iter().map(square).collect()
+    }
+
+    /// `Σ weight T²` over the samples \[N²·m²\].
+    fn weighted_torque_squared(&self, actuator: &Actuator, weights: &[f64]) -> Laurent {
+        let mut sum = [0.0; 5];
+        for (sample, weight) in self.samples.iter().zip(weights) {
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            for (s, t) in sum.iter_mut().zip([a * a, 2.0 * a * c, c * c + 2.0 * a * b, 2.0 * b * c, b * b]) {
+                *s += weight * t;
+            }
+        }
+        sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(*c, power)).fold(Laurent::default(), |a, b| a + b)
     }
 
     /// Mean terminal power over time \[W\].

@@ -326,6 +326,10 @@ impl<'a> RatioProgram<'a> {
                 let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
                 Some((functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin)))
             }
+            Demand::WindingPeak(node) => {
+                let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, asked.raw_bound());
+                Some((cut, asked.raw_demand(candidate, ratio).1))
+            }
             Demand::Fixed(..) | Demand::Mass => None,
         }
     }
