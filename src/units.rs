@@ -185,7 +185,9 @@ impl UnitError {
     /// One sentence on what is wrong, given the kind that was wanted.
     pub fn message(&self, kind: &Kind) -> String {
         match self {
-            UnitError::NotANumber(text) => format!("`{text}` is not a finite number"),
+            UnitError::NotANumber(text) => {
+                format!("`{text}` is not a number (of at most 1e18 in SI units)")
+            }
             UnitError::MissingUnit => format!("{} needs its unit", kind.with_article()),
             UnitError::UnknownUnit(unit, _) => format!("unknown unit `{unit}`"),
             UnitError::BadExpression(text) => format!("`{text}` is not a unit"),
@@ -246,8 +248,27 @@ pub fn number_value(text: &str) -> Result<f64, UnitError> {
     finite(value, text)
 }
 
+/// Numbers beyond this magnitude (SI) are slips, and would leave the range of the arithmetic when
+/// squared.
+pub const LARGEST: f64 = 1e18;
+/// What must be greater than zero is at least this (SI).
+pub const SMALLEST: f64 = 1e-18;
+
+/// Whether a number is one that the program computes with.
+pub fn is_sane(value: f64) -> bool {
+    value.abs() <= LARGEST
+}
+
 fn finite(value: f64, text: &str) -> Result<f64, UnitError> {
-    if value.is_finite() { Ok(value) } else { Err(UnitError::NotANumber(text.to_string())) }
+    if is_sane(value) { Ok(value) } else { Err(UnitError::NotANumber(shorten(text))) }
+}
+
+/// At most 60 characters of a text, for messages.
+fn shorten(text: &str) -> String {
+    match text.char_indices().nth(60) {
+        Some((at, _)) => format!("{}…", &text[..at]),
+        None => text.to_string(),
+    }
 }
 
 /// Length in bytes of the number at the start of `text`: digits, sign, point, exponent.
@@ -280,7 +301,7 @@ pub fn unit_of(text: &str, kind: &Kind) -> Result<Unit, UnitError> {
         }
     }
     let unit = parse_unit(text)?;
-    if kind.accepts(&unit) { Ok(unit) } else { Err(UnitError::WrongDimension(text.trim().to_string())) }
+    if kind.accepts(&unit) { Ok(unit) } else { Err(UnitError::WrongDimension(shorten(text.trim()))) }
 }
 
 /// The scale of the SI unit shown to people, e.g. `display(9.01e-6, "g*cm^2")` is 90.1.
@@ -361,14 +382,14 @@ fn symbol(name: &str) -> Option<Unit> {
 
 fn unknown(name: &str) -> UnitError {
     let near = crate::input::nearest(name, SUGGESTIONS.iter().copied());
-    UnitError::UnknownUnit(name.to_string(), near)
+    UnitError::UnknownUnit(shorten(name), near)
 }
 
 /// Recursive descent over `unit := factor (('*'|'·'|' '|'/') factor)*`.
 fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     let mut parser = UnitParser { rest: text.trim(), depth: 0 };
     let unit = parser.product()?;
-    if parser.rest.is_empty() { Ok(unit) } else { Err(UnitError::BadExpression(text.trim().to_string())) }
+    if parser.rest.is_empty() { Ok(unit) } else { Err(UnitError::BadExpression(shorten(text.trim()))) }
 }
 
 struct UnitParser<'a> {
@@ -380,7 +401,7 @@ impl UnitParser<'_> {
     fn product(&mut self) -> Result<Unit, UnitError> {
         self.depth += 1;
         if self.depth > 8 {
-            return Err(UnitError::BadExpression(self.rest.to_string()));
+            return Err(UnitError::BadExpression(shorten(self.rest)));
         }
         let mut unit = self.factor()?;
         loop {
@@ -410,7 +431,7 @@ impl UnitParser<'_> {
         let (base, root) = if let Some(rest) = root.or_else(|| self.rest.strip_prefix('(')) {
             self.rest = rest;
             let inner = self.product()?;
-            self.rest = self.rest.strip_prefix(')').ok_or_else(|| UnitError::BadExpression(rest.to_string()))?;
+            self.rest = self.rest.strip_prefix(')').ok_or_else(|| UnitError::BadExpression(shorten(rest)))?;
             (inner, if root.is_some() { 0.5 } else { 1.0 })
         } else {
             let length = self
@@ -420,7 +441,7 @@ impl UnitParser<'_> {
                 .map_or(self.rest.len(), |(at, _)| at);
             let (name, rest) = self.rest.split_at(length);
             if name.is_empty() {
-                return Err(UnitError::BadExpression(self.rest.to_string()));
+                return Err(UnitError::BadExpression(shorten(self.rest)));
             }
             self.rest = rest;
             (symbol(name).ok_or_else(|| unknown(name))?, 1.0)
@@ -442,7 +463,7 @@ impl UnitParser<'_> {
         let power = digits.parse::<f64>().ok().filter(|p| p.abs() <= 9.0);
         let power = power.ok_or_else(|| UnitError::BadExpression(format!("^{digits}")))?;
         self.rest =
-            if open { rest.strip_prefix(')').ok_or_else(|| UnitError::BadExpression(rest.to_string()))? } else { rest };
+            if open { rest.strip_prefix(')').ok_or_else(|| UnitError::BadExpression(shorten(rest)))? } else { rest };
         Ok(power)
     }
 }

@@ -119,7 +119,7 @@ impl Case {
         let hot = hot.map(|(hot, r_th)| ((hot - self.robot.ambient) / (r_th * resistance(hot))).sqrt());
         let meant = |bound: Option<f64>| bound.filter(|_| joint.motion.course != Course::Points(None));
         let stands = brushless && self.shares.iter().any(|share| share[1] > 0.0);
-        let held = meant(motor.continuous_current.or(hot)).filter(|_| stands);
+        let held = meant(least(motor.continuous_current, hot)).filter(|_| stands);
         let rippled = |bound: Option<f64>| bound.filter(|_| asked.torque_bandwidth.is_some());
         let taken = if let Regeneration::Limited(watt) = bus.regeneration { Some(watt) } else { None };
         let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };

@@ -160,8 +160,13 @@ impl Asked {
         }
     }
 
-    /// `1 − demand/limit`. A limit of zero has margin 0 where it is kept and −1 where it is not.
+    /// `1 − demand/limit`. A limit of zero has margin 0 where it is kept and −1 where it is not; a demand
+    /// without end has −10⁶.
     pub fn margin(&self, demand: f64) -> f64 {
+        // Thermal runaway is beyond any limit; a finite number is what programs can read.
+        if demand == f64::INFINITY {
+            return -1e6;
+        }
         if self.bound == 0.0 {
             return if demand <= 0.0 { 0.0 } else { -1.0 };
         }
@@ -338,7 +343,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "standstill_holding",
         unit: "A",
-        formula: "√(mean(T²) + mean over standstill(T²))/K_T ≤ I_continuous: the worst phase carries 2/3 of the heat",
+        formula: "√(mean(T²) + mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat",
         class: Class::Convex,
         prepare: |c| {
             if c.load.dwell == 0.0 {
@@ -347,7 +352,8 @@ pub const LIMITS: &[Limit] = &[
             if !c.load.has_durations {
                 return Prepared::Unknown(NO_DURATIONS);
             }
-            let current = c.motor.continuous_current.map(|i| (i, "motor")).or_else(|| c.thermal_current());
+            let rated = c.motor.continuous_current.map(|i| (i, "motor"));
+            let current = [rated, c.thermal_current()].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
             match (current, c.motor.conventions.commutation) {
                 (_, Commutation::Brushed) => Prepared::NotAsked,
                 (Some((bound, owner)), _) => {
@@ -432,7 +438,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "torque_bandwidth_current",
         unit: "A",
-        formula: "safety · max |T + superposed|/K_T ≤ I_peak, at every phase",
+        formula: "safety · max |T + superposed|/K_T ≤ I_peak, at 32 phases",
         class: Class::Convex,
         prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
             (None, _) => Prepared::NotAsked,
@@ -446,7 +452,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "torque_bandwidth_voltage",
         unit: "V",
-        formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at every phase",
+        formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases",
         class: Class::Convex,
         prepare: |c| match (&c.load.bandwidth, c.motor.inductance_and_poles()) {
             (None, _) => Prepared::NotAsked,

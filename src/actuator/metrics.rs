@@ -43,7 +43,11 @@ impl Parameter {
             ),
             Parameter::RotorInertia => with(motor.rotor_inertia?, sheet.rotor_inertia),
             Parameter::Mass => with(motor.mass?, sheet.mass),
-            Parameter::ThermalResistance => Some((motor.thermal_resistance?, None)),
+            Parameter::ThermalResistance => {
+                let (a, b) = (sheet.thermal_resistance_winding_housing?, sheet.thermal_resistance_housing_ambient?);
+                let tolerance = a.tolerance.zip(b.tolerance).map(|(a, b)| a.hypot(b));
+                with(a.value + b.value, Some(Printed { value: a.value + b.value, tolerance }))
+            }
             Parameter::GapRadius => with(sheet.gap_radius?.value, sheet.gap_radius),
         }
     }
@@ -214,8 +218,9 @@ impl Metric {
         let mut value = 1.0;
         let mut terms: Vec<(Parameter, f64, Option<f64>)> = Vec::new();
         for (parameter, exponent) in self.exponents {
-            // A back-EMF constant that was taken equal to the torque constant is the same number.
-            let same = *parameter == BackEmfConstant && motor.sheet.back_emf_constant.is_none();
+            // Where one of torque and back-EMF constant was taken from the other they are one number.
+            let derived = motor.sheet.back_emf_constant.is_none() || motor.sheet.torque_constant.is_none();
+            let same = *parameter == BackEmfConstant && derived;
             let parameter = if same { TorqueConstant } else { *parameter };
             let (number, tolerance) = parameter.of(motor)?;
             value *= number.powf(*exponent);

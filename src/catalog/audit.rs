@@ -1,8 +1,8 @@
 //! Does a row add up? Redundant numbers of a sheet are compared in the sheet's own convention, and
 //! where another convention would explain a mismatch, it is named.
 //!
-//! A block-commutated sheet shows an S_M 9/π² lower, a stall torque 4.7 % higher and a no-load speed
-//! 4.5 % lower than its q-axis equivalent; that is no error, and comparing in the sheet's own frame
+//! A block-commutated sheet shows an S_M π²/9 higher, a stall torque 4.5 % lower and a no-load speed
+//! 4.7 % higher than its q-axis equivalent; that is no error, and comparing in the sheet's own frame
 //! does not take it for one. A new check is one line in [`CHECKS`].
 
 use super::convention::{
@@ -251,12 +251,22 @@ fn error(message: String, explanation: Option<String>) -> Option<Outcome> {
 
 fn motor_constant(motor: &Motor) -> Option<Outcome> {
     let printed = motor.sheet.motor_constant?.value;
-    // As printed: a sheet computes K_M from its own K_T, K_B and R, whatever they refer to.
+    // As printed: a sheet computes K_M from its own K_T, K_B and R, whatever they refer to. One that
+    // means torque per root of heat, on the q axis or in the sheet's frame, is right as well.
     let k_t = motor.sheet.torque_constant?.value;
     let k_b = motor.sheet.back_emf_constant.map_or(k_t, |k| k.value);
     let r = motor.sheet.resistance?.value;
     let expected = (k_t * k_b / r).sqrt();
     let message = mismatch("K_M", printed, expected, 0.03, "N*m/W^0.5", "K_T, K_B and R as printed")?;
+    let frame = frame(motor);
+    let of = |k_t: f64, k_b: f64, r: f64| (k_t * k_b / r).sqrt();
+    let right = [
+        of(motor.torque_constant, motor.back_emf_constant, motor.resistance),
+        of(frame.torque_constant, frame.back_emf_constant, frame.resistance),
+    ];
+    if right.iter().any(|k_m| (printed / k_m - 1.0).abs() <= 0.03) {
+        return None;
+    }
     let factor = (expected / printed).powi(2);
     let readings = [
         (2.0, "it follows with twice the resistance (line-to-line taken for phase)"),
@@ -352,7 +362,11 @@ fn stall_torque(motor: &Motor) -> Option<Outcome> {
     let expected = frame.torque_constant * frame.voltage? / frame.resistance;
     let ratio = printed / expected;
     let from = format!("K_T V/R in the {} frame", frame.name);
-    if (0.05..0.9).contains(&ratio) && motor.sheet.stall_torque.is_some() {
+    if (0.47..0.53).contains(&ratio) || (1.9..2.1).contains(&ratio) {
+        let why = "a factor of two: resistance of a phase taken for line-to-line, or the other way round";
+        return error(mismatch("stall torque", printed, expected, 0.05, "N*m", &from)?, Some(why.into()));
+    }
+    if (0.05..0.9).contains(&ratio) {
         // A printed stall torque well below is a saturated one.
         return Some(Outcome {
             severity: Severity::Note,
@@ -378,7 +392,10 @@ fn no_load_speed(motor: &Motor) -> Option<Outcome> {
         expected,
         0.06,
         "rpm",
-        &format!("(V − R I_0)/K_B in the {} frame", frame.name),
+        &match frame.name {
+            "q-axis" => "V/K_B in the q-axis frame".to_string(),
+            name => format!("(V − R I_0)/K_B in the {name} frame"),
+        },
     )?;
     let commutation = motor.conventions.commutation;
     let explanation = CurrentConvention::NAMES

@@ -1,7 +1,7 @@
 //! One design, looked at closely: every limit with its margin, and the figures people choose by.
 
 use crate::actuator::limits::{Asked, Candidate, Check, Demand};
-use crate::actuator::shaft::{Flow, sign};
+use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::thermal;
 use crate::actuator::waveform::Functional;
 use crate::requirement::{Course, Objective, Quantity};
@@ -202,29 +202,38 @@ impl<'a> Prepared<'a> {
             return Some(0.0);
         }
         let actuator = &candidate.actuator;
-        let friction = actuator.torque_form(Flow::Driving)[crate::actuator::shaft::Feature::Sign];
-        let load = |flow| actuator.torque_form(flow)[crate::actuator::shaft::Feature::Load];
-        let step = (load(Flow::Driving) - load(Flow::Braking)).abs();
+        let torque = |flow, k: usize, sign: f64| {
+            let mut features = [0.0; FEATURES];
+            features[Feature::Load as usize] = motion.torque[k];
+            features[Feature::Acceleration as usize] = motion.acceleration[k];
+            features[Feature::Velocity as usize] = motion.velocity[k];
+            features[Feature::Sign as usize] = sign;
+            actuator.torque_form(flow).polynomial(&features).at(ratio)
+        };
+        // The sample before each change of direction, standstill in between included.
+        let moving: Vec<usize> = (0..motion.len()).filter(|k| motion.velocity[*k] != 0.0).collect();
+        let closes = matches!(motion.course, Course::Periodic(_));
+        let pairs = moving
+            .windows(2)
+            .map(|w| (w[0], w[1]))
+            .chain(moving.last().zip(moving.first()).filter(|_| closes).map(|(a, b)| (*a, *b)));
         let mut longest = 0.0_f64;
-        for k in 0..motion.len() {
-            let next = (k + 1) % motion.len();
-            if next == 0 && !matches!(motion.course, Course::Periodic(_)) {
-                break;
-            }
-            if sign(motion.velocity[k]) * sign(motion.velocity[next]) >= 0.0 {
+        for (before, after) in pairs {
+            let (was, is) = (motion.velocity[before].signum(), motion.velocity[after].signum());
+            if was == is {
                 continue;
             }
-            let torque = 0.5 * (motion.torque[k] + motion.torque[next]);
-            let jump = (step * torque.abs() / ratio + 2.0 * friction) / actuator.torque_constant;
-            let current = load(Flow::Driving) * torque.abs() / ratio / actuator.torque_constant;
-            let left = candidate.voltage() - actuator.resistance * current;
-            longest = longest.max(if jump == 0.0 {
-                0.0
-            } else if left > 0.0 {
-                inductance * jump / left
-            } else {
-                f64::INFINITY
-            });
+            for k in [before, after] {
+                let sides =
+                    [was, is].map(|sign| torque(Flow::of(motion.torque[k], sign), k, sign) / actuator.torque_constant);
+                let jump = (sides[0] - sides[1]).abs();
+                let left = candidate.voltage() - actuator.resistance * sides[0].abs().max(sides[1].abs());
+                longest = longest.max(match () {
+                    () if jump == 0.0 => 0.0,
+                    () if left > 0.0 => inductance * jump / left,
+                    () => f64::INFINITY,
+                });
+            }
         }
         Some(longest)
     }

@@ -235,7 +235,7 @@ impl Table {
             }
         };
         let whole = !matches!(column.content, Content::Count) || value.fract() == 0.0;
-        if !range.contains(value) || !whole {
+        if !range.contains(value) || !whole || !units::is_sane(value) {
             let mut problem = Problem::at(
                 self.cell_span(row, name),
                 format!("`{name}` is out of range"),

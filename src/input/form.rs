@@ -148,6 +148,12 @@ impl<'a> Section<'a> {
             ));
             return None;
         }
+        let odd = |c: char| c.is_control();
+        if text.get_ref().contains(odd) || text.get_ref().chars().count() > 200 {
+            let message = format!("{} has control characters, or more than 200", self.name(key));
+            self.form.note(Problem::at(text.span(), message, "expected a short printable name"));
+            return None;
+        }
         Some(text)
     }
 
@@ -222,7 +228,7 @@ impl<'a> Section<'a> {
     }
 
     fn in_range(&self, number: f64, span: Span<usize>, key: &str, range: Range) -> Option<f64> {
-        if number.is_finite() && range.contains(number) {
+        if number.is_finite() && units::is_sane(number) && range.contains(number) {
             return Some(number);
         }
         let what = if number.is_finite() { "out of range" } else { "not a finite number" };

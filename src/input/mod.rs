@@ -32,9 +32,9 @@ impl Range {
     pub fn contains(self, value: f64) -> bool {
         match self {
             Range::Any => value.is_finite(),
-            Range::Positive => value > 0.0,
+            Range::Positive => value >= crate::units::SMALLEST,
             Range::NonNegative => value >= 0.0,
-            Range::Fraction => value > 0.0 && value <= 1.0,
+            Range::Fraction => value >= 1e-6 && value <= 1.0,
             Range::AtLeastOne => value >= 1.0,
         }
     }
@@ -52,8 +52,8 @@ impl Range {
 
     /// What was probably meant by a value outside: a fraction given in per cent.
     fn help(self, value: f64) -> Option<String> {
-        let percent = self == Range::Fraction && value > 1.0 && value <= 100.0;
-        percent.then(|| format!("for {value} % write {}", value / 100.0))
+        let percent = self == Range::Fraction && value > 2.0 && value <= 100.0;
+        percent.then(|| format!("for {value} % write {}", crate::report::number(value / 100.0)))
     }
 }
 
@@ -65,6 +65,9 @@ impl Range {
 /// ```
 pub fn nearest<'a>(text: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |s: &str| s.to_lowercase().replace(['-', ' ', '*', '^', '·'], "_").replace('_', "");
+    if text.len() > 100 {
+        return None;
+    }
     let wanted = plain(text);
     let mut best: Option<(f64, &str)> = None;
     for name in names {

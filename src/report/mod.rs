@@ -24,8 +24,11 @@ pub fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
-    if !value.is_finite() {
-        return value.to_string();
+    if value.is_infinite() {
+        return if value > 0.0 { "∞".into() } else { "−∞".into() };
+    }
+    if value.is_nan() {
+        return "–".into();
     }
     let magnitude = value.abs().log10().floor() as i32;
     if !(-4..7).contains(&magnitude) {

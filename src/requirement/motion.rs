@@ -99,6 +99,7 @@ impl Motion {
             derived.push("velocity");
             differentiate(&position.expect("a motion has velocity or position")).first
         });
+        let velocity = at_rest_where_it_rests(velocity);
         let (acceleration, jerk) = match (acceleration, jerk) {
             (Some(acceleration), Some(jerk)) => (acceleration, jerk),
             (Some(acceleration), None) => {
@@ -184,6 +185,21 @@ impl Motion {
             _ => format!("t = {} s", crate::report::number(self.time[k])),
         }
     }
+}
+
+/// Speeds below this share of the largest are rounding, and the joint stands still.
+const STANDSTILL: f64 = 1e-9;
+
+/// Sets what is zero but for rounding (a hold that a spline differentiated) to zero: at standstill the
+/// direction of power, friction and heat are those of a hold.
+fn at_rest_where_it_rests(mut velocity: Vec<f64>) -> Vec<f64> {
+    let largest = velocity.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
+    for v in &mut velocity {
+        if v.abs() <= STANDSTILL * largest {
+            *v = 0.0;
+        }
+    }
+    velocity
 }
 
 /// Trapezoid weights, and the part of them in intervals that stand still from end to end.
@@ -299,6 +315,18 @@ fn read_samples(
             return None;
         }
     }
+    let duration = samples.time[table.len().max(1) - 1] - samples.time[0];
+    for row in 1..table.len() {
+        if samples.time[row] - samples.time[row - 1] < 1e-9 * duration {
+            let what = "two rows are at practically the same time: no derivative can be taken";
+            problems.push(Problem::at(
+                table.cell_span(row, "time"),
+                what,
+                "less than 1e-9 of the motion after the row above",
+            ));
+            return None;
+        }
+    }
     let course = course(&table, &mut samples, periodic, period, problems)?;
     let fewest = if periodic { spline::MIN_PERIODIC } else { spline::MIN_OPEN };
     if samples.time.len() < fewest {
@@ -309,7 +337,32 @@ fn read_samples(
         ));
         return None;
     }
+    if let Some(problem) = contradiction(&table, &samples) {
+        problems.push(problem);
+        return None;
+    }
     Some(Motion::from_samples(samples, course))
+}
+
+/// A velocity that is not the rate of the position given beside it: a wrong unit, sign or column.
+fn contradiction(table: &Table, samples: &Samples) -> Option<Problem> {
+    let (position, velocity) = (samples.position.as_ref()?, samples.velocity.as_ref()?);
+    let (mut apart, mut size, mut worst) = (0.0, 0.0, (0.0, 0));
+    for k in 1..position.len() {
+        let rate = (position[k] - position[k - 1]) / (samples.time[k] - samples.time[k - 1]);
+        let mean = 0.5 * (velocity[k] + velocity[k - 1]);
+        apart += (rate - mean).powi(2);
+        size += rate.powi(2).max(mean.powi(2));
+        if (rate - mean).abs() > worst.0 {
+            worst = ((rate - mean).abs(), k);
+        }
+    }
+    (apart > 0.25 * size).then(|| {
+        Problem::at(table.cell_span(worst.1, "velocity"), "velocity is not the rate of position", "differs most here")
+            .help(
+                "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
+            )
+    })
 }
 
 /// Finds the period, and takes the repeated last row of a periodic motion away.

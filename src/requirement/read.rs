@@ -57,6 +57,7 @@ fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Rob
         section.finish();
         temperature
     });
+    let surroundings = ambient.unwrap_or(AMBIENT);
     let budget = root.section("budget").map(|section| {
         let budget = Budget {
             actuator_mass: section.quantity("actuator_mass", &units::MASS, Range::Positive),
@@ -77,7 +78,7 @@ fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Rob
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, motion_errors) {
+        match read_joint(section, surroundings, motion_errors) {
             Some(joint) => joints.push(joint),
             None => complete = false,
         }
@@ -85,13 +86,7 @@ fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Rob
     if !complete {
         return None;
     }
-    Some(Robot {
-        name: name?,
-        bus: bus?,
-        ambient: ambient.unwrap_or(AMBIENT),
-        budget: budget.unwrap_or_default(),
-        joints,
-    })
+    Some(Robot { name: name?, bus: bus?, ambient: surroundings, budget: budget.unwrap_or_default(), joints })
 }
 
 fn read_bus(section: Section) -> Option<Bus> {
@@ -128,7 +123,7 @@ fn read_bus(section: Section) -> Option<Bus> {
     voltage.map(|_| bus)
 }
 
-fn read_joint(section: Section, motion_errors: &mut Vec<InputError>) -> Option<Joint> {
+fn read_joint(section: Section, ambient: f64, motion_errors: &mut Vec<InputError>) -> Option<Joint> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
     let ratio = read_ratio(&section);
@@ -150,7 +145,7 @@ fn read_joint(section: Section, motion_errors: &mut Vec<InputError>) -> Option<J
     };
     let motion = read_motion(&section, motion_errors);
     let objective = read_objective(&section);
-    let limits = section.section("limits").map_or_else(Limits::default, read_limits);
+    let limits = section.section("limits").map_or_else(Limits::default, |table| read_limits(table, ambient));
     let drive_current = section.section("drive").and_then(|drive| {
         let current = drive.required_quantity("current", &units::CURRENT, Range::Positive);
         drive.finish();
@@ -250,11 +245,11 @@ fn read_gear(section: Section) -> GearModel {
     let stage_ratio = section.number("stage_ratio", Range::AtLeastOne);
     let mass = section.quantity("mass", &units::MASS, Range::NonNegative);
     match (per_stage, stage_ratio) {
-        (Some(_), Some(ratio)) if ratio <= 1.0 => {
+        (Some(_), Some(ratio)) if ratio < 1.1 => {
             section.note(Problem::at(
                 section.span_of("stage_ratio"),
                 "`stage_ratio` of [gear] is out of range",
-                "expected more than 1",
+                "expected at least 1.1",
             ));
         }
         (Some(_), None) if !section.has("stage_ratio") => {
@@ -429,10 +424,14 @@ fn read_objective(section: &Section) -> Option<Objective> {
         }
     }
     terms.sort_by_key(|(quantity, _)| *quantity);
-    Some(Objective { terms })
+    // One quantity alone is minimised as it is, whatever its weight.
+    Some(match terms.as_slice() {
+        [(quantity, _)] => Objective::single(*quantity),
+        _ => Objective { terms },
+    })
 }
 
-fn read_limits(section: Section) -> Limits {
+fn read_limits(section: Section, ambient: f64) -> Limits {
     let bandwidth = section.section("torque_bandwidth").and_then(|table| {
         let frequency = table.required_quantity("frequency", &units::FREQUENCY, Range::Positive);
         let amplitude = table.required_quantity("amplitude", &units::TORQUE, Range::NonNegative);
@@ -446,6 +445,13 @@ fn read_limits(section: Section) -> Limits {
         winding_temperature: section.quantity("winding_temperature", &units::TEMPERATURE, Range::Positive),
         safety: section.number("safety", Range::Positive).unwrap_or(1.0),
     };
+    if limits.winding_temperature.is_some_and(|t| t <= ambient) {
+        section.note(Problem::at(
+            section.span_of("winding_temperature"),
+            "the winding may not even be as warm as its surroundings",
+            format!("expected more than the ambient temperature, {} degC", crate::report::number(ambient - 273.15)),
+        ));
+    }
     section.finish();
     limits
 }

@@ -237,10 +237,10 @@ impl Objective {
         Objective { terms: vec![(quantity, 1.0)] }
     }
 
-    /// The quantity, where there is only one.
+    /// The quantity, where there is only one and it has weight one.
     pub fn sole(&self) -> Option<Quantity> {
         match self.terms.as_slice() {
-            [(quantity, _)] => Some(*quantity),
+            [(quantity, weight)] if *weight == 1.0 => Some(*quantity),
             _ => None,
         }
     }

@@ -158,7 +158,12 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
             _ => Outcome::NotSolved("no feasible ratio was found, and none was ruled out".into()),
         };
     };
-    let windows = if found.best.is_some() { found.windows } else { vec![scan::point(program, ratio)] };
+    let mut windows = found.windows;
+    if !windows.iter().any(|w| w.min <= ratio * (1.0 + 1e-9) && ratio <= w.max * (1.0 + 1e-9)) {
+        // In a sliver that the grid did not see.
+        windows.push(scan::point(program, ratio));
+        windows.sort_by(|a, b| a.min.total_cmp(&b.min));
+    }
     let reference = value.abs().max(1e-6 * search.goal.cut(ratio).size(ratio)).max(f64::MIN_POSITIVE);
     let gap = ((value - bound) / reference).max(0.0);
     let certificate = if finished && gap <= GAP_TOLERANCE {

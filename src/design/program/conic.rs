@@ -19,7 +19,6 @@ struct Proposal {
     /// Multiplier of each row, and of each cut of the objective.
     rows: Vec<f64>,
     cuts: Vec<f64>,
-    status: SolverStatus,
 }
 
 pub(super) fn solve(program: &RatioProgram, window: &Window, mut rows: Vec<Row>, low: &End, high: &End) -> Outcome {
@@ -31,21 +30,18 @@ pub(super) fn solve(program: &RatioProgram, window: &Window, mut rows: Vec<Row>,
     for u in [start, (start * end).sqrt(), end] {
         add(&mut cuts, cut(u));
     }
+    // A row that neither end of the range breaks cannot bind in between: left out, its slack cannot spoil
+    // the solver's scaling.
+    let may_bind = |row: &Row| row.excess(low.u()) > 0.0 || row.excess(high.u()) > 0.0;
+    rows.retain(may_bind);
     for _ in 0..MAX_ROUNDS {
-        let proposal = match propose(&cuts, &rows, low.u(), high.u()) {
-            Ok(proposal) => proposal,
-            Err(why) => return Outcome::NotSolved(why),
-        };
-        match proposal.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => {}
-            SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => return Outcome::Unbounded,
-            // The window has shown that ratios are feasible: the solver is wrong or out of its depth.
-            status => return Outcome::NotSolved(format!("the conic solver ended with {status:?}")),
-        }
+        // A solver out of its depth is no verdict: the window is exact, and one ratio needs no solver.
+        let Some(proposal) = propose(&cuts, &rows, low.u(), high.u()) else { break };
         let u = proposal.u.clamp(low.u(), high.u());
         let mut added = false;
         // A row that is known already cannot be added again: the solver's own accuracy.
-        if let Some(row) = program.worst_row(u).filter(|r| r.excess(u) > ROW_TOLERANCE && !contains(&rows, r)) {
+        let new = |r: &Row| r.excess(u) > ROW_TOLERANCE && may_bind(r) && !contains(&rows, r);
+        if let Some(row) = program.worst_row(u).filter(new) {
             rows.push(row);
             added = true;
         }
@@ -55,10 +51,20 @@ pub(super) fn solve(program: &RatioProgram, window: &Window, mut rows: Vec<Row>,
             added |= add(&mut cuts, here);
         }
         if !added {
-            return finish(program, window, &goal, &cuts, &rows, &proposal, low, high);
+            if let Ok(optimum) = finish(program, window, &goal, &cuts, &rows, Some(&proposal), low, high) {
+                return Outcome::Optimal(optimum);
+            }
+            break;
         }
     }
-    Outcome::NotSolved(format!("violated rows were still found after {MAX_ROUNDS} rounds"))
+    match finish(program, window, &goal, &cuts, &rows, None, low, high) {
+        Ok(optimum) => Outcome::Optimal(optimum),
+        // The branch and bound needs no multipliers at all.
+        Err(why) => match super::branch::solve(program, "the bounds did not meet") {
+            Outcome::NotSolved(_) => Outcome::NotSolved(why),
+            other => other,
+        },
+    }
 }
 
 /// Adds a cut that is not known yet; whether it was new.
@@ -86,7 +92,7 @@ fn dedup(rows: &mut Vec<Row>) {
 
 /// Solves the program with the given rows and cuts. Variables are `u/u0`, `w u0`, `t/u0²` and the
 /// objective over a reference; rows have unit norm.
-fn propose(cuts: &[[f64; 4]], rows: &[Row], low: f64, high: f64) -> Result<Proposal, String> {
+fn propose(cuts: &[[f64; 4]], rows: &[Row], low: f64, high: f64) -> Option<Proposal> {
     let u0 = (low * high).sqrt();
     let scale = [1.0 / u0, 1.0, u0, u0 * u0];
     let scaled = |c: &[f64; 4]| -> [f64; 4] { std::array::from_fn(|i| c[i] * scale[i]) };
@@ -123,7 +129,7 @@ fn propose(cuts: &[[f64; 4]], rows: &[Row], low: f64, high: f64) -> Result<Propo
     b.extend([1.0, -1.0, 0.0]);
     let q = [0.0, 0.0, 0.0, 1.0];
     if a.iter().flatten().chain(&b).any(|x| !x.is_finite()) {
-        return Err("the program has coefficients that are not finite numbers".into());
+        return None;
     }
     let cones = [
         SupportedConeT::NonnegativeConeT(linear),
@@ -133,20 +139,25 @@ fn propose(cuts: &[[f64; 4]], rows: &[Row], low: f64, high: f64) -> Result<Propo
     let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
     let p = CscMatrix::zeros((4, 4));
     let matrix = CscMatrix::from(a.as_slice());
-    let mut solver = DefaultSolver::new(&p, &q, &matrix, &b, &cones, settings)
-        .map_err(|e| format!("the conic solver refused the program: {e:?}"))?;
+    let mut solver = DefaultSolver::new(&p, &q, &matrix, &b, &cones, settings).ok()?;
     solver.solve();
     let solution = &solver.solution;
+    if !matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+        return None;
+    }
     let multiplier = |i: usize| solution.z[i] * reference / norms[i];
-    Ok(Proposal {
+    Some(Proposal {
         u: solution.x[0] * u0,
         rows: (0..rows.len()).map(multiplier).collect(),
         cuts: (0..cuts.len()).map(|i| multiplier(rows.len() + i)).collect(),
-        status: solution.status,
     })
 }
 
-/// Verifies the proposal without the solver, and makes the certificate and the shadow prices.
+/// Verifies the proposal without the solver, and makes the certificate and the shadow prices. Without a
+/// proposal the multipliers that balance the slopes at the best ratio are taken.
+///
+/// # Errors
+/// What could not be verified.
 #[expect(clippy::too_many_arguments, reason = "the parts of one solution")]
 fn finish(
     program: &RatioProgram,
@@ -154,37 +165,44 @@ fn finish(
     goal: &Goal,
     cuts: &[[f64; 4]],
     rows: &[Row],
-    proposal: &Proposal,
+    proposal: Option<&Proposal>,
     low: &End,
     high: &End,
-) -> Outcome {
+) -> Result<Optimum, String> {
     let (start, end) = (window.min * window.min, window.max * window.max);
-    let total: f64 = proposal.cuts.iter().map(|m| m.max(0.0)).sum();
     // The window is exact and the objective convex: the proposal is sharpened within it.
-    let u = match cuts {
-        [only] => minimise(only, start, end),
-        _ => sharpen(goal, proposal.u.clamp(start, end), start, end),
+    let u = match (cuts, proposal) {
+        ([only], _) => minimise(only, start, end),
+        (_, Some(proposal)) => sharpen(goal, proposal.u.clamp(start, end), start, end),
+        (_, None) => lowest(goal, start, end),
     };
     let best = goal.value(u.sqrt());
-    // The bound is a convex combination of cuts plus multipliers of rows.
-    let mut combined = [0.0; 4];
-    for (cut, multiplier) in cuts.iter().zip(&proposal.cuts) {
-        let share = if cuts.len() == 1 { 1.0 } else { multiplier.max(0.0) / total };
-        for (sum, c) in combined.iter_mut().zip(cut) {
-            *sum += share * c;
+    let mut bound = f64::NEG_INFINITY;
+    let mut combinations = vec![balanced_cuts(goal, u)];
+    if let Some(proposal) = proposal {
+        // A convex combination of cuts, plus multipliers of rows.
+        let total: f64 = proposal.cuts.iter().map(|m| m.max(0.0)).sum();
+        let single = cuts.len() == 1;
+        let mut combined = [0.0; 4];
+        for (cut, multiplier) in cuts.iter().zip(&proposal.cuts) {
+            let share = if single { 1.0 } else { multiplier.max(0.0) / total };
+            for (sum, c) in combined.iter_mut().zip(cut) {
+                *sum += share * c;
+            }
         }
+        let share = if single { 1.0 } else { 1.0 / total };
+        let multipliers: Vec<(Row, f64)> = rows.iter().copied().zip(proposal.rows.iter().map(|m| m * share)).collect();
+        bound = bound.max(lower_bound(&combined, &multipliers, low.u(), high.u()));
+        combinations.push(combined);
     }
-    let share = if cuts.len() == 1 { 1.0 } else { 1.0 / total };
-    let multipliers: Vec<(Row, f64)> = rows.iter().copied().zip(proposal.rows.iter().map(|m| m * share)).collect();
-    let mut bound = lower_bound(&combined, &multipliers, low.u(), high.u());
-    for combination in [combined, balanced_cuts(goal, u)] {
+    for combination in combinations {
         bound = bound.max(balanced_bound(&combination, rows, u, low.u(), high.u()));
     }
     if !(u.is_finite() && best.is_finite() && bound.is_finite()) {
-        return Outcome::NotSolved("the solution is not a finite number".into());
+        return Err("the solution is not a finite number".into());
     }
     if program.worst_row(u).is_some_and(|row| row.excess(u) > 1e-8) {
-        return Outcome::NotSolved("the solution breaks a limit".into());
+        return Err("the solution breaks a limit".into());
     }
     // An objective that vanishes because its terms cancel has no relative gap: it is measured against
     // its terms.
@@ -192,10 +210,10 @@ fn finish(
     let reference = best.abs().max(1e-6 * size).max(f64::MIN_POSITIVE);
     let gap = if best <= bound { 0.0 } else { (best - bound) / reference };
     if gap > GAP_TOLERANCE {
-        return Outcome::NotSolved(format!("the duality gap is {gap:.1e}"));
+        return Err(format!("the duality gap is {gap:.1e}"));
     }
     let windows = vec![window.clone()];
-    Outcome::Optimal(Optimum {
+    Ok(Optimum {
         ratio: u.sqrt(),
         objective: goal.natural(best),
         certificate: Certificate::Certified {
@@ -206,6 +224,15 @@ fn finish(
         shadow_prices: prices::at(program, goal, &windows, u.sqrt(), low, high),
         windows,
     })
+}
+
+/// The least value in the window, without a proposal: the valley of a convex objective.
+fn lowest(goal: &Goal, start: f64, end: f64) -> f64 {
+    let at = |ln_u: f64| goal.value((0.5 * ln_u).exp());
+    let inside = scan::golden(&at, start.ln(), end.ln()).exp().clamp(start, end);
+    [start, end]
+        .into_iter()
+        .fold(inside, |best, u| if goal.value(u.sqrt()) < goal.value(best.sqrt()) { u } else { best })
 }
 
 /// The least value near the proposal: a convex objective has one valley.

@@ -377,7 +377,7 @@ impl<'a> RatioProgram<'a> {
         };
         let (window, rows) = match window::find(self, &low, &high) {
             Ok(found) => found,
-            Err(infeasible) => return Outcome::Infeasible(infeasible),
+            Err(outcome) => return outcome,
         };
         conic::solve(self, &window, rows, &low, &high)
     }
@@ -385,7 +385,8 @@ impl<'a> RatioProgram<'a> {
     /// Ratios of the range at which a further gear stage begins: there the mass steps up.
     fn stage_ratios(&self, min: f64, max: f64) -> Vec<f64> {
         let Some((_, stage_ratio)) = self.prepared.candidate.gear.mass_per_stage else { return Vec::new() };
-        (0..64).map(|n| stage_ratio.powi(n)).filter(|n| *n > min && *n < max).collect()
+        let powers = std::iter::successors(Some(1.0), |n| Some(n * stage_ratio));
+        powers.take_while(|n| *n < max).filter(|n| *n > min).collect()
     }
 
     /// Mass does not fall with the ratio: it is least at the smallest feasible one, and among the ratios
