@@ -6,13 +6,11 @@ use super::{Done, Failure, Output};
 use crate::catalog::audit::audit;
 use crate::report::audit as report;
 
-/// Exit status 1 if a row contradicts itself and its note does not say why.
-///
-/// Examples:
-///   gearwise audit
-///   gearwise audit my_motors.csv
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(
+    before_help = "Exit status 1 if a row contradicts itself and its note does not say why.\n\nExamples:\n  gearwise audit\n  gearwise audit my_motors.csv"
+)]
 pub struct Arguments {
     /// Catalogue files or folders; the built-in catalogue if none is given
     catalog: Vec<PathBuf>,

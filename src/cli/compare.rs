@@ -4,11 +4,11 @@ use super::{CatalogChoice, Done, Failure};
 use crate::report::compare::{self as report, Comparison};
 use crate::units;
 
-/// Examples:
-///   gearwise compare t-motor-ri50 t-motor-u8
-///   gearwise compare t-motor-ri50 t-motor-u8 --inertia "0.02 kg*m^2"
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(
+    before_help = "Examples:\n  gearwise compare t-motor-ri50 t-motor-u8\n  gearwise compare t-motor-ri50 t-motor-u8 --inertia \"0.02 kg*m^2\""
+)]
 pub struct Arguments {
     /// Id of the first motor
     a: String,

@@ -3,10 +3,9 @@ use clap_complete::Shell;
 
 use super::{Done, Failure};
 
-/// Example:
-///   gearwise completions bash > ~/.local/share/bash-completion/completions/gearwise
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(before_help = "Example:\n  gearwise completions bash > ~/.local/share/bash-completion/completions/gearwise")]
 pub struct Arguments {
     /// Which shell
     shell: Shell,

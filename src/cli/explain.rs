@@ -8,14 +8,11 @@ use crate::input::nearest;
 use crate::report::explain as report;
 use crate::requirement;
 
-/// Exit status 1 if the design is not feasible.
-///
-/// Examples:
-///   gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee
-///   gearwise explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint hip
-///   gearwise explain tq-robodrive-ilm-85x26@planetary-apex-af042-20 robot.toml
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(
+    before_help = "Exit status 1 if the design is not feasible.\n\nExamples:\n  gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee\n  gearwise explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint hip\n  gearwise explain tq-robodrive-ilm-85x26@planetary-apex-af042-20 robot.toml"
+)]
 pub struct Arguments {
     /// Motor id, with `@RATIO` or `@GEAR` for a certain design; else the best ratio
     design: String,
@@ -34,6 +31,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
+    super::check_gears(&robot, &catalog)?;
     let near = |what: &str, name: &str, names: Vec<&str>| {
         let help = nearest(name, names.iter().copied())
             .map_or_else(|| format!("there are: {}", names.join(", ")), |n| format!("did you mean `{n}`?"));
@@ -52,9 +50,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let mut ratio = None;
     match place.map(|p| (p, p.parse::<f64>())) {
         None => {}
-        Some((_, Ok(number))) if number.is_finite() && number > 0.0 => ratio = Some(number),
+        Some((_, Ok(number))) if (1e-6..=1e6).contains(&number) => ratio = Some(number),
         Some((text, Ok(_))) => {
-            return Err(Failure::Argument(format!("`{text}` is not a ratio: it must be greater than zero")));
+            return Err(Failure::Argument(format!("`{text}` is not a ratio: expected a number from 1e-6 to 1e6")));
         }
         Some((name, Err(_))) => {
             let ids = catalog.gears.iter().map(|g| g.id.as_str());

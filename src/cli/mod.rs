@@ -16,6 +16,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::catalog::{Catalog, Motor};
 use crate::input::InputError;
+use crate::requirement::{RatioChoice, Robot};
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
 #[derive(Debug, Parser)]
@@ -116,6 +117,28 @@ fn motors(paths: &[PathBuf]) -> Result<Catalog, Failure> {
         return Err(Failure::Argument("the catalogue has no motors".into()));
     }
     Ok(catalog)
+}
+
+/// Every gear pattern of a robot must name a gear of the catalogue.
+fn check_gears(robot: &Robot, catalog: &Catalog) -> Result<(), Failure> {
+    for joint in &robot.joints {
+        let RatioChoice::Catalog { patterns, .. } = &joint.ratio else { continue };
+        for pattern in patterns {
+            if catalog.gears.iter().any(|g| crate::catalog::matches_pattern(pattern, &g.id)) {
+                continue;
+            }
+            let kinds = ["planetary-*", "strain-wave-*", "cycloidal-*", "belt-*"];
+            let ids = catalog.gears.iter().map(|g| g.id.as_str()).chain(kinds);
+            let help = match crate::input::nearest(pattern, ids) {
+                _ if catalog.gears.is_empty() => "it has no gears at all; add a gear file to `--catalog`".to_string(),
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("ids begin with the kind, as in {}", kinds.join(", ")),
+            };
+            let message = format!("joint `{}`: no gear of the catalogue matches `{pattern}`; {help}", joint.name);
+            return Err(Failure::Argument(message));
+        }
+    }
+    Ok(())
 }
 
 /// The motor of the catalogue with this id.

@@ -10,13 +10,11 @@ use crate::report::optimize as report;
 use crate::report::pareto;
 use crate::requirement::{self, Quantity};
 
-/// Examples:
-///   gearwise optimize requirements/quadruped_mini_cheetah.toml
-///   gearwise optimize robot.toml --top 20 --rejected
-///   gearwise optimize robot.toml --pareto loss,reflected_inertia
-///   gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+)]
 pub struct Arguments {
     /// Requirement file (TOML)
     requirement: PathBuf,
@@ -60,6 +58,7 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
+    super::check_gears(&robot, &catalog)?;
     if let Some(names) = &arguments.pareto {
         let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());

@@ -7,12 +7,11 @@ use crate::actuator::metrics::{METRICS, metric};
 use crate::report::rank::{self as report, Ranking};
 use crate::units;
 
-/// Examples:
-///   gearwise rank
-///   gearwise rank --sort mass_s_m --top 50
-///   gearwise rank my_motors.csv --tolerance 10%
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(
+    before_help = "Examples:\n  gearwise rank\n  gearwise rank --sort mass_s_m --top 50\n  gearwise rank my_motors.csv --tolerance 10%"
+)]
 pub struct Arguments {
     /// Catalogue files or folders; the built-in catalogue if none is given
     catalog: Vec<PathBuf>,

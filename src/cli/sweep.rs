@@ -8,12 +8,11 @@ use crate::design::sweep::sweep_with_progress;
 use crate::report::sweep::{self as report, Order};
 use crate::requirement::{self, Quantity};
 
-/// Examples:
-///   gearwise sweep requirements/quadruped_mini_cheetah.toml
-///   gearwise sweep robot.toml --ratios 100 --sort s_m --top 30
-///   gearwise sweep robot.toml --csv > designs.csv
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(
+    before_help = "Examples:\n  gearwise sweep requirements/quadruped_mini_cheetah.toml\n  gearwise sweep robot.toml --ratios 100 --sort s_m --top 30\n  gearwise sweep robot.toml --csv > designs.csv"
+)]
 pub struct Arguments {
     /// Requirement file (TOML)
     requirement: PathBuf,
@@ -58,6 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let order = order(&arguments.sort)?;
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
+    super::check_gears(&robot, &catalog)?;
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "sweeping");
     let sweeps = sweep_with_progress(&robot, &catalog, arguments.ratios as usize, &|| bar.inc(1));
     bar.finish_and_clear();

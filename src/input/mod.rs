@@ -34,7 +34,7 @@ impl Range {
             Range::Any => value.is_finite(),
             Range::Positive => value >= crate::units::SMALLEST,
             Range::NonNegative => value >= 0.0,
-            Range::Fraction => value >= 1e-6 && value <= 1.0,
+            Range::Fraction => (1e-6..=1.0).contains(&value),
             Range::AtLeastOne => value >= 1.0,
         }
     }

@@ -7,10 +7,12 @@ use serde_json::{Map, Value, json};
 use super::table::{table, wrap};
 use super::{csv_number, number, optional};
 use crate::actuator::metrics::METRICS;
+use crate::catalog::Motor;
+use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::design::evaluate::Margin;
 use crate::design::optimize::{Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::program::{Bind, Certificate, Infeasible};
-use crate::requirement::{Course, Joint, RatioChoice};
+use crate::requirement::{Course, GearModel, Joint, Quantity, RatioChoice};
 
 /// What is shown to people.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +45,26 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
                 number(*ratio)
             ),
         ),
+        Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) if low.limit == "ratio_min" => (
+            format!("{} allows only ratios below the range", high.limit),
+            format!(
+                "{} allows only N ≤ {}, below the range from {}",
+                bind_text(high, joint),
+                number(*at_most),
+                number(*at_least)
+            ),
+        ),
+        Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) if high.limit == "ratio_max" => {
+            (
+                format!("{} needs ratios above the range", low.limit),
+                format!(
+                    "{} needs N ≥ {}, above the range up to {}",
+                    bind_text(low, joint),
+                    number(*at_least),
+                    number(*at_most)
+                ),
+            )
+        }
         Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) => (
             match low.limit == high.limit {
                 true => format!("{} is exceeded at every ratio, at one instant or another", low.limit),
@@ -57,9 +79,9 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
             ),
         ),
         Reason::Infeasible(Infeasible::Nowhere { bind, least, ratio }) => (
-            format!("{} is exceeded even at the best ratio", bind.limit),
+            format!("{} is exceeded at every ratio", bind.limit),
             format!(
-                "{} is {} the limit even at the best ratio, N = {} (grid)",
+                "{} is {} the limit at the ratio that comes nearest, N = {}",
                 bind_text(bind, joint),
                 times(*least),
                 number(*ratio)
@@ -95,7 +117,7 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, |j| j.candidates.len() + j.rejected.len());
     let mut out = format!(
-        "{}: {} joints, {motors} motors, bus {} V\n",
+        "{}: {} joints, {motors} motors, bus {} V; currents are phase amplitudes (DC if brushed)\n",
         robot.name,
         robot.joints.len(),
         number(robot.bus.voltage)
@@ -126,6 +148,13 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     if joint.motion.course == Course::Points(None) {
         out.push_str("  The operating points have no durations: they weigh alike, and heat is not checked.\n");
     }
+    let ideal = !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == GearModel::IDEAL;
+    if ideal {
+        out.push_str("  No gear is described: it is taken as free of loss, inertia and mass.\n");
+    }
+    if asks_for_nothing(joint) {
+        out.push_str("  The motion asks for no torque and no acceleration: the order says nothing.\n");
+    }
     if !result.candidates.is_empty() {
         out.push('\n');
         out.push_str(&candidates_table(result, shown.top));
@@ -146,14 +175,34 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     out
 }
 
+fn asks_for_nothing(joint: &Joint) -> bool {
+    let motion = &joint.motion;
+    motion.torque.iter().chain(&motion.acceleration).all(|x| *x == 0.0)
+}
+
+/// What a q-axis current is on the drive: phase amplitude, or DC ampere of a brushed motor \[A\].
+fn drive_current(motor: &Motor, current: f64) -> f64 {
+    let commutation = motor.conventions.commutation;
+    let convention = match commutation {
+        Commutation::Brushless => CurrentConvention::PhaseAmplitude,
+        Commutation::Brushed => CurrentConvention::Dc,
+    };
+    current / convention.torque_current(commutation)
+}
+
 fn candidates_table(result: &JointResult, top: usize) -> String {
     let joint = result.joint;
-    let weighted = joint.objective.sole().is_none();
+    // Loss, peak current, inertia and mass have columns of their own.
+    let objective = match joint.objective.sole() {
+        None => Some(">objective".to_string()),
+        Some(Quantity::Energy | Quantity::PeakPower) => {
+            Some(format!(">{} [{}]", joint.objective.name(), joint.objective.unit()))
+        }
+        Some(_) => None,
+    };
     let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
     let mut header = vec![">#", "motor", if geared { ">N" } else { ">N*" }];
-    if weighted {
-        header.push(">objective");
-    }
+    header.extend(objective.as_deref());
     header.extend([">loss [W]", ">I peak [A]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", "proof"]);
     let shown = &result.candidates[..top.min(result.candidates.len())];
     let rows: Vec<Vec<String>> = shown
@@ -163,13 +212,13 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
             let e = &design.evaluation;
             let mut row = vec![(place + 1).to_string(), design.motor.id.clone()];
             row.push(number(e.ratio));
-            if weighted {
+            if objective.is_some() {
                 row.push(number(design.optimum.objective));
             }
             let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
             row.extend([
                 number(e.loss),
-                number(e.peak_current),
+                number(drive_current(design.motor, e.peak_current)),
                 number(e.reflected_inertia),
                 optional(e.mass),
                 optional(s_m),
@@ -271,15 +320,35 @@ fn rejected_text(result: &JointResult, shown: Shown) -> String {
     out
 }
 
+fn choice_text(design: &Design) -> String {
+    let gear = design.gear.map_or_else(String::new, |g| format!(" with {g}"));
+    let unchecked = match design.unchecked.len() {
+        0 => String::new(),
+        1 => ", 1 thing not checked".into(),
+        n => format!(", {n} things not checked"),
+    };
+    format!("{}{gear} at N = {}{unchecked}", design.motor.id, number(design.evaluation.ratio))
+}
+
 fn summary(result: &RobotResult) -> String {
     let robot = result.robot;
     let mut out = String::from("First choices:");
     for joint in &result.joints {
-        let choice = joint
-            .candidates
-            .first()
-            .map_or_else(|| "none".to_string(), |d| format!("{} at N = {}", d.motor.id, number(d.evaluation.ratio)));
-        out.push_str(&format!("\n  {} ×{}: {choice}", joint.joint.name, joint.joint.count));
+        let choice = joint.candidates.first().map_or_else(|| "none".to_string(), choice_text);
+        out.push_str(&format!("\n  {}", wrap(&format!("{} ×{}: {choice}", joint.joint.name, joint.joint.count), 4)));
+        let checked = joint.candidates.iter().find(|d| d.unchecked.is_empty());
+        match (joint.candidates.first(), checked) {
+            (Some(first), Some(checked)) if !first.unchecked.is_empty() => {
+                out.push_str(&format!(
+                    "\n    {}",
+                    wrap(&format!("best with every limit checked: {}", choice_text(checked)), 6)
+                ));
+            }
+            (Some(first), None) if !first.unchecked.is_empty() => {
+                out.push_str("\n    no motor of which every limit could be checked can do it");
+            }
+            _ => {}
+        }
     }
     out.push('\n');
     match (result.actuator_mass(), robot.budget.actuator_mass) {
@@ -297,7 +366,9 @@ fn summary(result: &RobotResult) -> String {
             result.distinct_motors()
         )),
         (None, Some(_)) => out.push_str("  the actuator mass budget cannot be checked: a mass is not known\n"),
-        (None, None) => {}
+        (None, None) => {
+            out.push_str("  the actuator mass cannot be told: a mass is not known, or a joint has no choice\n")
+        }
     }
     if let Some(limit) = robot.budget.max_distinct_motors {
         let verdict = if result.distinct_motors() <= limit as usize { "within" } else { "OVER" };
@@ -379,6 +450,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("energy_per_cycle_j", json!(e.energy));
     put("peak_electrical_power_w", json!(e.peak_power));
     put("peak_current_a", json!(e.peak_current));
+    put("peak_drive_current_a", json!(drive_current(design.motor, e.peak_current)));
     put("rms_current_a", json!(e.rms_current));
     put("reflected_inertia_kgm2", json!(e.reflected_inertia));
     put("mass_kg", json!(e.mass));
@@ -415,6 +487,7 @@ pub fn json(result: &RobotResult) -> Value {
         "robot": {
             "name": result.robot.name,
             "satisfied": result.satisfied(),
+            "first_choices_fully_checked": result.joints.iter().all(|j| j.candidates.first().is_some_and(|d| d.unchecked.is_empty())),
             "actuator_mass_kg": result.actuator_mass(),
             "distinct_motors": result.distinct_motors(),
         },

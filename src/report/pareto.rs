@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::table::table;
 use super::{csv_number, number, optional};
 use crate::design::pareto::{Front, FrontPoint};
+use crate::requirement::Quantity;
 
 fn header(front: &Front) -> [String; 2] {
     front.quantities.map(|q| format!(">{} [{}]", q.name(), q.unit()))
@@ -29,7 +30,10 @@ pub fn text(fronts: &[Front]) -> String {
         if geared {
             names.push("gear");
         }
-        names.extend([">N", &columns[0], &columns[1], ">mass [kg]", "proof"]);
+        let with_mass = !front.quantities.contains(&Quantity::Mass);
+        names.extend([">N", &columns[0], &columns[1]]);
+        names.extend(with_mass.then_some(">mass [kg]"));
+        names.push("proof");
         let rows: Vec<Vec<String>> = front
             .points
             .iter()
@@ -45,12 +49,8 @@ pub fn text(fronts: &[Front]) -> String {
                 if geared {
                     row.push(p.gear.unwrap_or("").into());
                 }
-                row.extend([
-                    number(p.evaluation.ratio),
-                    number(p.values[0]),
-                    number(p.values[1]),
-                    optional(p.evaluation.mass),
-                ]);
+                row.extend([number(p.evaluation.ratio), number(p.values[0]), number(p.values[1])]);
+                row.extend(with_mass.then(|| optional(p.evaluation.mass)));
                 row.push(if p.certified { "exact".into() } else { "not certified".into() });
                 row
             })

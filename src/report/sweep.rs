@@ -69,54 +69,52 @@ pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infe
     for sweep in sweeps {
         let feasible = sweep.designs.iter().filter(|d| d.evaluation.feasible).count();
         out.push_str(&format!("\n{}: {} designs, {feasible} feasible\n\n", sweep.joint.name, sweep.designs.len()));
-        let geared = sweep.designs.iter().any(|d| d.gear.is_some());
-        let mut header = vec!["motor"];
-        if geared {
-            header.push("gear");
-        }
-        header.extend([
-            ">N",
-            ">loss\n[W]",
-            ">I peak\n[A]",
-            ">J\n[kg*m^2]",
-            ">mass\n[kg]",
-            ">S_M\n[ms]",
-            ">m·S_M\n[g*ms]",
-            "verdict",
-        ]);
+        let header =
+            ["motor", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", ">m·S_M [g*ms]", ">S_T [g*(A/N)^2]"];
         let designs = ordered(sweep, order);
-        let rows = designs.iter().filter(|d| infeasible || d.evaluation.feasible).take(top).map(|d| {
-            let e = &d.evaluation;
-            let mut row = vec![d.motor.id.clone()];
-            if geared {
-                row.push(d.gear.unwrap_or("").into());
-            }
-            row.extend([
-                number(e.ratio),
-                number(e.loss),
-                number(e.peak_current),
-                number(e.reflected_inertia),
-                optional(e.mass),
-            ]);
-            row.push(optional(METRICS[0].value(d.motor).map(|v| v * 1e3)));
-            row.push(optional(METRICS[2].value(d.motor).map(|v| v * 1e6)));
-            row.push(if e.feasible {
-                e.tightest().map_or_else(
-                    || "nothing checked".into(),
-                    |m| format!("{} {:.0} % left", m.limit, (100.0 * m.margin).max(0.0)),
-                )
-            } else {
-                because(d, sweep.joint)
-            });
-            row
-        });
-        let rows: Vec<_> = rows.collect();
+        let shown: Vec<&&SweptDesign> =
+            designs.iter().filter(|d| infeasible || d.evaluation.feasible).take(top).collect();
+        let rows: Vec<Vec<String>> = shown
+            .iter()
+            .map(|d| {
+                let e = &d.evaluation;
+                let metric =
+                    |i: usize| optional(METRICS[i].value(d.motor).map(|v| crate::units::in_unit(v, METRICS[i].unit)));
+                let mut row = vec![
+                    d.motor.id.clone(),
+                    number(e.ratio),
+                    number(e.loss),
+                    number(e.reflected_inertia),
+                    optional(e.mass),
+                ];
+                row.extend([metric(0), metric(2), metric(1)]);
+                row
+            })
+            .collect();
         if !rows.is_empty() {
-            out.push_str(&table(&header, &rows));
+            let table = table(&header, &rows);
+            let mut lines = table.lines();
+            out.push_str(&format!("  {}\n", lines.next().unwrap_or_default()));
+            for (design, line) in shown.iter().zip(lines) {
+                out.push_str(&format!("  {line}\n     {}\n", super::table::wrap(&verdict(design, sweep.joint), 7)));
+            }
         }
         out.push_str(&counts(sweep));
     }
     out
+}
+
+/// Feasible with how much left, or why not; with which gear.
+fn verdict(design: &SweptDesign, joint: &crate::requirement::Joint) -> String {
+    let e = &design.evaluation;
+    let gear = design.gear.map_or_else(String::new, |g| format!("with {g}; "));
+    match e.tightest() {
+        None => format!("{gear}nothing could be checked"),
+        Some(m) if e.feasible => {
+            format!("{gear}feasible, tightest margin {} {:.0} %", m.limit, (100.0 * m.margin).max(0.0))
+        }
+        Some(_) => format!("{gear}not feasible: {}", because(design, joint)),
+    }
 }
 
 /// How many designs each limit rejects, and what could not be checked.

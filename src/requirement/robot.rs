@@ -114,7 +114,7 @@ impl EfficiencyCovers {
 }
 
 /// The gear assumed at a continuous ratio. SI; torques at the output, inertia and speed at the input.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GearModel {
     /// Efficiency when the motor drives, η.
     pub efficiency: f64,
