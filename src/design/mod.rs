@@ -1,8 +1,8 @@
 //! From a requirement and a catalogue to a choice.
 //!
 //! The one idea of this room: a motor with a gear becomes a [`Candidate`] whose limits are gathered
-//! once ([`Prepared`]); a [`sweep`] evaluates it at given ratios, the [ratio program](program) finds
-//! the best ratio and proves it, [`optimize`] ranks all motors. All three read the same limits.
+//! once ([`Prepared`]); a [`mod@sweep`] evaluates it at given ratios, the [ratio program](program) finds
+//! the best ratio and proves it, [`mod@optimize`] ranks all motors. All three read the same limits.
 
 pub mod agreement;
 pub mod evaluate;

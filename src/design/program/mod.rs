@@ -2,10 +2,10 @@
 //!
 //! The one idea of this room: in `u = N²` every limit is a row `c_w/u + c_0 + c_u u + c_t u² ≤ b`
 //! with `c_w, c_t ≥ 0`, hence convex; with `w ≥ 1/u` and `t ≥ u²` the program is conic and exact.
-//! It is solved with few rows, the violated ones are added ([`conic`]); the window of feasible
-//! ratios comes from the rows themselves ([`window`]); the certificate is a Lagrangian bound computed
-//! without the solver ([`certificate`]). Where convexity ends, interval branch and bound in N goes on until
-//! its bounds meet ([`branch`]), from the best ratio of a refined grid ([`scan`]).
+//! It is solved with few rows, the violated ones are added (`conic`); the window of feasible
+//! ratios comes from the rows themselves (`window`); the certificate is a Lagrangian bound computed
+//! without the solver (`certificate`). Where convexity ends, interval branch and bound in N goes on until
+//! its bounds meet (`branch`), from the best ratio of a refined grid (`scan`).
 
 mod branch;
 mod certificate;
