@@ -97,7 +97,8 @@ const MOTOR: &str = "tq-robodrive-ilm-85x26";
 
 fn pair(c: &mut Criterion) {
     let catalog = Catalog::builtin().expect("the shipped catalogue is sound");
-    let motor = catalog.motor(MOTOR).expect("a shipped motor");
+    let motor = catalog.motor("t-motor-ri50").expect("a shipped motor");
+    let thermal = catalog.motor(MOTOR).expect("a shipped motor");
     let mut group = c.benchmark_group("sweep, one pair");
     for samples in [100, 1000, 10_000] {
         let robot = robot(samples, 1);
@@ -108,6 +109,10 @@ fn pair(c: &mut Criterion) {
         let mut next = ratios.iter().cycle();
         group.bench_function(BenchmarkId::new("tree", samples), |b| {
             b.iter(|| prepared.at(black_box(*next.next().expect("a cycle"))));
+        });
+        let with_nodes = Prepared::new(continuous_candidate(&robot, joint, &load, thermal).expect("a candidate"));
+        group.bench_function(BenchmarkId::new("tree and two thermal nodes", samples), |b| {
+            b.iter(|| with_nodes.at(black_box(*next.next().expect("a cycle"))));
         });
         group.bench_function(BenchmarkId::new("plain loop", samples), |b| {
             b.iter(|| plain_loop(joint, motor, black_box(*next.next().expect("a cycle"))));

@@ -160,6 +160,16 @@ impl Asked {
         }
     }
 
+    /// Whether the limit is certainly kept at a ratio, where that is seen without computing the demand.
+    pub fn is_certainly_kept(&self, candidate: &Candidate, ratio: f64) -> bool {
+        match self.demand {
+            Demand::WindingPeak(node) => {
+                candidate.load.winding_peak_is_within(&candidate.actuator, &node, ratio, self.bound)
+            }
+            _ => false,
+        }
+    }
+
     /// `1 − demand/limit`. A limit of zero has margin 0 where it is kept and −1 where it is not; a demand
     /// without end has −10⁶.
     pub fn margin(&self, demand: f64) -> f64 {

@@ -2,8 +2,9 @@
 
 use super::laurent::Laurent;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, Feature, Flow, ShaftForm, sign};
+use super::thermal::winding_temperature;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
-use super::waveform::{WavePoint, Waveform};
+use super::waveform::{Functional, WavePoint, Waveform};
 use crate::requirement::{self, Motion, TorqueBandwidth};
 
 /// Phases of the torque that is superposed for the bandwidth limit: between two of them it is at most
@@ -190,6 +191,17 @@ impl Load {
             Some((_, temperature)) => (temperature.peak - node.ambient, Some(temperature.peak_sample)),
             None => (f64::INFINITY, None),
         }
+    }
+
+    /// Whether the rise certainly stays within `bound` \[K\]: it does where even the largest heat, held for
+    /// ever, keeps to it. Costs no walk over the samples.
+    pub fn winding_peak_is_within(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> bool {
+        let largest = self.waveform.largest(Functional::TorqueSquared, actuator, ratio).value;
+        let current_squared = largest / (actuator.torque_constant * actuator.torque_constant);
+        let thermal_resistance = node.resistance_winding_housing + node.resistance_housing_ambient;
+        let settled =
+            winding_temperature(current_squared, actuator.resistance, node.reference, thermal_resistance, node.ambient);
+        settled.is_some_and(|t| t - node.ambient <= bound)
     }
 
     /// The rise as a cut: the polynomial that equals it at `ratio` and is nowhere above it. Temperature is

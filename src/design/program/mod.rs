@@ -314,7 +314,7 @@ impl<'a> RatioProgram<'a> {
     }
 
     /// The polynomial of a limit that is largest at a ratio (over samples), and its sample. It is
-    /// nowhere above the limit's demand. `None` for limits that are no polynomial.
+    /// nowhere above the limit's demand. `None` for limits that are no polynomial, or certainly kept.
     fn polynomial_at(&self, index: usize, ratio: f64) -> Option<(Laurent, Option<usize>)> {
         let asked = &self.prepared.asked[index];
         let candidate = &self.prepared.candidate;
@@ -326,6 +326,7 @@ impl<'a> RatioProgram<'a> {
                 let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
                 Some((functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin)))
             }
+            Demand::WindingPeak(_) if asked.is_certainly_kept(candidate, ratio) => None,
             Demand::WindingPeak(node) => {
                 let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, asked.raw_bound());
                 Some((cut, asked.raw_demand(candidate, ratio).1))
@@ -342,11 +343,22 @@ impl<'a> RatioProgram<'a> {
         Some(Row { asked: index, sample, coefficients: polynomial.in_square(), bound: asked.raw_bound() })
     }
 
-    /// The most violated row over all convex limits at u.
+    /// The most violated row over all convex limits at u. A limit that takes a walk over all samples is
+    /// looked at only where the others are kept: any violated row will do to go on.
     fn worst_row(&self, u: f64) -> Option<Row> {
-        let convex = self.prepared.asked.iter().enumerate().filter(|(_, a)| a.limit.class == Class::Convex);
-        let rows = convex.filter_map(|(index, _)| self.row_at(index, u.sqrt()));
-        rows.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
+        let worst = |costly: bool| {
+            let convex = self.prepared.asked.iter().enumerate().filter(|(_, a)| a.limit.class == Class::Convex);
+            let rows = convex
+                .filter(|(_, a)| matches!(a.demand, Demand::WindingPeak(_)) == costly)
+                .filter_map(|(index, _)| self.row_at(index, u.sqrt()));
+            rows.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
+        };
+        let cheap = worst(false);
+        if cheap.is_some_and(|row| row.excess(u) > ROW_TOLERANCE) {
+            return cheap;
+        }
+        let both = cheap.into_iter().chain(worst(true));
+        both.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
     }
 
     /// The report of a convex limit that no ratio of the requirement keeps: its least demand. The

@@ -78,6 +78,9 @@ pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
     for asked in program.prepared.asked.iter().filter(|a| matches!(a.limit.class, Class::Convex | Class::ReverseConvex))
     {
+        if asked.is_certainly_kept(&program.prepared.candidate, ratio) {
+            continue;
+        }
         let (raw, sample) = asked.raw_demand(&program.prepared.candidate, ratio);
         let excess = violation(raw, asked.raw_bound());
         if excess > worst.0 {
