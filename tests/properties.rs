@@ -293,4 +293,42 @@ proptest! {
             }
         }
     }
+
+    #[test]
+    fn the_winding_over_the_motion_leaves_the_same_ratios_in_sweep_and_program(
+        numbers in numbers(),
+        robot in robots(),
+        objective in 0..3_usize,
+        thermal in (0.3..3.0, 0.5..4.0, 0.3..40.0, 100.0..900.0),
+        rise in 20.0..120.0,
+        once in any::<bool>(),
+    ) {
+        let mut robot = robot;
+        let joint = &mut robot.joints[0];
+        joint.objective = Objective::single([Quantity::Loss, Quantity::Energy, Quantity::PeakPower][objective]);
+        joint.limits.winding_temperature = Some(298.15 + rise);
+        if once {
+            joint.motion.course = Course::Once(joint.motion.duration().unwrap());
+        }
+        let mut motor = numbers.motor(1.0);
+        let printed = |value| Some(gearwise::catalog::Printed { value, tolerance: None });
+        motor.sheet.thermal_resistance_winding_housing = printed(thermal.0);
+        motor.sheet.thermal_resistance_housing_ambient = printed(thermal.1);
+        motor.sheet.thermal_time_constant_winding = printed(thermal.2);
+        motor.sheet.thermal_time_constant_housing = printed(thermal.3);
+        motor.thermal_resistance = Some(thermal.0 + thermal.1);
+        let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
+        let swept = sweep(&robot, &catalog, 61);
+        let objective = robot.joints[0].objective.clone();
+        let found = solve(&robot, &motor, |d| d.map(|d| (d.optimum.window().min, d.optimum.window().max, d.optimum.objective, d.evaluation.feasible)));
+        for design in &swept[0].designs {
+            let e = &design.evaluation;
+            prop_assert!(e.margins.iter().any(|m| m.limit == "winding_peak_temperature"));
+            let inside = found.is_some_and(|(min, max, ..)| e.ratio >= min * (1.0 - 1e-8) && e.ratio <= max * (1.0 + 1e-8));
+            prop_assert_eq!(e.feasible, inside, "N = {} of {:?}", e.ratio, found);
+            if let (true, Some((_, _, best, ok))) = (inside, found) {
+                prop_assert!(ok && e.objective(&objective).unwrap() >= best * (1.0 - 1e-6));
+            }
+        }
+    }
 }
