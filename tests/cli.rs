@@ -195,6 +195,10 @@ fn exit_status_and_messages_of_wrong_arguments() {
         (vec!["compare", "t-motor-ri50", "t-motor-u8", "--inertia", "-3 kg*m^2"], "not greater than zero"),
         (vec!["rank", "--sort", "s_n"], "did you mean `s_m`?"),
         (vec!["rank", "--tolerance", "lots"], "write it like 5%"),
+        (vec!["rank", "--sort", "k_m", "--mass-weight"], "goes with `--sort s_m`"),
+        (vec!["explain", "t-motor-ri50@1e300", "requirements/exoskeleton_hip.toml"], "is not a ratio"),
+        (vec!["explain", "t-motor-ri50", "requirements/quadruped_jump.toml"], "which joint?"),
+        (vec!["optimize", "requirements/exoskeleton_hip.toml", "--pareto", "loss,los"], "did you mean `loss`?"),
         (vec!["sweep", "requirements/exoskeleton_hip.toml", "--sort", "weight"], "is not an order"),
         (vec!["sweep", "requirements/exoskeleton_hip.toml", "--ratios", "0"], "0 is not in 1..="),
         (vec!["optimize", "requirements/exoskeleton_hp.toml"], "there is `exoskeleton_hip.toml` in that folder"),
@@ -216,6 +220,48 @@ fn exit_status_and_messages_of_wrong_arguments() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
         assert!(output.stdout.is_empty(), "{arguments:?}");
         assert!(stderr.contains(expected), "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
+fn explain_tells_what_binds_and_what_would_have_to_change() {
+    let file = "requirements/quadruped_mini_cheetah.toml";
+    let feasible = json(&["explain", "t-motor-ri50", file, "--joint", "knee", "--json"]);
+    assert_eq!(feasible["feasible"], true);
+    assert!(feasible["best"]["certificate"]["gap"].as_f64().unwrap() <= 1e-6);
+    assert!(!feasible["sensitivities"].as_array().unwrap().is_empty());
+    // At a ratio of 30 the voltage does not suffice, and the exit status says so.
+    let output = gearwise(&["explain", "t-motor-ri50@30", file, "--joint", "knee"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("is not feasible"));
+    // A rejected motor: the remedy, carried out, makes it feasible.
+    let rejected = json(&["explain", "maxon-ec-i-52-574741", file, "--joint", "hip", "--json"]);
+    let remedies = rejected["remedies"].as_array().unwrap();
+    let mass = remedies.iter().find(|r| r["limit"] == "actuator_mass").unwrap();
+    let wider = format!("actuator_mass = \"{} kg\"", mass["needed"].as_f64().unwrap() * (1.0 + 1e-9));
+    let motions = format!("{}/", repository("requirements/motions").display());
+    let text = std::fs::read_to_string(repository(file)).unwrap();
+    let text = text.replace("actuator_mass = \"0.55 kg\"", &wider).replace("motions/", &motions);
+    let folder = tempfile::tempdir().unwrap();
+    let changed = folder.path().join("wider.toml");
+    std::fs::write(&changed, text).unwrap();
+    let changed = changed.to_str().unwrap();
+    let after = json(&["explain", "maxon-ec-i-52-574741", changed, "--joint", "hip", "--json"]);
+    assert_eq!(after["feasible"], true, "{remedies:?}");
+}
+
+#[test]
+fn a_front_is_not_dominated_and_its_ends_are_the_best_of_each() {
+    let file = "requirements/quadruped_mini_cheetah.toml";
+    let front = json(&["optimize", file, "--pareto", "loss,reflected_inertia", "--json"]);
+    let best = json(&["optimize", file, "--json"]);
+    for (joint, best) in front["joints"].as_array().unwrap().iter().zip(best["joints"].as_array().unwrap()) {
+        let value = |p: &Value, name: &str| p[name].as_f64().unwrap();
+        let points = joint["points"].as_array().unwrap();
+        assert!(points.windows(2).all(|w| value(&w[0], "loss") < value(&w[1], "loss")));
+        assert!(points.windows(2).all(|w| value(&w[0], "reflected_inertia") > value(&w[1], "reflected_inertia")));
+        let least = best["candidates"][0]["loss_w"].as_f64().unwrap();
+        assert!((value(&points[0], "loss") - least).abs() <= 1e-9 * least);
     }
 }
 

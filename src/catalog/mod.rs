@@ -7,6 +7,7 @@
 pub mod audit;
 pub mod convention;
 mod gear;
+pub mod import;
 mod motor;
 mod read;
 mod sheet;

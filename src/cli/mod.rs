@@ -4,6 +4,7 @@ mod audit;
 mod compare;
 mod completions;
 mod explain;
+mod import;
 mod optimize;
 mod rank;
 mod sweep;
@@ -43,6 +44,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Are the rows of a catalogue self-consistent, and what would explain a mismatch
     Audit(audit::Arguments),
+    /// A public motor database into catalogue files
+    Import(import::Arguments),
     /// Completions for a shell
     Completions(completions::Arguments),
 }
@@ -149,6 +152,15 @@ fn find_motor<'c>(catalog: &'c Catalog, id: &str) -> Result<&'c Motor, Failure> 
     })
 }
 
+/// The name of an order, or of its mass-weighted form.
+fn metric_name(sort: &str, mass_weight: bool) -> Result<String, Failure> {
+    match (mass_weight, sort) {
+        (false, _) => Ok(sort.to_string()),
+        (true, "s_m" | "s_t") => Ok(format!("mass_{sort}")),
+        (true, _) => Err(Failure::Argument("`--mass-weight` goes with `--sort s_m` or `--sort s_t`".into())),
+    }
+}
+
 /// An order that does not exist, with the nearest that does.
 fn unknown_order<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Failure {
     let help = match crate::input::nearest(name, names.clone()) {
@@ -197,6 +209,7 @@ pub fn run() -> ExitCode {
         Command::Rank(arguments) => rank::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
+        Command::Import(arguments) => import::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };
     match result {

@@ -18,6 +18,9 @@ pub struct Arguments {
     /// The metric that orders: s_m, s_t, mass_s_m, mass_s_t, k_m, k_t, k_t_per_mass, k_ts, gap_radius, …
     #[arg(long, default_value = "s_m", value_name = "METRIC")]
     sort: String,
+    /// Weigh S_M or S_T by the motor's mass
+    #[arg(long)]
+    mass_weight: bool,
     /// How many motors the table shows
     #[arg(long, default_value_t = 20, value_name = "N")]
     top: usize,
@@ -29,8 +32,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let by =
-        metric(&arguments.sort).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
+    let name = super::metric_name(&arguments.sort, arguments.mass_weight)?;
+    let by = metric(&name).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
     let tolerance = match &arguments.tolerance {
         None => None,
         Some(text) => match units::quantity(text, &units::RATIO) {

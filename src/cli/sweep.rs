@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Order: objective, margin, loss, reflected_inertia, peak_current, mass, or a metric (s_m, s_t, mass_s_m, …)
     #[arg(long, default_value = "objective", value_name = "BY")]
     sort: String,
+    /// Weigh S_M or S_T by the motor's mass
+    #[arg(long)]
+    mass_weight: bool,
     /// How many designs of each joint the table shows
     #[arg(long, default_value_t = 10, value_name = "N")]
     top: usize,
@@ -54,7 +57,7 @@ fn order(name: &str) -> Result<Order, Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let order = order(&arguments.sort)?;
+    let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;

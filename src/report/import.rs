@@ -1,0 +1,149 @@
+//! What an import read, refused and assumed, and which files it wrote.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::table::{table, wrap};
+use crate::catalog::import::{Holds, Import, Place, Remark, RemarkKind};
+
+/// A catalogue file that was written.
+#[derive(Debug)]
+pub struct Written<'a> {
+    /// Its path.
+    pub path: &'a Path,
+    /// How many rows it has.
+    pub rows: usize,
+}
+
+fn word(kind: RemarkKind) -> &'static str {
+    match kind {
+        RemarkKind::Refused => "refused",
+        RemarkKind::Assumed => "assumed",
+        RemarkKind::LeftOut => "left_out",
+    }
+}
+
+/// The remarks of one kind by reason: in the order in which the reasons first occur.
+fn by_reason(import: &Import, kind: RemarkKind) -> Vec<(&'static str, Vec<&Remark>)> {
+    let mut groups: Vec<(&'static str, Vec<&Remark>)> = Vec::new();
+    for remark in import.remarks_of(kind) {
+        match groups.iter_mut().find(|(code, _)| *code == remark.code) {
+            Some((_, group)) => group.push(remark),
+            None => groups.push((remark.code, vec![remark])),
+        }
+    }
+    groups
+}
+
+fn line(remark: &Remark) -> String {
+    let Place { file, line, column } = &remark.place;
+    let key = if remark.key.is_empty() { String::new() } else { format!("{}: ", remark.key) };
+    format!("  {}\n", wrap(&format!("{file}:{line}:{column}: {key}{}", remark.message), 6))
+}
+
+/// For people; `rows` lists every assumption with its row, else one example of each.
+pub fn text(import: &Import, written: &[Written], rows: bool) -> String {
+    let cells = |cells: [&str; 5]| cells.map(String::from).to_vec();
+    let files: Vec<Vec<String>> = import
+        .files
+        .iter()
+        .map(|f| {
+            let [all, taken, refused] = [f.rows, f.taken, f.rows - f.taken].map(|n| n.to_string());
+            cells([&f.file, f.holds.word(), &all, &taken, &refused])
+        })
+        .collect();
+    let mut out = table(&["file", "holds", ">rows", ">taken", ">refused"], &files);
+    out.push_str(&format!(
+        "\n{} motors and {} gears; {} pairs are compatible by the database.\n",
+        import.motors.len(),
+        import.gears.len(),
+        import.compatible_pairs
+    ));
+    out.push_str("\nAssumed of every row\n");
+    for assumption in &import.assumptions {
+        out.push_str(&format!("  {}\n", wrap(assumption, 4)));
+    }
+    for (kind, title) in [
+        (RemarkKind::Assumed, "Assumed of single rows"),
+        (RemarkKind::LeftOut, "Left out"),
+        (RemarkKind::Refused, "Refused"),
+    ] {
+        let groups = by_reason(import, kind);
+        let count: usize = groups.iter().map(|(_, group)| group.len()).sum();
+        out.push_str(&format!("\n{title}: {count}\n"));
+        for (code, group) in groups {
+            // What was refused is always listed; of the rest an example says what is meant.
+            let shown = if rows || kind == RemarkKind::Refused { group.len() } else { 1 };
+            let example = if shown < group.len() { ", for example" } else { "" };
+            out.push_str(&format!("{code}: {}{example}\n", group.len()));
+            group.iter().take(shown).for_each(|remark| out.push_str(&line(remark)));
+        }
+    }
+    if !rows && import.remarks.iter().any(|r| r.kind != RemarkKind::Refused) {
+        out.push_str("\n`--rows` lists every row.\n");
+    }
+    out.push_str("\nWritten\n");
+    for file in written {
+        out.push_str(&format!("  {}: {} rows\n", file.path.display(), file.rows));
+    }
+    out
+}
+
+/// For programs.
+pub fn json(import: &Import, written: &[Written]) -> Value {
+    let remarks = |kind: RemarkKind| -> Vec<Value> {
+        let remark = |r: &Remark| {
+            json!({
+                "file": r.place.file, "line": r.place.line, "column": r.place.column, "key": r.key, "code": r.code,
+                "because": r.message,
+            })
+        };
+        import.remarks_of(kind).map(remark).collect()
+    };
+    let row = |kind: &str, key: &str, id: &str, place: &Option<Place>| {
+        json!({
+            "kind": kind, "id": id, "key": key,
+            "file": place.as_ref().map(|p| &p.file), "line": place.as_ref().map(|p| p.line),
+        })
+    };
+    let motors = import.motors.iter().map(|m| row("motor", &m.key, &m.item.identity.id, &m.place));
+    let gears = import.gears.iter().map(|g| row("gear", &g.key, &g.item.id, &g.place));
+    json!({
+        "database": import.database,
+        "motors": import.motors.len(),
+        "gears": import.gears.len(),
+        "compatible_pairs": import.compatible_pairs,
+        "files": import.files.iter().map(|f| json!({
+            "file": f.file, "holds": f.holds.word(), "rows": f.rows, "taken": f.taken, "refused": f.rows - f.taken,
+        })).collect::<Vec<_>>(),
+        "written": written.iter().map(|w| json!({
+            "file": w.path.display().to_string(), "rows": w.rows,
+        })).collect::<Vec<_>>(),
+        "assumptions_of_every_row": import.assumptions,
+        "refused": remarks(RemarkKind::Refused),
+        "assumed": remarks(RemarkKind::Assumed),
+        "left_out": remarks(RemarkKind::LeftOut),
+        "rows": motors.chain(gears).collect::<Vec<_>>(),
+    })
+}
+
+/// As rows: every row that was taken, and every remark.
+pub fn csv(import: &Import) -> String {
+    let taken = |holds: Holds, id: &str, key: &str, place: &Option<Place>| {
+        let place = place.clone().unwrap_or(Place { file: String::new(), line: 0, column: 0 });
+        let line = if place.line > 0 { place.line.to_string() } else { String::new() };
+        vec!["taken".into(), place.file, line, String::new(), key.into(), holds.word().into(), id.into()]
+    };
+    let motors = import.motors.iter().map(|m| taken(Holds::Motors, &m.item.identity.id, &m.key, &m.place));
+    let gears = import.gears.iter().map(|g| taken(Holds::Gears, &g.item.id, &g.key, &g.place));
+    let remarks = import.remarks.iter().map(|r| {
+        let Place { file, line, column } = &r.place;
+        let (line, column) = (line.to_string(), column.to_string());
+        vec![word(r.kind).into(), file.clone(), line, column, r.key.clone(), r.code.into(), r.message.clone()]
+    });
+    super::csv_text(
+        &["outcome", "file", "line", "column", "key", "code", "id_or_reason"],
+        motors.chain(gears).chain(remarks),
+    )
+}
