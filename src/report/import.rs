@@ -85,7 +85,8 @@ pub fn text(import: &Import, written: &[Written], rows: bool) -> String {
     }
     out.push_str("\nWritten\n");
     for file in written {
-        out.push_str(&format!("  {}: {} rows\n", file.path.display(), file.rows));
+        let rows = if file.rows == 1 { "row" } else { "rows" };
+        out.push_str(&format!("  {}: {} {rows}\n", file.path.display(), file.rows));
     }
     out
 }

@@ -56,7 +56,8 @@ impl Import {
             files.push(CatalogFile { path: path("motors", &maker), text, rows: rows.len() });
         }
         for (maker, rows) in gears {
-            let text = heading("Gears") + &gear_text(&rows);
+            let fits = "# In fits, mm-14* stands for every imported motor whose id begins so.\n";
+            let text = heading("Gears") + fits + &gear_text(&rows);
             files.push(CatalogFile { path: path("gears", &maker), text, rows: rows.len() });
         }
         let source = |f: &CatalogFile| Arc::new(Source::new(f.path.display().to_string(), f.text.clone()));
@@ -279,4 +280,35 @@ impl Drop for Staged {
 fn beside(target: &Path, what: &str) -> PathBuf {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     target.with_file_name(format!(".{name}.{}-{what}", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_fails_half_way_is_taken_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let targets = ["a.csv", "b.csv", "c.csv"].map(|name| folder.path().join(name));
+        fs::write(&targets[0], "old").unwrap();
+        let mut staged = Staged::default();
+        for target in &targets {
+            staged.add(target, b"new").unwrap();
+        }
+        // Someone puts a folder where the last file should go.
+        fs::create_dir(&targets[2]).unwrap();
+        assert!(staged.commit().is_err());
+        assert_eq!(fs::read_to_string(&targets[0]).unwrap(), "old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "neither new nor temporary files are left");
+    }
+
+    #[test]
+    fn cells_and_names_are_safe() {
+        assert_eq!(safe("=1+1\n"), "'=1+1");
+        assert_eq!(safe("EC-4pole 22"), "EC-4pole 22");
+        assert_eq!((file_name("Allied Motion").as_str(), file_name("../..").as_str()), ("allied-motion", "other"));
+        for value in [0.28, 3e-10, 2.0000000000000003e-6, 1e17, 0.0, 65.7222222222222] {
+            assert_eq!(cell(Some(value)).parse::<f64>(), Ok(value));
+        }
+    }
 }

@@ -231,15 +231,12 @@ impl Reader {
         let Some(table) = Table::read(source, columns, &mut problems) else {
             return InputError::unless_empty(source, problems);
         };
-        // What is left are rows with too many cells or too few.
-        let ragged = problems.len();
+        // What is left are rows with too many cells or too few, and a file without rows, at no text.
+        let ragged = problems.iter().filter(|p| p.span.as_ref().is_some_and(|s| !s.is_empty())).count();
         for problem in problems {
             self.import.remarks.push(lines.refused("unreadable-row", "", &[problem]));
         }
         let mut file = FileRead { file: source.name().to_string(), holds, rows: table.len() + ragged, taken: 0 };
-        if table.is_empty() {
-            file.rows = 0;
-        }
         for row in 0..table.len() {
             let cells = Cells::new(&table, row, &lines);
             let taken = match holds {

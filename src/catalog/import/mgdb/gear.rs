@@ -90,8 +90,8 @@ pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<Gear> {
         note.push_str(" Its continuous torque exceeds its intermittent torque there; the lower is taken for both.");
     }
     match cells.text("direction").parse::<f64>() {
-        Ok(d) if d == 1.0 => {}
-        Ok(d) if d == -1.0 => {
+        Ok(1.0) => {}
+        Ok(-1.0) => {
             cells.assume("direction-reversed", "direction is -1, output against motor; the ratio is taken as positive");
             note.push_str(" The output turns against the motor.");
         }
