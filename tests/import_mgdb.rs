@@ -451,6 +451,9 @@ fn the_real_database() {
     }
     let motor_574741 = motor(&catalog, "mm-574741");
     assert_eq!(motor_574741.continuous_current, Some(8.96));
+    assert_eq!((motor_574741.torque_constant, motor_574741.resistance), (0.0481, 0.0948));
+    assert_eq!((motor_574741.coulomb_friction, motor_574741.thermal_resistance), (Some(0.0), Some(0.63 + 4.32)));
+    assert_relative_eq!(motor_574741.viscous_friction.unwrap(), 0.0481 * 0.716 / 494.277_244_164_794);
     let gear_223094 = gear(&catalog, "mm-223094");
     assert_eq!((gear_223094.ratio, gear_223094.efficiency), (91.0, Some(0.75)));
     assert_eq!((gear_223094.continuous_torque, gear_223094.peak_torque), (Some(30.0), Some(45.0)));

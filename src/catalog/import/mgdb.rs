@@ -217,7 +217,8 @@ impl Reader {
             |name: &str| Column { name: name.to_string(), content: Content::Text, required: required.contains(&name) };
         let mut columns: Vec<Column> = known.iter().map(|name| column(name)).collect();
         for name in header(source).into_iter().filter(|name| !known.contains(&name.as_str())) {
-            let help = nearest(&name, known.iter().copied()).map_or_else(String::new, |n| format!("; is it `{n}`?"));
+            let help = nearest(&name, known.iter().copied().filter(|_| !name.is_empty()))
+                .map_or_else(String::new, |n| format!("; is it `{n}`?"));
             self.import.remarks.push(Remark {
                 kind: RemarkKind::LeftOut,
                 code: "unknown-column",

@@ -180,7 +180,8 @@ impl<'s> Lines<'s> {
             false => format!("{} ({})", p.message, p.label),
         };
         let message = problems.iter().map(said).collect::<Vec<_>>().join("; ");
-        Remark { kind: RemarkKind::Refused, code, place: self.place(at), key: key.to_string(), message }
+        let key = key.chars().take(100).collect();
+        Remark { kind: RemarkKind::Refused, code, place: self.place(at), key, message }
     }
 }
 

@@ -6,6 +6,9 @@ use crate::input::csv::Table;
 use crate::input::{Problem, Range};
 use crate::units;
 
+/// A key longer than this is no name \[bytes\].
+const LONGEST_KEY: usize = 200;
+
 /// One row of motors or gears. What is wrong with it is collected, and refuses it.
 pub struct Cells<'t> {
     table: &'t Table,
@@ -34,6 +37,10 @@ impl<'t> Cells<'t> {
             self.refuse("key", "missing-key", "the row has no key");
             return String::new();
         };
+        if key.len() > LONGEST_KEY {
+            let message = format!("the key has {} bytes: expected at most {LONGEST_KEY}", key.len());
+            self.refuse("key", "key-too-long", message);
+        }
         if let Some(first) = ids.by_key.get(key) {
             let message = format!("the key stands before, in {}:{}; the first row is kept", first.file, first.line);
             self.refuse("key", "duplicate-key", message);
