@@ -7,15 +7,11 @@ use super::{Done, Failure, Output};
 use crate::catalog::import::{IMPORTERS, files};
 use crate::report::import::{self as report, Written};
 
-/// Rows that cannot be taken, and everything that is assumed of the others, are listed: in the table
-/// by reason, with --rows, --json and --csv row by row.
-///
-/// Examples:
-///   gearwise import mgdb ../MGDB --out my_catalog
-///   gearwise import mgdb ../MGDB --out my_catalog --force --rows
-///   gearwise optimize robot.toml --catalog my_catalog
+/// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(verbatim_doc_comment)]
+#[command(
+    before_help = "Rows that cannot be taken, and everything that is assumed of the others, are listed: in the table by reason, with --rows, --json and --csv row by row.\n\nExamples:\n  gearwise import mgdb ../MGDB --out my_catalog\n  gearwise import mgdb ../MGDB --out my_catalog --force --rows\n  gearwise optimize robot.toml --catalog my_catalog"
+)]
 pub struct Arguments {
     /// Which database
     #[arg(value_parser = PossibleValuesParser::new(IMPORTERS.iter().map(|i| PossibleValue::new(i.name).help(i.about))))]
