@@ -167,15 +167,6 @@ impl<'a> Prepared<'a> {
         peak.max(0.0) / candidate.robot.bus.drive_efficiency
     }
 
-    /// By how much the worst limit is exceeded at a ratio, relative in the functional; not positive
-    /// where all are kept.
-    pub fn violation(&self, ratio: f64) -> f64 {
-        self.asked
-            .iter()
-            .map(|a| violation(a.raw_demand(&self.candidate, ratio).0, a.raw_bound()))
-            .fold(f64::NEG_INFINITY, f64::max)
-    }
-
     /// Winding temperature in steady state at a ratio \[K\]: `None` where it cannot be told,
     /// `Some(None)` where it runs away.
     pub fn winding_temperature(&self, ratio: f64) -> Option<Option<f64>> {

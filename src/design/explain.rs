@@ -5,6 +5,7 @@ use super::optimize::Reason;
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram, golden_section};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
+use crate::actuator::limits::Asked;
 use crate::catalog::{Gear, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -150,6 +151,14 @@ fn sensitivities(
     changed.collect()
 }
 
+impl Remedy {
+    /// A limit that would have to be `needed` at a ratio.
+    fn new(asked: &Asked, needed: f64, ratio: f64) -> Remedy {
+        let (limit, unit) = (asked.limit.name, asked.limit.unit);
+        Remedy { limit, unit, bound: asked.bound, needed, ratio, owner: asked.owner }
+    }
+}
+
 /// For each limit: what it would have to be if it were widened alone.
 fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<Remedy> {
     let mut found = Vec::new();
@@ -171,14 +180,7 @@ fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<R
         }
         if let Some((ratio, raw)) = least {
             let needed = asked.natural(raw);
-            found.push(Remedy {
-                limit: asked.limit.name,
-                unit: asked.limit.unit,
-                bound: asked.bound,
-                needed,
-                ratio,
-                owner: asked.owner,
-            });
+            found.push(Remedy::new(asked, needed, ratio));
         }
     }
     found.retain(|r| r.needed > r.bound);
@@ -191,14 +193,7 @@ fn remedies_at(prepared: &Prepared, ratio: f64) -> Vec<Remedy> {
     let broken = prepared.asked.iter().filter_map(|asked| {
         let needed = asked.natural(asked.raw_demand(&prepared.candidate, ratio).0);
         let exceeded = asked.margin(needed) < -super::evaluate::FEASIBILITY_TOLERANCE;
-        exceeded.then_some(Remedy {
-            limit: asked.limit.name,
-            unit: asked.limit.unit,
-            bound: asked.bound,
-            needed,
-            ratio,
-            owner: asked.owner,
-        })
+        exceeded.then_some(Remedy::new(asked, needed, ratio))
     });
     broken.collect()
 }
