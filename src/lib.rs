@@ -34,6 +34,7 @@ pub mod catalog;
 pub mod cli;
 pub mod design;
 pub mod input;
+pub mod measured;
 pub mod report;
 pub mod requirement;
 pub mod units;

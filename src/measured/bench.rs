@@ -1,0 +1,204 @@
+//! What a bench file says: which actuator was tested, how, and where its logs are. SI, canonical
+//! frames: currents and voltages on the power-invariant q axis, torque at the output.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use crate::catalog::{Catalog, Motor};
+use crate::requirement::GearModel;
+
+/// What kind of test a log records.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BenchKind {
+    /// Torque sensor at the output; any motion.
+    Dynamometer,
+    /// A known inertia at the output, no torque sensor.
+    Free,
+    /// Terminal voltage, current and speed.
+    Electrical,
+    /// One row for each steady operating point, in any order.
+    SteadyTable,
+    /// The output is held; current in steps, torque sensor.
+    Stall,
+    /// Driven from outside, no current: voltage, or drag torque, against speed.
+    Backdrive,
+    /// Random torque command, torque and velocity.
+    RandomTorque,
+    /// Line-to-line readings of resistance and inductance.
+    Terminals,
+    /// Current (or torque) against speed without load.
+    Drag,
+    /// Winding and housing temperature after a step of current.
+    ThermalStep,
+    /// Mass and radii of the rotor.
+    Rotor,
+    /// Position servo: duty, position, goal and supply; no current, no torque.
+    Servo,
+    /// Linear axis: force, position in metres.
+    Linear,
+}
+
+impl BenchKind {
+    /// Every kind with its word.
+    pub const NAMES: &[(&str, BenchKind)] = &[
+        ("dynamometer", BenchKind::Dynamometer),
+        ("free", BenchKind::Free),
+        ("electrical", BenchKind::Electrical),
+        ("steady_table", BenchKind::SteadyTable),
+        ("stall", BenchKind::Stall),
+        ("backdrive", BenchKind::Backdrive),
+        ("random_torque", BenchKind::RandomTorque),
+        ("terminals", BenchKind::Terminals),
+        ("drag", BenchKind::Drag),
+        ("thermal_step", BenchKind::ThermalStep),
+        ("rotor", BenchKind::Rotor),
+        ("servo", BenchKind::Servo),
+        ("linear", BenchKind::Linear),
+    ];
+
+    /// Its word.
+    pub fn name(self) -> &'static str {
+        crate::catalog::convention::word(BenchKind::NAMES, &self)
+    }
+}
+
+/// A quantity of a log in its canonical frame. On a linear axis angles are metres, torques newtons and
+/// inertias kilograms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    /// Quadrature current, power invariant \[A\]; on a linear axis the drive force over the declared gain.
+    Current,
+    /// Quadrature voltage, power invariant \[V\].
+    Voltage,
+    /// Angle of the motor shaft \[rad\].
+    MotorPosition,
+    /// Speed of the motor shaft \[rad/s\].
+    MotorVelocity,
+    /// Angle of the output \[rad\].
+    OutputPosition,
+    /// Speed of the output \[rad/s\].
+    OutputVelocity,
+    /// Acceleration of the output \[rad/s²\].
+    OutputAcceleration,
+    /// Torque that the actuator delivers at the output, as the sensor has it \[N·m\].
+    Torque,
+    /// Duty cycle of the drive, −1 … 1.
+    Duty,
+    /// Supply voltage \[V\].
+    Supply,
+    /// Current drawn from the supply \[A\].
+    BusCurrent,
+    /// Goal of a position servo at the output \[rad\].
+    Goal,
+    /// Temperature of the winding \[K\].
+    WindingTemperature,
+    /// Temperature of the housing (or magnets) \[K\].
+    HousingTemperature,
+}
+
+/// What a log is used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Use {
+    /// To fit and to choose effects.
+    Fit,
+    /// Only to judge.
+    HeldOut,
+}
+
+/// What hangs at the output, known beforehand.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct KnownLoad {
+    /// Inertia about the output \[kg·m²\] (mass \[kg\] on a linear axis).
+    pub inertia: Option<f64>,
+    /// Gravity torque amplitude `m g l` of a pendulum that hangs down at angle zero \[N·m\].
+    pub gravity_torque: Option<f64>,
+}
+
+/// The controller of a servo: `duty = gain · (goal − position)`, within ±limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Controller {
+    /// Duty per angle at the output \[1/rad\].
+    pub gain: f64,
+    /// Duty per speed at the output \[s/rad\].
+    pub damping: f64,
+    /// Largest duty.
+    pub limit: f64,
+}
+
+/// One log, in SI and canonical frames. Every channel has as many entries as `time`; NaN is missing.
+#[derive(Debug, Clone)]
+pub struct Log {
+    /// File, and what was selected of it: for people, and unique in the bench.
+    pub name: String,
+    /// SHA-256 of the file.
+    pub hash: String,
+    /// What it records.
+    pub kind: BenchKind,
+    /// What it is used for.
+    pub usage: Use,
+    /// What hangs at the output.
+    pub load: KnownLoad,
+    /// The servo's controller, where it is declared.
+    pub controller: Option<Controller>,
+    /// Time \[s\], increasing; row number for a steady table without time.
+    pub time: Vec<f64>,
+    /// The channels that the log has.
+    pub channels: BTreeMap<Channel, Vec<f64>>,
+    /// What was left out or assumed while reading, counted: "12 rows with a repeated time were left out".
+    pub remarks: Vec<String>,
+}
+
+impl Log {
+    /// A channel.
+    pub fn channel(&self, channel: Channel) -> Option<&[f64]> {
+        self.channels.get(&channel).map(Vec::as_slice)
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is no sample.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+}
+
+/// The declared model of the actuator on the bench.
+#[derive(Debug, Clone)]
+pub struct Declared {
+    /// The motor's row; `None` on a linear axis.
+    pub motor: Option<Motor>,
+    /// Ratio, N.
+    pub ratio: f64,
+    /// The gear: efficiency, inertia. [`GearModel::IDEAL`] where the file says nothing.
+    pub gear: GearModel,
+    /// Moving mass of a linear axis \[kg\].
+    pub mass: Option<f64>,
+    /// Drive force per unit of the current channel \[N per unit\] of a linear axis.
+    pub force_gain: f64,
+    /// Viscous friction of a linear axis \[N·s/m\].
+    pub viscous_friction: Option<f64>,
+    /// Coulomb friction of a linear axis \[N\].
+    pub coulomb_friction: Option<f64>,
+    /// Inertia of the bench at the output, between gear and torque sensor \[kg·m²\].
+    pub fixture_inertia: f64,
+    /// Further effects that the model has already: name and parameters (SI, in the order of the effect).
+    pub effects: Vec<(String, Vec<f64>)>,
+}
+
+/// A bench file with its logs.
+#[derive(Debug, Clone)]
+pub struct Bench {
+    /// Name, by default the file's.
+    pub name: String,
+    /// The bench file.
+    pub path: PathBuf,
+    /// The catalogue that the declared motor comes from, for making the choice again.
+    pub catalog: Catalog,
+    /// The declared model.
+    pub declared: Declared,
+    /// The logs, in the order of the file.
+    pub logs: Vec<Log>,
+}

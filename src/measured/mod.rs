@@ -1,0 +1,8 @@
+//! Measured data: bench files and logs, and what they say about the declared model.
+//!
+//! The one idea: a log is brought to SI and canonical frames once, when it is read; what follows sees
+//! arrays over time and a declared model, and never a file.
+
+pub mod bench;
+
+pub use bench::{Bench, BenchKind, Channel, Controller, Declared, KnownLoad, Log, Use};
