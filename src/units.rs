@@ -104,6 +104,12 @@ kinds! {
     VISCOUS_FRICTION = "viscous friction", [1, 2, -1, 0, 0], Optional(-1.0), "N*m*s/rad", "1e-5 N*m*s/rad";
     /// Torsional stiffness \[N·m/rad\].
     STIFFNESS = "stiffness", [1, 2, -2, 0, 0], Optional(-1.0), "N*m/rad", "50 N*m/rad";
+    /// Torsional compliance \[rad/(N·m)\].
+    COMPLIANCE = "compliance", [-1, -2, 2, 0, 0], Optional(1.0), "rad/(N*m)", "1e-3 rad/(N*m)";
+    /// Change of a torque constant with temperature \[N·m/(A·K)\].
+    TORQUE_CONSTANT_SLOPE = "torque constant slope", [1, 2, -2, -1, -1], Optional(-1.0), "N*m/(A*K)", "1e-4 N*m/(A*K)";
+    /// Change of a resistance with temperature \[Ω/K\].
+    RESISTANCE_SLOPE = "resistance slope", [1, 2, -3, -2, -1], Exactly(0.0), "ohm/K", "2 mohm/K";
     /// A pure number; `%` is accepted.
     RATIO = "pure number", [0, 0, 0, 0, 0], Exactly(0.0), "1", "0.95";
 }

@@ -54,6 +54,8 @@ impl Load {
             x[Feature::Jerk as usize] = motion.jerk[k];
             x[Feature::Velocity as usize] = motion.velocity[k];
             x[Feature::Sign as usize] = sign;
+            x[Feature::Speed as usize] = motion.velocity[k].abs();
+            x[Feature::One as usize] = 1.0;
             x
         };
         // At standstill friction may oppose either way: both signs are among the points.

@@ -1,6 +1,6 @@
 //! What the motor shaft must supply, and what that takes electrically: the equations of one sample.
 //!
-//! Torque and quadrature voltage are *linear* in six features of a sample, each with its own power
+//! Torque and quadrature voltage are *linear* in a few features of a sample, each with its own power
 //! of the ratio N:
 //!
 //! ```text
@@ -37,13 +37,17 @@ pub enum Feature {
     Velocity,
     /// Sign of the speed; at standstill ±1 in limits, 0 in means.
     Sign,
+    /// Magnitude of the speed \[rad/s\].
+    Speed,
+    /// One.
+    One,
 }
 
 /// Number of features.
-pub const FEATURES: usize = 6;
+pub const FEATURES: usize = 8;
 
 /// Power of N that each feature comes with.
-pub const FEATURE_POWER: [i32; FEATURES] = [-1, -1, 1, 1, 1, 0];
+pub const FEATURE_POWER: [i32; FEATURES] = [-1, -1, 1, 1, 1, 0, 1, 0];
 
 /// Coefficient of each feature in a linear form.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -68,7 +72,7 @@ impl ShaftForm {
     pub fn weights(&self, ratio: f64) -> [f64; FEATURES] {
         let (up, down) = (ratio, 1.0 / ratio);
         let c = &self.0;
-        [c[0] * down, c[1] * down, c[2] * up, c[3] * up, c[4] * up, c[5]]
+        [c[0] * down, c[1] * down, c[2] * up, c[3] * up, c[4] * up, c[5], c[6] * up, c[7]]
     }
 
     /// The form at a sample, as a polynomial in N.
@@ -180,7 +184,7 @@ impl Actuator {
 
     /// Coulomb friction at the shaft \[N·m\]: what makes odd powers of N.
     pub fn has_odd_powers(&self) -> bool {
-        self.torque[0][Feature::Sign] != 0.0
+        self.torque[0][Feature::Sign] != 0.0 || self.torque[0][Feature::One] != 0.0
     }
 
     /// `T²` of a sample \[N²·m²\].

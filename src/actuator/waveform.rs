@@ -356,7 +356,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) as f64 / f64::from(u32::MAX >> 1) - 1.0
         };
-        let size = [20.0, 800.0, 100.0, 9_000.0, 10.0, 1.0];
+        let size = [20.0, 800.0, 100.0, 9_000.0, 10.0, 1.0, 10.0, 1.0];
         (0..count)
             .map(|origin| {
                 let features: [f64; FEATURES] = std::array::from_fn(|f| size[f] * next());

@@ -199,6 +199,8 @@ impl<'a> Prepared<'a> {
             features[Feature::Acceleration as usize] = motion.acceleration[k];
             features[Feature::Velocity as usize] = motion.velocity[k];
             features[Feature::Sign as usize] = sign;
+            features[Feature::Speed as usize] = motion.velocity[k].abs();
+            features[Feature::One as usize] = 1.0;
             actuator.torque_form(flow).polynomial(&features).at(ratio)
         };
         // The sample before each change of direction, standstill in between included.

@@ -1,4 +1,6 @@
-use super::{Effect, Feature, Form, Motor, Parameter, ShaftForm, SimulatorField, speed_feature};
+use super::{
+    Effect, Enters, Feature, Motor, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive,
+};
 use crate::units;
 
 /// Coulomb friction of the motor: torque `c sgn ω`. Its sign is never differentiated; at standstill
@@ -16,11 +18,23 @@ impl Effect for CoulombFriction {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[Parameter { name: "torque", symbol: "c", kind: &units::TORQUE, plausible: (0.0, 1.0) }]
+        &[Parameter { name: "torque", symbol: "c", kind: &units::TORQUE }]
     }
 
-    fn form(&self) -> Form {
-        Form::Laurent
+    fn needs(&self) -> &'static [Variable] {
+        &[Variable::Speed]
+    }
+
+    fn basis(&self, _shape: f64, at: &Operating) -> [f64; 2] {
+        [at.direction, 0.0]
+    }
+
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+        positive("the friction torque", values[0], scale.torque, "the largest torque on the bench")
+    }
+
+    fn enters(&self) -> Enters {
+        Enters::Laurent
     }
 
     fn declared(&self, motor: &Motor) -> Option<Vec<f64>> {
@@ -29,10 +43,6 @@ impl Effect for CoulombFriction {
 
     fn shaft(&self, values: &[f64], form: &mut ShaftForm) {
         form[Feature::Sign] += values[0];
-    }
-
-    fn regressors(&self, motor_speed: f64) -> Vec<f64> {
-        vec![speed_feature(Feature::Sign, motor_speed)]
     }
 
     fn export(&self, values: &[f64], ratio: f64) -> SimulatorField {

@@ -1,4 +1,6 @@
-use super::{Effect, Feature, Form, Motor, Parameter, ShaftForm, SimulatorField, speed_feature};
+use super::{
+    Effect, Enters, Feature, Motor, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive,
+};
 use crate::units;
 
 /// Viscous friction of the motor: torque `b ω`.
@@ -15,11 +17,28 @@ impl Effect for ViscousFriction {
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[Parameter { name: "coefficient", symbol: "b", kind: &units::VISCOUS_FRICTION, plausible: (0.0, 0.1) }]
+        &[Parameter { name: "coefficient", symbol: "b", kind: &units::VISCOUS_FRICTION }]
     }
 
-    fn form(&self) -> Form {
-        Form::Convex
+    fn needs(&self) -> &'static [Variable] {
+        &[Variable::Speed]
+    }
+
+    fn basis(&self, _shape: f64, at: &Operating) -> [f64; 2] {
+        [at.speed, 0.0]
+    }
+
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+        positive(
+            "the coefficient",
+            values[0],
+            2.0 * scale.torque / scale.speed,
+            "the largest torque over the largest speed",
+        )
+    }
+
+    fn enters(&self) -> Enters {
+        Enters::Convex
     }
 
     fn declared(&self, motor: &Motor) -> Option<Vec<f64>> {
@@ -28,10 +47,6 @@ impl Effect for ViscousFriction {
 
     fn shaft(&self, values: &[f64], form: &mut ShaftForm) {
         form[Feature::Velocity] += values[0];
-    }
-
-    fn regressors(&self, motor_speed: f64) -> Vec<f64> {
-        vec![speed_feature(Feature::Velocity, motor_speed)]
     }
 
     fn export(&self, values: &[f64], ratio: f64) -> SimulatorField {

@@ -1,0 +1,40 @@
+use super::{Effect, Enters, Equation, Operating, Parameter, Scale, Variable, positive, sign};
+use crate::units;
+
+/// Backlash of the gear: the output lags the motor by half the play in the direction of the torque.
+#[derive(Debug)]
+pub struct Backlash;
+
+impl Effect for Backlash {
+    fn name(&self) -> &'static str {
+        "backlash"
+    }
+
+    fn equation(&self) -> &'static str {
+        "β/2 sgn τ"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &[Parameter { name: "half_play", symbol: "β/2", kind: &units::ANGLE }]
+    }
+
+    fn needs(&self) -> &'static [Variable] {
+        &[Variable::Torque]
+    }
+
+    fn acts_on(&self) -> Equation {
+        Equation::Angle
+    }
+
+    fn basis(&self, _shape: f64, at: &Operating) -> [f64; 2] {
+        [sign(at.torque), 0.0]
+    }
+
+    fn plausible(&self, values: &[f64], _scale: &Scale) -> Result<(), String> {
+        positive("half the play", values[0], 0.2, "any gear")
+    }
+
+    fn enters(&self) -> Enters {
+        Enters::NotAtAll("the play changes where the output is, not what the motor must supply")
+    }
+}

@@ -1,0 +1,45 @@
+use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use crate::units;
+
+/// Cogging of the motor: a torque that depends on the rotor's angle and not on current.
+#[derive(Debug)]
+pub struct Cogging;
+
+impl Effect for Cogging {
+    fn name(&self) -> &'static str {
+        "cogging"
+    }
+
+    fn equation(&self) -> &'static str {
+        "a_h cos(hθ) + b_h sin(hθ)"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &[
+            Parameter { name: "cosine", symbol: "a_h", kind: &units::TORQUE },
+            Parameter { name: "sine", symbol: "b_h", kind: &units::TORQUE },
+            Parameter { name: "order", symbol: "h", kind: &units::RATIO },
+        ]
+    }
+
+    fn needs(&self) -> &'static [Variable] {
+        &[Variable::Angle]
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Order
+    }
+
+    fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
+        let (sine, cosine) = (shape * at.angle).sin_cos();
+        [cosine, sine]
+    }
+
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+        positive("the amplitude", values[0].hypot(values[1]), scale.torque, "the largest torque on the bench")
+    }
+
+    fn enters(&self) -> Enters {
+        Enters::Bound
+    }
+}

@@ -1,0 +1,44 @@
+use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use crate::units;
+
+/// Drag of eddy currents, which rises with speed and flattens: `2 T_max/(ω/ω_k + ω_k/ω)`.
+#[derive(Debug)]
+pub struct EddyDrag;
+
+impl Effect for EddyDrag {
+    fn name(&self) -> &'static str {
+        "eddy_drag"
+    }
+
+    fn equation(&self) -> &'static str {
+        "2 T_max/(ω/ω_k + ω_k/ω)"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &[
+            Parameter { name: "torque", symbol: "T_max", kind: &units::TORQUE },
+            Parameter { name: "speed", symbol: "ω_k", kind: &units::SPEED },
+        ]
+    }
+
+    fn needs(&self) -> &'static [Variable] {
+        &[Variable::Speed]
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Speed
+    }
+
+    fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
+        [2.0 * (at.speed / shape) / (1.0 + (at.speed / shape).powi(2)), 0.0]
+    }
+
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+        positive("the drag torque", values[0], scale.torque, "the largest torque on the bench")?;
+        positive("the knee", values[1], 1.3 * scale.speed, "the largest speed: below its knee it is viscous friction")
+    }
+
+    fn enters(&self) -> Enters {
+        Enters::Evaluated
+    }
+}

@@ -1,0 +1,40 @@
+use super::{Effect, Enters, Operating, Parameter, Scale, Variable, positive};
+use crate::units;
+
+/// Gravity of what hangs at the output, as seen at the motor: `m g l/N sin(θ_out + φ)`.
+#[derive(Debug)]
+pub struct Gravity;
+
+impl Effect for Gravity {
+    fn name(&self) -> &'static str {
+        "gravity"
+    }
+
+    fn equation(&self) -> &'static str {
+        "a sin θ_out + b cos θ_out"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &[
+            Parameter { name: "sine", symbol: "a", kind: &units::TORQUE },
+            Parameter { name: "cosine", symbol: "b", kind: &units::TORQUE },
+        ]
+    }
+
+    fn needs(&self) -> &'static [Variable] {
+        &[Variable::OutputAngle]
+    }
+
+    fn basis(&self, _shape: f64, at: &Operating) -> [f64; 2] {
+        let (sine, cosine) = at.output_angle.sin_cos();
+        [sine, cosine]
+    }
+
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+        positive("the amplitude", values[0].hypot(values[1]), scale.torque, "the largest torque on the bench")
+    }
+
+    fn enters(&self) -> Enters {
+        Enters::NotAtAll("gravity belongs to the load, not to the actuator")
+    }
+}

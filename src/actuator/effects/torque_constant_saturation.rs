@@ -1,0 +1,45 @@
+use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use crate::units;
+
+/// Saturation of the iron: torque falls short at high current, `k (i − i_s tanh(i/i_s))` with k near the
+/// torque constant.
+#[derive(Debug)]
+pub struct TorqueConstantSaturation;
+
+impl Effect for TorqueConstantSaturation {
+    fn name(&self) -> &'static str {
+        "torque_constant_saturation"
+    }
+
+    fn equation(&self) -> &'static str {
+        "k (i − i_s tanh(i/i_s))"
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        &[
+            Parameter { name: "slope", symbol: "k", kind: &units::TORQUE_CONSTANT },
+            Parameter { name: "current", symbol: "i_s", kind: &units::CURRENT },
+        ]
+    }
+
+    fn needs(&self) -> &'static [Variable] {
+        &[Variable::Current]
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Current
+    }
+
+    fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
+        [at.current - shape * (at.current / shape).tanh(), 0.0]
+    }
+
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+        positive("the slope", values[0], 1.5 * scale.torque_constant, "the torque constant")?;
+        positive("the saturation current", values[1], 10.0 * scale.current, "ten times the largest current")
+    }
+
+    fn enters(&self) -> Enters {
+        Enters::Bound
+    }
+}
