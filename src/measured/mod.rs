@@ -5,4 +5,7 @@
 
 pub mod bench;
 
+pub mod identify;
+pub mod signals;
+
 pub use bench::{Bench, BenchKind, Channel, Controller, Declared, KnownLoad, Log, Use};

@@ -1,0 +1,316 @@
+//! Artefacts of the measurement: channels that are late, of the wrong sign or gain.
+//!
+//! The one idea: they are looked for with a generous model (the declared one plus plain friction), so that
+//! an effect that the model lacks does not pass for a lag, and again at the end with what was found.
+
+use super::Work;
+use super::balance::{Balance, Corrections, Setting, Target};
+use super::regression::{Blocks, covariance, paired, solve, squares};
+use crate::measured::{Bench, BenchKind};
+
+/// An artefact of the measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Artefact {
+    /// `lag`, `gain`, `sign` or `zero`.
+    pub kind: &'static str,
+    /// The channel, and the log where it is one log's.
+    pub channel: String,
+    /// How much.
+    pub value: f64,
+    /// Unit.
+    pub unit: &'static str,
+}
+
+/// Gains that differ by less from the other logs' are taken for scatter.
+const GAIN: f64 = 0.12;
+/// Least share of the squared error that a lag must take away.
+const WORTH: f64 = 0.02;
+/// Largest lag that is looked for \[s\].
+const LARGEST_LAG: f64 = 0.05;
+
+/// Columns of the generous model.
+fn generous(balance: &Balance) -> Vec<Vec<f64>> {
+    let mut columns: Vec<Vec<f64>> = (0..balance.base.len()).map(|i| balance.base_column(i)).collect();
+    match balance.target {
+        Target::Torque | Target::Drive => {
+            columns.push(balance.function(|at| at.speed));
+            columns.push(balance.function(|at| at.direction));
+            columns.push(balance.function(|at| at.speed.abs()));
+            if balance.target == Target::Drive {
+                columns.push(balance.function(|_| 1.0));
+            }
+            if balance.variables.contains(&crate::actuator::effects::Variable::Torque) {
+                columns.push(balance.function(|at| at.torque.abs() * at.direction));
+            }
+        }
+        Target::Voltage => columns.push(balance.function(|at| at.current.signum())),
+        Target::WindUp => {
+            columns.push(balance.function(|at| at.torque));
+            columns.push(balance.function(|at| at.torque.signum()));
+        }
+    }
+    columns.retain(|c| c.iter().all(|v| v.is_finite()) && c.iter().any(|v| *v != 0.0));
+    columns
+}
+
+/// Squared errors of the fitting blocks under the generous model, each block left out in turn with its
+/// fold.
+fn errors(balance: &Balance) -> Vec<f64> {
+    let columns = generous(balance);
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let target = balance.target_column();
+    let blocks = Blocks::new(&balance.rows, &columns, &target);
+    let solution = solve(&blocks.total(|b| balance.rows.block_fits[b]));
+    (0..blocks.products.len())
+        .filter(|b| balance.rows.block_fits[*b])
+        .map(|b| blocks.squares(b, &solution.coefficients))
+        .collect()
+}
+
+/// Finds sign, gain and lag. `balance` is uncorrected.
+pub fn find(
+    bench: &Bench,
+    balance: Balance,
+    setting: &impl Fn(Corrections) -> Setting,
+) -> (Corrections, Vec<Artefact>) {
+    let mut corrections = Corrections::none(balance.logs.len());
+    let target = balance.target;
+    corrections.gains = gains(&balance);
+    let dynamic = balance.step() > 0.0
+        && !balance.logs.iter().all(|l| bench.logs[*l].kind == BenchKind::Stall)
+        && target != Target::WindUp;
+    if dynamic {
+        corrections = lags(bench, target, corrections, setting, &errors);
+    }
+    let found = list(&balance, &corrections, Vec::new());
+    (corrections, found)
+}
+
+/// What the corrections say, as a list.
+pub fn list(balance: &Balance, corrections: &Corrections, _before: Vec<Artefact>) -> Vec<Artefact> {
+    let channel = match balance.target {
+        Target::Torque => "torque",
+        Target::Drive => "current",
+        Target::Voltage => "voltage",
+        Target::WindUp => "position",
+    };
+    let mut found = Vec::new();
+    for (log, gain) in corrections.gains.iter().enumerate().filter(|(_, g)| **g != 1.0) {
+        let place = if corrections.gains.len() == 1 {
+            channel.to_string()
+        } else {
+            format!("{channel} of {}", balance.names[log])
+        };
+        if *gain < 0.0 {
+            found.push(Artefact { kind: "sign", channel: place.clone(), value: -1.0, unit: "1" });
+        }
+        if (gain.abs() - 1.0).abs() > 1e-9 {
+            found.push(Artefact { kind: "gain", channel: place, value: 1.0 / gain.abs(), unit: "1" });
+        }
+    }
+    for (name, lag) in [(channel, corrections.target_lag), ("velocity", corrections.motion_lag)] {
+        if lag != 0.0 {
+            found.push(Artefact { kind: "lag", channel: name.into(), value: lag, unit: "s" });
+        }
+    }
+    if balance.target.has_zero() {
+        let zeros = zeros(balance);
+        for (log, zero) in zeros.into_iter().enumerate() {
+            found.push(Artefact {
+                kind: "zero",
+                channel: format!("{channel} of {}", balance.names[log]),
+                value: zero,
+                unit: balance.unit,
+            });
+        }
+    }
+    found
+}
+
+/// The zero of each log: what the declared model leaves of its mean.
+fn zeros(balance: &Balance) -> Vec<f64> {
+    let mut left = balance.target_with_zero();
+    for (index, base) in balance.base.iter().enumerate() {
+        if let Some(value) = base.declared {
+            for (l, c) in left.iter_mut().zip(balance.base_column_with_zero(index)) {
+                *l -= value * c;
+            }
+        }
+    }
+    let mut sums = vec![(0.0, 0.0); balance.rows.logs()];
+    for (value, log) in left.iter().zip(&balance.rows.log) {
+        sums[*log].0 += value;
+        sums[*log].1 += 1.0;
+    }
+    sums.into_iter().map(|(s, n)| if n > 0.0 { s / n } else { 0.0 }).collect()
+}
+
+/// A gain for each log whose torque constant differs from the others' far beyond its error.
+fn gains(balance: &Balance) -> Vec<f64> {
+    let logs = balance.logs.len();
+    let mut gains = vec![1.0; logs];
+    if balance.target != Target::Torque {
+        return gains;
+    }
+    let Some(declared) = balance.base.first().and_then(|b| b.declared) else { return gains };
+    let columns = generous(balance);
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let target = balance.target_column();
+    let blocks = Blocks::new(&balance.rows, &columns, &target);
+    let slopes: Vec<Option<(f64, f64)>> = (0..logs)
+        .map(|log| {
+            let own = |b: usize| balance.rows.block_log[b] == log;
+            let total = blocks.total(own);
+            let solution = solve(&total);
+            let slope = *solution.coefficients.get(0)?;
+            // The error within the log: from the residual, with blocks as what is independent.
+            let error = covariance(&blocks, &solution, own)[(0, 0)].sqrt();
+            let plain = (squares(&total, &solution.coefficients) / blocks.count(own).max(1) as f64
+                * solution.inverse[(0, 0)])
+                .sqrt();
+            let error = error.max(plain);
+            (error.is_finite() && slope.abs() > 6.0 * error && total[(0, 0)] > 0.0).then_some((slope, error))
+        })
+        .collect();
+    let known: Vec<f64> = slopes.iter().flatten().map(|s| s.0).collect();
+    if known.is_empty() {
+        return gains;
+    }
+    // Signs: each log's own.
+    for (gain, slope) in gains.iter_mut().zip(&slopes) {
+        if slope.is_some_and(|s| s.0 < 0.0) {
+            *gain = -1.0;
+        }
+    }
+    let sizes: Vec<f64> = known.iter().map(|s| s.abs()).collect();
+    if sizes.len() < 2 {
+        return gains;
+    }
+    // The usual slope: the median; of two logs the one nearer to what is declared.
+    let usual = if sizes.len() == 2 {
+        let off = |s: f64| (s / declared).ln().abs();
+        if off(sizes[0]) <= off(sizes[1]) { sizes[0] } else { sizes[1] }
+    } else {
+        crate::measured::signals::median(sizes.clone()).unwrap_or(declared)
+    };
+    let spread = crate::measured::signals::median(sizes.iter().map(|s| (s / usual - 1.0).abs()).collect());
+    let threshold = GAIN.max(3.0 * 1.48 * spread.filter(|_| sizes.len() > 3).unwrap_or(0.0));
+    for (gain, slope) in gains.iter_mut().zip(&slopes) {
+        if let Some((slope, error)) = slope {
+            let relative = slope.abs() / usual;
+            if (relative - 1.0).abs() > threshold && (slope.abs() - usual).abs() > 6.0 * error {
+                *gain /= relative;
+            }
+        }
+    }
+    gains
+}
+
+/// The lags that lower the error most, one after the other, where they do so beyond chance.
+fn lags(
+    bench: &Bench,
+    target: Target,
+    start: Corrections,
+    setting: &impl Fn(Corrections) -> Setting,
+    errors: &dyn Fn(&Balance) -> Vec<f64>,
+) -> Corrections {
+    // A part of the rows is enough to find a lag.
+    let coarse = |c: &Corrections| {
+        let wanted = Setting { rows: 6000, ..setting(c.clone()) };
+        Balance::new(bench, target, &wanted).map(|b| errors(&b))
+    };
+    let mut best = start;
+    let Some(mut now) = coarse(&best) else { return best };
+    let step = best_step(bench);
+    let which: &[bool] = match target {
+        Target::Torque => &[true, false],
+        _ => &[false],
+    };
+    for round in 0..2 {
+        for of_target in which {
+            let with = |lag: f64| {
+                let mut c = best.clone();
+                if *of_target {
+                    c.target_lag = lag
+                } else {
+                    c.motion_lag = lag
+                }
+                c
+            };
+            let sum = |lag: f64| coarse(&with(lag)).map_or(f64::INFINITY, |e| e.iter().sum::<f64>());
+            let current = if *of_target { best.target_lag } else { best.motion_lag };
+            let range = LARGEST_LAG.min(40.0 * step);
+            // A coarse grid, then a golden section around its best.
+            let grid: Vec<f64> = if round == 0 {
+                (-8..=8).map(|k| current + range * (f64::from(k) / 8.0) * (f64::from(k) / 8.0).abs()).collect()
+            } else {
+                [-1.0, -0.5, 0.0, 0.5, 1.0].iter().map(|k| current + k * 0.1 * range).collect()
+            };
+            let values: Vec<f64> = grid.iter().map(|l| sum(*l)).collect();
+            let at = (0..grid.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
+            let (low, high) = (grid[at.saturating_sub(1)], grid[(at + 1).min(grid.len() - 1)]);
+            let lag = minimum(&sum, low, high, 10);
+            let changed = with(lag);
+            let Some(after) = coarse(&changed) else { continue };
+            let (a, b) = (now.iter().sum::<f64>(), after.iter().sum::<f64>());
+            if b < (1.0 - WORTH) * a && paired(&now, &after) > 2.5 {
+                best = changed;
+                now = after;
+            }
+        }
+    }
+    best
+}
+
+fn best_step(bench: &Bench) -> f64 {
+    bench.logs.iter().map(|l| crate::measured::signals::median_step(&l.time)).fold(0.0, f64::max)
+}
+
+/// Golden section.
+fn minimum(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64, steps: usize) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
+    let (mut fa, mut fb) = (f(a), f(b));
+    for _ in 0..steps {
+        if fa <= fb {
+            high = b;
+            (b, fb) = (a, fa);
+            a = high - golden * (high - low);
+            fa = f(a);
+        } else {
+            low = a;
+            (a, fa) = (b, fb);
+            b = low + golden * (high - low);
+            fb = f(b);
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Lags again, with the effects that were found. `None` where they stay.
+pub fn refine(
+    bench: &Bench,
+    work: &Work,
+    corrections: &Corrections,
+    setting: &impl Fn(Corrections) -> Setting,
+) -> Option<Corrections> {
+    let target = work.balance.target;
+    if work.balance.step() == 0.0 || target == Target::WindUp {
+        return None;
+    }
+    let effects: Vec<_> = work.terms.iter().filter_map(|t| t.effect()).collect();
+    let with_effects = move |balance: &Balance| {
+        let mut columns: Vec<Vec<f64>> = (0..balance.base.len()).map(|i| balance.base_column(i)).collect();
+        columns.extend(effects.iter().flat_map(|(e, s)| balance.effect_columns(*e, *s)));
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let blocks = Blocks::new(&balance.rows, &columns, &balance.target_column());
+        let solution = solve(&blocks.total(|b| balance.rows.block_fits[b]));
+        (0..blocks.products.len())
+            .filter(|b| balance.rows.block_fits[*b])
+            .map(|b| blocks.squares(b, &solution.coefficients))
+            .collect()
+    };
+    let better = lags(bench, target, corrections.clone(), setting, &with_effects);
+    let moved = (better.target_lag - corrections.target_lag).abs() + (better.motion_lag - corrections.motion_lag).abs();
+    (moved > 0.05 * work.balance.step()).then_some(better)
+}

@@ -1,0 +1,471 @@
+//! Forward selection: the best of what is left, if it is better than chance, plausible, and not a drift in
+//! disguise.
+
+use nalgebra::{DMatrix, DVector};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use super::balance::visible;
+use super::regression::{Blocks, finite_sum, paired, solve};
+use super::structure;
+use super::verdict::Refused;
+use super::{CHANCE, Fit, Kind, SURE, Term, WORTH, Work, projection};
+use crate::actuator::effects::{EFFECTS, Effect, Operating, Shape};
+
+/// Highest order that is searched.
+const ORDERS: usize = 120;
+/// Repetitions with random signs.
+const REPETITIONS: usize = 400;
+/// Share of its gain that a candidate must keep beside a free drift in time.
+const BESIDE_DRIFT: f64 = 0.4;
+
+/// A candidate at its best shape.
+#[derive(Clone)]
+pub struct Candidate {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Its shape.
+    pub shape: f64,
+    /// Values: linear, then the shape.
+    pub values: Vec<f64>,
+    /// Left-out squared errors of the blocks with it.
+    pub left_out: Vec<f64>,
+    /// Share of the left-out squared error that it takes away.
+    pub gain: f64,
+    /// The gain in standard errors between blocks.
+    pub sure: f64,
+    /// Score of each block, scaled so that its sum of squares over the candidate is comparable: the
+    /// projected column times the residual.
+    scores: Vec<DVector<f64>>,
+    columns: Vec<Vec<f64>>,
+}
+
+/// The state of the selection: what was refused and why.
+pub struct Selection {
+    /// Every refusal, the last word for each effect.
+    pub refused: Vec<Refused>,
+    /// Effects that can be seen on this bench.
+    pub open: Vec<&'static dyn Effect>,
+}
+
+impl Selection {
+    /// All effects that the bench can show.
+    pub fn new(work: &Work) -> Selection {
+        let mut selection = Selection { refused: Vec::new(), open: Vec::new() };
+        for effect in EFFECTS {
+            let declared = work
+                .terms
+                .iter()
+                .any(|t| t.effect().is_some_and(|(e, _)| e.name() == effect.name()) && effect.shape() != Shape::Order);
+            if declared {
+                continue;
+            }
+            match visible(*effect, &work.balance, &work.bench.declared) {
+                Ok(()) => selection.open.push(*effect),
+                Err(reason) => selection.refuse(effect.name(), reason.into()),
+            }
+        }
+        selection
+    }
+
+    fn refuse(&mut self, name: &'static str, reason: String) {
+        self.refused.retain(|r| r.name != name);
+        self.refused.push(Refused { name: name.into(), reason });
+    }
+
+    /// The next effect to add, with its shape.
+    pub fn next(&mut self, work: &Work) -> Option<(&'static dyn Effect, f64)> {
+        let fit = work.fit();
+        let mut candidates = evaluate_all(work, &fit, &self.open);
+        candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let threshold = chance_threshold(work, &candidates);
+        let drift = structure::drift(work);
+        let mut accepted: Option<Candidate> = None;
+        for candidate in candidates {
+            let name = candidate.effect.name();
+            if work.terms.iter().any(|t| is(t, candidate.effect)) && candidate.effect.shape() != Shape::Order {
+                continue;
+            }
+            let already = work.terms.iter().any(|t| is(t, candidate.effect));
+            let mut refuse = |reason: String| {
+                if !already {
+                    self.refuse(name, reason);
+                }
+            };
+            let percent = 100.0 * (1.0 - (1.0 - candidate.gain).max(0.0).sqrt());
+            if candidate.gain < WORTH {
+                refuse(format!("it would lower the left-out error by {percent:.1} %, less than 3 %"));
+                continue;
+            }
+            if candidate.sure < SURE {
+                refuse(format!(
+                    "the left-out error falls by {percent:.1} %, but not beyond its scatter between blocks ({:.1} standard errors)",
+                    candidate.sure
+                ));
+                continue;
+            }
+            if statistic(&candidate.scores) < threshold {
+                refuse(format!(
+                    "the best of all candidates does as well by chance in more than {} % of trials",
+                    100.0 * CHANCE
+                ));
+                continue;
+            }
+            if let Err(reason) = candidate.effect.plausible(&candidate.values, &work.balance.scale) {
+                refuse(reason);
+                continue;
+            }
+            if let Some(best) = &accepted {
+                // The simpler of two that the data cannot tell apart.
+                let tied = candidate.gain > 0.85 * best.gain && paired(&candidate.left_out, &best.left_out) < 2.0;
+                if !(tied && rank(candidate.effect) < rank(best.effect)) {
+                    refuse(format!("`{}` explains more", best.effect.name()));
+                    continue;
+                }
+            }
+            let beside = gain_beside(work, &candidate, &drift);
+            if beside < BESIDE_DRIFT * candidate.gain {
+                refuse("a drift in time explains it as well".into());
+                continue;
+            }
+            if let Some(log) = log_that_objects(work, &candidate) {
+                refuse(format!("fitted on the other logs it makes `{}` worse", work.balance.names[log]));
+                continue;
+            }
+            accepted = Some(candidate);
+        }
+        let accepted = accepted?;
+        self.refused.retain(|r| r.name != accepted.effect.name());
+        Some((accepted.effect, accepted.shape))
+    }
+
+    /// Takes out what later effects made superfluous.
+    pub fn drop_superfluous(&mut self, work: &mut Work) {
+        loop {
+            let fit = work.fit();
+            let least = (0..work.terms.len())
+                .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
+                .map(|t| {
+                    let without = left_out_without(work, t);
+                    let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);
+                    (t, gain, paired(&without, &fit.left_out))
+                })
+                .filter(|(t, gain, sure)| {
+                    *gain < 0.5 * WORTH || *sure < SURE - 0.5 || !self.still_plausible(work, &fit, *t)
+                })
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((t, gain, _)) = least else { return };
+            let term = work.terms.remove(t);
+            if let Some((effect, _)) = term.effect() {
+                let reason = if gain < 0.5 * WORTH {
+                    "what was found later made it superfluous".to_string()
+                } else {
+                    "with all that was found its value is not plausible".to_string()
+                };
+                self.refuse(effect.name(), reason);
+            }
+        }
+    }
+
+    fn still_plausible(&self, work: &Work, fit: &Fit, term: usize) -> bool {
+        let Some((effect, shape)) = work.terms[term].effect() else { return true };
+        let offset = work.offset(term);
+        let values = values_of(effect, shape, (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]));
+        effect.plausible(&values, &work.balance.scale).is_ok()
+    }
+
+    /// Effects that explain a term's part about as well: not significantly worse, and plausible.
+    pub fn look_alikes(&self, work: &Work, term: usize) -> Vec<&'static str> {
+        let Some((own, _)) = work.terms[term].effect() else { return Vec::new() };
+        let fit = work.fit();
+        let mut without = Work {
+            bench: work.bench,
+            balance: work.balance.clone(),
+            target: work.target.clone(),
+            terms: work.terms.clone(),
+            folds: work.folds.clone(),
+        };
+        without.terms.remove(term);
+        let base = without.fit();
+        let lost = finite_sum(&base.left_out) - finite_sum(&fit.left_out);
+        let rivals: Vec<&'static dyn Effect> = self
+            .open
+            .iter()
+            .copied()
+            .filter(|e| e.name() != own.name() && !without.terms.iter().any(|t| is(t, *e)))
+            .collect();
+        evaluate_all(&without, &base, &rivals)
+            .into_iter()
+            .filter(|c| {
+                let recovered = finite_sum(&base.left_out) - finite_sum(&c.left_out);
+                let worse = paired(&c.left_out, &fit.left_out);
+                c.effect.plausible(&c.values, &work.balance.scale).is_ok() && worse < 2.0 && recovered > 0.7 * lost
+            })
+            .map(|c| c.effect.name())
+            .collect()
+    }
+}
+
+fn is(term: &Term, effect: &dyn Effect) -> bool {
+    matches!(term.kind, Kind::Effect(e, _) if e.name() == effect.name())
+}
+
+fn rank(effect: &dyn Effect) -> usize {
+    EFFECTS.iter().position(|e| e.name() == effect.name()).unwrap_or(usize::MAX)
+}
+
+/// Left-out errors of the model without one of its terms.
+fn left_out_without(work: &Work, term: usize) -> Vec<f64> {
+    let columns: Vec<&[f64]> = work
+        .terms
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| *k != term)
+        .flat_map(|(_, t)| &t.columns)
+        .map(Vec::as_slice)
+        .collect();
+    work.fit_columns(&columns).left_out
+}
+
+fn values_of(effect: &dyn Effect, shape: f64, linear: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = linear.collect();
+    if effect.shape() != Shape::None {
+        values.push(shape);
+    }
+    values
+}
+
+/// Shapes to try.
+fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
+    let scale = &work.balance.scale;
+    let spaced = |low: f64, high: f64, n: usize| -> Vec<f64> {
+        (0..n).map(|k| low * (high / low).powf(k as f64 / (n - 1) as f64)).collect()
+    };
+    match effect.shape() {
+        Shape::None => vec![0.0],
+        Shape::Speed if effect.name() == "stribeck_friction" => spaced(0.01 * scale.speed, 0.4 * scale.speed, 8),
+        Shape::Speed => spaced(0.08 * scale.speed, 1.2 * scale.speed, 8),
+        Shape::Current => spaced(0.25 * scale.current, 4.0 * scale.current, 8),
+        Shape::Order => {
+            let mut orders = order_scores(work, fit, effect);
+            orders.retain(|(order, _)| {
+                !work
+                    .terms
+                    .iter()
+                    .any(|t| matches!(t.kind, Kind::Effect(e, s) if e.name() == effect.name() && s == *order))
+            });
+            orders.sort_by(|a, b| b.1.total_cmp(&a.1));
+            orders.into_iter().take(3).map(|(order, _)| order).collect()
+        }
+    }
+}
+
+/// Share of the residual that each order explains, roughly: without the filter, where it is slow enough to
+/// pass it.
+pub fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(f64, f64)> {
+    let residual = work.residual(fit);
+    let balance = &work.balance;
+    let probes = [0.0_f64, 1.0].map(|shape| {
+        // At order zero the cosine is one: what the harmonics are multiplied with.
+        balance.variable(false, |at: &Operating| if shape == 0.0 { effect.basis(0.0, at)[0] } else { 0.0 })
+    });
+    let output = effect.name() == "gear_ripple";
+    let angle = balance.variable(false, |at| if output { at.output_angle } else { at.angle });
+    let ratio = if output { 1.0 / work.bench.declared.ratio } else { 1.0 };
+    let speed = balance.variable(false, |at| at.speed * ratio);
+    let band = balance.band.unwrap_or(f64::INFINITY) * std::f64::consts::TAU;
+    let fits: Vec<bool> = balance.rows.block.iter().map(|b| work.fits(*b)).collect();
+    (1..=ORDERS)
+        .into_par_iter()
+        .map(|order| {
+            let h = order as f64;
+            let (mut a, mut b, mut norm) = (0.0, 0.0, 0.0);
+            for k in 0..residual.len() {
+                if !fits[k] || (h * speed[k]).abs() > 0.8 * band {
+                    continue;
+                }
+                let (sine, cosine) = (h * angle[k]).sin_cos();
+                a += residual[k] * probes[0][k] * cosine;
+                b += residual[k] * probes[0][k] * sine;
+                norm += probes[0][k] * probes[0][k];
+            }
+            (h, if norm > 0.0 { (a * a + b * b) / norm } else { 0.0 })
+        })
+        .collect()
+}
+
+/// Every effect at its best shape.
+pub fn evaluate_all(work: &Work, fit: &Fit, effects: &[&'static dyn Effect]) -> Vec<Candidate> {
+    let tasks: Vec<(&'static dyn Effect, f64)> =
+        effects.iter().flat_map(|e| shapes(work, fit, *e).into_iter().map(move |s| (*e, s))).collect();
+    let all: Vec<Option<Candidate>> = tasks.par_iter().map(|(e, s)| evaluate(work, fit, *e, *s)).collect();
+    let mut best: Vec<Candidate> = Vec::new();
+    for candidate in all.into_iter().flatten() {
+        let plausible = |c: &Candidate| c.effect.plausible(&c.values, &work.balance.scale).is_ok();
+        match best.iter_mut().find(|b| b.effect.name() == candidate.effect.name()) {
+            // A plausible shape is preferred where it does nearly as well.
+            Some(b) => {
+                let better = match (plausible(&candidate), plausible(b)) {
+                    (true, false) => candidate.gain > 0.8 * b.gain,
+                    (false, true) => 0.8 * candidate.gain > b.gain,
+                    _ => candidate.gain > b.gain,
+                };
+                if better {
+                    *b = candidate;
+                }
+            }
+            None => best.push(candidate),
+        }
+    }
+    best
+}
+
+fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64) -> Option<Candidate> {
+    let columns = work.balance.effect_columns(effect, shape);
+    if columns.iter().any(|c| c.iter().any(|v| !v.is_finite()) || c.iter().all(|v| *v == 0.0)) {
+        return None;
+    }
+    let mut all = work.columns();
+    let p = all.len();
+    all.extend(columns.iter().map(Vec::as_slice));
+    let blocks = Blocks::new(&work.balance.rows, &all, &work.target);
+    let total = blocks.total(|b| work.fits(b));
+    // A column that the model's own columns make up says nothing new.
+    let left = projected_norms(&total, p, columns.len());
+    if left.iter().zip(&columns).enumerate().any(|(j, (l, _))| *l < 1e-6 * total[(p + j, p + j)]) {
+        return None;
+    }
+    let solution = solve(&total);
+    let left_out = blocks.left_out(&work.folds);
+    let before = finite_sum(&fit.left_out);
+    let gain = if before > 0.0 { 1.0 - finite_sum(&left_out) / before } else { 0.0 };
+    let sure = paired(&fit.left_out, &left_out);
+    let scores = block_scores(work, &blocks, p, columns.len());
+    let values = values_of(effect, shape, (0..columns.len()).map(|j| solution.coefficients[p + j]));
+    Some(Candidate { effect, shape, values, left_out, gain, sure, scores, columns })
+}
+
+fn projected_norms(total: &DMatrix<f64>, p: usize, extra: usize) -> Vec<f64> {
+    let onto = projection(total, p, extra);
+    (0..extra).map(|j| total[(p + j, p + j)] - total.view((0, p + j), (p, 1)).dot(&onto.column(j))).collect()
+}
+
+/// For each fitting block: the candidate's columns, less what the model's columns make of them, times the
+/// model's residual.
+fn block_scores(work: &Work, blocks: &Blocks, p: usize, extra: usize) -> Vec<DVector<f64>> {
+    let total = blocks.total(|b| work.fits(b));
+    let onto = projection(&total, p, extra);
+    let last = total.nrows() - 1;
+    let small = DMatrix::from_fn(p + 1, p + 1, |i, j| {
+        let at = |k: usize| if k == p { last } else { k };
+        total[(at(i), at(j))]
+    });
+    let beta = solve(&small).coefficients;
+    let mut scores = Vec::new();
+    for (b, m) in blocks.products.iter().enumerate() {
+        if !work.fits(b) {
+            continue;
+        }
+        let model_residual = m.view((0, last), (p, 1)) - m.view((0, 0), (p, p)) * &beta;
+        let own = m.view((p, last), (extra, 1)) - m.view((p, 0), (extra, p)) * &beta;
+        let score = own - onto.transpose() * model_residual;
+        scores.push(DVector::from_iterator(extra, score.iter().copied()));
+    }
+    scores
+}
+
+/// How far the sum of the scores is from zero, in units of their scatter.
+fn statistic(scores: &[DVector<f64>]) -> f64 {
+    signed_statistic(scores, |_| 1.0)
+}
+
+fn signed_statistic(scores: &[DVector<f64>], sign: impl Fn(usize) -> f64) -> f64 {
+    let Some(first) = scores.first() else { return 0.0 };
+    let d = first.len();
+    let mut sum = DVector::zeros(d);
+    let mut scatter = DMatrix::zeros(d, d);
+    for (b, score) in scores.iter().enumerate() {
+        sum += score * sign(b);
+        scatter += score * score.transpose();
+    }
+    let ridge = 1e-9 * scatter.trace() / d as f64;
+    for i in 0..d {
+        scatter[(i, i)] += ridge + f64::MIN_POSITIVE;
+    }
+    scatter.cholesky().map_or(0.0, |c| sum.dot(&c.solve(&sum))) / d as f64
+}
+
+/// What the best of all candidates reaches by chance: the blocks' scores with random signs.
+fn chance_threshold(work: &Work, candidates: &[Candidate]) -> f64 {
+    let blocks = work.folds.iter().flatten().count();
+    let mut random = Pcg64Mcg::seed_from_u64(0x6765_6172_7769_7365);
+    let mut largest: Vec<f64> = (0..REPETITIONS)
+        .map(|_| {
+            let signs: Vec<f64> = (0..blocks).map(|_| if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
+            candidates.iter().map(|c| signed_statistic(&c.scores, |b| signs[b])).fold(0.0, f64::max)
+        })
+        .collect();
+    largest.sort_by(f64::total_cmp);
+    largest[((1.0 - CHANCE) * (REPETITIONS - 1) as f64) as usize]
+}
+
+/// The gain of a candidate beside other columns, as a share of the error without both.
+fn gain_beside(work: &Work, candidate: &Candidate, others: &[Vec<f64>]) -> f64 {
+    let mut columns = work.columns();
+    columns.extend(others.iter().map(Vec::as_slice));
+    let without = work.fit_columns(&columns).left_out;
+    columns.extend(candidate.columns.iter().map(Vec::as_slice));
+    let with = work.fit_columns(&columns).left_out;
+    let reference = finite_sum(&work.fit().left_out);
+    (finite_sum(&without) - finite_sum(&with)) / reference.max(f64::MIN_POSITIVE)
+}
+
+/// A fitting log that gets clearly worse with the candidate fitted on the other logs.
+fn log_that_objects(work: &Work, candidate: &Candidate) -> Option<usize> {
+    let rows = &work.balance.rows;
+    let logs: Vec<usize> = {
+        let mut seen: Vec<usize> =
+            (0..rows.block_log.len()).filter(|b| work.fits(*b)).map(|b| rows.block_log[b]).collect();
+        seen.dedup();
+        seen
+    };
+    if logs.len() < 2 {
+        return None;
+    }
+    let mut columns = work.columns();
+    let p = columns.len();
+    columns.extend(candidate.columns.iter().map(Vec::as_slice));
+    let blocks = Blocks::new(rows, &columns, &work.target);
+    let plain: Vec<usize> = (0..p).collect();
+    let model = blocks.select(&plain);
+    logs.into_iter().find(|log| {
+        let own = |b: usize| work.fits(b) && rows.block_log[b] == *log;
+        let others = |b: usize| work.fits(b) && rows.block_log[b] != *log;
+        // The model itself is fitted on all logs: only the candidate has to travel.
+        let base = solve(&model.total(|b| work.fits(b))).coefficients;
+        let with = solve(&blocks.total(others)).coefficients;
+        let added: Vec<f64> = (0..candidate.columns.len()).map(|j| with[p + j]).collect();
+        // Refits the model's own parameters on the log with the candidate's values given.
+        let own_total = blocks.total(own);
+        let before = super::regression::squares(&model.total(own), &base);
+        let after = squares_given(&own_total, p, &added);
+        let own_fit = super::regression::squares(&model.total(own), &solve(&model.total(own)).coefficients);
+        after > 1.1 * own_fit && after > before
+    })
+}
+
+/// Sum of squares with the last coefficients given and the first `p` fitted.
+fn squares_given(total: &DMatrix<f64>, p: usize, given: &[f64]) -> f64 {
+    // New columns from old: the model's own, and the target less the given part.
+    let mut map = DMatrix::zeros(total.nrows(), p + 1);
+    for i in 0..p {
+        map[(i, i)] = 1.0;
+    }
+    for (j, value) in given.iter().enumerate() {
+        map[(p + j, p)] = -value;
+    }
+    map[(total.nrows() - 1, p)] = 1.0;
+    let small = map.transpose() * total * map;
+    super::regression::squares(&small, &solve(&small).coefficients)
+}

@@ -1,0 +1,229 @@
+//! Explanations without a name: any function of time, of speed, of current, of position.
+//!
+//! The one idea: what is left of a good model depends on nothing. Each variable is offered a flexible
+//! function; where one lowers the left-out error beyond chance, something is left, and it is said on what
+//! it depends.
+
+use super::candidates::order_scores;
+use super::regression::{finite_sum, paired};
+use super::{Fit, Work};
+use crate::actuator::effects::{Cogging, GearRipple, Operating, Variable};
+use crate::measured::signals;
+
+/// Knots of a flexible function.
+const KNOTS: usize = 9;
+/// Share of the left-out squared error that a flexible function must take away to be worth saying.
+const SAID: f64 = 0.08;
+/// In standard errors between blocks.
+const SURE: f64 = 3.0;
+
+/// What the residual depends on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dependence {
+    /// The variable.
+    pub on: String,
+    /// Share of the left-out squared error that a flexible function of it takes away.
+    pub share: f64,
+    /// In words.
+    pub detail: String,
+}
+
+/// Piecewise linear functions over knots at the quantiles of a variable.
+fn hats(values: &[f64]) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
+    let mut knots: Vec<f64> =
+        (0..KNOTS).filter_map(|k| signals::quantile(values.to_vec(), k as f64 / (KNOTS - 1) as f64)).collect();
+    knots.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * b.abs().max(1e-300));
+    if knots.len() < 3 {
+        return Vec::new();
+    }
+    (0..knots.len())
+        .map(|k| {
+            let middle = knots[k];
+            let left = (k > 0).then(|| knots[k - 1]);
+            let right = knots.get(k + 1).copied();
+            let hat = move |x: f64| {
+                if x <= middle {
+                    left.map_or(1.0, |l| ((x - l) / (middle - l)).max(0.0))
+                } else {
+                    right.map_or(1.0, |r| ((r - x) / (r - middle)).max(0.0))
+                }
+            };
+            Box::new(hat) as Box<dyn Fn(f64) -> f64 + Sync>
+        })
+        .collect()
+}
+
+/// Columns of a free drift: a piecewise linear function of time in each log.
+pub fn drift(work: &Work) -> Vec<Vec<f64>> {
+    let rows = &work.balance.rows;
+    let mut columns = Vec::new();
+    for log in 0..rows.logs() {
+        let times: Vec<f64> = (0..rows.len()).filter(|k| rows.log[*k] == log).map(|k| rows.time[k]).collect();
+        for hat in hats(&times).into_iter().skip(1) {
+            let mut column: Vec<f64> =
+                (0..rows.len()).map(|k| if rows.log[k] == log { hat(rows.time[k]) } else { 0.0 }).collect();
+            rows.without_means(&mut column);
+            columns.push(column);
+        }
+    }
+    columns
+}
+
+/// The flexible functions that are offered: variable, what it is called, columns.
+fn offers(work: &Work) -> Vec<(Option<Variable>, &'static str, Vec<Vec<f64>>)> {
+    let balance = &work.balance;
+    let mut offers: Vec<(Option<Variable>, &'static str, Vec<Vec<f64>>)> = vec![(None, "time", drift(work))];
+    let mut offer = |variable: Option<Variable>, name: &'static str, f: &(dyn Fn(&Operating) -> f64 + Sync)| {
+        let values = balance.variable(false, f);
+        if values.iter().any(|v| !v.is_finite()) {
+            return;
+        }
+        let columns = hats(&values).iter().map(|hat| balance.function(|at| hat(f(at)))).collect();
+        offers.push((variable, name, columns));
+    };
+    let has = |v: Variable| balance.variables.contains(&v);
+    if has(Variable::Speed) {
+        offer(Some(Variable::Speed), "speed", &|at| at.speed);
+    }
+    if has(Variable::Current) {
+        offer(Some(Variable::Current), "current", &|at| at.current);
+    }
+    if has(Variable::Torque) {
+        offer(Some(Variable::Torque), "transmitted torque", &|at| at.torque * at.direction);
+    }
+    if has(Variable::WindingTemperature) {
+        offer(Some(Variable::WindingTemperature), "winding temperature", &|at| at.winding_rise);
+    }
+    // Friction that changes with time.
+    if has(Variable::Speed) && balance.step() > 0.0 {
+        let rows = &balance.rows;
+        let direction = balance.function(|at| at.direction);
+        let columns = drift(work)
+            .into_iter()
+            .map(|hat| {
+                let mut product: Vec<f64> = hat.iter().zip(&direction).map(|(h, d)| h * d).collect();
+                if balance.target.has_zero() {
+                    rows.without_means(&mut product);
+                }
+                product
+            })
+            .collect();
+        offers.push((None, "time and direction", columns));
+    }
+    let acceleration = balance.acceleration();
+    if balance.step() > 0.0 && acceleration.iter().any(|a| *a != 0.0) {
+        let columns = hats(&acceleration)
+            .iter()
+            .map(|hat| {
+                let mut column: Vec<f64> = acceleration.iter().map(|a| hat(*a)).collect();
+                balance.rows.without_means(&mut column);
+                column
+            })
+            .collect();
+        offers.push((None, "acceleration", columns));
+    }
+    offers
+}
+
+/// What flexible functions find in what the model leaves, the strongest first, and the error that they
+/// would leave together.
+pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(Option<Variable>, f64)>) {
+    let before = finite_sum(&fit.left_out);
+    let mut found = Vec::new();
+    let mut shares = Vec::new();
+    for (variable, name, extra) in offers(work) {
+        if extra.is_empty() || before <= 0.0 {
+            continue;
+        }
+        let mut columns = work.columns();
+        columns.extend(extra.iter().map(Vec::as_slice));
+        let with = work.fit_columns(&columns);
+        let share = 1.0 - finite_sum(&with.left_out) / before;
+        let sure = paired(&fit.left_out, &with.left_out);
+        if share > SAID && sure > SURE {
+            shares.push((variable, share));
+            found.push(Dependence {
+                on: name.into(),
+                share,
+                detail: format!(
+                    "a free function of {name} would lower the left-out error by {:.0} %",
+                    100.0 * (1.0 - (1.0 - share).sqrt())
+                ),
+            });
+        }
+    }
+    for (variable, name, effect) in [
+        (Variable::Angle, "motor position", &Cogging as &dyn crate::actuator::effects::Effect),
+        (Variable::OutputAngle, "output position", &GearRipple),
+    ] {
+        if !work.balance.variables.contains(&variable) {
+            continue;
+        }
+        let mut scores = order_scores(work, fit, effect);
+        scores.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let orders: Vec<f64> = scores.iter().take(4).map(|s| s.0).collect();
+        let extra: Vec<Vec<f64>> = orders.iter().flat_map(|h| work.balance.effect_columns(effect, *h)).collect();
+        let mut columns = work.columns();
+        columns.extend(extra.iter().map(Vec::as_slice));
+        let with = work.fit_columns(&columns);
+        let share = 1.0 - finite_sum(&with.left_out) / before;
+        if share > SAID && paired(&fit.left_out, &with.left_out) > SURE {
+            shares.push((Some(variable), share));
+            let list: Vec<String> = orders.iter().map(f64::to_string).collect();
+            found.push(Dependence {
+                on: name.into(),
+                share,
+                detail: format!("orders {} of the {name} stand out", list.join(", ")),
+            });
+        }
+    }
+    if let Some((frequency, share)) = hum(work, fit) {
+        found.push(Dependence {
+            on: "time".into(),
+            share,
+            detail: format!("a line at {frequency:.2} Hz that no speed explains holds {:.0} % of it", 100.0 * share),
+        });
+    }
+    found.sort_by(|a, b| b.share.total_cmp(&a.share));
+    (found, shares)
+}
+
+/// A line in the spectrum of what is left: its frequency \[Hz\] and its share of the variance.
+fn hum(work: &Work, fit: &Fit) -> Option<(f64, f64)> {
+    if work.balance.step() == 0.0 {
+        return None;
+    }
+    let rows = &work.balance.rows;
+    let residual = work.residual(fit);
+    let mut best: Option<(f64, f64, usize)> = None;
+    let mut seen = 0;
+    for log in 0..rows.logs() {
+        let at: Vec<usize> = (0..rows.len()).filter(|k| rows.log[*k] == log).collect();
+        let times: Vec<f64> = at.iter().map(|k| rows.time[*k]).collect();
+        let step = signals::median_step(&times);
+        if at.len() < 256 || step <= 0.0 {
+            continue;
+        }
+        let values: Vec<f64> = at.iter().map(|k| residual[*k]).collect();
+        let density = signals::welch(&values, step, 512);
+        let total: f64 = density.iter().skip(2).map(|d| d.1).sum();
+        let Some(peak) = (3..density.len().saturating_sub(2)).max_by(|a, b| density[*a].1.total_cmp(&density[*b].1))
+        else {
+            continue;
+        };
+        seen += 1;
+        let line: f64 = density[peak - 1..=peak + 1].iter().map(|d| d.1).sum();
+        let around: Vec<f64> = density.iter().map(|d| d.1).collect();
+        let usual = signals::median(around).unwrap_or(0.0);
+        let share = line / total.max(f64::MIN_POSITIVE);
+        if density[peak].1 > 25.0 * usual && share > 0.15 {
+            let frequency = density[peak].0;
+            best = match best {
+                Some((f, s, n)) if (f - frequency).abs() < 3.0 * density[1].0 => Some((f, s.max(share), n + 1)),
+                None => Some((frequency, share, 1)),
+                other => other,
+            };
+        }
+    }
+    best.filter(|(_, _, logs)| 2 * logs > seen).map(|(f, s, _)| (f, s))
+}
