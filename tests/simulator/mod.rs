@@ -227,13 +227,23 @@ impl Bench {
             Kind::Linear => Machine::axis(&mut random),
             _ => Machine::actuator(&mut random),
         };
-        let late = random.within(0.0, 0.003);
+        let table = kind == Kind::SteadyTable;
+        // A steady table is a point a second; nothing there is late.
+        let late = if table { 0.0 } else { random.within(0.0, 0.003) };
         Bench {
             kind,
             seed,
             logs: 3,
-            duration: if kind == Kind::Stall { 40.0 } else { 30.0 },
-            rate: if kind == Kind::Servo { 200.0 } else { 500.0 },
+            duration: match kind {
+                Kind::Stall => 40.0,
+                Kind::SteadyTable => 180.0,
+                _ => 30.0,
+            },
+            rate: match kind {
+                Kind::Servo => 200.0,
+                Kind::SteadyTable => 1.0,
+                _ => 500.0,
+            },
             machine,
             effects: Vec::new(),
             declared: Declared {
@@ -248,12 +258,13 @@ impl Bench {
                 // A linear axis reads micrometres.
                 counts: if kind == Kind::Linear { std::f64::consts::TAU / 1e-6 } else { 16384.0 },
                 output_counts: if kind == Kind::Servo { 4096.0 } else { 262_144.0 },
-                torque_corner: random.within(150.0, 300.0),
+                torque_corner: if table { f64::INFINITY } else { random.within(150.0, 300.0) },
                 lags: Vec::new(),
                 zeros: if matches!(kind, Kind::Dynamometer | Kind::SteadyTable | Kind::Stall) { 3.0 } else { 0.0 },
                 gain_error: None,
                 wrong_sign: None,
-                colored: 0.2,
+                reversed: None,
+                colored: if table { 0.0 } else { 0.2 },
                 jitter: 0.0,
                 gaps: 0,
                 dropouts: 0.0,
@@ -346,6 +357,9 @@ impl Bench {
 
     /// Internal step \[s\]: a whole part of the sampling period.
     fn step(&self) -> f64 {
+        if self.kind == Kind::SteadyTable {
+            return 1.0 / self.rate;
+        }
         let two = self.list().iter().any(|e| matches!(e, Effect::GearCompliance | Effect::Backlash));
         let wanted = if two || self.kind == Kind::Servo { 8000.0 } else { 2000.0 };
         1.0 / (self.rate * (wanted / self.rate).ceil().max(2.0))
@@ -362,7 +376,7 @@ impl Bench {
             peak: speed,
             slow: self.excitation.slow,
             slow_level: self.excitation.slow_level,
-            hold: (0.4, 1.6),
+            hold: if imposes_output { (0.4, 1.6) } else { (0.2, 0.9) },
             band: (0.2, 6.0),
             sines: 0.15,
             corner: self.excitation.corner,
@@ -413,6 +427,7 @@ impl Bench {
         match self.kind {
             Kind::Free | Kind::Linear => world::free(nature, drive),
             Kind::Servo => world::servo(nature, self.servo, drive),
+            Kind::SteadyTable => world::steady_table(nature, &drive),
             _ => world::dynamometer(nature, drive),
         }
     }
@@ -510,6 +525,14 @@ impl Bench {
                     noise = rms / size;
                 } else if most.is_finite() {
                     noise = noise.min(0.95 * rms / size);
+                    let least = base.smallest(*effect);
+                    if least > 0.0 {
+                        let rms = self.contribution(&base, &bases, *effect, least);
+                        if rms > noise * size {
+                            noise = rms / size;
+                            largest[k] = (least, rms);
+                        }
+                    }
                 }
             }
         }
@@ -627,6 +650,7 @@ fn fit_for(effects: &[Effect], seed: u64) -> Bench {
                 bench.excitation.slow_level = 0.1;
             }
             Effect::GearCompliance | Effect::Backlash => {
+                bench.rate = 1000.0;
                 bench.sensors.hidden.retain(|c| !matches!(c, Channel::OutputPosition | Channel::OutputVelocity));
             }
             Effect::SupplySag => bench.sensors.hidden.push(Channel::Supply),

@@ -48,6 +48,8 @@ pub struct Sensors {
     pub gain_error: Option<(usize, f64)>,
     /// This channel's sign is not what the bench file says.
     pub wrong_sign: Option<Channel>,
+    /// This channel's sign is turned round, and the bench file says so.
+    pub reversed: Option<Channel>,
     /// Share of the noise's power that is slow (correlated over 20 ms).
     pub colored: f64,
     /// Random part of the sampling period, of the period.
@@ -152,7 +154,7 @@ pub fn read(channel: Channel, trace: &Trace, times: &[f64], sensors: &Sensors, r
             plain(speeds).into_iter().map(|v| v + ripple * random.normal()).collect()
         }
     };
-    let mut values = match channel {
+    match channel {
         Channel::Position => position(&trace.motor_angle, sensors.counts),
         Channel::Velocity => velocity(&trace.motor_angle, &trace.motor_speed, sensors.counts),
         Channel::OutputPosition => position(&trace.output_angle, sensors.output_counts),
@@ -169,11 +171,7 @@ pub fn read(channel: Channel, trace: &Trace, times: &[f64], sensors: &Sensors, r
         Channel::Duty => plain(&trace.duty),
         Channel::Goal => plain(&trace.goal),
         Channel::Supply => plain(&trace.supply),
-    };
-    if sensors.wrong_sign == Some(channel) {
-        values.iter_mut().for_each(|v| *v = -*v);
     }
-    values
 }
 
 fn temperature(values: Vec<f64>, random: &mut Random) -> Vec<f64> {

@@ -177,7 +177,7 @@ impl Machine {
             coulomb: random.within(0.01, 0.03) * peak,
             peak_current,
             peak_speed,
-            load_inertia: random.within(2.0, 5.0) * inertia * ratio * ratio,
+            load_inertia: random.within(6.0, 12.0) * inertia * ratio * ratio,
             thermal_resistance,
             heat_capacity: [
                 random.within(6.0, 12.0) / thermal_resistance[0],
@@ -299,8 +299,9 @@ pub struct Nature {
     /// 1/k at the output \[rad/(N·m)\], and damping relative to the critical.
     pub compliance: f64,
     pub compliance_damping: f64,
-    /// Whole gap at the output \[rad\].
+    /// Whole gap at the output \[rad\], and the smallest that this gear would be sold with.
     pub backlash: f64,
+    pub least_backlash: f64,
     /// Ω between supply and drive.
     pub sag: f64,
     /// Outside the library, all at the motor \[N·m\] or in the target's own unit.
@@ -344,6 +345,8 @@ impl Nature {
             compliance: 0.0,
             compliance_damping: random.within(0.03, 0.08),
             backlash: 0.0,
+            // One to five minutes of arc.
+            least_backlash: random.log_within(3e-4, 1.5e-3),
             sag: 0.0,
             hum: 0.0,
             zero_step: 0.0,
@@ -440,6 +443,16 @@ impl Nature {
         }
     }
 
+    /// What an effect's amplitude is at least where it is worth a name.
+    pub fn smallest(&self, effect: Effect) -> f64 {
+        match effect {
+            Effect::Backlash => self.least_backlash,
+            // A gear that rings at 40 Hz with its load.
+            Effect::GearCompliance => 0.04 * self.largest(effect),
+            _ => 0.0,
+        }
+    }
+
     /// Parameters in SI, by the names of the equations.
     pub fn parameters(&self, effect: Effect) -> Vec<(&'static str, f64)> {
         let first = |waves: &[Wave]| waves.first().map_or(0.0, |w| w[0]);
@@ -520,9 +533,9 @@ impl Nature {
 
     /// Torque through a spring with a gap, at the output \[N·m\]; `twist` and its rate at the output.
     pub fn coupling(&self, twist: f64, rate: f64, inertia: f64) -> f64 {
-        // Flanks of a gear alone: as stiff as a gear that rings at 60 Hz.
-        let stiffness = if self.compliance > 0.0 { 1.0 / self.compliance } else { inertia * (TAU * 60.0).powi(2) };
-        let damping = if self.backlash > 0.0 { 0.15 } else { self.compliance_damping };
+        // Flanks alone: so stiff that the gap, not they, is what a log shows.
+        let stiffness = if self.compliance > 0.0 { 1.0 / self.compliance } else { inertia * (TAU * 180.0).powi(2) };
+        let damping = if self.backlash > 0.0 { 0.3 } else { self.compliance_damping };
         let damper = 2.0 * damping * (stiffness * inertia).sqrt();
         let half = 0.5 * self.backlash;
         if self.backlash == 0.0 {
@@ -903,6 +916,37 @@ pub fn runge_kutta(h: f64, x: f64, v: f64, derivative: impl Fn(f64, f64, f64) ->
     let c = derivative(0.5, x + 0.5 * h * b.0, v + 0.5 * h * b.1);
     let d = derivative(1.0, x + h * c.0, v + h * c.1);
     (x + h / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0), v + h / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1))
+}
+
+/// A table of steady points, speed by speed and current by current, as a trace with a point a second.
+/// It warms up as it goes on.
+pub fn steady_table(nature: &Nature, drive: &Drive) -> Trace {
+    let m = &nature.machine;
+    let mut random = Random::new(drive.seed, "points");
+    let mut housing = drive.housing;
+    let mut trace = Trace { step: drive.step, ..Trace::default() };
+    let count = drive.steps() - 1;
+    for k in 0..count {
+        let speed = m.peak_speed * ((k / 9 + 1) * 9) as f64 / count as f64;
+        let current = m.peak_current * (k % 9) as f64 / 8.0 * random.within(0.97, 1.03);
+        let heat = m.resistance * current * current;
+        housing += 0.05 * (REFERENCE + 0.3 * heat * m.thermal_resistance[1] - housing);
+        trace.motor_angle.push(0.0);
+        trace.motor_speed.push(speed);
+        trace.motor_acceleration.push(0.0);
+        trace.output_angle.push(0.0);
+        trace.output_speed.push(speed / m.ratio);
+        trace.output_acceleration.push(0.0);
+        trace.current.push(current);
+        trace.current_rate.push(0.0);
+        trace.torque.push(steady_torque(nature, speed, current, housing));
+        let winding = housing + 0.3 * heat * m.thermal_resistance[0];
+        let resistance = m.resistance * (1.0 + nature.copper * (winding - REFERENCE));
+        trace.voltage.push(resistance * current + m.torque_constant * speed);
+        trace.winding.push(winding);
+        trace.housing.push(housing);
+    }
+    trace
 }
 
 /// Torque at the output in steady running, the ripple over a turn averaged out \[N·m\].

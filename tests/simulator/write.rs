@@ -1,7 +1,7 @@
 //! A bench on disk: bench file, catalogue, logs.
 
 use super::random::Random;
-use super::world::{self, Nature, Trace};
+use super::world::{Nature, Trace};
 use super::{Bench, Channel, EffectTruth, Kind, LogTruth, Truth, sense};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -20,7 +20,6 @@ fn column(bench: &Bench, channel: Channel) -> (&'static str, &'static str, &'sta
         Channel::Velocity if linear => ("velocity", "v_mps", "m/s", ""),
         Channel::Position if output => ("position", "q_rad", "rad", ", side = \"output\""),
         Channel::Position => ("position", "q_rad", "rad", ", side = \"motor\""),
-        Channel::Velocity if bench.kind == Kind::SteadyTable => ("velocity", "w_radps", "rad/s", ", side = \"motor\""),
         Channel::Velocity => ("velocity", "w_radps", "rad/s", ", side = \"motor\""),
         Channel::OutputPosition => ("output_position", "q_out_rad", "rad", ", side = \"output\""),
         Channel::OutputVelocity => ("output_velocity", "w_out_radps", "rad/s", ", side = \"output\""),
@@ -100,52 +99,30 @@ fn write_log(bench: &Bench, nature: &Nature, noise_rms: f64, log: usize, base: T
     let scale = target_per_channel(bench);
     let channels: Vec<Channel> =
         bench.kind.channels().iter().copied().filter(|c| !bench.sensors.hidden.contains(c)).collect();
-    let (times, mut table, noise, contribution, trace);
-    if bench.kind == Kind::SteadyTable {
-        let points = steady(bench, nature, &mut random);
-        times = (0..points[0].len()).map(|k| k as f64).collect::<Vec<f64>>();
-        noise = sense::noise(&times, 0.0, &mut random).iter().map(|n| n * noise_rms).collect::<Vec<f64>>();
-        contribution = points[5].clone();
-        table = channels
-            .iter()
-            .map(|channel| {
-                points[match channel {
-                    Channel::Velocity => 0,
-                    Channel::Current => 1,
-                    Channel::Torque => 2,
-                    Channel::WindingTemperature => 3,
-                    _ => 4,
-                }]
-                .clone()
-            })
-            .collect::<Vec<Vec<f64>>>();
-        trace = Trace::default();
-    } else {
-        times = sense::times(bench.rate, bench.duration, &bench.sensors, &mut random);
-        noise = sense::noise(&times, bench.sensors.colored, &mut random).iter().map(|n| n * noise_rms).collect();
-        let full = bench.simulate(nature, log);
-        let fine: Vec<f64> =
-            (0..full.motor_angle.len()).map(|k| bench.balance(&full, k) - bench.balance(&base, k)).collect();
-        let mut change: Vec<f64> = times.iter().map(|&t| sense::at(&fine, full.step, t)).collect();
-        // In a shuffled log the machine is the plain one and the pieces come as noise.
-        trace = if bench.shuffled { base } else { full };
-        if bench.shuffled {
-            change = shuffle(&change, (0.25 * bench.rate) as usize, &mut random);
-        }
-        contribution = change;
-        table = channels
-            .iter()
-            .map(|&channel| {
-                // A servo's position is that of its output.
-                let read = if bench.kind == Kind::Servo && channel == Channel::Position {
-                    Channel::OutputPosition
-                } else {
-                    channel
-                };
-                sense::read(read, &trace, &times, &bench.sensors, &mut random)
-            })
-            .collect();
+    let times = sense::times(bench.rate, bench.duration, &bench.sensors, &mut random);
+    let noise: Vec<f64> =
+        sense::noise(&times, bench.sensors.colored, &mut random).iter().map(|n| n * noise_rms).collect();
+    let full = bench.simulate(nature, log);
+    let fine: Vec<f64> =
+        (0..full.motor_angle.len()).map(|k| bench.balance(&full, k) - bench.balance(&base, k)).collect();
+    let mut contribution: Vec<f64> = times.iter().map(|&t| sense::at(&fine, full.step, t)).collect();
+    // In a shuffled log the machine is the plain one and the pieces come as noise.
+    let trace = if bench.shuffled { base } else { full };
+    if bench.shuffled {
+        contribution = shuffle(&contribution, (0.25 * bench.rate) as usize, &mut random);
     }
+    let mut table: Vec<Vec<f64>> = channels
+        .iter()
+        .map(|&channel| {
+            // A servo's position is that of its output.
+            let read = if bench.kind == Kind::Servo && channel == Channel::Position {
+                Channel::OutputPosition
+            } else {
+                channel
+            };
+            sense::read(read, &trace, &times, &bench.sensors, &mut random)
+        })
+        .collect();
     for (channel, values) in channels.iter().zip(&mut table) {
         if *channel == target {
             for (k, value) in values.iter_mut().enumerate() {
@@ -159,6 +136,13 @@ fn write_log(bench: &Bench, nature: &Nature, noise_rms: f64, log: usize, base: T
         } else if *channel == Channel::Current {
             // A current sensor of a hundredth of a percent beside a better judge.
             values.iter_mut().for_each(|v| *v += 1e-4 * bench.machine.peak_current * random.normal());
+        }
+    }
+    for (channel, values) in channels.iter().zip(&mut table) {
+        for turned in [bench.sensors.wrong_sign, bench.sensors.reversed] {
+            if turned == Some(*channel) {
+                values.iter_mut().for_each(|v| *v = -*v);
+            }
         }
     }
     let mut text = String::new();
@@ -207,30 +191,6 @@ fn shuffle(values: &[f64], length: usize, random: &mut Random) -> Vec<f64> {
             piece.iter().map(move |v| sign * v).collect::<Vec<f64>>()
         })
         .collect()
-}
-
-/// Steady points: motor speed, current, torque, winding, housing, contribution of all effects.
-fn steady(bench: &Bench, nature: &Nature, random: &mut Random) -> [Vec<f64>; 6] {
-    let m = &bench.machine;
-    let plain = Nature::new(m.clone(), &bench.list(), &mut Random::new(bench.seed, "nature"));
-    let mut columns: [Vec<f64>; 6] = Default::default();
-    let mut housing = world::REFERENCE;
-    for a in 0..20 {
-        for b in 0..9 {
-            let speed = m.peak_speed * (f64::from(a) + 1.0) / 20.0;
-            let current = m.peak_current * f64::from(b) / 8.0 * random.within(0.97, 1.03);
-            let heat = m.resistance * current * current;
-            housing += 0.05 * (world::REFERENCE + heat * m.thermal_resistance[1] - housing);
-            let winding = housing + heat * m.thermal_resistance[0];
-            let torque = world::steady_torque(nature, speed, current, housing);
-            let without = world::steady_torque(&plain, speed, current, housing);
-            for (column, value) in columns.iter_mut().zip([speed, current, torque, winding, housing, without - torque])
-            {
-                column.push(value);
-            }
-        }
-    }
-    columns
 }
 
 fn join(logs: &[LogTruth], directory: &Path) {
@@ -306,7 +266,8 @@ fn bench_file(bench: &Bench, logs: &[LogTruth]) -> String {
     for &channel in bench.kind.channels() {
         if !bench.sensors.hidden.contains(&channel) {
             let (key, name, unit, more) = column(bench, channel);
-            let _ = writeln!(text, "{key} = {{ name = \"{name}\", unit = \"{unit}\"{more} }}");
+            let sign = if bench.sensors.reversed == Some(channel) { ", sign = -1" } else { "" };
+            let _ = writeln!(text, "{key} = {{ name = \"{name}\", unit = \"{unit}\"{more}{sign} }}");
         }
     }
     match bench.kind {
