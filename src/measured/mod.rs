@@ -4,5 +4,6 @@
 //! arrays over time and a declared model, and never a file.
 
 pub mod bench;
+pub mod read;
 
 pub use bench::{Bench, BenchKind, Channel, Controller, Declared, KnownLoad, Log, Use};
