@@ -110,6 +110,22 @@ kinds! {
     TORQUE_CONSTANT_SLOPE = "torque constant slope", [1, 2, -2, -1, -1], Optional(-1.0), "N*m/(A*K)", "1e-4 N*m/(A*K)";
     /// Change of a resistance with temperature \[Ω/K\].
     RESISTANCE_SLOPE = "resistance slope", [1, 2, -3, -2, -1], Exactly(0.0), "ohm/K", "2 mohm/K";
+    /// Force \[N\], of a linear axis.
+    FORCE = "force", [1, 1, -2, 0, 0], Exactly(0.0), "N", "30 N";
+    /// Speed along a line \[m/s\].
+    LINEAR_SPEED = "linear speed", [0, 1, -1, 0, 0], Exactly(0.0), "m/s", "0.2 m/s";
+    /// Acceleration along a line \[m/s²\].
+    LINEAR_ACCELERATION = "linear acceleration", [0, 1, -2, 0, 0], Exactly(0.0), "m/s^2", "3 m/s^2";
+    /// Viscous friction along a line \[N·s/m\].
+    LINEAR_VISCOUS_FRICTION = "linear viscous friction", [1, 0, -1, 0, 0], Exactly(0.0), "N*s/m", "200 N*s/m";
+    /// Drive force per volt of the demand \[N/V\].
+    FORCE_PER_VOLTAGE = "force per voltage", [0, -1, 1, 1, 0], Exactly(0.0), "N/V", "35.15 N/V";
+    /// Drive force per ampere \[N/A\].
+    FORCE_PER_CURRENT = "force per current", [1, 1, -2, -1, 0], Exactly(0.0), "N/A", "12 N/A";
+    /// Duty cycle per angle \[1/rad\].
+    PER_ANGLE = "gain per angle", [0, 0, 0, 0, 0], Exactly(-1.0), "1/rad", "0.3 1/rad";
+    /// Duty cycle per speed \[s/rad\].
+    PER_SPEED = "gain per speed", [0, 0, 1, 0, 0], Exactly(-1.0), "s/rad", "0.01 s/rad";
     /// A pure number; `%` is accepted.
     RATIO = "pure number", [0, 0, 0, 0, 0], Exactly(0.0), "1", "0.95";
 }

@@ -312,7 +312,7 @@ fn line_span(text: &str, start: usize) -> Span<usize> {
 }
 
 /// The span of the `position`-th cell of the record that starts at `start`, quotes respected.
-fn find_cell(text: &str, start: usize, position: usize) -> Span<usize> {
+pub(crate) fn find_cell(text: &str, start: usize, position: usize) -> Span<usize> {
     let bytes = text.as_bytes();
     let (mut at, mut cell, mut begin, mut quoted) = (start, 0, start, false);
     while at < bytes.len() {

@@ -157,6 +157,14 @@ impl<'a> Section<'a> {
         Some(text)
     }
 
+    /// A short printable string, or what stands for it where the key is not there.
+    pub fn name_or(&self, key: &'static str, default: impl FnOnce() -> String) -> Option<String> {
+        if !self.has(key) {
+            return Some(default());
+        }
+        self.required_text(key, "\"a name\"").map(Spanned::into_inner)
+    }
+
     /// A list of strings, if the key is there.
     pub fn texts(&self, key: &'static str) -> Option<Vec<Spanned<String>>> {
         let value = self.value(key)?;
@@ -349,6 +357,37 @@ impl<'a> Section<'a> {
     /// Whether the value at `key` is a table (for keys that are a word or a table).
     pub fn is_table(&self, key: &'static str) -> bool {
         self.value(key).is_some_and(|v| v.get_ref().is_table())
+    }
+
+    /// Whether the value at `key` is a string (for keys that are a bare number or a quantity).
+    pub fn is_text(&self, key: &'static str) -> bool {
+        self.value(key).is_some_and(|v| v.get_ref().is_str())
+    }
+
+    /// Whether the value at `key` is a list.
+    pub fn is_list(&self, key: &'static str) -> bool {
+        self.value(key).is_some_and(|v| v.get_ref().is_array())
+    }
+
+    /// Texts, numbers or truth values as they would stand in a cell: one, or a list of them.
+    pub fn cells(&self, key: &'static str) -> Vec<Spanned<String>> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let items = value.get_ref().as_array().map_or(std::slice::from_ref(value), |array| array.as_ref());
+        let mut cells = Vec::new();
+        for item in items {
+            let text = match item.get_ref() {
+                DeValue::String(text) => text.to_string(),
+                DeValue::Integer(number) if number.radix() == 10 => number.as_str().to_string(),
+                DeValue::Float(number) => number.as_str().to_string(),
+                DeValue::Boolean(truth) => truth.to_string(),
+                _ => {
+                    self.wrong_type(item, key, "a text or a number");
+                    continue;
+                }
+            };
+            cells.push(Spanned::new(item.span(), text));
+        }
+        cells
     }
 
     /// Notes every key that nobody asked for, with the nearest that exists.

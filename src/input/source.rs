@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use codespan_reporting::diagnostic::{Diagnostic, Label};
-use codespan_reporting::files::SimpleFile;
+use codespan_reporting::files::{self, Files, SimpleFile};
 use codespan_reporting::term;
 
 /// A file larger than this is refused with a message instead of being read \[bytes\].
@@ -21,6 +21,8 @@ pub struct Source {
     name: String,
     path: PathBuf,
     text: String,
+    // Of an excerpt: the number in the file of each of its lines. Empty where the text is the whole file.
+    lines: Vec<usize>,
 }
 
 impl Source {
@@ -71,7 +73,18 @@ impl Source {
         if text.starts_with('\u{feff}') {
             text.drain(..3);
         }
-        Source { path: PathBuf::from(&name), name, text }
+        Source { path: PathBuf::from(&name), name, text, lines: Vec::new() }
+    }
+
+    /// Some lines of a file that is too large to be kept, each with its number (from 1) and without line end.
+    pub fn excerpt(name: impl Into<String>, lines: &[(usize, String)]) -> Source {
+        let mut source = Source::new(name, "");
+        for (number, line) in lines {
+            source.lines.push(*number);
+            source.text.push_str(line);
+            source.text.push('\n');
+        }
+        source
     }
 
     /// The name it was opened by.
@@ -93,7 +106,44 @@ impl Source {
     pub fn position(&self, byte: usize) -> (usize, usize) {
         let before = &self.text[..byte.min(self.text.len())];
         let start = before.rfind('\n').map_or(0, |p| p + 1);
-        (before.matches('\n').count() + 1, before[start..].chars().count() + 1)
+        (self.line_number(before.matches('\n').count()), before[start..].chars().count() + 1)
+    }
+
+    /// The number in the file of a line of the text (counted from 0).
+    fn line_number(&self, index: usize) -> usize {
+        self.lines.get(index).copied().unwrap_or(index + 1)
+    }
+}
+
+/// The text for the terminal, with the line numbers of the file that an excerpt is of.
+struct Numbered<'a> {
+    source: &'a Source,
+    file: SimpleFile<String, &'a str>,
+}
+
+impl<'a> Files<'a> for Numbered<'a> {
+    type FileId = ();
+    type Name = String;
+    type Source = &'a str;
+
+    fn name(&'a self, (): ()) -> Result<String, files::Error> {
+        Ok(self.file.name().clone())
+    }
+
+    fn source(&'a self, (): ()) -> Result<&'a str, files::Error> {
+        Ok(&self.source.text)
+    }
+
+    fn line_index(&'a self, (): (), byte: usize) -> Result<usize, files::Error> {
+        Files::line_index(&self.file, (), byte)
+    }
+
+    fn line_number(&'a self, (): (), index: usize) -> Result<usize, files::Error> {
+        Ok(self.source.line_number(index))
+    }
+
+    fn line_range(&'a self, (): (), index: usize) -> Result<Range<usize>, files::Error> {
+        Files::line_range(&self.file, (), index)
     }
 }
 
@@ -190,7 +240,10 @@ impl InputError {
 impl fmt::Display for InputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // Long lines are cut, so that a file of noise does not print itself.
-        let file = SimpleFile::new(printable(&self.source.name), &self.source.text);
+        let file = Numbered {
+            source: &self.source,
+            file: SimpleFile::new(printable(&self.source.name), self.source.text.as_str()),
+        };
         let config = term::Config::default();
         for problem in self.problems.iter().take(MAX_SHOWN) {
             let long = problem.span.as_ref().is_some_and(|s| {

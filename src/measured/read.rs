@@ -1,0 +1,433 @@
+//! Bench files: TOML and the logs that it names, to SI and canonical frames.
+//!
+//! What a log lacks is checked here against its kind; what had to be assumed or was left out is said in
+//! the log's remarks.
+
+mod actuator;
+mod columns;
+mod table;
+
+use std::collections::BTreeMap;
+use std::ops::Range as Span;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use self::actuator::Frame;
+use self::columns::{Column, Target};
+use self::table::{Condition, Rows, Wanted};
+use super::bench::*;
+use crate::catalog::Catalog;
+use crate::input::{Form, InputError, Problem, Range, Section, Source};
+use crate::units;
+
+/// Standard gravity \[m/s²\].
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
+
+const USES: &[(&str, Use)] = &[("fit", Use::Fit), ("held_out", Use::HeldOut)];
+
+/// Reads a bench file and its logs.
+///
+/// # Errors
+/// All mistakes of the bench file, then those of its catalogue and of its logs.
+pub fn read(path: &Path) -> Result<Bench, Vec<InputError>> {
+    let source = Source::read(path).map_err(|e| vec![e])?;
+    let mut others = Vec::new();
+    let bench = Form::read(&source, |root| read_bench(root, path, &source, &mut others));
+    match bench {
+        Ok(bench) if others.is_empty() => Ok(bench),
+        Ok(_) => Err(others),
+        Err(error) => {
+            let mut errors = vec![error];
+            // A file that failed only because of its logs says nothing of its own.
+            errors.retain(|e| others.is_empty() || e.problems.iter().any(|p| p.span.is_some()));
+            errors.extend(others);
+            Err(errors)
+        }
+    }
+}
+
+/// A log as the bench file describes it.
+struct Plan {
+    file: String,
+    path: PathBuf,
+    file_span: Span<usize>,
+    span: Span<usize>,
+    usage: Use,
+    kind: BenchKind,
+    load: KnownLoad,
+    controller: Option<Controller>,
+    select: Vec<Condition>,
+    columns: Vec<Column>,
+}
+
+/// What the logs have in common.
+struct Common<'a> {
+    kind: Option<BenchKind>,
+    load: KnownLoad,
+    controller: Option<Controller>,
+    columns: Vec<Column>,
+    frame: &'a Frame,
+}
+
+fn read_bench(root: &Section, path: &Path, source: &Arc<Source>, others: &mut Vec<InputError>) -> Option<Bench> {
+    let name =
+        root.name_or("name", || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()));
+    let catalog = read_catalog(root, source, others);
+    let kind = root.choice("kind", BenchKind::NAMES);
+    let linear = kind == Some(BenchKind::Linear);
+    let actuator = match root.section("actuator") {
+        Some(section) => actuator::read(section, catalog.as_ref(), linear),
+        None => {
+            if !root.has("actuator") {
+                root.missing("actuator", "{ motor = \"t-motor-ri50\", ratio = 7.5 }");
+            }
+            None
+        }
+    };
+    let known = actuator.is_some();
+    let (declared, frame) = actuator.unzip();
+    let frame = frame.unwrap_or(Frame::unknown(linear));
+    let (load, controller) = (read_load(root, &frame), read_controller(root));
+    let columns = root.section("columns").map_or_else(Vec::new, |section| columns::read(section, &frame));
+    let common = Common { kind, load: load.unwrap_or_default(), controller, columns, frame: &frame };
+    let sections = root.sections("log");
+    if sections.is_empty() && !root.has("log") {
+        root.missing("log", "a table [[log]] with file = \"run1.csv\" for each log");
+    }
+    let count = sections.len();
+    let plans: Vec<Plan> = sections.into_iter().filter_map(|section| read_plan(section, &common, known)).collect();
+    let complete = plans.len() == count && count > 0;
+    let logs = read_logs(root, plans, &frame, others)?;
+    if !complete || !others.is_empty() {
+        return None;
+    }
+    Some(Bench { name: name?, path: path.to_path_buf(), catalog: catalog?, declared: declared?, logs })
+}
+
+fn read_catalog(root: &Section, source: &Arc<Source>, others: &mut Vec<InputError>) -> Option<Catalog> {
+    let catalog = if root.has("catalog") {
+        let paths: Vec<PathBuf> =
+            root.texts("catalog")?.iter().map(|text| source.folder().join(text.get_ref())).collect();
+        Catalog::read(&paths)
+    } else {
+        Catalog::builtin()
+    };
+    catalog.map_err(|errors| others.extend(errors)).ok()
+}
+
+/// What hangs at the output: `load`, or `pendulum`.
+fn read_load(section: &Section, frame: &Frame) -> Option<KnownLoad> {
+    if section.has("load") && section.has("pendulum") {
+        section.note(
+            Problem::at(
+                section.span_of("pendulum"),
+                "a log has `load` or `pendulum`, not both",
+                "remove one of the two",
+            )
+            .help("a pendulum is a load: mass, length and arm_mass"),
+        );
+        return None;
+    }
+    if let Some(table) = section.section("pendulum") {
+        let mass = table.required_quantity("mass", &units::MASS, Range::NonNegative);
+        let length = table.required_quantity("length", &units::LENGTH, Range::Positive);
+        let arm = table.quantity("arm_mass", &units::MASS, Range::NonNegative).unwrap_or(0.0);
+        table.finish();
+        let (mass, length) = (mass?, length?);
+        // A mass at the end of a slender arm.
+        return Some(KnownLoad {
+            inertia: Some((mass + arm / 3.0) * length * length),
+            gravity_torque: Some((mass + arm / 2.0) * STANDARD_GRAVITY * length),
+        });
+    }
+    let table = section.section("load")?;
+    let mass = table.quantity("mass", &units::MASS, Range::NonNegative);
+    let load = if frame.linear.is_some() {
+        KnownLoad { inertia: mass, gravity_torque: None }
+    } else {
+        let inertia = table.quantity("inertia", &units::INERTIA, Range::NonNegative);
+        let gravity = table.quantity("gravity_torque", &units::TORQUE, Range::NonNegative);
+        let distance = table.quantity("distance", &units::LENGTH, Range::NonNegative);
+        for (key, other, example) in [("mass", "distance", "\"0.1 m\""), ("distance", "mass", "\"0.5 kg\"")] {
+            if table.has(key) && !table.has(other) {
+                table.missing(other, example);
+            }
+        }
+        let point = mass.zip(distance);
+        // The inertia that is given is that about the output, its mass included.
+        KnownLoad {
+            inertia: inertia.or(point.map(|(m, d)| m * d * d)),
+            gravity_torque: gravity.or(point.map(|(m, d)| m * STANDARD_GRAVITY * d)),
+        }
+    };
+    table.finish();
+    Some(load)
+}
+
+fn read_controller(section: &Section) -> Option<Controller> {
+    let table = section.section("controller")?;
+    if !table.has("gain") {
+        table.missing("gain", "0.29  # duty per rad");
+    }
+    let number = |key, kind| {
+        if table.is_text(key) { table.quantity(key, kind, Range::Any) } else { table.number(key, Range::Any) }
+    };
+    let controller = Controller {
+        gain: number("gain", &units::PER_ANGLE).unwrap_or(f64::NAN),
+        damping: number("damping", &units::PER_SPEED).unwrap_or(0.0),
+        limit: table.number("limit", Range::Positive).unwrap_or(1.0),
+    };
+    table.finish();
+    controller.gain.is_finite().then_some(controller)
+}
+
+fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
+    let file = section.required_text("file", "\"run1.csv\"");
+    let usage = if section.has("use") { section.choice("use", USES) } else { Some(Use::Fit) };
+    let kind = if section.has("kind") { section.choice("kind", BenchKind::NAMES) } else { common.kind };
+    if kind.is_none() && !section.has("kind") && common.kind.is_none() {
+        section.missing("kind", "\"dynamometer\", here or at the top of the file");
+    }
+    let load = read_load(&section, common.frame);
+    let controller = read_controller(&section);
+    let own = section.section("columns").map_or_else(Vec::new, |table| columns::read(table, common.frame));
+    let columns = columns::merge(&common.columns, own);
+    let select = read_select(&section);
+    let span = section.span();
+    if let Some(kind) = kind {
+        check_kind(&section, kind, common.frame, known);
+        let controlled = controller.or(common.controller).is_some();
+        let has = |target: Target| columns.iter().any(|c| c.target == target);
+        if let Some(problem) = lacking(kind, controlled, common.frame, &span, &has).filter(|_| known) {
+            section.note(problem);
+        }
+    }
+    let mut plan = None;
+    if let (Some(file), Some(usage), Some(kind), Some(select)) = (file, usage, kind, select) {
+        let path = section.source().folder().join(file.get_ref());
+        match table::probe(&path) {
+            Ok(()) => {
+                let load = load.unwrap_or(common.load);
+                let controller = controller.or(common.controller);
+                let file_span = file.span();
+                let file = file.into_inner();
+                plan = Some(Plan { file, path, file_span, span, usage, kind, load, controller, select, columns });
+            }
+            Err((message, help)) => {
+                let mut problem =
+                    Problem::at(file.span(), format!("log `{}`: {message}", file.get_ref()), "named here");
+                problem.help = help;
+                section.note(problem);
+            }
+        }
+    }
+    section.finish();
+    plan
+}
+
+/// Whether the kind suits the actuator, and has a log at all.
+fn check_kind(section: &Section, kind: BenchKind, frame: &Frame, known: bool) {
+    let span = if section.has("kind") { section.span_of("kind") } else { section.span() };
+    if matches!(kind, BenchKind::Terminals | BenchKind::Rotor) {
+        section.note(Problem::at(
+            span,
+            format!("a log cannot be of kind `{}`: that is a reading, not a recording", kind.name()),
+            "expected a kind with a log",
+        ));
+    } else if known && frame.linear.is_some() != (kind == BenchKind::Linear) {
+        let (message, help) = if frame.linear.is_some() {
+            (format!("kind `{}` is of an actuator that turns", kind.name()), "this axis is linear: kind = \"linear\"")
+        } else {
+            (
+                "kind `linear` needs a linear axis".to_string(),
+                "for example actuator = { mass = \"95 kg\", force_gain = \"35.15 N/V\" }",
+            )
+        };
+        section.note(Problem::at(span, message, "does not suit the actuator").help(help));
+    }
+}
+
+/// One condition, or a list of conditions that must all hold. `None` where one of them is wrong.
+fn read_select(section: &Section) -> Option<Vec<Condition>> {
+    if !section.has("select") {
+        return Some(Vec::new());
+    }
+    let tables = if section.is_list("select") { section.sections("select") } else { vec![section.section("select")?] };
+    tables.into_iter().map(read_condition).collect()
+}
+
+fn read_condition(table: Section) -> Option<Condition> {
+    let column = table.required_text("column", "\"run\"");
+    let cells = table.cells("equals");
+    let (min, max) = (table.number("min", Range::Any), table.number("max", Range::Any));
+    let bounded = table.has("min") || table.has("max");
+    if !table.has("equals") && !bounded {
+        table.missing("equals", "\"run 1\", a list of values, or `min` and `max`");
+    }
+    let span = if table.has("equals") { table.span_of("equals") } else { table.span() };
+    table.finish();
+    let column = column?;
+    if cells.is_empty() && min.is_none() && max.is_none() {
+        return None;
+    }
+    Some(Condition {
+        column_span: column.span(),
+        column: column.into_inner().trim().to_string(),
+        equals: cells.into_iter().map(|c| c.into_inner().trim().to_string()).collect(),
+        min,
+        max,
+        span,
+    })
+}
+
+/// What a log of this kind needs and does not have.
+fn lacking(
+    kind: BenchKind,
+    controlled: bool,
+    frame: &Frame,
+    span: &Span<usize>,
+    has: &dyn Fn(Target) -> bool,
+) -> Option<Problem> {
+    use Channel::*;
+    let any = |channels: &[Channel]| channels.iter().any(|c| has(Target::Channel(*c)));
+    let linear = frame.linear.is_some();
+    // A steady table lists points, not instants.
+    let time = (kind == BenchKind::SteadyTable || has(Target::Time), "`time`");
+    let drive = (
+        any(&[Current]) || (!linear && any(&[Voltage, Duty])),
+        if linear { "`force`, or the column that `force_gain` is for" } else { "`current`, `voltage` or `duty`" },
+    );
+    let motion = (any(&[MotorPosition, MotorVelocity, OutputPosition, OutputVelocity]), "`velocity` or `position`");
+    let current = (any(&[Current]), "`current`");
+    let torque = (any(&[Torque]), "`torque`");
+    let needs = match kind {
+        BenchKind::Dynamometer | BenchKind::SteadyTable => vec![time, drive, torque, motion],
+        BenchKind::Free | BenchKind::Linear => vec![time, drive, motion],
+        BenchKind::Electrical => vec![time, (any(&[Voltage]), "`voltage`"), current, motion],
+        BenchKind::Stall => vec![time, current, torque],
+        BenchKind::Backdrive => vec![time, (any(&[Voltage, Torque]), "`voltage` or `torque`"), motion],
+        BenchKind::RandomTorque => vec![time, torque, motion],
+        BenchKind::Drag => vec![time, (any(&[Current, Torque]), "`current` or `torque`"), motion],
+        BenchKind::ThermalStep => {
+            let warm = any(&[WindingTemperature, HousingTemperature]);
+            vec![time, current, (warm, "`winding_temperature` or `housing_temperature`")]
+        }
+        BenchKind::Servo => {
+            let driven = any(&[Duty, Voltage]) || (controlled && any(&[Goal]));
+            let position = (any(&[MotorPosition, OutputPosition]), "`position`");
+            vec![time, (driven, "`duty` (or `goal` with `controller`)"), position]
+        }
+        BenchKind::Terminals | BenchKind::Rotor => Vec::new(),
+    };
+    let missing: Vec<&str> = needs.iter().filter(|(there, _)| !there).map(|(_, key)| *key).collect();
+    if missing.is_empty() {
+        return None;
+    }
+    let all: Vec<&str> = needs.iter().map(|(_, key)| *key).collect();
+    Some(
+        Problem::at(
+            span.clone(),
+            format!("a log of kind `{}` needs {}", kind.name(), missing.join(" and ")),
+            "this log has no such column",
+        )
+        .help(format!("kind `{}` needs {}; they are given in [columns]", kind.name(), all.join(", "))),
+    )
+}
+
+/// Reads every file once, and puts the logs in the order of the bench file.
+fn read_logs(root: &Section, plans: Vec<Plan>, frame: &Frame, others: &mut Vec<InputError>) -> Option<Vec<Log>> {
+    let mut files: Vec<(PathBuf, Vec<usize>)> = Vec::new();
+    for (index, plan) in plans.iter().enumerate() {
+        let canonical = plan.path.canonicalize().unwrap_or_else(|_| plan.path.clone());
+        match files.iter_mut().find(|(path, _)| *path == canonical) {
+            Some((_, indices)) => indices.push(index),
+            None => files.push((canonical, vec![index])),
+        }
+    }
+    let mut rows: BTreeMap<usize, (String, Rows)> = BTreeMap::new();
+    for (_, indices) in files {
+        let wanted: Vec<Wanted> = indices
+            .iter()
+            .map(|i| Wanted {
+                select: plans[*i].select.clone(),
+                columns: plans[*i].columns.clone(),
+                span: plans[*i].file_span.clone(),
+                held_out: plans[*i].usage == Use::HeldOut,
+            })
+            .collect();
+        match table::read(&plans[indices[0]].path, &wanted, &mut |problem| root.note(problem)) {
+            Ok(Some((hash, found))) => {
+                rows.extend(indices.iter().zip(found).map(|(i, found)| (*i, (hash.clone(), found))));
+            }
+            Ok(None) => {}
+            Err(error) => others.push(error),
+        }
+    }
+    let mut logs: Vec<Log> = Vec::new();
+    let mut complete = true;
+    for (index, plan) in plans.into_iter().enumerate() {
+        let Some((hash, rows)) = rows.remove(&index) else {
+            complete = false;
+            continue;
+        };
+        let mut log = assemble(&plan, hash, rows);
+        // What a column does not hold is as good as not there.
+        let has = |target: Target| match target {
+            Target::Time => true,
+            Target::Channel(channel) => log.channels.contains_key(&channel),
+        };
+        let emptied = log.channels.len() + usize::from(plan.columns.iter().any(|c| c.target == Target::Time))
+            < plan.columns.len();
+        if emptied && let Some(problem) = lacking(plan.kind, plan.controller.is_some(), frame, &plan.span, &has) {
+            let what = log.remarks.iter().filter(|r| r.contains("none of its")).cloned().collect::<Vec<_>>();
+            root.note(Problem { help: Some(what.join("; ")), ..problem });
+            complete = false;
+        }
+        if logs.iter().any(|l| l.name == log.name) {
+            let twice = logs.iter().filter(|l| l.name == log.name || l.name.starts_with(&format!("{} (", log.name)));
+            log.name = format!("{} ({})", log.name, twice.count() + 1);
+        }
+        logs.push(log);
+    }
+    complete.then_some(logs)
+}
+
+fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
+    let mut remarks: Vec<String> = Vec::new();
+    for column in &plan.columns {
+        remarks.extend(column.remarks.iter().cloned());
+    }
+    remarks.extend(rows.remarks);
+    Log {
+        name: plan.name(),
+        hash,
+        kind: plan.kind,
+        usage: plan.usage,
+        load: plan.load,
+        controller: plan.controller,
+        time: rows.time,
+        channels: rows.channels,
+        remarks,
+    }
+}
+
+impl Plan {
+    /// The file and what is selected of it, short.
+    fn name(&self) -> String {
+        let conditions: Vec<String> = self.select.iter().filter_map(Condition::label).collect();
+        if conditions.is_empty() {
+            return self.file.clone();
+        }
+        format!("{}, {}", self.file, conditions.join(", "))
+    }
+}
+
+impl Condition {
+    fn label(&self) -> Option<String> {
+        match self.equals.as_slice() {
+            [] => None,
+            [one] => Some(format!("{} {one}", self.column)),
+            [one, .., last] => Some(format!("{} {one} … {last}", self.column)),
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! The declared model: `actuator = { motor, ratio, … }`, or a linear axis.
+
+use toml::Spanned;
+
+use crate::actuator::effects::{EFFECTS, Effect};
+use crate::catalog::convention::{Commutation, CurrentConvention};
+use crate::catalog::{Catalog, Gear, Motor};
+use crate::input::{Problem, Range, Section};
+use crate::measured::bench::Declared;
+use crate::requirement::{GearModel, backdrive_efficiency};
+use crate::units::{self, Kind};
+
+/// Which column drives a linear axis, by the unit of its `force_gain`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drive {
+    /// The force itself.
+    Force,
+    /// The voltage of the demand; `force_gain` in N/V.
+    Voltage,
+    /// The current; `force_gain` in N/A.
+    Current,
+    /// The duty cycle; `force_gain` in N.
+    Duty,
+}
+
+/// What the columns of a log need to know of the actuator.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// The drive of a linear axis; `None` where things turn.
+    pub linear: Option<Drive>,
+    /// Drive force per unit of the driving column.
+    pub force_gain: f64,
+    /// Ratio, N.
+    pub ratio: f64,
+    /// Whether the motor has brushes.
+    pub commutation: Commutation,
+    /// The convention of the motor's row.
+    pub current: CurrentConvention,
+}
+
+impl Frame {
+    /// To go on reading where the actuator could not be read.
+    pub fn unknown(linear: bool) -> Frame {
+        Frame {
+            linear: linear.then_some(Drive::Force),
+            force_gain: 1.0,
+            ratio: 1.0,
+            commutation: Commutation::Brushed,
+            current: CurrentConvention::QAxis,
+        }
+    }
+}
+
+/// Reads the table `actuator`.
+pub fn read(section: Section, catalog: Option<&Catalog>, linear: bool) -> Option<(Declared, Frame)> {
+    let linear = linear || section.has("mass") || section.has("force_gain");
+    let read = if linear { read_linear(&section) } else { read_rotary(&section, catalog) };
+    section.finish();
+    read
+}
+
+fn read_linear(section: &Section) -> Option<(Declared, Frame)> {
+    if section.has("motor") {
+        section.note(
+            Problem::at(section.span_of("motor"), "a linear axis has no motor of the catalogue", "remove it")
+                .help("its drive is `force_gain`, newtons per unit of the column that drives it"),
+        );
+    }
+    let mass = section.required_quantity("mass", &units::MASS, Range::Positive);
+    let (drive, gain) = read_force_gain(section)?;
+    let declared = Declared {
+        motor: None,
+        ratio: 1.0,
+        gear: GearModel::IDEAL,
+        mass,
+        force_gain: gain,
+        viscous_friction: section.quantity("viscous_friction", &units::LINEAR_VISCOUS_FRICTION, Range::NonNegative),
+        coulomb_friction: section.quantity("coulomb_friction", &units::FORCE, Range::NonNegative),
+        fixture_inertia: 0.0,
+        effects: Vec::new(),
+    };
+    mass?;
+    Some((declared, Frame { linear: Some(drive), force_gain: gain, ..Frame::unknown(true) }))
+}
+
+fn read_force_gain(section: &Section) -> Option<(Drive, f64)> {
+    const KINDS: [(Drive, &Kind); 3] = [
+        (Drive::Voltage, &units::FORCE_PER_VOLTAGE),
+        (Drive::Current, &units::FORCE_PER_CURRENT),
+        (Drive::Duty, &units::FORCE),
+    ];
+    if !section.has("force_gain") {
+        return Some((Drive::Force, 1.0));
+    }
+    let text = section.text("force_gain")?;
+    for (drive, kind) in KINDS {
+        match units::quantity(text.get_ref(), kind) {
+            Ok(gain) if gain > 0.0 => return Some((drive, gain)),
+            Ok(_) => {
+                section.note(
+                    Problem::at(text.span(), "`force_gain` must be greater than zero", "expected a positive gain")
+                        .help("a drive that pushes the other way is `sign = -1` of its column"),
+                );
+                return None;
+            }
+            Err(_) => {}
+        }
+    }
+    section.note(
+        Problem::at(
+            text.span(),
+            format!("`force_gain` cannot be `{}`", text.get_ref()),
+            "expected newtons per volt, per ampere, or per full duty cycle",
+        )
+        .help("for example force_gain = \"35.15 N/V\", \"12 N/A\" or \"400 N\""),
+    );
+    None
+}
+
+fn read_rotary(section: &Section, catalog: Option<&Catalog>) -> Option<(Declared, Frame)> {
+    let motor = section.required_text("motor", "\"t-motor-ri50\"").and_then(|id| find_motor(section, &id, catalog));
+    let gear = section.text("gear").map(|id| find_gear(section, &id, catalog));
+    let listed = gear.flatten();
+    let ratio = section.number("ratio", Range::Positive).or(listed.map(|g| g.ratio));
+    if !section.has("ratio") && !section.has("gear") {
+        section.missing("ratio", "7.5  # 1 for direct drive");
+    }
+    let efficiency = section.number("efficiency", Range::Fraction).or(listed.and_then(|g| g.efficiency)).unwrap_or(1.0);
+    let backdrive = section.number("backdrive_efficiency", Range::Any);
+    if backdrive.is_some_and(|b| b > 1.0) {
+        section.note(Problem::at(
+            section.span_of("backdrive_efficiency"),
+            "`backdrive_efficiency` is out of range",
+            "expected at most 1",
+        ));
+    }
+    let given = section.has("efficiency");
+    let gear = GearModel {
+        efficiency,
+        backdrive_efficiency: backdrive
+            .or(listed.and_then(|g| g.backdrive_efficiency).filter(|_| !given))
+            .unwrap_or_else(|| backdrive_efficiency(efficiency)),
+        mass: listed.map_or(GearModel::IDEAL.mass, |g| g.mass),
+        mass_per_stage: None,
+        inertia: section
+            .quantity("gear_inertia", &units::INERTIA, Range::NonNegative)
+            .or(listed.and_then(|g| g.inertia))
+            .unwrap_or(0.0),
+        peak_torque: listed.and_then(|g| g.peak_torque),
+        continuous_torque: listed.and_then(|g| g.continuous_torque),
+        max_input_speed: listed.and_then(|g| g.max_input_speed),
+    };
+    let fixture_inertia = section.quantity("fixture_inertia", &units::INERTIA, Range::NonNegative).unwrap_or(0.0);
+    let effects = read_effects(section, motor);
+    let (motor, ratio) = (motor?, ratio?);
+    let frame = Frame {
+        linear: None,
+        force_gain: 1.0,
+        ratio,
+        commutation: motor.conventions.commutation,
+        current: motor.conventions.current,
+    };
+    let declared = Declared {
+        motor: Some(motor.clone()),
+        ratio,
+        gear,
+        mass: None,
+        force_gain: 1.0,
+        viscous_friction: None,
+        coulomb_friction: None,
+        fixture_inertia,
+        effects,
+    };
+    Some((declared, frame))
+}
+
+fn find_motor<'c>(section: &Section, id: &Spanned<String>, catalog: Option<&'c Catalog>) -> Option<&'c Motor> {
+    match catalog?.motor(id.get_ref()) {
+        Ok(motor) => Some(motor),
+        Err(near) => {
+            section.note(unknown_id("motor", id, near));
+            None
+        }
+    }
+}
+
+fn find_gear<'c>(section: &Section, id: &Spanned<String>, catalog: Option<&'c Catalog>) -> Option<&'c Gear> {
+    let gears = &catalog?.gears;
+    let found = gears.iter().find(|g| g.id == *id.get_ref());
+    if found.is_none() {
+        let near = crate::input::nearest(id.get_ref(), gears.iter().map(|g| g.id.as_str()));
+        section.note(unknown_id("gear", id, near));
+    }
+    found
+}
+
+fn unknown_id(what: &str, id: &Spanned<String>, near: Option<&str>) -> Problem {
+    let message = format!("there is no {what} `{}` in the catalogue", id.get_ref());
+    let problem = Problem::at(id.span(), message, "unknown id");
+    match near {
+        Some(near) => problem.help(format!("did you mean `{near}`?")),
+        None => problem.help("`catalog = [\"motors.csv\"]` at the top of the file says where to look"),
+    }
+}
+
+/// Effects that the model has already: a list of names, whose values the motor's row declares, or a
+/// table of names with their parameters.
+fn read_effects(section: &Section, motor: Option<&Motor>) -> Vec<(String, Vec<f64>)> {
+    let mut effects = Vec::new();
+    if section.is_list("effects") {
+        for name in section.texts("effects").unwrap_or_default() {
+            match EFFECTS.iter().find(|e| e.name() == name.get_ref()) {
+                None => section.note(
+                    Problem::at(name.span(), format!("unknown effect `{}`", name.get_ref()), "not in the library")
+                        .suggest(name.get_ref(), EFFECTS.iter().map(|e| e.name())),
+                ),
+                Some(effect) => effects.extend(declared_by_row(section, *effect, &name, motor)),
+            }
+        }
+        return effects;
+    }
+    if let Some(table) = section.section("effects") {
+        for effect in EFFECTS {
+            let Some(parameters) = table.section(effect.name()) else { continue };
+            let values: Vec<Option<f64>> = effect
+                .parameters()
+                .iter()
+                .map(|p| {
+                    if p.kind.needs_unit() {
+                        return parameters.required_quantity(p.name, p.kind, Range::Any);
+                    }
+                    if !parameters.has(p.name) {
+                        parameters.missing(p.name, p.kind.example);
+                    }
+                    parameters.number(p.name, Range::Any)
+                })
+                .collect();
+            parameters.finish();
+            if let Some(values) = values.into_iter().collect() {
+                effects.push((effect.name().to_string(), values));
+            }
+        }
+        table.finish();
+    }
+    effects
+}
+
+fn declared_by_row(
+    section: &Section,
+    effect: &dyn Effect,
+    name: &Spanned<String>,
+    motor: Option<&Motor>,
+) -> Option<(String, Vec<f64>)> {
+    let motor = motor?;
+    let values = effect.declared(motor);
+    if values.is_none() {
+        let example: Vec<String> =
+            effect.parameters().iter().map(|p| format!("{} = \"{}\"", p.name, p.kind.example)).collect();
+        section.note(
+            Problem::at(
+                name.span(),
+                format!("the row of `{}` does not say how large its {} is", motor.id, name.get_ref()),
+                "not in the catalogue row",
+            )
+            .help(format!(
+                "give its values: effects = {{ {} = {{ {} }} }}",
+                effect.name(),
+                example.join(", ")
+            )),
+        );
+    }
+    Some((effect.name().to_string(), values?))
+}

@@ -1,0 +1,370 @@
+//! What the columns of a log mean: each becomes one channel in SI and in its canonical frame, by a gain
+//! and an offset.
+
+use std::ops::Range as Span;
+
+use super::actuator::{Drive, Frame};
+use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, word};
+use crate::input::{Problem, Range, Section};
+use crate::measured::bench::Channel;
+use crate::units::{self, Kind};
+
+/// What a column becomes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Target {
+    /// The time axis.
+    Time,
+    /// A channel.
+    Channel(Channel),
+}
+
+/// A column of a log file: cell → `gain · cell + offset`.
+#[derive(Debug, Clone)]
+pub struct Column {
+    /// What it becomes.
+    pub target: Target,
+    /// Its key in the bench file.
+    pub key: &'static str,
+    /// Its name in the header of the log.
+    pub name: String,
+    /// Where the bench file names it.
+    pub span: Span<usize>,
+    /// SI in the canonical frame per unit of the cell.
+    pub gain: f64,
+    /// SI value of a cell that is zero.
+    pub offset: f64,
+    /// Cells are signed words of so many bits that were logged as unsigned.
+    pub bits: Option<u32>,
+    /// What was assumed.
+    pub remarks: Vec<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Motor,
+    Output,
+}
+
+const SIDES: &[(&str, Side)] = &[("motor", Side::Motor), ("output", Side::Output)];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Quantity {
+    Time,
+    Current,
+    Voltage,
+    Position,
+    Velocity,
+    Acceleration,
+    Torque,
+    Force,
+    Duty,
+    Supply,
+    BusCurrent,
+    Goal,
+    WindingTemperature,
+    HousingTemperature,
+}
+
+/// Every key with its quantity, and the side that the key itself says.
+const KEYS: &[(&str, Quantity, Option<Side>)] = &[
+    ("time", Quantity::Time, None),
+    ("current", Quantity::Current, None),
+    ("voltage", Quantity::Voltage, None),
+    ("position", Quantity::Position, None),
+    ("motor_position", Quantity::Position, Some(Side::Motor)),
+    ("output_position", Quantity::Position, Some(Side::Output)),
+    ("velocity", Quantity::Velocity, None),
+    ("motor_velocity", Quantity::Velocity, Some(Side::Motor)),
+    ("output_velocity", Quantity::Velocity, Some(Side::Output)),
+    ("acceleration", Quantity::Acceleration, None),
+    ("torque", Quantity::Torque, None),
+    ("force", Quantity::Force, None),
+    ("duty", Quantity::Duty, None),
+    ("supply", Quantity::Supply, None),
+    ("bus_current", Quantity::BusCurrent, None),
+    ("goal", Quantity::Goal, None),
+    ("temperature", Quantity::WindingTemperature, None),
+    ("winding_temperature", Quantity::WindingTemperature, None),
+    ("motor_temperature", Quantity::WindingTemperature, None),
+    ("housing_temperature", Quantity::HousingTemperature, None),
+    ("magnet_temperature", Quantity::HousingTemperature, None),
+];
+
+impl Quantity {
+    fn kind(self, linear: bool) -> &'static Kind {
+        match self {
+            Quantity::Time => &units::TIME,
+            Quantity::Current | Quantity::BusCurrent => &units::CURRENT,
+            Quantity::Voltage | Quantity::Supply => &units::VOLTAGE,
+            Quantity::Position | Quantity::Goal if linear => &units::LENGTH,
+            Quantity::Position | Quantity::Goal => &units::ANGLE,
+            Quantity::Velocity if linear => &units::LINEAR_SPEED,
+            Quantity::Velocity => &units::SPEED,
+            Quantity::Acceleration if linear => &units::LINEAR_ACCELERATION,
+            Quantity::Acceleration => &units::ACCELERATION,
+            Quantity::Torque if linear => &units::FORCE,
+            Quantity::Torque => &units::TORQUE,
+            Quantity::Force => &units::FORCE,
+            Quantity::Duty => &units::RATIO,
+            Quantity::WindingTemperature | Quantity::HousingTemperature => &units::TEMPERATURE,
+        }
+    }
+
+    fn has_side(self) -> bool {
+        matches!(
+            self,
+            Quantity::Position | Quantity::Velocity | Quantity::Acceleration | Quantity::Torque | Quantity::Goal
+        )
+    }
+}
+
+/// Reads a table of columns. Two columns for one channel are noted.
+pub fn read(section: Section, frame: &Frame) -> Vec<Column> {
+    let mut columns: Vec<Column> = Vec::new();
+    for (key, quantity, side) in KEYS {
+        let entries =
+            if section.is_list(key) { section.sections(key) } else { section.section(key).into_iter().collect() };
+        for entry in entries {
+            let span = entry.span();
+            let Some(column) = read_column(entry, key, *quantity, *side, frame) else { continue };
+            if let Some(first) = columns.iter().find(|c| c.target == column.target) {
+                let what = if first.key == *key { format!("`{key}`") } else { format!("`{}` and `{key}`", first.key) };
+                section.note(
+                    Problem::at(span, format!("two columns for one channel: {what}"), "second time")
+                        .help("a quantity may be given once for each side: side = \"motor\", side = \"output\""),
+                );
+                continue;
+            }
+            columns.push(column);
+        }
+    }
+    section.finish();
+    columns
+}
+
+/// The columns of a log: its own, and those of the whole file where it has none for the channel.
+pub fn merge(common: &[Column], own: Vec<Column>) -> Vec<Column> {
+    let mut columns: Vec<Column> =
+        common.iter().filter(|c| own.iter().all(|o| o.target != c.target)).cloned().collect();
+    columns.extend(own);
+    columns.sort_by_key(|c| c.target);
+    columns
+}
+
+fn read_column(
+    section: Section,
+    key: &'static str,
+    quantity: Quantity,
+    side: Option<Side>,
+    frame: &Frame,
+) -> Option<Column> {
+    let linear = frame.linear.is_some();
+    let kind = quantity.kind(linear);
+    let name = section.required_text("name", &format!("\"{key}\""));
+    let unit = read_unit(&section, key, kind);
+    let sign = section.number("sign", Range::Any).unwrap_or(1.0);
+    if sign.abs() != 1.0 {
+        section.note(
+            Problem::at(section.span_of("sign"), format!("`sign` of `{key}` cannot be {sign}"), "expected 1 or -1")
+                .help("what a cell has to be multiplied with is `scale`"),
+        );
+    }
+    let scale = section.number("scale", Range::Any).unwrap_or(1.0);
+    if scale == 0.0 {
+        section.note(Problem::at(
+            section.span_of("scale"),
+            format!("`scale` of `{key}` is zero"),
+            "expected a number other than 0",
+        ));
+    }
+    let bits = section.count("bits");
+    if bits.is_some_and(|b| !(2..=32).contains(&b)) {
+        section.note(Problem::at(
+            section.span_of("bits"),
+            format!("`bits` of `{key}` is out of range"),
+            "expected the width of a word, 2 to 32",
+        ));
+    }
+    let mut remarks = Vec::new();
+    let placed = place(&section, key, quantity, side, frame, &mut remarks);
+    section.finish();
+    let (target, factor) = placed?;
+    let (name, unit) = (name?, unit?);
+    let zero = unit.to_si(0.0, kind);
+    let gain = unit.scale() * scale * sign * factor;
+    let span = name.span();
+    let name = name.into_inner().trim().to_string();
+    Some(Column { target, key, name, span, gain, offset: zero * sign * factor, bits, remarks })
+}
+
+fn read_unit(section: &Section, key: &str, kind: &'static Kind) -> Option<units::Unit> {
+    let example = kind.example.split_once(' ').map_or("1", |(_, unit)| unit);
+    if !section.has("unit") {
+        if kind.needs_unit() {
+            section.note(
+                Problem::at(section.span(), format!("the column of `{key}` has no unit"), "`unit` is missing")
+                    .help(format!("for example unit = \"{example}\"")),
+            );
+            return None;
+        }
+        return units::unit_of("1", kind).ok();
+    }
+    let text = section.text("unit")?;
+    match units::unit_of(text.get_ref(), kind) {
+        Ok(unit) => Some(unit),
+        Err(error) => {
+            section.note(
+                Problem::at(
+                    text.span(),
+                    format!("`unit` of `{key}`: {}", error.message(kind)),
+                    format!("expected a unit of {}", kind.name),
+                )
+                .help(format!("for example unit = \"{example}\"")),
+            );
+            None
+        }
+    }
+}
+
+/// The channel of a quantity and the factor to its canonical frame.
+fn place(
+    section: &Section,
+    key: &'static str,
+    quantity: Quantity,
+    side: Option<Side>,
+    frame: &Frame,
+    remarks: &mut Vec<String>,
+) -> Option<(Target, f64)> {
+    let side = read_side(section, key, quantity, side, frame, remarks)?;
+    let motor = side == Side::Motor;
+    let channel = |channel| Some((Target::Channel(channel), 1.0));
+    // Torque grows by the ratio on its way to the output, motion shrinks.
+    let moved = |channel, factor: f64, remarks: &mut Vec<String>| {
+        if motor && frame.ratio != 1.0 {
+            remarks.push(format!("`{key}` was measured at the motor and is brought to the output by the ratio"));
+        }
+        Some((Target::Channel(channel), if motor { factor } else { 1.0 }))
+    };
+    if let Some(drive) = frame.linear {
+        return place_linear(section, key, quantity, drive, frame.force_gain);
+    }
+    match quantity {
+        Quantity::Time => Some((Target::Time, 1.0)),
+        Quantity::Current => Some((Target::Channel(Channel::Current), current_factor(section, frame, remarks))),
+        Quantity::Voltage => Some((Target::Channel(Channel::Voltage), voltage_factor(section, frame, remarks))),
+        Quantity::Position if motor => channel(Channel::MotorPosition),
+        Quantity::Position => channel(Channel::OutputPosition),
+        Quantity::Velocity if motor => channel(Channel::MotorVelocity),
+        Quantity::Velocity => channel(Channel::OutputVelocity),
+        Quantity::Acceleration => moved(Channel::OutputAcceleration, 1.0 / frame.ratio, remarks),
+        Quantity::Goal => moved(Channel::Goal, 1.0 / frame.ratio, remarks),
+        Quantity::Torque => moved(Channel::Torque, frame.ratio, remarks),
+        Quantity::Force => {
+            section.note(
+                Problem::at(section.span(), "only a linear axis has a column `force`", "this actuator turns")
+                    .help("the sensor of an actuator that turns is `torque`"),
+            );
+            None
+        }
+        Quantity::Duty => channel(Channel::Duty),
+        Quantity::Supply => channel(Channel::Supply),
+        Quantity::BusCurrent => channel(Channel::BusCurrent),
+        Quantity::WindingTemperature => channel(Channel::WindingTemperature),
+        Quantity::HousingTemperature => channel(Channel::HousingTemperature),
+    }
+}
+
+/// On a linear axis the drive, whatever its unit, is the current channel; `force_gain` newtons each.
+fn place_linear(
+    section: &Section,
+    key: &'static str,
+    quantity: Quantity,
+    drive: Drive,
+    force_gain: f64,
+) -> Option<(Target, f64)> {
+    let driving = match drive {
+        Drive::Force => Quantity::Force,
+        Drive::Voltage => Quantity::Voltage,
+        Drive::Current => Quantity::Current,
+        Drive::Duty => Quantity::Duty,
+    };
+    let channel = match quantity {
+        Quantity::Time => return Some((Target::Time, 1.0)),
+        Quantity::Force => return Some((Target::Channel(Channel::Current), 1.0 / force_gain)),
+        _ if quantity == driving => Channel::Current,
+        Quantity::Current => {
+            section.note(
+                Problem::at(
+                    section.span(),
+                    format!("`{key}` does not drive this axis"),
+                    "its force per ampere is not known",
+                )
+                .help("for example actuator = { mass = \"95 kg\", force_gain = \"12 N/A\" }"),
+            );
+            return None;
+        }
+        Quantity::Voltage => Channel::Voltage,
+        Quantity::Duty => Channel::Duty,
+        Quantity::Position => Channel::OutputPosition,
+        Quantity::Velocity => Channel::OutputVelocity,
+        Quantity::Acceleration => Channel::OutputAcceleration,
+        Quantity::Torque => Channel::Torque,
+        Quantity::Supply => Channel::Supply,
+        Quantity::BusCurrent => Channel::BusCurrent,
+        Quantity::Goal => Channel::Goal,
+        Quantity::WindingTemperature => Channel::WindingTemperature,
+        Quantity::HousingTemperature => Channel::HousingTemperature,
+    };
+    Some((Target::Channel(channel), 1.0))
+}
+
+fn read_side(
+    section: &Section,
+    key: &'static str,
+    quantity: Quantity,
+    side: Option<Side>,
+    frame: &Frame,
+    remarks: &mut Vec<String>,
+) -> Option<Side> {
+    let said = match side {
+        Some(side) => Some(side),
+        None if quantity.has_side() => {
+            let said = section.choice("side", SIDES);
+            if said.is_none() && section.has("side") {
+                return None;
+            }
+            said
+        }
+        None => return Some(Side::Output),
+    };
+    if frame.linear.is_some() && said == Some(Side::Motor) {
+        section.note(Problem::at(
+            section.span(),
+            format!("`{key}` is at the motor, but a linear axis is measured where it moves"),
+            "expected side = \"output\"",
+        ));
+        return None;
+    }
+    if said.is_none() && frame.linear.is_none() && frame.ratio != 1.0 {
+        remarks.push(format!("`{key}` names no side and is taken at the output"));
+    }
+    Some(said.unwrap_or(Side::Output))
+}
+
+fn current_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> f64 {
+    let said = section.choice("convention", CurrentConvention::NAMES);
+    let convention = said.unwrap_or(frame.current);
+    if said.is_none() && frame.commutation == Commutation::Brushless {
+        let word = word(CurrentConvention::NAMES, &convention);
+        remarks.push(format!("`current` names no convention and is taken as that of the motor's row, {word}"));
+    }
+    convention.torque_current(frame.commutation)
+}
+
+fn voltage_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> f64 {
+    let said = section.choice("convention", BackEmfConvention::NAMES);
+    if said.is_none() && frame.commutation == Commutation::Brushless {
+        remarks.push("`voltage` names no convention and is taken on the q axis".to_string());
+    }
+    said.unwrap_or(BackEmfConvention::QAxis).back_emf_constant(frame.commutation)
+}
