@@ -405,6 +405,17 @@ fn files_have_the_rows_and_columns_promised() {
 }
 
 #[test]
+fn a_poor_bench_shows_one_state() {
+    for kind in [Kind::Dynamometer, Kind::Free, Kind::Electrical] {
+        let (_folder, truth) = written(&clean(kind, 16).poor());
+        for log in &truth.logs {
+            let speeds = &log.trace.motor_speed;
+            assert!(speeds[0] > 0.0 && speeds.iter().all(|w| (w - speeds[0]).abs() < 1e-6 * speeds[0]));
+        }
+    }
+}
+
+#[test]
 fn several_runs_go_into_one_file() {
     let bench = Bench { one_file: true, ..clean(Kind::Dynamometer, 8) };
     let (folder, truth) = written(&bench);
