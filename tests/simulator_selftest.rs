@@ -405,6 +405,17 @@ fn files_have_the_rows_and_columns_promised() {
 }
 
 #[test]
+fn a_poor_bench_shows_one_state() {
+    for kind in [Kind::Dynamometer, Kind::Free, Kind::Electrical] {
+        let (_folder, truth) = written(&clean(kind, 16).poor());
+        for log in &truth.logs {
+            let speeds = &log.trace.motor_speed;
+            assert!(speeds[0] > 0.0 && speeds.iter().all(|w| (w - speeds[0]).abs() < 1e-6 * speeds[0]));
+        }
+    }
+}
+
+#[test]
 fn several_runs_go_into_one_file() {
     let bench = Bench { one_file: true, ..clean(Kind::Dynamometer, 8) };
     let (folder, truth) = written(&bench);
@@ -444,6 +455,108 @@ fn artefacts_are_what_they_are_said_to_be() {
             assert!((torque[row] - expected).abs() < 1e-5, "{} {expected}", torque[row]);
             assert!((speed[row] - log.trace.motor_speed[then(0.004)]).abs() < 0.1);
             assert!((current[row] + log.trace.current[row * stride]).abs() < 0.01);
+        }
+    }
+}
+
+/// Mean over a window of rows, every so many rows.
+fn smooth(values: &[f64]) -> Vec<f64> {
+    const WINDOW: usize = 15;
+    values.windows(WINDOW).step_by(4).map(|w| w.iter().sum::<f64>() / WINDOW as f64).collect()
+}
+
+/// Least squares of the target on regressors and a constant per log, all smoothed alike.
+fn regression(logs: &[(Vec<f64>, Vec<Vec<f64>>)]) -> Vec<f64> {
+    let count = logs[0].1.len();
+    let width = count + logs.len();
+    let mut normal = nalgebra::DMatrix::<f64>::zeros(width, width);
+    let mut right = nalgebra::DVector::<f64>::zeros(width);
+    for (which, (target, regressors)) in logs.iter().enumerate() {
+        let target = smooth(target);
+        let columns: Vec<Vec<f64>> = regressors.iter().map(|r| smooth(r)).collect();
+        for (k, y) in target.iter().enumerate() {
+            let mut row = nalgebra::DVector::<f64>::zeros(width);
+            (0..count).for_each(|c| row[c] = columns[c][k]);
+            row[count + which] = 1.0;
+            normal += &row * row.transpose();
+            right += *y * row;
+        }
+    }
+    normal.lu().solve(&right).unwrap().as_slice()[..count].to_vec()
+}
+
+/// Slope by central differences over some rows.
+fn slope(values: &[f64], time: &[f64]) -> Vec<f64> {
+    let last = values.len() - 1;
+    (0..=last)
+        .map(|k| {
+            let (a, b) = (k.saturating_sub(4), (k + 4).min(last));
+            (values[b] - values[a]) / (time[b] - time[a])
+        })
+        .collect()
+}
+
+#[test]
+fn plain_regression_finds_the_machine_in_the_logs() {
+    // Instruments without lag: what is asked is whether the logs excite, not whether lags are found.
+    let prompt = |bench: Bench| {
+        bench.sensors(|s| {
+            s.velocity = Velocity::Estimate { late: 0.0 };
+            s.torque_corner = f64::INFINITY;
+        })
+    };
+    for seed in 20..23 {
+        let (_folder, truth) = written(&prompt(scenario("viscous_friction", 5.0, seed)));
+        let logs: Vec<(Vec<f64>, Vec<Vec<f64>>)> = (0..3)
+            .map(|k| {
+                let speed = column(&truth, k, "w_radps");
+                let acceleration = slope(&speed, &column(&truth, k, "t_s"));
+                let sign = speed.iter().map(|w| (w / 0.3).tanh()).collect();
+                let current = column(&truth, k, "iq_a");
+                (column(&truth, k, "tau_nm"), vec![current, acceleration, speed, sign])
+            })
+            .collect();
+        let found = regression(&logs);
+        let (m, n) = (&truth.machine, truth.machine.ratio);
+        let viscous = truth.effects[0].parameter("b");
+        for (found, true_) in found.iter().zip([m.torque_constant, -m.inertia, -viscous, -m.coulomb]) {
+            assert!((found / n / true_ - 1.0).abs() < 0.1, "{} {true_}", found / n);
+        }
+        let (_folder, truth) = written(&prompt(scenario("gravity", 5.0, seed)));
+        let logs: Vec<(Vec<f64>, Vec<Vec<f64>>)> = (0..3)
+            .map(|k| {
+                let speed = column(&truth, k, "w_radps");
+                let acceleration = slope(&speed, &column(&truth, k, "t_s"));
+                let sign = speed.iter().map(|w| (w / 0.3).tanh()).collect();
+                let angle: Vec<f64> = column(&truth, k, "q_rad").iter().map(|q| q / truth.machine.ratio).collect();
+                let sine = angle.iter().map(|q| q.sin()).collect();
+                let cosine = angle.iter().map(|q| q.cos()).collect();
+                (column(&truth, k, "iq_a"), vec![acceleration, speed, sign, sine, cosine])
+            })
+            .collect();
+        let found = regression(&logs);
+        let (m, n) = (&truth.machine, truth.machine.ratio);
+        let per_ampere: Vec<f64> = found.iter().map(|f| f * m.torque_constant).collect();
+        let inertia = m.inertia + m.load_inertia / (n * n);
+        for (found, true_) in per_ampere.iter().zip([inertia, m.viscous, m.coulomb]) {
+            assert!((found / true_ - 1.0).abs() < 0.1, "{found} {true_}");
+        }
+        let gravity = per_ampere[3].hypot(per_ampere[4]) * n;
+        let asked = truth.effects[0].parameter("m_g_l");
+        assert!((gravity / asked - 1.0).abs() < 0.1, "{gravity} {asked}");
+        let (_folder, truth) = written(&prompt(scenario("winding_temperature", 5.0, seed)));
+        let logs: Vec<(Vec<f64>, Vec<Vec<f64>>)> = (0..3)
+            .map(|k| {
+                let current = column(&truth, k, "iq_a");
+                let hot = column(&truth, k, "t_winding_c");
+                let rise = current.iter().zip(&hot).map(|(i, t)| i * (t - 25.0)).collect();
+                (column(&truth, k, "vq_v"), vec![current, rise, column(&truth, k, "w_radps")])
+            })
+            .collect();
+        let found = regression(&logs);
+        let m = &truth.machine;
+        for (found, true_) in found.iter().zip([m.resistance, m.resistance * world::COPPER, m.torque_constant]) {
+            assert!((found / true_ - 1.0).abs() < 0.1, "{found} {true_}");
         }
     }
 }
