@@ -84,11 +84,13 @@ fn read_bench(root: &Section, path: &Path, source: &Arc<Source>, others: &mut Ve
             None
         }
     };
-    let known = actuator.is_some();
+    let actuator_known = actuator.is_some();
     let (declared, frame) = actuator.unzip();
     let frame = frame.unwrap_or(Frame::unknown(linear));
     let (load, controller) = (read_load(root, &frame), read_controller(root));
-    let columns = root.section("columns").map_or_else(Vec::new, |section| columns::read(section, &frame));
+    let (columns, complete) =
+        root.section("columns").map_or((Vec::new(), true), |section| columns::read(section, &frame));
+    let known = actuator_known && complete;
     let common = Common { kind, load: load.unwrap_or_default(), controller, columns, frame: &frame };
     let sections = root.sections("log");
     if sections.is_empty() && !root.has("log") {
@@ -190,7 +192,8 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
     }
     let load = read_load(&section, common.frame);
     let controller = read_controller(&section);
-    let own = section.section("columns").map_or_else(Vec::new, |table| columns::read(table, common.frame));
+    let (own, complete) =
+        section.section("columns").map_or((Vec::new(), true), |table| columns::read(table, common.frame));
     let columns = columns::merge(&common.columns, own);
     let select = read_select(&section);
     let span = section.span();
@@ -198,7 +201,7 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
         check_kind(&section, kind, common.frame, known);
         let controlled = controller.or(common.controller).is_some();
         let has = |target: Target| columns.iter().any(|c| c.target == target);
-        if let Some(problem) = lacking(kind, controlled, common.frame, &span, &has).filter(|_| known) {
+        if let Some(problem) = lacking(kind, controlled, common.frame, &span, &has).filter(|_| known && complete) {
             section.note(problem);
         }
     }

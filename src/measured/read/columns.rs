@@ -118,15 +118,20 @@ impl Quantity {
     }
 }
 
-/// Reads a table of columns. Two columns for one channel are noted.
-pub fn read(section: Section, frame: &Frame) -> Vec<Column> {
+/// Reads a table of columns, and says whether all of them could be read. Two columns for one channel
+/// are noted.
+pub fn read(section: Section, frame: &Frame) -> (Vec<Column>, bool) {
     let mut columns: Vec<Column> = Vec::new();
+    let mut complete = true;
     for (key, quantity, side) in KEYS {
         let entries =
             if section.is_list(key) { section.sections(key) } else { section.section(key).into_iter().collect() };
         for entry in entries {
             let span = entry.span();
-            let Some(column) = read_column(entry, key, *quantity, *side, frame) else { continue };
+            let Some(column) = read_column(entry, key, *quantity, *side, frame) else {
+                complete = false;
+                continue;
+            };
             if let Some(first) = columns.iter().find(|c| c.target == column.target) {
                 let what = if first.key == *key { format!("`{key}`") } else { format!("`{}` and `{key}`", first.key) };
                 section.note(
@@ -139,7 +144,7 @@ pub fn read(section: Section, frame: &Frame) -> Vec<Column> {
         }
     }
     section.finish();
-    columns
+    (columns, complete)
 }
 
 /// The columns of a log: its own, and those of the whole file where it has none for the channel.

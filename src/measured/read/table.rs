@@ -270,8 +270,9 @@ impl<'a> Gather<'a> {
                 let message = format!("there is no column `{name}` in `{file}`");
                 let mut problem = Problem::at(span.clone(), message, "not in its header");
                 problem = match nearest(name, header.iter().map(String::as_str).filter(|h| !h.is_empty())) {
-                    Some(near) => problem.help(format!("did you mean `{near}`?")),
-                    None => {
+                    // Names of one letter are all alike.
+                    Some(near) if name.len() > 1 => problem.help(format!("did you mean `{near}`?")),
+                    _ => {
                         let shown: Vec<String> = header.iter().take(40).map(|h| h.chars().take(60).collect()).collect();
                         problem.help(format!("its columns: {}", shown.join(", ")))
                     }
