@@ -123,6 +123,8 @@ pub struct Controller {
     pub damping: f64,
     /// Largest duty.
     pub limit: f64,
+    /// Supply voltage where the log does not have it \[V\].
+    pub supply: Option<f64>,
 }
 
 /// One log, in SI and canonical frames. Every channel has as many entries as `time`; NaN is missing.

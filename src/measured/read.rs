@@ -168,14 +168,17 @@ fn read_load(section: &Section, frame: &Frame) -> Option<KnownLoad> {
 
 fn read_controller(section: &Section) -> Option<Controller> {
     let table = section.section("controller")?;
-    if !table.has("gain") {
+    // The gain is often called kp.
+    let gain = if table.has("kp") { "kp" } else { "gain" };
+    if !table.has(gain) {
         table.missing("gain", "0.29  # duty per rad");
     }
     let number = |key, kind| {
         if table.is_text(key) { table.quantity(key, kind, Range::Any) } else { table.number(key, Range::Any) }
     };
     let controller = Controller {
-        gain: number("gain", &units::PER_ANGLE).unwrap_or(f64::NAN),
+        gain: number(gain, &units::PER_ANGLE).unwrap_or(f64::NAN),
+        supply: table.quantity("supply", &units::VOLTAGE, Range::Positive),
         damping: number("damping", &units::PER_SPEED).unwrap_or(0.0),
         limit: table.number("limit", Range::Positive).unwrap_or(1.0),
     };

@@ -251,7 +251,7 @@ fn bench_file(bench: &Bench, logs: &[LogTruth]) -> String {
         };
         let _ = writeln!(text, "actuator = {{ motor = \"{MOTOR}\", ratio = {}{gear} }}", m.ratio);
     } else {
-        let _ = writeln!(text, "[axis]\nmass = \"{:.8} kg\"", m.load_inertia * bench.declared.inertia);
+        let _ = writeln!(text, "[actuator]\nmass = \"{:.8} kg\"", m.load_inertia * bench.declared.inertia);
         if let Some(factor) = bench.declared.viscous {
             let _ = writeln!(text, "viscous_friction = \"{:.8} N*s/m\"", m.viscous * factor);
         }
@@ -276,7 +276,7 @@ fn bench_file(bench: &Bench, logs: &[LogTruth]) -> String {
         }
         Kind::Servo => {
             let servo = bench.servo;
-            let _ = writeln!(text, "[controller]\nkp = \"{:.8} 1/rad\"\nsupply = \"{} V\"", servo.gain, m.bus);
+            let _ = writeln!(text, "[controller]\ngain = \"{:.8} 1/rad\"\nsupply = \"{} V\"", servo.gain, m.bus);
             let _ = writeln!(text, "[pendulum]\nmass = \"{:.8} kg\"\nlength = \"{:.8} m\"", servo.mass, servo.length);
         }
         _ => {}

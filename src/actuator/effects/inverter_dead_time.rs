@@ -1,7 +1,8 @@
-use super::{Effect, Enters, Equation, Operating, Parameter, Scale, Variable, positive, sign};
+use super::{Effect, Enters, Equation, Operating, Parameter, Scale, Shape, Variable, positive};
 use crate::units;
 
-/// Dead time of the inverter: voltage lost in the direction of the current, `V_d sgn i`.
+/// Dead time of the inverter: voltage lost in the direction of the current, `V_d sgn i`, with the sign as
+/// soft as the ripple of the current makes it: `V_d tanh(i/i_0)`.
 #[derive(Debug)]
 pub struct InverterDeadTime;
 
@@ -11,11 +12,14 @@ impl Effect for InverterDeadTime {
     }
 
     fn equation(&self) -> &'static str {
-        "V_d sgn i"
+        "V_d tanh(i/i_0)"
     }
 
     fn parameters(&self) -> &'static [Parameter] {
-        &[Parameter { name: "voltage", symbol: "V_d", kind: &units::VOLTAGE }]
+        &[
+            Parameter { name: "voltage", symbol: "V_d", kind: &units::VOLTAGE },
+            Parameter { name: "current", symbol: "i_0", kind: &units::CURRENT },
+        ]
     }
 
     fn needs(&self) -> &'static [Variable] {
@@ -26,8 +30,12 @@ impl Effect for InverterDeadTime {
         Equation::Voltage
     }
 
-    fn basis(&self, _shape: f64, at: &Operating) -> [f64; 2] {
-        [sign(at.current), 0.0]
+    fn shape(&self) -> Shape {
+        Shape::Current
+    }
+
+    fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
+        [(at.current / shape).tanh(), 0.0]
     }
 
     fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {

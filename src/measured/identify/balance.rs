@@ -649,12 +649,9 @@ fn stretch(
     let angle = motor_angle.clone().or_else(|| output_angle.as_ref().map(|o| o.iter().map(|v| v * ratio).collect()));
     let out_angle =
         output_angle.clone().or_else(|| motor_angle.as_ref().map(|m| m.iter().map(|v| v / ratio).collect()));
-    let supply = grid.get(Channel::Supply);
+    let supply = grid.get(Channel::Supply).or_else(|| log.controller.and_then(|c| c.supply).map(|v| vec![v; n]));
     let duty = grid.get(Channel::Duty);
-    let per_volt = declared
-        .motor
-        .as_ref()
-        .map_or(1.0, |m| crate::catalog::convention::Modulation::SpaceVector.voltage(m.conventions.commutation));
+    let per_volt = declared.motor.as_ref().map_or(1.0, volts_per_duty);
     let applied: Option<Vec<f64>> = grid.get(Channel::Voltage).or_else(|| {
         let (d, v) = (duty.as_ref()?, supply.as_ref()?);
         Some(d.iter().zip(v).map(|(d, v)| d * v * per_volt).collect())
@@ -784,6 +781,17 @@ fn stretch(
         filter: None,
         keep: Vec::new(),
     })
+}
+
+/// Quadrature voltage per volt of duty times supply: a brushed motor, and a row that is on the q axis
+/// already, take all of it.
+fn volts_per_duty(motor: &crate::catalog::Motor) -> f64 {
+    use crate::catalog::convention::{BLOCK, Commutation, CurrentConvention, Modulation};
+    match (motor.conventions.commutation, motor.conventions.current) {
+        (Commutation::Brushed, _) | (_, CurrentConvention::QAxis) => 1.0,
+        (_, CurrentConvention::Dc) => BLOCK,
+        (commutation, _) => Modulation::SpaceVector.voltage(commutation),
+    }
 }
 
 fn second_derivative(values: &[f64], step: f64) -> Vec<f64> {

@@ -246,6 +246,9 @@ fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
         Shape::None => vec![0.0],
         Shape::Speed if effect.name() == "stribeck_friction" => spaced(0.01 * scale.speed, 0.4 * scale.speed, 8),
         Shape::Speed => spaced(0.08 * scale.speed, 1.2 * scale.speed, 8),
+        Shape::Current if effect.name() == "inverter_dead_time" => {
+            spaced(0.003 * scale.current, 0.3 * scale.current, 8)
+        }
         Shape::Current => spaced(0.25 * scale.current, 4.0 * scale.current, 8),
         Shape::Order => {
             let mut orders = order_scores(work, fit, effect);

@@ -119,14 +119,21 @@ fn read_force_gain(section: &Section) -> Option<(Drive, f64)> {
 
 fn read_rotary(section: &Section, catalog: Option<&Catalog>) -> Option<(Declared, Frame)> {
     let motor = section.required_text("motor", "\"t-motor-ri50\"").and_then(|id| find_motor(section, &id, catalog));
-    let gear = section.text("gear").map(|id| find_gear(section, &id, catalog));
+    // `gear` is the id of a gear of the catalogue, or a table of its numbers.
+    let table = if section.is_table("gear") { section.section("gear") } else { None };
+    let gear = if table.is_none() { section.text("gear").map(|id| find_gear(section, &id, catalog)) } else { None };
     let listed = gear.flatten();
     let ratio = section.number("ratio", Range::Positive).or(listed.map(|g| g.ratio));
-    if !section.has("ratio") && !section.has("gear") {
+    if !section.has("ratio") && (!section.has("gear") || table.is_some()) {
         section.missing("ratio", "7.5  # 1 for direct drive");
     }
-    let efficiency = section.number("efficiency", Range::Fraction).or(listed.and_then(|g| g.efficiency)).unwrap_or(1.0);
-    let backdrive = section.number("backdrive_efficiency", Range::Any);
+    let of_table = |key, range| table.as_ref().and_then(|t| t.number(key, range));
+    let efficiency = section
+        .number("efficiency", Range::Fraction)
+        .or(of_table("efficiency", Range::Fraction))
+        .or(listed.and_then(|g| g.efficiency))
+        .unwrap_or(1.0);
+    let backdrive = section.number("backdrive_efficiency", Range::Any).or(of_table("backdrive_efficiency", Range::Any));
     if backdrive.is_some_and(|b| b > 1.0) {
         section.note(Problem::at(
             section.span_of("backdrive_efficiency"),
@@ -134,7 +141,7 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>) -> Option<(Declared
             "expected at most 1",
         ));
     }
-    let given = section.has("efficiency");
+    let given = section.has("efficiency") || table.as_ref().is_some_and(|t| t.has("efficiency"));
     let gear = GearModel {
         efficiency,
         backdrive_efficiency: backdrive
@@ -144,12 +151,16 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>) -> Option<(Declared
         mass_per_stage: None,
         inertia: section
             .quantity("gear_inertia", &units::INERTIA, Range::NonNegative)
+            .or(table.as_ref().and_then(|t| t.quantity("inertia", &units::INERTIA, Range::NonNegative)))
             .or(listed.and_then(|g| g.inertia))
             .unwrap_or(0.0),
         peak_torque: listed.and_then(|g| g.peak_torque),
         continuous_torque: listed.and_then(|g| g.continuous_torque),
         max_input_speed: listed.and_then(|g| g.max_input_speed),
     };
+    if let Some(table) = table {
+        table.finish();
+    }
     let fixture_inertia = section.quantity("fixture_inertia", &units::INERTIA, Range::NonNegative).unwrap_or(0.0);
     let effects = read_effects(section, motor);
     let (motor, ratio) = (motor?, ratio?);

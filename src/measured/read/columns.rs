@@ -332,7 +332,22 @@ fn read_side(
     remarks: &mut Vec<String>,
 ) -> Option<Side> {
     let said = match side {
-        Some(side) => Some(side),
+        Some(own) => {
+            // The key says it already; saying it once more is no mistake, saying the other is.
+            let again = if section.has("side") { section.choice("side", SIDES) } else { None };
+            if again.is_some_and(|side| side != own) {
+                section.note(
+                    Problem::at(
+                        section.span_of("side"),
+                        format!("`{key}` is on the other side"),
+                        "the key says which side",
+                    )
+                    .help("leave `side` out"),
+                );
+                return None;
+            }
+            Some(own)
+        }
         None if quantity.has_side() => {
             let said = section.choice("side", SIDES);
             if said.is_none() && section.has("side") {
