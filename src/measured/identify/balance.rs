@@ -125,6 +125,10 @@ pub struct Balance {
     pub remarks: Vec<String>,
     /// Whether the terminal voltage is a channel, and not duty times supply.
     has_measured_volts: bool,
+    /// Whether the supply voltage is a channel.
+    has_measured_supply: bool,
+    /// Whether the drive torque follows from duty and supply, and not from a current.
+    is_duty_driven: bool,
     stretches: Vec<Stretch>,
 }
 
@@ -381,6 +385,9 @@ impl Balance {
             split_log: false,
             remarks,
             has_measured_volts: logs.iter().any(|l| bench.logs[*l].channel(Channel::Voltage).is_some()),
+            has_measured_supply: logs.iter().any(|l| bench.logs[*l].channel(Channel::Supply).is_some()),
+            is_duty_driven: target == Target::Drive
+                && logs.iter().all(|l| bench.logs[*l].channel(Channel::Current).is_none()),
             logs,
             stretches,
         };
@@ -536,12 +543,24 @@ impl Balance {
 
     /// The columns of an effect at a shape: one for each linear parameter.
     pub fn effect_columns(&self, effect: &dyn Effect, shape: f64) -> Vec<Vec<f64>> {
-        (0..effect.linear()).map(|j| self.function(|at| effect.basis(shape, at)[j])).collect()
+        let factor = self.conversion(effect);
+        (0..effect.linear()).map(|j| self.function(|at| factor * effect.basis(shape, at)[j])).collect()
+    }
+
+    /// What a term of an effect is multiplied with to be one of this balance: a voltage that a duty-driven
+    /// machine loses is a torque that it lacks, by K_T/R.
+    pub fn conversion(&self, effect: &dyn Effect) -> f64 {
+        if effect.acts_on() == Equation::Voltage && self.target == Target::Drive {
+            self.scale.torque_constant / self.scale.resistance
+        } else {
+            1.0
+        }
     }
 
     /// What an effect adds to the target, with the mean of each log still in it.
     pub fn effect_with_zero(&self, effect: &dyn Effect, values: &[f64]) -> Vec<f64> {
-        self.gather(true, |s| s.points.iter().map(|p| self.factor * effect.value(values, p)).collect())
+        let factor = self.factor * self.conversion(effect);
+        self.gather(true, |s| s.points.iter().map(|p| factor * effect.value(values, p)).collect())
     }
 
     /// The column of any function of the operating point: a torque at the motor, a voltage or an angle.
@@ -888,7 +907,11 @@ fn scale(stretches: &[Stretch], model: &Model, target: Target) -> Scale {
 /// Why not.
 pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> Result<(), &'static str> {
     let compliance = effect.name() == "gear_compliance";
-    if effect.acts_on() != balance.target.equation() && !(compliance && balance.target == Target::WindUp) {
+    // A duty-driven machine shows voltage effects as torque.
+    let volts =
+        effect.acts_on() == Equation::Voltage && balance.is_duty_driven && effect.name() != "winding_temperature";
+    let shown = effect.acts_on() == balance.target.equation() || (compliance && balance.target == Target::WindUp);
+    if !shown && !volts {
         return Err("this bench does not measure its equation");
     }
     if compliance && balance.target != Target::WindUp {
@@ -910,8 +933,8 @@ pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> R
         "torque_offset" if balance.target.has_zero() => Err("the zero of the sensor hides it"),
         "gravity" if balance.target != Target::Drive => Err("the sensor sees what hangs at the output"),
         "gear_ripple" if declared.ratio == 1.0 => Err("without a gear it is cogging"),
-        "supply_sag" if balance.target == Target::Voltage && balance.has_measured_volts => {
-            Err("the voltage is measured behind the supply")
+        "supply_sag" if balance.has_measured_volts || balance.has_measured_supply => {
+            Err("the voltage is measured, sag and all")
         }
         "viscous_friction" if balance.base.iter().any(|b| b.name == "damping") => {
             Err("with duty alone it cannot be told from the back-EMF: both are in `damping`")

@@ -4,6 +4,7 @@
 //! function; where one lowers the left-out error beyond chance, something is left, and it is said on what
 //! it depends.
 
+use super::balance::Target;
 use super::candidates::order_scores;
 use super::regression::{finite_sum, paired};
 use super::{Fit, Work};
@@ -85,10 +86,15 @@ fn offers(work: &Work) -> Vec<(Option<Variable>, &'static str, Vec<Vec<f64>>)> {
     if has(Variable::Speed) {
         offer(Some(Variable::Speed), "speed", &|at| at.speed);
     }
-    if has(Variable::Current) {
+    // Where the target is the current itself, a free function of it would explain its noise.
+    if has(Variable::Current) && balance.target != Target::Drive {
         offer(Some(Variable::Current), "current", &|at| at.current);
     }
-    if has(Variable::Torque) {
+    // The same with the transmitted torque: where a sensor has it, current stands for it.
+    if has(Variable::Torque) && balance.target == Target::Torque && has(Variable::Current) {
+        let constant = balance.scale.torque_constant;
+        offer(Some(Variable::Torque), "transmitted torque", &|at| constant * at.current * at.direction);
+    } else if has(Variable::Torque) && balance.target != Target::Torque {
         offer(Some(Variable::Torque), "transmitted torque", &|at| at.torque * at.direction);
     }
     if has(Variable::WindingTemperature) {

@@ -191,7 +191,8 @@ fn declared_residual(bench: &Bench, balance: &Balance, with_zero: bool) -> Vec<f
             if with_zero {
                 subtract(balance.effect_with_zero(effect, &values));
             } else {
-                subtract(balance.function(|at| effect.value(&values, at)));
+                let factor = balance.conversion(effect);
+                subtract(balance.function(|at| factor * effect.value(&values, at)));
             }
         }
     }
