@@ -21,6 +21,9 @@ pub struct Arguments {
     /// How many motors of each joint the table shows
     #[arg(long, default_value_t = 5, value_name = "N")]
     top: usize,
+    /// Only the first K designs of each joint: motors that provably are not among them are not solved
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "pareto")]
+    only_top: Option<u32>,
     /// List every rejected motor with its reason
     #[arg(long)]
     rejected: bool,
@@ -66,10 +69,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         return Ok(Done { text, satisfied });
     }
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "optimising");
-    let options = Options { only_checked: arguments.only_checked, tick: &|| bar.inc(1) };
+    let keep = arguments.only_top.map(|k| k as usize);
+    let options = Options { only_checked: arguments.only_checked, keep, tick: &|| bar.inc(1) };
     let result = optimize_with(&robot, &catalog, options);
     bar.finish_and_clear();
-    let shown = report::Shown { top: arguments.top, rejected: arguments.rejected };
+    let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
     let text =
         arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));
     Ok(Done { text, satisfied: result.satisfied() })

@@ -7,6 +7,7 @@ pub mod explain;
 pub mod import;
 pub mod optimize;
 pub mod pareto;
+mod prune;
 pub mod rank;
 pub mod sweep;
 pub mod table;
