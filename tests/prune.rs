@@ -26,7 +26,8 @@ fn compare(robot: &Robot, catalog: &Catalog, keep: usize) -> (usize, usize) {
         assert!(first.agreement.is_empty() && first.candidates.len() <= keep);
         for (motor, bound) in &pruned.not_solved {
             if let Some(design) = all.candidates.iter().find(|d| d.motor.id == motor.id) {
-                assert!(*bound <= design.optimum.objective * (1.0 + 1e-9), "{}: {bound}", motor.id);
+                let objective = design.optimum.objective;
+                assert!(*bound <= objective + 1e-9 * objective.abs(), "{}: {bound} {objective}", motor.id);
                 assert!(design.optimum.objective > first.candidates[keep - 1].optimum.objective);
             }
         }
