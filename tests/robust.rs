@@ -315,6 +315,43 @@ fn how_likely_a_limit_is_kept_is_that_on_paper() {
 }
 
 #[test]
+fn what_corners_do_not_prove_is_not_certified() {
+    let numbers = [
+        ("resistance", "ohm", 0.3, 0.03),
+        ("torque_constant", "N*m/A", 0.08, 0.004),
+        ("rotor_inertia", "kg*m^2", 3e-5, 0.0),
+        ("thermal_resistance_winding_housing", "K/W", 1.0, 0.0),
+        ("thermal_resistance_housing_ambient", "K/W", 2.0, 0.2),
+        ("thermal_time_constant_winding", "s", 10.0, 0.0),
+        ("thermal_time_constant_housing", "s", 500.0, 0.0),
+    ];
+    let case = draw(1);
+    let mut robot = case.robot;
+    robot.bus.voltage = 1e4;
+    robot.joints[0].limits = Limits { winding_temperature: Some(2000.0), ..Limits::default() };
+    let certified = |robot: &Robot, numbers: &[Number]| {
+        let catalog = Catalog { motors: vec![motor(numbers, true, &[("pole_pairs", "7")])], gears: Vec::new() };
+        let joint = &robust(robot, &catalog, Options::default())[0];
+        let design = joint.designs.first().unwrap_or_else(|| panic!("{:?}", joint.lost.first().map(|l| &l.reason)));
+        matches!(design.optimum.certificate, Certificate::Certified { .. })
+    };
+    // K_T, R and the resistance to ambient are monotone for the temperature; a time constant is not.
+    assert!(certified(&robot, &numbers));
+    let mut slow = numbers;
+    slow[5].3 = 1.0;
+    assert!(!certified(&robot, &slow));
+    robot.bus.regeneration = Regeneration::Limited(1e6);
+    assert!(!certified(&robot, &numbers));
+    // A tolerance that reaches zero makes no motor.
+    let mut wide = numbers;
+    wide[1].3 = 0.08;
+    let catalog = Catalog { motors: vec![motor(&wide, true, &[("pole_pairs", "7")])], gears: Vec::new() };
+    robot.bus.regeneration = Regeneration::Allowed;
+    let joint = &robust(&robot, &catalog, Options::default())[0];
+    assert_eq!(joint.lost[0].reason, Reason::NotSolved("the tolerance of torque_constant reaches zero".into()));
+}
+
+#[test]
 fn motors_without_tolerances_stay_nominal_and_threads_change_nothing() {
     let catalog = Catalog::builtin().unwrap();
     let robot = read(&common::repository("requirements/leg_prosthesis_walking.toml")).unwrap();

@@ -328,13 +328,13 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> V
     let solve = |nominal: JointResult<'a>| {
         let joint = nominal.joint;
         let demand = JointDemand::new(joint, catalog);
-        let found: Vec<Result<RobustDesign, Lost>> =
+        let found: Vec<Result<RobustDesign, Reason>> =
             nominal.candidates.par_iter().map(|design| best_robust(robot, joint, &demand, design)).collect();
         let (mut designs, mut lost) = (Vec::new(), Vec::new());
-        for result in found {
+        for (design, result) in nominal.candidates.iter().zip(found) {
             match result {
                 Ok(design) => designs.push(design),
-                Err(why) => lost.push(why),
+                Err(reason) => lost.push(Lost { nominal: design.clone(), reason }),
             }
         }
         designs.sort_by(|a: &RobustDesign, b| {
@@ -368,15 +368,17 @@ fn candidate<'p>(
 }
 
 /// The design of a motor that keeps all limits over its tolerances.
+///
+/// # Errors
+/// Why no ratio does.
 pub fn best_robust<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
     demand: &JointDemand<'a>,
     nominal: &Design<'a>,
-) -> Result<RobustDesign<'a>, Lost<'a>> {
+) -> Result<RobustDesign<'a>, Reason> {
     let motor = nominal.motor;
     let all = toleranced(motor);
-    let lost = |reason| Lost { nominal: nominal.clone(), reason };
     if all.is_empty() {
         return Ok(RobustDesign {
             nominal: nominal.clone(),
@@ -390,18 +392,17 @@ pub fn best_robust<'a>(
         });
     }
     let corners =
-        corners(motor).map_err(|column| lost(Reason::NotSolved(format!("the tolerance of {column} reaches zero"))))?;
+        corners(motor).map_err(|column| Reason::NotSolved(format!("the tolerance of {column} reaches zero")))?;
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => {
-            let boxed =
-                Boxed::new(robot, joint, demand, motor, &corners, None).map_err(|u| lost(Reason::Unusable(u)))?;
+            let boxed = Boxed::new(robot, joint, demand, motor, &corners, None).map_err(Reason::Unusable)?;
             let limits = limits_of(&boxed.nominal, &boxed.corners);
             let program = RatioProgram::under(&boxed.nominal, &joint.objective, (*min, *max), limits);
             let mut optimum = match program.solve() {
                 Outcome::Optimal(optimum) => optimum,
-                Outcome::Infeasible(why) => return Err(lost(Reason::Infeasible(why))),
-                Outcome::Unbounded => return Err(lost(Reason::Unbounded)),
-                Outcome::NotSolved(why) => return Err(lost(Reason::NotSolved(why))),
+                Outcome::Infeasible(why) => return Err(Reason::Infeasible(why)),
+                Outcome::Unbounded => return Err(Reason::Unbounded),
+                Outcome::NotSolved(why) => return Err(Reason::NotSolved(why)),
             };
             if let Some(why) = unproved(robot, &boxed.nominal, &all) {
                 optimum.certificate = Certificate::NotCertified(why);
@@ -444,10 +445,11 @@ pub fn best_robust<'a>(
                     best = Some(design);
                 }
             }
-            best.ok_or_else(|| match nearest {
-                Some((_, bind, over)) => lost(Reason::Gears { bind, over, tried }),
-                None => lost(Reason::Unusable(Unusable::NoGearFits)),
-            })
+            let reason = match nearest {
+                Some((_, bind, over)) => Reason::Gears { bind, over, tried },
+                None => Reason::Unusable(Unusable::NoGearFits),
+            };
+            best.ok_or(reason)
         }
     }
 }

@@ -46,7 +46,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let JointResult { joint, candidates, .. } = &result.nominal;
     let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
     let mut out = format!(
-        "{} (×{}), least {}: {} motors can do it by their printed numbers; of those with tolerances {with} over all of them, {} not\n",
+        "{} (×{}), least {}: {} motors can do it by their printed numbers; of those with tolerances {with} also at worst, {} not\n",
         joint.name,
         joint.count,
         joint.objective.name(),
