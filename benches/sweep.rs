@@ -7,6 +7,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use gearwise::actuator::Load;
 use gearwise::catalog::convention::Modulation;
 use gearwise::catalog::{Catalog, Motor};
+use gearwise::design::optimize::{Options, optimize_with};
 use gearwise::design::program::RatioProgram;
 use gearwise::design::{Prepared, continuous_candidate, optimize};
 use gearwise::requirement::{
@@ -149,5 +150,48 @@ fn whole(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pair, program, whole);
+/// A catalogue of 1000 motors: the shipped ones that can be computed with, and copies of other sizes.
+fn thousand() -> Catalog {
+    let mut catalog = Catalog::builtin().expect("the shipped catalogue is sound");
+    catalog.motors.retain(|m| m.rotor_inertia.is_some());
+    let shipped = std::mem::take(&mut catalog.motors);
+    for copy in 0..1000_usize.div_ceil(shipped.len()) {
+        // A motor longer by a factor: torque constant, resistance, inertia and mass grow with it.
+        let longer = 1.0 + 0.17 * copy as f64;
+        catalog.motors.extend(shipped.iter().map(|motor| {
+            let mut motor = motor.clone();
+            motor.id = format!("{}-{copy}", motor.id);
+            motor.torque_constant *= longer;
+            motor.back_emf_constant *= longer;
+            motor.resistance *= longer;
+            motor.rotor_inertia = motor.rotor_inertia.map(|j| j * longer);
+            motor.mass = motor.mass.map(|m| m * longer);
+            motor
+        }));
+    }
+    catalog.motors.truncate(1000);
+    catalog
+}
+
+fn first_few(c: &mut Criterion) {
+    let catalog = thousand();
+    let robot = robot(1000, 1);
+    let mut group = c.benchmark_group("optimize, 1000 motors, 1000 samples");
+    group.sample_size(10);
+    for keep in [None, Some(5)] {
+        let options = Options { keep, ..Options::default() };
+        let result = optimize_with(&robot, &catalog, options);
+        let left_out = result.joints[0].pruned.as_ref().map_or(0, |p| p.not_solved.len());
+        println!("{keep:?}: {left_out} of {} motors not solved", catalog.motors.len());
+        let name = keep.map_or("all".to_string(), |k| format!("the first {k}"));
+        group.bench_function(name, |b| b.iter(|| optimize_with(&robot, &catalog, options)));
+    }
+    let mut alike = self::robot(1000, 1);
+    alike.joints = vec![alike.joints[0].clone(); 100];
+    let shipped = Catalog::builtin().expect("the shipped catalogue is sound");
+    group.bench_function("shipped motors, 100 joints alike", |b| b.iter(|| optimize(&alike, &shipped)));
+    group.finish();
+}
+
+criterion_group!(benches, pair, program, whole, first_few);
 criterion_main!(benches);

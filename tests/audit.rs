@@ -167,3 +167,27 @@ fn the_shipped_catalogue_is_sound() {
     let fitting = catalog.gears.iter().filter(|g| catalog.motors.iter().any(|m| g.fits(&m.id) == Some(true))).count();
     assert!(fitting * 10 >= catalog.gears.len() * 9, "{fitting} of {} gears fit a shipped motor", catalog.gears.len());
 }
+
+#[test]
+fn a_choice_says_that_its_row_contradicts_itself() {
+    use gearwise::design::optimize;
+    use gearwise::report::optimize::{Shown, json, text};
+    let robot = common::robot(common::hold(2.0, 1.0, 0.0), common::gear(0.9));
+    let row = |back_emf: &'static str| {
+        motor(&[
+            ("resistance [ohm]", "1"),
+            ("torque_constant [N*m/A]", "0.1"),
+            ("back_emf_constant [V*s/rad]", back_emf),
+            ("back_emf_convention", "q_axis"),
+            ("rotor_inertia [kg*m^2]", "1e-5"),
+        ])
+    };
+    for (back_emf, wrong) in [("0.05", true), ("0.1", false)] {
+        let catalog = Catalog { motors: vec![row(back_emf)], gears: Vec::new() };
+        let result = optimize(&robot, &catalog);
+        let shown = text(&result, Shown { top: 5, rejected: false });
+        assert_eq!(shown.contains("the row contradicts itself"), wrong, "{shown}");
+        let errors = json(&result)["joints"][0]["candidates"][0]["audit_errors"].as_array().unwrap().len();
+        assert_eq!(errors > 0, wrong);
+    }
+}

@@ -5,15 +5,16 @@ use clap::Args;
 use super::{CatalogChoice, Done, Failure, Output};
 use crate::design::optimize::{Options, optimize_with};
 use crate::design::pareto::fronts;
+use crate::design::robust::robust;
 use crate::input::nearest;
 use crate::report::optimize as report;
-use crate::report::pareto;
+use crate::report::{pareto, robust as robust_report};
 use crate::requirement::{self, Quantity};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
     /// Requirement file (TOML)
@@ -21,6 +22,9 @@ pub struct Arguments {
     /// How many motors of each joint the table shows
     #[arg(long, default_value_t = 5, value_name = "N")]
     top: usize,
+    /// Only the first K designs of each joint: motors that provably are not among them are not solved
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "pareto")]
+    only_top: Option<u32>,
     /// List every rejected motor with its reason
     #[arg(long)]
     rejected: bool,
@@ -30,6 +34,9 @@ pub struct Arguments {
     /// The front of two quantities instead, e.g. loss,reflected_inertia
     #[arg(long, value_name = "A,B")]
     pareto: Option<String>,
+    /// Designs that keep all limits over the motors' tolerances, and how likely the first choice stays first
+    #[arg(long, conflicts_with_all = ["pareto", "only_top"])]
+    robust: bool,
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
@@ -66,10 +73,22 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         return Ok(Done { text, satisfied });
     }
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "optimising");
-    let options = Options { only_checked: arguments.only_checked, tick: &|| bar.inc(1) };
+    let keep = arguments.only_top.map(|k| k as usize);
+    let options = Options { only_checked: arguments.only_checked, keep, tick: &|| bar.inc(1) };
+    if arguments.robust {
+        let joints = robust(&robot, &catalog, options);
+        bar.finish_and_clear();
+        let satisfied = joints.iter().all(|j| !j.designs.is_empty());
+        let text = arguments.output.choose(
+            || robust_report::text(&robot, &joints, arguments.top),
+            || robust_report::json(&robot, &joints),
+            || robust_report::csv(&joints),
+        );
+        return Ok(Done { text, satisfied });
+    }
     let result = optimize_with(&robot, &catalog, options);
     bar.finish_and_clear();
-    let shown = report::Shown { top: arguments.top, rejected: arguments.rejected };
+    let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
     let text =
         arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));
     Ok(Done { text, satisfied: result.satisfied() })

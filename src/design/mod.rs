@@ -10,6 +10,8 @@ pub mod explain;
 pub mod optimize;
 pub mod pareto;
 pub mod program;
+pub mod prune;
+pub mod robust;
 pub mod sweep;
 
 pub use crate::actuator::limits::Candidate;

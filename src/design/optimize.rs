@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
+use super::prune::{self, Pruned};
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::{Catalog, Motor};
@@ -19,7 +20,7 @@ pub struct RobotResult<'a> {
 }
 
 /// What was found for a joint.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct JointResult<'a> {
     /// The joint.
     pub joint: &'a Joint,
@@ -27,12 +28,14 @@ pub struct JointResult<'a> {
     pub candidates: Vec<Design<'a>>,
     /// Motors that cannot do it, by id, with the reason.
     pub rejected: Vec<Rejected<'a>>,
-    /// Rank correlation between each metric's ranking and the task's.
+    /// Rank correlation between each metric's ranking and the task's; empty where not all motors were solved.
     pub agreement: Vec<Agreement>,
+    /// What was left out, where only the first designs were wanted.
+    pub pruned: Option<Pruned<'a>>,
 }
 
 /// A feasible design.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Design<'a> {
     /// The motor.
     pub motor: &'a Motor,
@@ -51,7 +54,7 @@ pub struct Design<'a> {
 }
 
 /// A motor that cannot do it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Rejected<'a> {
     /// The motor.
     pub motor: &'a Motor,
@@ -101,13 +104,16 @@ pub struct Agreement {
 pub struct Options<'p> {
     /// Reject designs with a limit that cannot be checked, because a number is not known.
     pub only_checked: bool,
+    /// Only so many designs of each joint are wanted: motors whose lower bound shows that they are not
+    /// among them are not solved.
+    pub keep: Option<usize>,
     /// Called once for each motor and joint that is done.
     pub tick: &'p (dyn Fn() + Sync),
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { only_checked: false, tick: &|| {} }
+        Options { only_checked: false, keep: None, tick: &|| {} }
     }
 }
 
@@ -118,39 +124,61 @@ pub fn optimize<'a>(robot: &'a Robot, catalog: &'a Catalog) -> RobotResult<'a> {
 
 /// As [`optimize`], with options.
 pub fn optimize_with<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> RobotResult<'a> {
-    let demands: Vec<JointDemand> = robot.joints.par_iter().map(|j| JointDemand::new(j, catalog)).collect();
-    let pairs: Vec<(usize, &Motor)> =
-        (0..robot.joints.len()).flat_map(|j| catalog.motors.iter().map(move |m| (j, m))).collect();
-    let found: Vec<(usize, Result<Design, Rejected>)> = pairs
+    // Joints that ask the same have the same answer: it is found once.
+    let first: Vec<usize> = (0..robot.joints.len())
+        .map(|j| (0..j).find(|i| robot.joints[*i].asks_the_same(&robot.joints[j])).unwrap_or(j))
+        .collect();
+    let distinct: Vec<usize> = (0..first.len()).filter(|j| first[*j] == *j).collect();
+    let alike = |j: usize| first.iter().filter(|f| **f == j).count();
+    let solved: Vec<JointResult> = distinct
         .par_iter()
-        .map(|(j, motor)| {
-            let found = best_design(robot, &robot.joints[*j], &demands[*j], motor, options.only_checked);
-            (options.tick)();
-            (*j, found)
+        .map(|j| {
+            let times = alike(*j);
+            let tick = || (0..times).for_each(|_| (options.tick)());
+            solve_joint(robot, &robot.joints[*j], catalog, Options { tick: &tick, ..options })
         })
         .collect();
-    let mut joints: Vec<JointResult> = robot
-        .joints
-        .iter()
-        .map(|joint| JointResult { joint, candidates: Vec::new(), rejected: Vec::new(), agreement: Vec::new() })
+    let joints = robot.joints.iter().zip(&first).map(|(joint, first)| {
+        let answer = &solved[distinct.binary_search(first).expect("the first of its kind was solved")];
+        JointResult { joint, ..answer.clone() }
+    });
+    RobotResult { robot, joints: joints.collect() }
+}
+
+/// All motors at one joint.
+fn solve_joint<'a>(robot: &'a Robot, joint: &'a Joint, catalog: &'a Catalog, options: Options) -> JointResult<'a> {
+    let demand = JointDemand::new(joint, catalog);
+    if let Some(keep) = options.keep {
+        let (candidates, rejected, pruned) = prune::first(robot, joint, &demand, catalog, keep, &options);
+        return JointResult { joint, candidates, rejected, agreement: Vec::new(), pruned: Some(pruned) };
+    }
+    let found: Vec<Result<Design, Rejected>> = catalog
+        .motors
+        .par_iter()
+        .map(|motor| {
+            let found = best_design(robot, joint, &demand, motor, options.only_checked);
+            (options.tick)();
+            found
+        })
         .collect();
-    for (j, result) in found {
+    let (mut candidates, mut rejected) = (Vec::new(), Vec::new());
+    for result in found {
         match result {
-            Ok(design) => joints[j].candidates.push(design),
-            Err(rejected) => joints[j].rejected.push(rejected),
+            Ok(design) => candidates.push(design),
+            Err(why) => rejected.push(why),
         }
     }
-    for joint in &mut joints {
-        joint.candidates.sort_by(|a, b| {
-            a.optimum
-                .objective
-                .total_cmp(&b.optimum.objective)
-                .then(a.evaluation.loss.total_cmp(&b.evaluation.loss))
-                .then(a.motor.id.cmp(&b.motor.id))
-        });
-        joint.agreement = agreement(&joint.candidates);
-    }
-    RobotResult { robot, joints }
+    candidates.sort_by(order);
+    JointResult { joint, agreement: agreement(&candidates), candidates, rejected, pruned: None }
+}
+
+/// Best first: by objective, then loss, then id.
+pub(super) fn order(a: &Design, b: &Design) -> std::cmp::Ordering {
+    a.optimum
+        .objective
+        .total_cmp(&b.optimum.objective)
+        .then(a.evaluation.loss.total_cmp(&b.evaluation.loss))
+        .then(a.motor.id.cmp(&b.motor.id))
 }
 
 /// The best design of one motor at one joint.
@@ -286,6 +314,14 @@ fn agreement(candidates: &[Design]) -> Vec<Agreement> {
             Agreement { metric: metric.name, tau: kendall_tau(&a, &b), motors: a.len() }
         })
         .collect()
+}
+
+impl JointResult<'_> {
+    /// Number of motors of the catalogue, solved or not.
+    pub fn motors(&self) -> usize {
+        let left_out = self.pruned.as_ref().map_or(0, |p| p.behind + p.not_solved.len());
+        self.candidates.len() + self.rejected.len() + left_out
+    }
 }
 
 impl RobotResult<'_> {

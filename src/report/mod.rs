@@ -7,7 +7,9 @@ pub mod explain;
 pub mod import;
 pub mod optimize;
 pub mod pareto;
+mod prune;
 pub mod rank;
+pub mod robust;
 pub mod sweep;
 pub mod table;
 

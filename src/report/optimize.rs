@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
+use super::prune;
 use super::table::{table, wrap};
 use super::{csv_number, number, optional};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Motor;
+use crate::catalog::audit::{Finding, Severity, audit_motor};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::design::evaluate::Margin;
 use crate::design::optimize::{Design, JointResult, Reason, Rejected, RobotResult};
@@ -115,7 +117,7 @@ pub fn proof(certificate: &Certificate) -> String {
 /// For people.
 pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
-    let motors = result.joints.first().map_or(0, |j| j.candidates.len() + j.rejected.len());
+    let motors = result.joints.first().map_or(0, JointResult::motors);
     let mut out = format!(
         "{}: {} joints, {motors} motors, bus {} V; currents are phase amplitudes (DC if brushed)\n",
         robot.name,
@@ -137,14 +139,11 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
         RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
         RatioChoice::Catalog { patterns, .. } => format!("gears {}", patterns.join(", ")),
     };
-    let mut out = format!(
-        "{} (×{}), {ratio}, least {}: {} motors can do it, {} cannot\n",
-        joint.name,
-        joint.count,
-        joint.objective.name(),
-        result.candidates.len(),
-        result.rejected.len()
-    );
+    let verdict = match &result.pruned {
+        None => format!("{} motors can do it, {} cannot", result.candidates.len(), result.rejected.len()),
+        Some(pruned) => prune::verdict(result, pruned),
+    };
+    let mut out = format!("{} (×{}), {ratio}, least {}: {verdict}\n", joint.name, joint.count, joint.objective.name());
     if joint.motion.course == Course::Points(None) {
         out.push_str("  The operating points have no durations: they weigh alike, and heat is not checked.\n");
     }
@@ -161,7 +160,9 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
         out.push_str(&footnotes(result, shown.top));
     }
     out.push_str(&rejected_text(result, shown));
-    if result.candidates.len() >= 3 {
+    if let Some(pruned) = &result.pruned {
+        out.push_str(&prune::text(joint, pruned));
+    } else if result.candidates.len() >= 3 {
         let metrics = result.agreement.iter().filter_map(|a| {
             let symbol = METRICS.iter().find(|m| m.name == a.metric)?.symbol;
             Some(format!("{symbol} {}", a.tau.map_or_else(|| "?".into(), |t| format!("{t:+.2}"))))
@@ -269,6 +270,9 @@ fn footnotes(result: &JointResult, top: usize) -> String {
     let mut notes: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut add = |note: String, place: usize| notes.entry(note).or_default().push(format!("#{}", place + 1));
     for (place, design) in result.candidates.iter().take(top).enumerate() {
+        for finding in contradictions(design.motor) {
+            add(format!("the row contradicts itself (`gearwise audit`): {finding}"), place);
+        }
         for (limit, why) in &design.unchecked {
             add(format!("not checked: {limit}, because {why}"), place);
         }
@@ -285,6 +289,12 @@ fn footnotes(result: &JointResult, top: usize) -> String {
     let lines =
         notes.into_iter().map(|(note, places)| format!("  {}\n", wrap(&format!("{}: {note}", places.join(" ")), 4)));
     lines.collect()
+}
+
+/// What the audit calls an error in a motor's row, where its note does not explain it.
+fn contradictions(motor: &Motor) -> Vec<String> {
+    let wrong = |f: &Finding| f.severity == Severity::Error && !f.accepted;
+    audit_motor(motor).into_iter().filter(wrong).map(|f| f.message).collect()
 }
 
 fn rejected_text(result: &JointResult, shown: Shown) -> String {
@@ -343,6 +353,9 @@ fn summary(result: &RobotResult) -> String {
                     "\n    {}",
                     wrap(&format!("best with every limit checked: {}", choice_text(checked)), 6)
                 ));
+            }
+            (Some(first), None) if !first.unchecked.is_empty() && joint.pruned.is_some() => {
+                out.push_str("\n    none of the first has every limit checked; the others were not looked at");
             }
             (Some(first), None) if !first.unchecked.is_empty() => {
                 out.push_str("\n    no motor of which every limit could be checked can do it");
@@ -460,6 +473,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("margins", margins);
     put("limits", limits);
     put("not_checked", design.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
+    put("audit_errors", json!(contradictions(design.motor)));
     put("shadow_prices", Value::Object(prices));
     put("sensitivity", Value::Object(sensitivity));
     put("certificate", certificate);
@@ -470,7 +484,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
 /// For programs.
 pub fn json(result: &RobotResult) -> Value {
     let joints = result.joints.iter().map(|j| {
-        json!({
+        let mut joint = json!({
             "joint": j.joint.name,
             "count": j.joint.count,
             "objective": j.joint.objective.name(),
@@ -481,7 +495,11 @@ pub fn json(result: &RobotResult) -> Value {
                 json!({ "motor": r.motor.id, "gear": r.gear, "because": sentence, "class": class })
             }).collect::<Vec<_>>(),
             "metric_agreement": j.agreement.iter().map(|a| json!({ "metric": a.metric, "kendall_tau": a.tau, "motors": a.motors })).collect::<Vec<_>>(),
-        })
+        });
+        if let (Some(pruned), Value::Object(object)) = (&j.pruned, &mut joint) {
+            object.insert("pruned".into(), prune::json(pruned));
+        }
+        joint
     });
     json!({
         "robot": {
@@ -554,7 +572,16 @@ pub fn csv(result: &RobotResult) -> String {
             row[header.len() - 1] = reason_text(&r.reason, j.joint).1;
             row
         });
-        feasible.chain(rejected).collect::<Vec<_>>()
+        let mut rows: Vec<Vec<String>> = feasible.chain(rejected).collect();
+        if let Some(pruned) = &j.pruned {
+            rows.extend(pruned.not_solved.iter().map(|(motor, bound)| {
+                let mut row = vec![String::new(); header.len()];
+                (row[0], row[2]) = (j.joint.name.clone(), motor.id.clone());
+                row[header.len() - 1] = prune::reason(j.joint, pruned.keep, *bound);
+                row
+            }));
+        }
+        rows
     });
     super::csv_text(&header, rows)
 }

@@ -20,7 +20,7 @@ pub enum Course {
 
 /// Samples k = 1…K of what a joint asks of its actuator, output side, SI. All vectors have the
 /// length K.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// Periodic, once, or points.
     pub course: Course,

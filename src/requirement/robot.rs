@@ -79,6 +79,19 @@ pub struct Joint {
     pub drive_current: Option<f64>,
 }
 
+impl Joint {
+    /// Whether another joint asks the same of its actuator: whatever its name, and however many there are.
+    pub fn asks_the_same(&self, other: &Joint) -> bool {
+        let Joint { name: _, count: _, ratio, gear, motion, objective, limits, drive_current } = self;
+        *ratio == other.ratio
+            && *gear == other.gear
+            && *objective == other.objective
+            && *limits == other.limits
+            && *drive_current == other.drive_current
+            && *motion == other.motion
+    }
+}
+
 /// Where the ratio of a joint comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RatioChoice {
@@ -262,7 +275,7 @@ impl Objective {
 }
 
 /// Limits that a requirement puts on a joint.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Mass of motor and gear \[kg\].
     pub actuator_mass: Option<f64>,

@@ -10,7 +10,8 @@ use std::collections::BinaryHeap;
 
 use super::objective::Goal;
 use super::{
-    Certificate, Class, GAP_TOLERANCE, Infeasible, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, prices, scan,
+    Certificate, Class, Demand, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, ROW_TOLERANCE, RatioProgram,
+    prices, scan,
 };
 use crate::actuator::Laurent;
 use crate::design::evaluate::violation;
@@ -29,7 +30,7 @@ pub(super) struct Underestimator {
     slope: f64,
     constant: f64,
     /// Sum of the magnitudes of all terms at their worst: what rounding is measured by.
-    size: f64,
+    pub(super) size: f64,
 }
 
 const CONVEX_POWERS: [i32; 5] = [-2, -1, 2, 3, 4];
@@ -56,7 +57,7 @@ impl Underestimator {
         under
     }
 
-    fn at(&self, n: f64) -> f64 {
+    pub(super) fn at(&self, n: f64) -> f64 {
         self.convex.iter().map(|(c, p)| c * n.powi(*p)).sum::<f64>() + self.slope * n + self.constant
     }
 
@@ -65,7 +66,7 @@ impl Underestimator {
     }
 
     /// Where it is least on `[a, b]`.
-    fn minimum(&self, a: f64, b: f64) -> f64 {
+    pub(super) fn minimum(&self, a: f64, b: f64) -> f64 {
         if self.derivative(a) >= 0.0 {
             return a;
         }
@@ -81,7 +82,7 @@ impl Underestimator {
     }
 
     /// The part of `[a, b]` on which it is at most `bound`, a little too wide; `None` if empty.
-    fn below(&self, bound: f64, a: f64, b: f64) -> Option<(f64, f64)> {
+    pub(super) fn below(&self, bound: f64, a: f64, b: f64) -> Option<(f64, f64)> {
         let slack = 1e-14 * self.size;
         let least = self.minimum(a, b);
         if self.at(least) > bound + slack {
@@ -264,20 +265,24 @@ impl Search<'_> {
 
     /// The most violated row at a ratio, where one is violated.
     fn worst_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
-        let asked = &self.program.prepared.asked;
-        let mut worst: Option<(f64, Laurent, f64)> = None;
-        for (index, limit) in asked.iter().enumerate() {
-            if !matches!(limit.limit.class, Class::Convex | Class::ReverseConvex) {
-                continue;
-            }
-            let Some((polynomial, _)) = self.program.polynomial_at(index, ratio) else { continue };
-            let bound = limit.raw_bound();
-            let excess = violation(polynomial.at(ratio), bound);
-            if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(e, ..)| excess > *e) {
-                worst = Some((excess, polynomial, bound));
-            }
-        }
-        // A limit counts as kept within the tolerance everywhere.
-        worst.map(|(_, polynomial, bound)| (polynomial, bound + ROW_TOLERANCE * bound.abs()))
+        worst_row(self.program, ratio, |_| true)
     }
+}
+
+/// The most violated row at a ratio among some of the limits, where one is violated.
+pub(super) fn worst_row(program: &RatioProgram, ratio: f64, among: impl Fn(&Demand) -> bool) -> Option<(Laurent, f64)> {
+    let mut worst: Option<(f64, Laurent, f64)> = None;
+    for (index, Limited { asked, .. }) in program.limits.iter().enumerate() {
+        if !matches!(asked.limit.class, Class::Convex | Class::ReverseConvex) || !among(&asked.demand) {
+            continue;
+        }
+        let Some((polynomial, _)) = program.polynomial_at(index, ratio) else { continue };
+        let bound = asked.raw_bound();
+        let excess = violation(polynomial.at(ratio), bound);
+        if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(e, ..)| excess > *e) {
+            worst = Some((excess, polynomial, bound));
+        }
+    }
+    // A limit counts as kept within the tolerance everywhere.
+    worst.map(|(_, polynomial, bound)| (polynomial, bound + ROW_TOLERANCE * bound.abs()))
 }

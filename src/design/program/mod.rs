@@ -7,6 +7,7 @@
 //! without the solver (`certificate`). Where convexity ends, interval branch and bound in N goes on until
 //! its bounds meet (`branch`), from the best ratio of a refined grid (`scan`).
 
+mod bound;
 mod branch;
 mod certificate;
 mod conic;
@@ -16,7 +17,7 @@ mod scan;
 mod window;
 
 use crate::actuator::Laurent;
-use crate::actuator::limits::{Asked, Class, Demand};
+use crate::actuator::limits::{Asked, Candidate, Class, Demand};
 use crate::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
@@ -178,12 +179,22 @@ fn slope(c: &[f64; 4], u: f64) -> f64 {
     -c[0] / (u * u) + c[2] + 2.0 * u * c[3]
 }
 
+/// A limit, and the candidate whose demand it bounds.
+#[derive(Debug, Clone, Copy)]
+pub struct Limited<'a> {
+    /// The candidate: that of the objective, or the same with other numbers.
+    pub candidate: &'a Candidate<'a>,
+    /// Its limit.
+    pub asked: &'a Asked,
+}
+
 /// The program of one candidate over the ratios `[min, max]`.
 #[derive(Debug)]
 pub struct RatioProgram<'a> {
     prepared: &'a Prepared<'a>,
     objective: &'a Objective,
     range: (f64, f64),
+    limits: Vec<Limited<'a>>,
 }
 
 /// An end of the range of ratios with the limit that sets it.
@@ -205,7 +216,19 @@ impl End {
 impl<'a> RatioProgram<'a> {
     /// Sets up the program.
     pub fn new(prepared: &'a Prepared<'a>, objective: &'a Objective, min: f64, max: f64) -> RatioProgram<'a> {
-        RatioProgram { prepared, objective, range: (min, max) }
+        let limits = prepared.asked.iter().map(|asked| Limited { candidate: &prepared.candidate, asked }).collect();
+        RatioProgram { prepared, objective, range: (min, max), limits }
+    }
+
+    /// The program that minimises the objective of one candidate under other limits than its own: those of
+    /// the same motor with its numbers at the ends of their tolerances.
+    pub fn under(
+        prepared: &'a Prepared<'a>,
+        objective: &'a Objective,
+        (min, max): (f64, f64),
+        limits: Vec<Limited<'a>>,
+    ) -> RatioProgram<'a> {
+        RatioProgram { prepared, objective, range: (min, max), limits }
     }
 
     /// Solves it.
@@ -224,10 +247,11 @@ impl<'a> RatioProgram<'a> {
 
     /// The reason why the program is not the convex one, if there is one.
     fn why_not_convex(&self) -> Option<&'static str> {
-        if self.prepared.candidate.actuator.has_odd_powers() {
+        let candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);
+        if candidates.into_iter().any(|c| c.actuator.has_odd_powers()) {
             return Some("motor Coulomb friction makes the limits non-convex in N²");
         }
-        if self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex) {
+        if self.limits.iter().any(|l| l.asked.limit.class == Class::ReverseConvex) {
             return Some("a regeneration limit is reverse-convex");
         }
         let weighted = self.objective.sole().is_none();
@@ -245,11 +269,11 @@ impl<'a> RatioProgram<'a> {
 
     /// Limits that no ratio changes.
     fn fixed_limits(&self) -> Option<Infeasible> {
-        for asked in &self.prepared.asked {
+        for Limited { candidate, asked } in &self.limits {
             if asked.limit.class != Class::Fixed {
                 continue;
             }
-            let (raw, sample) = asked.raw_demand(&self.prepared.candidate, 1.0);
+            let (raw, sample) = asked.raw_demand(candidate, 1.0);
             if violation(raw, asked.raw_bound()) > ROW_TOLERANCE {
                 let bind = Bind { limit: asked.limit.name, sample };
                 return Some(Infeasible::Never { bind, least: asked.natural(raw) / asked.bound, ratio: self.range.0 });
@@ -264,12 +288,12 @@ impl<'a> RatioProgram<'a> {
         let low = End { ratio: min, bind: Bind { limit: "ratio_min", sample: None }, ratio_per_bound: 1.0, bound: min };
         let mut high =
             End { ratio: max, bind: Bind { limit: "ratio_max", sample: None }, ratio_per_bound: 1.0, bound: max };
-        for asked in self.prepared.asked.iter().filter(|a| a.limit.class == Class::UpperBound) {
+        for Limited { candidate, asked } in self.limits.iter().filter(|l| l.asked.limit.class == Class::UpperBound) {
             let (ratio, sample) = match asked.demand {
                 Demand::Mass => {
-                    let ratio = self.largest_ratio_by_mass(asked);
+                    let ratio = largest_ratio_by_mass(candidate, asked);
                     if ratio == 0.0 {
-                        let least = self.prepared.candidate.mass_at(min).unwrap_or(f64::INFINITY) / asked.bound;
+                        let least = candidate.mass_at(min).unwrap_or(f64::INFINITY) / asked.bound;
                         let bind = Bind { limit: asked.limit.name, sample: None };
                         return Err(Infeasible::Never { bind, least, ratio: min });
                     }
@@ -300,24 +324,10 @@ impl<'a> RatioProgram<'a> {
         Ok((low, high))
     }
 
-    fn largest_ratio_by_mass(&self, asked: &Asked) -> f64 {
-        let candidate = &self.prepared.candidate;
-        let Some(motor) = candidate.motor.mass else { return f64::INFINITY };
-        match candidate.gear.mass_per_stage {
-            Some((mass, stage_ratio)) if mass > 0.0 => {
-                let stages = ((asked.bound - motor) / mass * (1.0 + 1e-12)).floor();
-                if stages < 0.0 { 0.0 } else { stage_ratio.powf(stages) }
-            }
-            _ if candidate.mass_at(1.0).unwrap_or(0.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,
-            _ => 0.0,
-        }
-    }
-
     /// The polynomial of a limit that is largest at a ratio (over samples), and its sample. It is
     /// nowhere above the limit's demand. `None` for limits that are no polynomial, or certainly kept.
     fn polynomial_at(&self, index: usize, ratio: f64) -> Option<(Laurent, Option<usize>)> {
-        let asked = &self.prepared.asked[index];
-        let candidate = &self.prepared.candidate;
+        let Limited { candidate, asked } = self.limits[index];
         match asked.demand {
             Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
             Demand::Samples(functional) | Demand::Bandwidth(functional) => {
@@ -337,7 +347,7 @@ impl<'a> RatioProgram<'a> {
 
     /// The row of a convex limit that is most violated (or least slack) at a ratio.
     fn row_at(&self, index: usize, ratio: f64) -> Option<Row> {
-        let asked = &self.prepared.asked[index];
+        let asked = self.limits[index].asked;
         let (polynomial, sample) = self.polynomial_at(index, ratio)?;
         debug_assert!(polynomial.is_convex_in_square(), "{} is not convex", asked.limit.name);
         Some(Row { asked: index, sample, coefficients: polynomial.in_square(), bound: asked.raw_bound() })
@@ -347,9 +357,9 @@ impl<'a> RatioProgram<'a> {
     /// looked at only where the others are kept: any violated row will do to go on.
     fn worst_row(&self, u: f64) -> Option<Row> {
         let worst = |costly: bool| {
-            let convex = self.prepared.asked.iter().enumerate().filter(|(_, a)| a.limit.class == Class::Convex);
+            let convex = self.limits.iter().enumerate().filter(|(_, l)| l.asked.limit.class == Class::Convex);
             let rows = convex
-                .filter(|(_, a)| matches!(a.demand, Demand::WindingPeak(_)) == costly)
+                .filter(|(_, l)| matches!(l.asked.demand, Demand::WindingPeak(_)) == costly)
                 .filter_map(|(index, _)| self.row_at(index, u.sqrt()));
             rows.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
         };
@@ -364,13 +374,13 @@ impl<'a> RatioProgram<'a> {
     /// The report of a convex limit that no ratio of the requirement keeps: its least demand. The
     /// largest of convex rows has one valley, which a golden section finds.
     fn never(&self, index: usize) -> Infeasible {
-        let asked = &self.prepared.asked[index];
-        let demand = |ln_n: f64| asked.raw_demand(&self.prepared.candidate, ln_n.exp()).0;
+        let Limited { candidate, asked } = self.limits[index];
+        let demand = |ln_n: f64| asked.raw_demand(candidate, ln_n.exp()).0;
         let ratio = scan::golden(&demand, self.range.0.ln(), self.range.1.ln()).exp();
         let ends = [self.range.0, self.range.1];
         let ratio =
             ends.into_iter().fold(ratio, |best, end| if demand(end.ln()) < demand(best.ln()) { end } else { best });
-        let (raw, sample) = asked.raw_demand(&self.prepared.candidate, ratio);
+        let (raw, sample) = asked.raw_demand(candidate, ratio);
         Infeasible::Never {
             bind: Bind { limit: asked.limit.name, sample },
             least: asked.natural(raw) / asked.bound,
@@ -379,7 +389,7 @@ impl<'a> RatioProgram<'a> {
     }
 
     fn bind(&self, row: &Row) -> Bind {
-        Bind { limit: self.prepared.asked[row.asked].limit.name, sample: row.sample }
+        Bind { limit: self.limits[row.asked].asked.limit.name, sample: row.sample }
     }
 
     fn solve_convex(&self) -> Outcome {
@@ -405,7 +415,7 @@ impl<'a> RatioProgram<'a> {
     /// of that mass the one of least loss is taken.
     fn least_mass(&self) -> Outcome {
         let inertia = Objective::single(Quantity::ReflectedInertia);
-        let smallest = RatioProgram { prepared: self.prepared, objective: &inertia, range: self.range };
+        let smallest = RatioProgram { objective: &inertia, limits: self.limits.clone(), ..*self };
         let smallest = match smallest.solve() {
             Outcome::Optimal(optimum) => optimum,
             other => return other,
@@ -419,7 +429,7 @@ impl<'a> RatioProgram<'a> {
         });
         let loss = Objective::single(Quantity::Loss);
         let range = (self.range.0, self.range.1.min(same_mass.max(smallest.ratio)));
-        match (RatioProgram { prepared: self.prepared, objective: &loss, range }.solve()) {
+        match (RatioProgram { objective: &loss, range, limits: self.limits.clone(), ..*self }.solve()) {
             Outcome::Optimal(optimum) => {
                 let certificate = match smallest.certificate {
                     Certificate::Certified { .. } => Certificate::Certified {
@@ -439,6 +449,19 @@ impl<'a> RatioProgram<'a> {
             }
             other => other,
         }
+    }
+}
+
+/// The largest N whose stages keep a limit on mass; zero where none does.
+fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
+    let Some(motor) = candidate.motor.mass else { return f64::INFINITY };
+    match candidate.gear.mass_per_stage {
+        Some((mass, stage_ratio)) if mass > 0.0 => {
+            let stages = ((asked.bound - motor) / mass * (1.0 + 1e-12)).floor();
+            if stages < 0.0 { 0.0 } else { stage_ratio.powf(stages) }
+        }
+        _ if candidate.mass_at(1.0).unwrap_or(0.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,
+        _ => 0.0,
     }
 }
 

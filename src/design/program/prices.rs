@@ -6,7 +6,9 @@
 //! nothing binds, and every price is zero.
 
 use super::objective::Goal;
-use super::{End, RatioProgram, ShadowPrice, Window};
+use super::{Asked, End, RatioProgram, ShadowPrice, Window};
+use crate::actuator::Laurent;
+use crate::design::evaluate::violation;
 
 /// The prices of the limits that bind at a ratio.
 pub(super) fn at(
@@ -37,11 +39,14 @@ pub(super) fn at(
             let (ratio_per_bound, bound) = if bind.limit == range.bind.limit {
                 (range.ratio_per_bound, range.bound)
             } else {
-                let found = program.prepared.asked.iter().position(|a| a.limit.name == bind.limit);
-                let Some((index, (row, _))) = found.and_then(|i| Some((i, program.polynomial_at(i, ratio)?))) else {
-                    continue;
-                };
-                let asked = &program.prepared.asked[index];
+                let named = program.limits.iter().enumerate().filter(|(_, l)| l.asked.limit.name == bind.limit);
+                // The same limit may stand there for several sets of numbers: the one that binds.
+                let found =
+                    named.filter_map(|(i, l)| Some((program.polynomial_at(i, ratio)?.0, l.asked))).max_by(|a, b| {
+                        let excess = |(row, asked): &(Laurent, &Asked)| violation(row.at(ratio), asked.raw_bound());
+                        excess(a).total_cmp(&excess(b))
+                    });
+                let Some((row, asked)) = found else { continue };
                 let raw_per_bound =
                     if asked.squared { 2.0 * asked.bound / asked.factor.powi(2) } else { 1.0 / asked.factor };
                 (raw_per_bound / row.slope(ratio), asked.bound)

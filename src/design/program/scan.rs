@@ -2,7 +2,7 @@
 //! the branch and bound, which alone proves.
 
 use super::objective::Goal;
-use super::{Bind, Class, End, Infeasible, RatioProgram, Window};
+use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
 
 /// Points of the first grid, evenly spaced in ln N.
@@ -76,12 +76,12 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
 /// The limit that is most exceeded at a ratio: its relative excess, and itself.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
-    for asked in program.prepared.asked.iter().filter(|a| matches!(a.limit.class, Class::Convex | Class::ReverseConvex))
-    {
-        if asked.is_certainly_kept(&program.prepared.candidate, ratio) {
+    for Limited { candidate, asked } in &program.limits {
+        let convex = matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
+        if !convex || asked.is_certainly_kept(candidate, ratio) {
             continue;
         }
-        let (raw, sample) = asked.raw_demand(&program.prepared.candidate, ratio);
+        let (raw, sample) = asked.raw_demand(candidate, ratio);
         let excess = violation(raw, asked.raw_bound());
         if excess > worst.0 {
             worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
@@ -172,8 +172,10 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
     let least = points.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied().unwrap_or((program.range.0, f64::INFINITY));
     let (_, bind) = worst(program, least.0);
     let bind = bind.unwrap_or(Bind { limit: "ratio_min", sample: None });
-    let asked = program.prepared.asked.iter().find(|a| a.limit.name == bind.limit);
-    let over =
-        asked.map_or(f64::INFINITY, |a| a.natural(a.raw_demand(&program.prepared.candidate, least.0).0) / a.bound);
+    let named = program.limits.iter().filter(|l| l.asked.limit.name == bind.limit);
+    let over = named
+        .map(|Limited { candidate, asked }| asked.natural(asked.raw_demand(candidate, least.0).0) / asked.bound)
+        .reduce(f64::max)
+        .unwrap_or(f64::INFINITY);
     Infeasible::Nowhere { bind, least: over, ratio: least.0 }
 }
