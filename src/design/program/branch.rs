@@ -13,7 +13,6 @@ use super::{
     Certificate, Class, GAP_TOLERANCE, Infeasible, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, prices, scan,
 };
 use crate::actuator::Laurent;
-use crate::design::evaluate::violation;
 
 /// More intervals than any case has been seen to need; what is left then is reported as a gap.
 const MAX_INTERVALS: usize = 20_000;
@@ -272,7 +271,7 @@ impl Search<'_> {
             }
             let Some((polynomial, _)) = self.program.polynomial_at(index, ratio) else { continue };
             let bound = limit.raw_bound();
-            let excess = violation(polynomial.at(ratio), bound);
+            let excess = self.program.excess(index, polynomial.at(ratio), ratio);
             if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(e, ..)| excess > *e) {
                 worst = Some((excess, polynomial, bound));
             }
