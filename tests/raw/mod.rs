@@ -175,7 +175,7 @@ impl Case {
     }
 
     /// A heat over the course of the motion.
-    pub fn heat(&self, watt: impl Fn(&Point) -> f64) -> Heat {
+    pub fn heat(&self, watt: impl FnMut(&Point) -> f64) -> Heat {
         let motion = &self.robot.joints[0].motion;
         let period = if let Course::Periodic(period) = motion.course { Some(period) } else { None };
         Heat { time: motion.time.clone(), watt: self.raw.iter().map(watt).collect(), period }
