@@ -58,7 +58,7 @@ pub fn shares(raw: &[Point], time: &[f64], course: Course) -> Vec<[f64; 2]> {
 }
 
 impl Case {
-    fn new(motor: Motor, robot: Robot, raw: Vec<Point>) -> Case {
+    pub fn new(motor: Motor, robot: Robot, raw: Vec<Point>) -> Case {
         let shares = shares(&raw, &robot.joints[0].motion.time, robot.joints[0].motion.course);
         let mut rippled = Vec::new();
         if let Some(TorqueBandwidth { frequency, amplitude }) = robot.joints[0].limits.torque_bandwidth {
