@@ -213,7 +213,7 @@ fn thousand(c: &mut Criterion) {
     let joint = &robot.joints[0];
     let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
     let (mut times, mut certified, mut feasible) = (Vec::new(), 0, 0);
-    for motor in &rubbing.motors {
+    for motor in rubbing.motors.iter().step_by(10) {
         let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).expect("a candidate"));
         let start = std::time::Instant::now();
         let outcome = RatioProgram::new(&prepared, &joint.objective, 3.0, 60.0).solve();
@@ -225,9 +225,9 @@ fn thousand(c: &mut Criterion) {
     }
     times.sort_by(f64::total_cmp);
     println!(
-        "non-convex, 1000 motors one after the other, ms each: median {:.2}, 95 % {:.2}, most {:.2}; {feasible} \
+        "non-convex, 100 motors one after the other, ms each: median {:.2}, 95 % {:.2}, most {:.2}; {feasible} \
          feasible, {certified} certified",
-        times[500], times[950], times[999]
+        times[50], times[95], times[99]
     );
 }
 
