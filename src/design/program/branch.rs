@@ -13,6 +13,7 @@ use super::{
     Certificate, Class, GAP_TOLERANCE, Infeasible, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, prices, scan,
 };
 use crate::actuator::Laurent;
+use crate::actuator::limits::Demand;
 
 /// More intervals than any case has been seen to need; what is left then is reported as a gap.
 const MAX_INTERVALS: usize = 20_000;
@@ -261,12 +262,19 @@ impl Search<'_> {
         f64::INFINITY
     }
 
-    /// The most violated row at a ratio, where one is violated.
+    /// The most violated row at a ratio, where one is violated. A limit that takes a walk over all samples, or
+    /// many where it runs away, is looked at only where the others are kept: any violated row will do.
     fn worst_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
+        self.worst_row_of(ratio, false).or_else(|| self.worst_row_of(ratio, true))
+    }
+
+    fn worst_row_of(&self, ratio: f64, costly: bool) -> Option<(Laurent, f64)> {
         let asked = &self.program.prepared.asked;
         let mut worst: Option<(f64, Laurent, f64)> = None;
         for (index, limit) in asked.iter().enumerate() {
-            if !matches!(limit.limit.class, Class::Convex | Class::ReverseConvex) {
+            if !matches!(limit.limit.class, Class::Convex | Class::ReverseConvex)
+                || matches!(limit.demand, Demand::WindingPeak(_)) != costly
+            {
                 continue;
             }
             let Some((polynomial, _)) = self.program.polynomial_at(index, ratio) else { continue };
