@@ -126,6 +126,7 @@ fn check(case: &Case, design: &Design) -> Option<Residual> {
 
 #[test]
 fn optima_are_stationary_points_of_their_lagrangian() {
+    type Part = fn(&Residual) -> f64;
     let found: Vec<(u64, Residual)> = (0..1000)
         .into_par_iter()
         .filter_map(|i| {
@@ -139,7 +140,7 @@ fn optima_are_stationary_points_of_their_lagrangian() {
         |f: fn(&Residual) -> f64| found.iter().map(|(i, r)| (f(r), *i)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
     let priced = found.iter().filter(|(_, r)| r.prices > 0).count();
     println!("{} optima, {priced} at a priced limit", found.len());
-    let limits: [(&str, fn(&Residual) -> f64, f64); 4] = [
+    let limits: [(&str, Part, f64); 4] = [
         ("stationarity", |r| r.stationarity, 1e-8),
         ("slackness", |r| r.slackness, 1e-8),
         ("gap", |r| r.gap, 1e-8),
