@@ -8,7 +8,7 @@ use gearwise::actuator::Load;
 use gearwise::catalog::convention::Modulation;
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::optimize::{Options, optimize_with};
-use gearwise::design::program::RatioProgram;
+use gearwise::design::program::{Certificate, Outcome, RatioProgram};
 use gearwise::design::{Prepared, continuous_candidate, optimize};
 use gearwise::requirement::{
     Budget, Bus, Course, GearModel, Joint, Limits, Motion, Objective, Quantity, RatioChoice, Regeneration, Robot,
@@ -150,31 +150,90 @@ fn whole(c: &mut Criterion) {
     group.finish();
 }
 
-/// A catalogue of 1000 motors: the shipped ones that can be computed with, and copies of other sizes.
-fn thousand() -> Catalog {
-    let mut catalog = Catalog::builtin().expect("the shipped catalogue is sound");
-    catalog.motors.retain(|m| m.rotor_inertia.is_some());
-    let shipped = std::mem::take(&mut catalog.motors);
-    for copy in 0..1000_usize.div_ceil(shipped.len()) {
-        // A motor longer by a factor: torque constant, resistance, inertia and mass grow with it.
-        let longer = 1.0 + 0.17 * copy as f64;
-        catalog.motors.extend(shipped.iter().map(|motor| {
-            let mut motor = motor.clone();
-            motor.id = format!("{}-{copy}", motor.id);
-            motor.torque_constant *= longer;
-            motor.back_emf_constant *= longer;
-            motor.resistance *= longer;
-            motor.rotor_inertia = motor.rotor_inertia.map(|j| j * longer);
-            motor.mass = motor.mass.map(|m| m * longer);
-            motor
-        }));
+/// A thousand motors: those of the catalogue, and the same wound and built a little differently. All that a
+/// limit can ask of a motor is known.
+fn thousand_motors(friction: bool) -> Catalog {
+    let catalog = Catalog::builtin().expect("the shipped catalogue is sound");
+    let known: Vec<&Motor> = catalog.motors.iter().filter(|m| m.rotor_inertia.is_some()).collect();
+    let motors = (0..1000).map(|i| {
+        let (mut motor, copy) = (known[i % known.len()].clone(), (i / known.len()) as f64);
+        motor.id = format!("{} {copy}", motor.id);
+        motor.torque_constant *= 1.0 + 0.07 * copy;
+        motor.back_emf_constant *= 1.0 + 0.07 * copy;
+        motor.resistance *= 1.0 + 0.11 * copy;
+        motor.rotor_inertia = motor.rotor_inertia.map(|j| j * (1.0 + 0.05 * copy));
+        let stall = 20.0 / motor.resistance;
+        motor.inductance = motor.inductance.or(Some(motor.resistance * 5e-4));
+        motor.pole_pairs = motor.pole_pairs.or(Some(7));
+        motor.peak_current = motor.peak_current.or(Some(stall));
+        motor.continuous_current = motor.continuous_current.or(Some(0.2 * stall));
+        motor.peak_torque = motor.peak_torque.or(Some(stall * motor.torque_constant));
+        motor.continuous_torque = motor.continuous_torque.or(Some(0.3 * stall * motor.torque_constant));
+        motor.thermal_resistance = motor.thermal_resistance.or(Some(2.0));
+        motor.max_winding_temperature = motor.max_winding_temperature.or(Some(398.15));
+        motor.max_speed = motor.max_speed.or(Some(1000.0));
+        motor.mass = motor.mass.or(Some(0.5));
+        motor.coulomb_friction = friction.then_some(0.02 * 0.2 * stall * motor.torque_constant);
+        motor
+    });
+    Catalog { motors: motors.collect(), gears: Vec::new() }
+}
+
+/// One joint with every limit that leaves the program convex.
+fn all_limits(samples: usize) -> Robot {
+    let mut robot = robot(samples, 1);
+    (robot.bus.power, robot.bus.current, robot.bus.drive_efficiency) = (Some(400.0), Some(12.0), 0.95);
+    let joint = &mut robot.joints[0];
+    joint.gear.mass = Some(0.2);
+    (joint.gear.peak_torque, joint.gear.continuous_torque) = (Some(40.0), Some(20.0));
+    joint.gear.max_input_speed = Some(800.0);
+    joint.limits.actuator_mass = Some(2.0);
+    joint.limits.torque_bandwidth = Some(gearwise::requirement::TorqueBandwidth { frequency: 30.0, amplitude: 2.0 });
+    robot
+}
+
+/// A thousand motors with all limits, beside one of them solved by a plain loop over 200 ratios; and how long a
+/// single program takes where Coulomb friction and a regeneration limit make it non-convex.
+fn thousand(c: &mut Criterion) {
+    let (catalog, robot) = (thousand_motors(false), all_limits(1000));
+    let joint = &robot.joints[0];
+    let mut group = c.benchmark_group("a thousand motors");
+    group.sample_size(10);
+    group.bench_function("all limits, 1000 samples", |b| b.iter(|| optimize(&robot, &catalog)));
+    let ratios = gearwise::design::sweep::grid(3.0, 60.0, 200);
+    let mut next = catalog.motors.iter().cycle();
+    group.bench_function("one of them by a plain loop over 200 ratios, three limits", |b| {
+        b.iter(|| {
+            let motor = next.next().expect("a cycle");
+            ratios.iter().map(|n| plain_loop(joint, motor, black_box(*n)).2).fold(f64::INFINITY, f64::min)
+        });
+    });
+    group.finish();
+    let (rubbing, mut robot) = (thousand_motors(true), all_limits(1000));
+    robot.bus.regeneration = Regeneration::Limited(40.0);
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let (mut times, mut certified, mut feasible) = (Vec::new(), 0, 0);
+    for motor in rubbing.motors.iter().step_by(10) {
+        let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).expect("a candidate"));
+        let start = std::time::Instant::now();
+        let outcome = RatioProgram::new(&prepared, &joint.objective, 3.0, 60.0).solve();
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+        if let Outcome::Optimal(optimum) = outcome {
+            feasible += 1;
+            certified += usize::from(matches!(optimum.certificate, Certificate::Certified { .. }));
+        }
     }
-    catalog.motors.truncate(1000);
-    catalog
+    times.sort_by(f64::total_cmp);
+    println!(
+        "non-convex, 100 motors one after the other, ms each: median {:.2}, 95 % {:.2}, most {:.2}; {feasible} \
+         feasible, {certified} certified",
+        times[50], times[95], times[99]
+    );
 }
 
 fn first_few(c: &mut Criterion) {
-    let catalog = thousand();
+    let catalog = thousand_motors(false);
     let robot = robot(1000, 1);
     let mut group = c.benchmark_group("optimize, 1000 motors, 1000 samples");
     group.sample_size(10);
@@ -193,5 +252,5 @@ fn first_few(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pair, program, whole, first_few);
+criterion_group!(benches, pair, program, whole, thousand, first_few);
 criterion_main!(benches);

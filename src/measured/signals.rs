@@ -241,8 +241,8 @@ mod tests {
         let values: Vec<f64> = (0..30).map(|k| cubic(f64::from(k))).collect();
         for shift in [-3.4, -1.0, 0.25, 2.0, 4.7] {
             let moved = shifted(&values, shift);
-            for k in 8..22 {
-                assert_relative_eq!(moved[k], cubic(k as f64 + shift), max_relative = 1e-10);
+            for (k, value) in moved.iter().enumerate().take(22).skip(8) {
+                assert_relative_eq!(*value, cubic(k as f64 + shift), max_relative = 1e-10);
             }
         }
     }

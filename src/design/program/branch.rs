@@ -10,11 +10,10 @@ use std::collections::BinaryHeap;
 
 use super::objective::Goal;
 use super::{
-    Certificate, Class, Demand, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, ROW_TOLERANCE, RatioProgram,
-    prices, scan,
+    Certificate, Class, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, prices, scan,
 };
 use crate::actuator::Laurent;
-use crate::design::evaluate::violation;
+use crate::actuator::limits::Demand;
 
 /// More intervals than any case has been seen to need; what is left then is reported as a gap.
 const MAX_INTERVALS: usize = 20_000;
@@ -263,9 +262,11 @@ impl Search<'_> {
         f64::INFINITY
     }
 
-    /// The most violated row at a ratio, where one is violated.
+    /// The most violated row at a ratio, where one is violated. A limit that takes a walk over all samples, or
+    /// many where it runs away, is looked at only where the others are kept: any violated row will do.
     fn worst_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
-        worst_row(self.program, ratio, |_| true)
+        worst_row(self.program, ratio, |demand| !matches!(demand, Demand::WindingPeak(_)))
+            .or_else(|| worst_row(self.program, ratio, |demand| matches!(demand, Demand::WindingPeak(_))))
     }
 }
 
@@ -278,7 +279,7 @@ pub(super) fn worst_row(program: &RatioProgram, ratio: f64, among: impl Fn(&Dema
         }
         let Some((polynomial, _)) = program.polynomial_at(index, ratio) else { continue };
         let bound = asked.raw_bound();
-        let excess = violation(polynomial.at(ratio), bound);
+        let excess = program.excess(index, polynomial.at(ratio), ratio);
         if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(e, ..)| excess > *e) {
             worst = Some((excess, polynomial, bound));
         }

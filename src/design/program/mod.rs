@@ -165,8 +165,19 @@ impl Row {
     }
 
     fn excess(&self, u: f64) -> f64 {
-        violation(self.at(u), self.bound)
+        relative_excess(self.at(u), self.bound, || value(&self.coefficients.map(f64::abs), u))
     }
+}
+
+/// Excess over a bound, relative to it; where nothing is allowed, relative to the terms whose sum the value
+/// is: what is negligible for one motor is not for one a million times smaller.
+fn relative_excess(raw: f64, bound: f64, size: impl FnOnce() -> f64) -> f64 {
+    let excess = violation(raw, bound);
+    if bound > 0.0 || excess <= 0.0 {
+        return excess;
+    }
+    let size = size();
+    if size > 0.0 { excess / size } else { excess }
 }
 
 /// `c_w/u + c_0 + c_u u + c_t u²`.
@@ -343,6 +354,12 @@ impl<'a> RatioProgram<'a> {
             }
             Demand::Fixed(..) | Demand::Mass => None,
         }
+    }
+
+    /// By how much the demand of a limit exceeds its bound at a ratio.
+    fn excess(&self, index: usize, raw: f64, ratio: f64) -> f64 {
+        let size = || self.polynomial_at(index, ratio).map_or(0.0, |(polynomial, _)| polynomial.size(ratio));
+        relative_excess(raw, self.limits[index].asked.raw_bound(), size)
     }
 
     /// The row of a convex limit that is most violated (or least slack) at a ratio.

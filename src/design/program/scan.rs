@@ -3,7 +3,7 @@
 
 use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
-use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
+use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 1000;
@@ -76,13 +76,13 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
 /// The limit that is most exceeded at a ratio: its relative excess, and itself.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
-    for Limited { candidate, asked } in &program.limits {
+    for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
         let convex = matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
         if !convex || asked.is_certainly_kept(candidate, ratio) {
             continue;
         }
         let (raw, sample) = asked.raw_demand(candidate, ratio);
-        let excess = violation(raw, asked.raw_bound());
+        let excess = program.excess(index, raw, ratio);
         if excess > worst.0 {
             worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
         }

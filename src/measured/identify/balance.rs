@@ -633,7 +633,6 @@ fn motion(grid: &Gridded, ratio: f64, lag: f64) -> Option<Motion> {
     Some(Motion { motor_acceleration: acceleration(&motor), motor, direction, output_acceleration })
 }
 
-#[expect(clippy::too_many_arguments, reason = "what one stretch of an equation is made of")]
 fn stretch(
     grid: &Gridded,
     index: usize,

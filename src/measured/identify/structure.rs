@@ -70,10 +70,13 @@ pub fn drift(work: &Work) -> Vec<Vec<f64>> {
     columns
 }
 
-/// The flexible functions that are offered: variable, what it is called, columns.
-fn offers(work: &Work) -> Vec<(Option<Variable>, &'static str, Vec<Vec<f64>>)> {
+/// A flexible function that is offered: variable, what it is called, columns.
+type Offer = (Option<Variable>, &'static str, Vec<Vec<f64>>);
+
+/// The flexible functions that are offered.
+fn offers(work: &Work) -> Vec<Offer> {
     let balance = &work.balance;
-    let mut offers: Vec<(Option<Variable>, &'static str, Vec<Vec<f64>>)> = vec![(None, "time", drift(work))];
+    let mut offers: Vec<Offer> = vec![(None, "time", drift(work))];
     let mut offer = |variable: Option<Variable>, name: &'static str, f: &(dyn Fn(&Operating) -> f64 + Sync)| {
         let values = balance.variable(false, f);
         if values.iter().any(|v| !v.is_finite()) {

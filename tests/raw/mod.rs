@@ -1,0 +1,541 @@
+//! Random joints and a second look at them, straight from the raw waveforms.
+//!
+//! Nothing of the crate's model is called here: torque, current, voltage, power, means over time,
+//! temperature, efficiency, friction and every limit are computed in the plainest way, without
+//! polynomials, convexity or solver; only data types are shared. The number of a case is the seed it is
+//! drawn from.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::{cell::RefCell, collections::BTreeMap, f64::consts::TAU, sync::Arc};
+
+use gearwise::catalog::convention::{Commutation, Modulation};
+use gearwise::catalog::{Catalog, Motor, Printed};
+use gearwise::input::Source;
+use gearwise::requirement::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+/// Ratios that are looked at before refining.
+const RATIOS: usize = 1201;
+/// Limits of the model; the two ends of the range come on top.
+pub const LIMITS: usize = 19;
+
+/// A motor at the only joint of a robot, the motion sample by sample, the same with the superposed torque
+/// at all its phases, and each sample's share of the time (in all, at rest).
+pub struct Case {
+    pub motor: Motor,
+    pub robot: Robot,
+    pub raw: Vec<Point>,
+    pub rippled: Vec<Point>,
+    pub shares: Vec<[f64; 2]>,
+}
+
+/// What a ratio comes to: the quantities in the order of their type; limits with name, demand and, where
+/// they apply, bound.
+pub struct Look {
+    pub quantities: [f64; 6],
+    pub objective: f64,
+    pub limits: [(&'static str, f64, Option<f64>); LIMITS + 2],
+}
+
+/// Shares of the time by the trapezoid rule (points: by duration): half an interval for each of its ends.
+/// It is at rest if it is so at both.
+pub fn shares(raw: &[Point], time: &[f64], course: Course) -> Vec<[f64; 2]> {
+    let (n, mut shares) = (raw.len(), vec![[0.0; 2]; raw.len()]);
+    for k in 0..n {
+        let (next, length) = match course {
+            Course::Points(_) => (k, raw[k].duration.unwrap_or(1.0)),
+            Course::Periodic(period) => ((k + 1) % n, (time[(k + 1) % n] - time[k]).rem_euclid(period)),
+            Course::Once(_) => ((k + 1).min(n - 1), time[(k + 1).min(n - 1)] - time[k]),
+        };
+        let rests = raw[k].velocity == 0.0 && raw[next].velocity == 0.0;
+        for end in [k, next] {
+            shares[end] = [shares[end][0] + length, shares[end][1] + if rests { length } else { 0.0 }];
+        }
+    }
+    let total: f64 = shares.iter().map(|share| share[0]).sum();
+    shares.iter().map(|share| share.map(|length| length / total)).collect()
+}
+
+impl Case {
+    pub fn new(motor: Motor, robot: Robot, raw: Vec<Point>) -> Case {
+        let shares = shares(&raw, &robot.joints[0].motion.time, robot.joints[0].motion.course);
+        let mut rippled = Vec::new();
+        if let Some(TorqueBandwidth { frequency, amplitude }) = robot.joints[0].limits.torque_bandwidth {
+            for (p, step) in raw.iter().flat_map(|p| (0..32).map(move |step| (p, step))) {
+                let (sin, cos) = (TAU * f64::from(step) / 32.0).sin_cos();
+                let torque_rate = p.torque_rate - amplitude * TAU * frequency * sin;
+                rippled.push(Point { torque: p.torque + amplitude * cos, torque_rate, ..*p });
+            }
+        }
+        Case { motor, robot, raw, rippled, shares }
+    }
+
+    pub fn look(&self, n: f64) -> Look {
+        let (motor, bus, joint, raw) = (&self.motor, &self.robot.bus, &self.robot.joints[0], &self.raw);
+        let (gear, asked, r, k_t) = (&joint.gear, &joint.limits, motor.resistance, motor.torque_constant);
+        // A brushed motor has no d axis. Without inductance or pole pairs the voltage is R i + K_B N ω.
+        let brushless = motor.conventions.commutation == Commutation::Brushless;
+        let inductive = motor.inductance.zip(if brushless { motor.pole_pairs } else { Some(0) });
+        let (l, poles) = inductive.unwrap_or((0.0, 0));
+        let (j, b) = (motor.rotor_inertia.unwrap() + gear.inertia, motor.viscous_friction.unwrap_or(0.0));
+        // Shaft torque and its rate. At standstill friction is nothing in means, and opposes the motor in limits.
+        let braking = |p: &Point| p.torque * p.velocity < 0.0;
+        let phi = |p: &Point| if braking(p) { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
+        let smooth = |p: &Point| phi(p) * p.torque / n + n * (j * p.acceleration + b * p.velocity);
+        let rate = |p: &Point| phi(p) * p.torque_rate / n + n * (j * p.jerk + b * p.acceleration);
+        let friction = |towards: f64| motor.coulomb_friction.unwrap_or(0.0).copysign(towards);
+        let usual = |p: &Point| smooth(p) + if p.velocity == 0.0 { 0.0 } else { friction(p.velocity) };
+        let most = |p: &Point| smooth(p) + friction(if p.velocity == 0.0 { smooth(p) } else { p.velocity });
+        let power = |p: &Point| r * (most(p) / k_t).powi(2) + motor.back_emf_constant * n * p.velocity * most(p) / k_t;
+        let v_q = |p: &Point| r * most(p) / k_t + l * rate(p) / k_t + motor.back_emf_constant * n * p.velocity;
+        let v_d = |p: &Point| -f64::from(poles) * n * p.velocity * l * most(p) / k_t;
+        let voltage = |p: &Point| v_q(p).hypot(v_d(p));
+        let torque = |p: &Point| most(p).abs();
+        let largest = |list: &[Point], f: &dyn Fn(&Point) -> f64| list.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
+        let timed = raw.iter().zip(&self.shares);
+        let mean = |at: usize, f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[at] * f(p).powi(2)).sum::<f64>();
+        let (square, at_rest, load) = (mean(0, &usual), mean(1, &usual), mean(0, &|p| p.torque));
+        let (most_torque, most_load) = (largest(raw, &torque), largest(raw, &|p| p.torque.abs()));
+        let (most_ripple, ripple_voltage) = (largest(&self.rippled, &torque), largest(&self.rippled, &voltage));
+        let watt = largest(raw, &power) / bus.drive_efficiency;
+        let back = largest(raw, &|p| -power(p)) * bus.drive_efficiency;
+        let speed = n * largest(raw, &|p| p.velocity.abs());
+        let stages = |ratio: f64| (0..99).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
+        let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
+        let (inertia, mass) = (n * n * j, motor.mass.unwrap() + of_gear);
+        // Bounds.
+        let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
+        let amplitude = if brushless { 1.5_f64.sqrt() } else { 1.0 };
+        let current = least(motor.peak_current, joint.drive_current.or(bus.drive_current).map(|i| i * amplitude));
+        let circle = if bus.modulation == Modulation::Sine { 0.375_f64.sqrt() } else { 0.5_f64.sqrt() };
+        let volt = Some(bus.voltage * bus.modulation_limit * if brushless { circle } else { 1.0 });
+        let hot = least(motor.max_winding_temperature, asked.winding_temperature).zip(motor.thermal_resistance);
+        let resistance = |kelvin: f64| r * (1.0 + 0.0039 * (kelvin - motor.reference_temperature));
+        let hot = hot.map(|(hot, r_th)| ((hot - self.robot.ambient) / (r_th * resistance(hot))).sqrt());
+        let meant = |bound: Option<f64>| bound.filter(|_| joint.motion.course != Course::Points(None));
+        let stands = brushless && self.shares.iter().any(|share| share[1] > 0.0);
+        let held = meant(least(motor.continuous_current, hot)).filter(|_| stands);
+        let rippled = |bound: Option<f64>| bound.filter(|_| asked.torque_bandwidth.is_some());
+        let taken = if let Regeneration::Limited(watt) = bus.regeneration { Some(watt) } else { None };
+        let rise = self.nodes().map(|nodes| nodes.peak(&self.copper_heat(n)));
+        let hottest = least(motor.max_winding_temperature, asked.winding_temperature);
+        let hottest = hottest.map(|hot| (hot - self.robot.ambient).max(0.0)).filter(|_| rise.is_some());
+        let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
+        let limits = [
+            ("peak_current", asked.safety * most_torque / k_t, current),
+            ("peak_torque", asked.safety * most_torque, motor.peak_torque),
+            ("continuous_current", square.sqrt() / k_t, meant(motor.continuous_current)),
+            ("continuous_torque", square.sqrt(), meant(motor.continuous_torque)),
+            ("winding_temperature", square.sqrt() / k_t, meant(hot)),
+            ("winding_peak_temperature", rise.unwrap_or(0.0), hottest),
+            ("standstill_holding", (square + at_rest).sqrt() / k_t, held),
+            ("voltage", largest(raw, &voltage), volt),
+            ("max_speed", speed, motor.max_speed),
+            ("gear_input_speed", speed, gear.max_input_speed),
+            ("gear_peak_torque", asked.safety * most_load, gear.peak_torque),
+            ("gear_continuous_torque", load.sqrt(), meant(gear.continuous_torque)),
+            ("reflected_inertia", inertia, asked.reflected_inertia),
+            ("torque_bandwidth_current", asked.safety * most_ripple / k_t, rippled(current)),
+            ("torque_bandwidth_voltage", ripple_voltage, rippled(volt).filter(|_| inductive.is_some())),
+            ("bus_power", watt, bus.power),
+            ("bus_current", watt / bus.voltage, bus.current),
+            ("regeneration", back, taken),
+            ("actuator_mass", mass, asked.actuator_mass),
+            ("ratio_min", min, Some(n)),
+            ("ratio_max", n, Some(max)),
+        ];
+        let drawn = |p: &Point| {
+            let watt = r * (usual(p) / k_t).powi(2) + motor.back_emf_constant * n * p.velocity * usual(p) / k_t;
+            (watt / bus.drive_efficiency).max(watt * bus.drive_efficiency)
+        };
+        let duration = match joint.motion.course {
+            Course::Periodic(duration) | Course::Once(duration) => duration,
+            Course::Points(total) => total.unwrap_or(0.0),
+        };
+        let energy = duration * timed.map(|(p, s)| s[0] * drawn(p)).sum::<f64>();
+        let quantities = [r * square / (k_t * k_t), inertia, most_torque / k_t, mass, energy, watt.max(0.0)];
+        let objective = joint.objective.terms.iter().map(|(q, weight)| weight * quantities[*q as usize]).sum();
+        Look { quantities, objective, limits }
+    }
+
+    /// The two thermal nodes, where the sheet has them and the motion has a course.
+    pub fn nodes(&self) -> Option<Nodes> {
+        let (sheet, value) = (&self.motor.sheet, |printed: Option<Printed>| printed.map(|p| p.value));
+        if matches!(self.robot.joints[0].motion.course, Course::Points(_)) {
+            return None;
+        }
+        Some(Nodes {
+            between: value(sheet.thermal_resistance_winding_housing)?,
+            outside: value(sheet.thermal_resistance_housing_ambient)?,
+            winding: value(sheet.thermal_time_constant_winding)?,
+            housing: value(sheet.thermal_time_constant_housing)?,
+            warm: 1.0 + COPPER * (self.robot.ambient - self.motor.reference_temperature),
+        })
+    }
+
+    /// A heat over the course of the motion.
+    pub fn heat(&self, watt: impl FnMut(&Point) -> f64) -> Heat {
+        let motion = &self.robot.joints[0].motion;
+        let period = if let Course::Periodic(period) = motion.course { Some(period) } else { None };
+        Heat { time: motion.time.clone(), watt: self.raw.iter().map(watt).collect(), period }
+    }
+
+    /// Copper heat at a ratio.
+    pub fn copper_heat(&self, n: f64) -> Heat {
+        let (motor, gear) = (&self.motor, &self.robot.joints[0].gear);
+        let (j, b) = (motor.rotor_inertia.unwrap() + gear.inertia, motor.viscous_friction.unwrap_or(0.0));
+        self.heat(|p| {
+            let phi = if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
+            let rubs = motor.coulomb_friction.filter(|_| p.velocity != 0.0).unwrap_or(0.0).copysign(p.velocity);
+            let torque = phi * p.torque / n + n * (j * p.acceleration + b * p.velocity) + rubs;
+            motor.resistance * (torque / motor.torque_constant).powi(2)
+        })
+    }
+
+    /// By how much each limit that applies is exceeded (absolutely, where nothing is allowed).
+    pub fn excess(&self, n: f64) -> impl Iterator<Item = (f64, &'static str)> {
+        let over = |demand: f64, bound: f64| if bound > 0.0 { demand / bound - 1.0 } else { demand };
+        self.look(n).limits.into_iter().filter_map(move |(name, demand, bound)| Some((over(demand, bound?), name)))
+    }
+
+    pub fn worst(&self, n: f64) -> (f64, &'static str) {
+        self.excess(n).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    }
+}
+
+/// Temperature coefficient of copper's resistance.
+const COPPER: f64 = 0.0039;
+
+/// Winding and housing: resistances and time constants, and resistance at ambient over the reference's.
+pub struct Nodes {
+    between: f64,
+    outside: f64,
+    pub winding: f64,
+    housing: f64,
+    warm: f64,
+}
+
+/// Heat at the samples, at the resistance's reference temperature; a period where it repeats.
+pub struct Heat {
+    time: Vec<f64>,
+    watt: Vec<f64>,
+    period: Option<f64>,
+}
+
+/// An affine map of the rises of winding and housing.
+type Affine = ([[f64; 2]; 2], [f64; 2]);
+
+fn apply((m, c): &Affine, x: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| m[i][0] * x[0] + m[i][1] * x[1] + c[i])
+}
+
+impl Heat {
+    /// Start, length and heat at the ends of every interval; the last closes the period.
+    fn intervals(&self) -> Vec<(f64, f64, [f64; 2])> {
+        let (t, q, n) = (&self.time, &self.watt, self.time.len());
+        let mut list: Vec<_> = (1..n).map(|k| (t[k - 1], t[k] - t[k - 1], [q[k - 1], q[k]])).collect();
+        list.extend(self.period.map(|period| (t[n - 1], t[0] + period - t[n - 1], [q[n - 1], q[0]])));
+        list
+    }
+}
+
+impl Nodes {
+    /// Rates of both rises per rise and on their own at a heat.
+    fn rates(&self, watt: f64) -> Affine {
+        let (c_w, c_h) = (self.winding / self.between, self.housing / self.outside);
+        let exchange = 1.0 / (self.between * c_h);
+        let a = [
+            [COPPER * watt / c_w - 1.0 / self.winding, 1.0 / self.winding],
+            [exchange, -exchange - 1.0 / self.housing],
+        ];
+        (a, [watt * self.warm / c_w, 0.0])
+    }
+
+    /// The map over a time of constant heat, from the eigenvalues `m ± d`.
+    fn hold(&self, watt: f64, h: f64) -> Affine {
+        let (a, b) = self.rates(watt);
+        let (m, half) = (0.5 * (a[0][0] + a[1][1]), 0.5 * (a[0][0] - a[1][1]));
+        let d = (half * half + a[0][1] * a[1][0]).sqrt();
+        let (even, odd) = ((m * h).exp() * (d * h).cosh(), (m * h).exp() * (d * h).sinh() / d);
+        let e = [[even + odd * half, odd * a[0][1]], [odd * a[1][0], even - odd * half]];
+        // (e^{Ah} − I) A⁻¹ b
+        let determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+        let x = [a[1][1] * b[0] / determinant, -a[1][0] * b[0] / determinant];
+        (e, [(e[0][0] - 1.0) * x[0] + e[0][1] * x[1], e[1][0] * x[0] + (e[1][1] - 1.0) * x[1]])
+    }
+
+    /// The largest rise of the winding, in the periodic state or from cold; infinite where it runs away.
+    /// As the model declares it: parts of at most 1/16 of the winding's time constant, each with its mean heat.
+    pub fn peak(&self, heat: &Heat) -> f64 {
+        let mut parts = Vec::new();
+        for (_, length, [q, then]) in heat.intervals() {
+            let count = (16.0 * length / self.winding).ceil().clamp(1.0, 256.0);
+            let share = |part: u32| (f64::from(part) + 0.5) / count;
+            parts.extend((0..count as u32).map(|part| self.hold(q + (then - q) * share(part), length / count)));
+        }
+        let mut rise = [0.0; 2];
+        if heat.period.is_some() {
+            // x = Φ x + d: the columns of Φ from two starts, d from cold.
+            let end = |start: [f64; 2]| parts.iter().fold(start, |x, part| apply(part, x));
+            let linear = |start: [f64; 2]| parts.iter().fold(start, |x, (m, _)| apply(&(*m, [0.0; 2]), x));
+            let (d, first, second) = (end([0.0; 2]), linear([1.0, 0.0]), linear([0.0, 1.0]));
+            let (a, b, c, e) = (1.0 - first[0], -second[0], -first[1], 1.0 - second[1]);
+            let determinant = a * e - b * c;
+            if !(a > 0.0 && e > 0.0 && determinant > 0.0) {
+                return f64::INFINITY;
+            }
+            rise = [(e * d[0] - b * d[1]) / determinant, (a * d[1] - c * d[0]) / determinant];
+        }
+        let mut peak = rise[0];
+        for part in &parts {
+            rise = apply(part, rise);
+            peak = peak.max(rise[0]);
+        }
+        if peak.is_nan() { f64::INFINITY } else { peak }
+    }
+
+    /// What the parts of constant heat may be wrong by \[K\], at a rise: within a part of length h, whose heat
+    /// changes by Δq, the rise bulges by `h Δq/(8 C_w)`; and the second order, `(h/τ_w)²/12` of what the largest
+    /// heat changes in one τ_w.
+    pub fn doubt(&self, heat: &Heat, rise: f64) -> f64 {
+        let (mut bulge, mut longest) = (0.0_f64, 0.0_f64);
+        for (_, length, [q, then]) in heat.intervals() {
+            let count = (16.0 * length / self.winding).ceil().clamp(1.0, 256.0);
+            let part = length / count / self.winding;
+            (bulge, longest) = (bulge.max(part * (then - q).abs() / count / 8.0), longest.max(part));
+        }
+        let most = heat.watt.iter().copied().fold(0.0, f64::max);
+        (bulge + longest.powi(2) / 12.0 * most) * self.between * (self.warm + COPPER * rise)
+    }
+
+    /// The largest rise by the classic Runge-Kutta rule for heat that is linear between samples: no parts, and
+    /// the periodic state by repeating until it repeats.
+    pub fn integrated_peak(&self, heat: &Heat, steps: f64) -> f64 {
+        let (mut start, mut peak) = ([0.0_f64; 2], f64::INFINITY);
+        for _ in 0..if heat.period.is_some() { 100_000 } else { 1 } {
+            let mut x = start;
+            peak = x[0];
+            for (_, length, [q, then]) in heat.intervals() {
+                let count = (steps * length / self.winding).ceil().max(1.0);
+                let h = length / count;
+                let slope = |t: f64, x: [f64; 2]| apply(&self.rates(q + (then - q) * t / length), x);
+                for step in 0..count as u32 {
+                    let t = f64::from(step) * h;
+                    let moved = |k: [f64; 2], by: f64| [x[0] + by * k[0], x[1] + by * k[1]];
+                    let k1 = slope(t, x);
+                    let k2 = slope(t + 0.5 * h, moved(k1, 0.5 * h));
+                    let k3 = slope(t + 0.5 * h, moved(k2, 0.5 * h));
+                    let k4 = slope(t + h, moved(k3, h));
+                    x = [0, 1].map(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+                    peak = peak.max(x[0]);
+                }
+            }
+            let moved = (x[0] - start[0]).abs().max((x[1] - start[1]).abs());
+            if heat.period.is_none() || moved < 1e-9 || x[0] > 1e6 {
+                break;
+            }
+            start = x;
+        }
+        peak
+    }
+}
+
+/// Golden section for the least of `f` between two ratios.
+pub fn golden(f: impl Fn(f64) -> f64, [a, b]: [f64; 2]) -> f64 {
+    let halfway = |(a, b), _| {
+        let (c, d) = (b - 0.618_034 * (b - a), a + 0.618_034 * (b - a));
+        if f(c) <= f(d) { (a, d) } else { (c, b) }
+    };
+    (0..60).fold((a, b), halfway).0
+}
+
+/// The neighbours of each local minimum in a list of ratios with values.
+fn dips(seen: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let around = |i: usize| [seen[i.saturating_sub(1)], seen[i], seen[(i + 1).min(seen.len() - 1)]];
+    let dip = |[a, b, c]: [[f64; 2]; 3]| ((a == b || b[1] < a[1]) && b[1] <= c[1]).then_some([a[0], c[0]]);
+    (0..seen.len()).filter_map(|i| dip(around(i))).collect()
+}
+
+/// What the scan found: the feasible intervals, the ratios it looked at, the least violation.
+pub struct Scan {
+    pub windows: Vec<[f64; 2]>,
+    pub grid: Vec<f64>,
+    pub least: (f64, &'static str),
+}
+
+impl Scan {
+    pub fn new(case: &Case) -> Scan {
+        let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
+        let mut grid: Vec<f64> = (1..RATIOS).map(|i| min * (max / min).powf(i as f64 / RATIOS as f64)).collect();
+        grid.extend([min, max]);
+        let stages = case.robot.joints[0].gear.mass_per_stage.map(|(_, ratio)| (0..30).map(move |k| ratio.powi(k)));
+        grid.extend(stages.into_iter().flatten().filter(|n| (min..max).contains(n)));
+        grid.sort_by(f64::total_cmp);
+        // A feasible ratio may hide between infeasible ones, and the other way round.
+        let seen: Vec<[f64; 2]> = grid.iter().map(|n| [*n, case.worst(*n).0]).collect();
+        let upside_down: Vec<[f64; 2]> = seen.iter().map(|[n, over]| [*n, -over]).collect();
+        grid.extend(dips(&seen).into_iter().map(|between| golden(|n| case.worst(n).0, between)));
+        grid.extend(dips(&upside_down).into_iter().map(|between| golden(|n| -case.worst(n).0, between)));
+        grid.sort_by(f64::total_cmp);
+        // Bisection between an infeasible and a feasible ratio ends on the feasible side.
+        let halve = |(bad, good), _| {
+            let n = 0.5 * (bad + good);
+            if case.worst(n).0 > 0.0 { (n, good) } else { (bad, n) }
+        };
+        let worst: Vec<(f64, &str)> = grid.iter().map(|n| case.worst(*n)).collect();
+        let mut ends = Vec::from_iter((worst[0].0 <= 0.0).then_some(min));
+        for i in 1..grid.len() {
+            match (worst[i - 1].0 > 0.0, worst[i].0 > 0.0) {
+                (true, false) => ends.push((0..60).fold((grid[i - 1], grid[i]), halve).1),
+                (false, true) => ends.push((0..60).fold((grid[i], grid[i - 1]), halve).1),
+                _ => {}
+            }
+        }
+        ends.extend((worst[grid.len() - 1].0 <= 0.0).then_some(max));
+        let windows = ends.chunks(2).map(|window| [window[0], window[1]]).collect();
+        Scan { windows, grid, least: worst.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap() }
+    }
+
+    /// The least of `f` over the windows: their ends, the grid between them, and refined around its dips.
+    pub fn least_of(&self, f: impl Fn(f64) -> f64) -> f64 {
+        let least = |&[a, b]: &[f64; 2]| {
+            let inside = self.grid.iter().copied().filter(|n| a < *n && *n < b);
+            let seen: Vec<[f64; 2]> = [a].into_iter().chain(inside).chain([b]).map(|n| [n, f(n)]).collect();
+            let refined = dips(&seen).into_iter().map(|between| f(golden(&f, between)));
+            seen.iter().map(|at| at[1]).chain(refined).fold(f64::INFINITY, f64::min)
+        };
+        self.windows.iter().map(least).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// What every case starts from.
+const MOTOR: &str =
+    "id,source,source_kind,terminals,current,resistance [ohm],torque_constant [N*m/A]\nm,-,derived,q_axis,q_axis,1,1";
+const ROBOT: &str =
+    "name='r'\nbus={voltage='1 V'}\njoint=[{name='j',ratio={min=1,max=2},points=[{torque='1 N*m',speed='1 rad/s'}]}]";
+
+/// Draws a case: a motor and a motion that suit each other at some ratio, and limits around what is
+/// needed near it. A convex one has neither Coulomb friction nor a regeneration limit nor a weighted
+/// objective that bends the wrong way; the others have at least one of them.
+pub fn draw(index: u64, convex: bool) -> Case {
+    let generator = RefCell::new(Pcg64::seed_from_u64(index));
+    let within = |a: f64, b: f64| generator.borrow_mut().random_range(a..b);
+    let around = |a: f64, b: f64| a * (b / a).powf(within(0.0, 1.0));
+    let chance = |share: f64| within(0.0, 1.0) < share;
+    let below = |count: f64| within(0.0, count) as usize;
+    let [rubs, regenerates, peaked, stepped] = [0, 1, 2, 3].map(|kind| !convex && (index % 4 == kind || chance(0.15)));
+    // The motion: harmonics at uneven times with stretches and single samples at standstill, or points.
+    let (period, speed, matched) = (around(0.2, 3.0), around(0.5, 30.0), around(3.0, 60.0));
+    let (form, ripples, heated) = (within(0.0, 1.0), chance(0.2), chance(0.3));
+    let count = if form > 0.8 {
+        around(1.0, 12.0)
+    } else {
+        around(
+            8.0,
+            if ripples {
+                24.0
+            } else if heated {
+                80.0
+            } else {
+                301.0
+            },
+        )
+    } as usize;
+    let (rotor, of_gear) = (around(1e-7, 1e-3), if chance(0.5) { around(1e-8, 1e-4) } else { 0.0 });
+    let torque = (rotor + of_gear) * speed * TAU / period * matched * matched * around(0.2, 5.0);
+    // One to four harmonics: value, first and second derivative. Each brings a factor w and a quarter of a turn.
+    let harmonic = |size| [size * within(0.1, 1.0), TAU / period * within(1.0, 6.0).floor(), within(0.0, TAU)];
+    let wave = |size| (0..=below(4.0)).map(|_| harmonic(size)).collect::<Vec<[f64; 3]>>();
+    let sine = |[a, w, x]: &[f64; 3], t: f64, k: i32| a * w.powi(k) * (w * t + x + f64::from(k) * TAU / 4.0).sin();
+    let at = |wave: &[[f64; 3]], t: f64| [0, 1, 2].map(|k| wave.iter().map(|h| sine(h, t, k)).sum::<f64>());
+    let (load, turn, offset) = (wave(torque), wave(speed), within(-torque, torque));
+    let (rest, rests) = (below(count as f64), below(3.0) * count / 8);
+    let (mut time, mut raw) = (Vec::new(), Vec::new());
+    for k in 0..count {
+        let t = period * (k as f64 + within(0.0, 0.5)) / count as f64;
+        let ([tau, torque_rate, _], turning) = (at(&load, t), at(&turn, t));
+        let [omega, acceleration, jerk] = if (rest..rest + rests).contains(&k) { [0.0; 3] } else { turning };
+        let velocity = if chance(0.02) { 0.0 } else { omega };
+        let duration = (form < 0.93).then(|| around(0.1, 2.0));
+        raw.push(Point { torque: tau + offset, velocity, acceleration, torque_rate, jerk, duration });
+        time.push(t);
+    }
+    let course = if form < 0.55 { Course::Periodic(period) } else { Course::Once(time[count - 1] - time[0]) };
+    let column = |f: fn(&Point) -> f64| Some(raw.iter().map(f).collect::<Vec<f64>>());
+    let (acceleration, torque_rate, jerk) = (column(|p| p.acceleration), column(|p| p.torque_rate), column(|p| p.jerk));
+    let (torques, velocity) = (column(|p| p.torque).unwrap(), column(|p| p.velocity));
+    let given = Samples { time, torque: torques, position: None, velocity, acceleration, torque_rate, jerk };
+    // The motor: R i and K_B N ω of like size.
+    let mut motor = Catalog::from_sources(vec![Arc::new(Source::new("motor.csv", MOTOR))]).unwrap().motors.remove(0);
+    let mut robot = read_source(&Arc::new(Source::new("robot.toml", ROBOT))).unwrap();
+    (motor.resistance, motor.reference_temperature) = (around(0.02, 5.0), within(288.0, 300.0));
+    motor.torque_constant = (motor.resistance * torque / speed * around(0.5, 50.0)).sqrt() / matched;
+    motor.back_emf_constant = motor.torque_constant * within(0.85, 1.15).min(1.0);
+    motor.inductance = [None, Some(0.0), Some(motor.resistance * around(1e-5, 4e-3))][below(12.0).min(2)];
+    motor.pole_pairs = if chance(0.9) { Some(1 + below(22.0) as u32).filter(|pairs| *pairs < 22) } else { Some(0) };
+    motor.conventions.commutation =
+        if motor.pole_pairs == Some(0) { Commutation::Brushed } else { Commutation::Brushless };
+    (motor.rotor_inertia, motor.mass, robot.ambient) = (Some(rotor), Some(around(0.05, 2.0)), within(285.0, 315.0));
+    motor.viscous_friction = chance(0.4).then(|| rotor * around(0.1, 10.0));
+    motor.coulomb_friction = rubs.then(|| torque / matched * around(0.01, 0.5));
+    // Bus and joint.
+    robot.bus.modulation = if chance(0.3) { Modulation::Sine } else { Modulation::SpaceVector };
+    (robot.bus.modulation_limit, robot.bus.drive_efficiency) = (within(0.85, 1.0), within(0.85, 1.0));
+    let (joint, middle) = (&mut robot.joints[0], matched * around(0.4, 2.5));
+    joint.motion = if form > 0.8 { Motion::from_points(&raw) } else { Motion::from_samples(given, course) };
+    (joint.gear.efficiency, joint.gear.inertia) = (within(0.5, 1.3).min(1.0), of_gear);
+    joint.gear.backdrive_efficiency = [2.0 - 1.0 / joint.gear.efficiency, within(-0.2, 1.0)][below(2.0)];
+    joint.gear.mass = Some(around(0.05, 2.0));
+    joint.gear.mass_per_stage = Some((around(0.05, 2.0), within(3.0, 10.0))).filter(|_| stepped || chance(0.4));
+    joint.ratio = RatioChoice::Continuous { min: middle * around(0.01, 0.8), max: middle * around(1.25, 100.0) };
+    let ripple = TorqueBandwidth { frequency: around(1.0, 60.0), amplitude: torque * around(0.05, 1.0) };
+    (joint.limits.torque_bandwidth, joint.limits.safety) = (ripples.then_some(ripple), within(0.5, 1.5).max(1.0));
+    // Limits: each is there or not, and allows more or less than the middle ratio needs.
+    let mut case = Case::new(motor, robot, raw);
+    let at = case.look(middle);
+    let need: BTreeMap<&str, f64> = at.limits.iter().map(|limit| (limit.0, limit.1)).collect();
+    let (often, low, high) = ([0.1, 0.25, 0.5][below(3.0)], [0.5, 0.95][below(2.0)], around(1.1, 4.0));
+    let allow = |name: &str| Some(need[name] * around(low, high)).filter(|most| chance(often) && *most > 0.0);
+    let rippled = ("torque_bandwidth_current", "torque_bandwidth_voltage");
+    let (current, voltage) = if ripples { rippled } else { ("peak_current", "voltage") };
+    let (joint, bus, motor) = (&mut case.robot.joints[0], &mut case.robot.bus, &mut case.motor);
+    bus.voltage = allow(voltage).unwrap_or(4.0 * need["voltage"]) / 0.6;
+    (bus.power, bus.current) = (allow("bus_power"), allow("bus_power").map(|watt| watt / bus.voltage));
+    let taken = Regeneration::Limited(allow("regeneration").unwrap_or(0.0));
+    bus.regeneration = if regenerates { taken } else { Regeneration::Allowed };
+    (bus.drive_current, joint.drive_current) = (allow(current).map(|i| i / 1.2), allow(current).map(|i| i / 1.2));
+    (motor.peak_current, motor.peak_torque) = (allow(current), allow("peak_torque"));
+    (motor.continuous_current, motor.continuous_torque) = (allow("standstill_holding"), allow("continuous_torque"));
+    motor.thermal_resistance = allow("standstill_holding").map(|i| 60.0 / (i * i * motor.resistance));
+    motor.max_winding_temperature = Some(within(380.0, 420.0)).filter(|_| chance(0.7));
+    if heated {
+        let i = motor.thermal_resistance.is_none().then(|| need["standstill_holding"] * around(low, high));
+        let total = motor.thermal_resistance.unwrap_or_else(|| 60.0 / (i.unwrap().powi(2) * motor.resistance));
+        let (share, winding) = (within(0.1, 0.9), period * around(0.3, 30.0));
+        let printed = |value: f64| Some(Printed { value, tolerance: None });
+        motor.thermal_resistance = Some(total * share + total * (1.0 - share));
+        motor.sheet.thermal_resistance_winding_housing = printed(total * share);
+        motor.sheet.thermal_resistance_housing_ambient = printed(total * (1.0 - share));
+        motor.sheet.thermal_time_constant_winding = printed(winding);
+        motor.sheet.thermal_time_constant_housing = printed(winding * around(3.0, 50.0));
+    }
+    joint.limits.winding_temperature = Some(within(380.0, 420.0));
+    (motor.max_speed, joint.gear.max_input_speed) = (allow("max_speed"), allow("gear_input_speed"));
+    (joint.gear.peak_torque, joint.gear.continuous_torque) =
+        (allow("gear_peak_torque"), allow("gear_continuous_torque"));
+    (joint.limits.reflected_inertia, joint.limits.actuator_mass) = (allow("reflected_inertia"), allow("actuator_mass"));
+    let (loss, inertia, power) = (Quantity::Loss, Quantity::ReflectedInertia, Quantity::PeakPower);
+    // Energy needs durations.
+    let energy = if form < 0.93 { Quantity::Energy } else { loss };
+    let alone =
+        [loss, loss, Quantity::PeakCurrent, Quantity::PeakCurrent, inertia, Quantity::Mass, energy, energy, power];
+    let alone = alone[below(9.0)];
+    let drawn = [inertia, power, if form < 0.93 { Quantity::Energy } else { inertia }][below(3.0)];
+    let with_loss = [(peaked, Quantity::PeakCurrent), (stepped, Quantity::Mass), (chance(0.25), drawn)];
+    let both = |q: Quantity| {
+        vec![(loss, 1.0), (q, at.quantities[0] / at.quantities[q as usize].abs().max(1e-3 * at.quantities[0]) / high)]
+    };
+    joint.objective.terms = with_loss.into_iter().find(|x| x.0).map_or(vec![(alone, 1.0)], |x| both(x.1));
+    case
+}
