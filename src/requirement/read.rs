@@ -145,13 +145,38 @@ fn read_joint(section: Section, ambient: f64, motion_errors: &mut Vec<InputError
     };
     let motion = read_motion(&section, motion_errors);
     let objective = read_objective(&section);
-    let limits = section.section("limits").map_or_else(Limits::default, |table| read_limits(table, ambient));
+    let points = section.has("points");
+    let (mut limits, in_limits) = match section.section("limits") {
+        Some(table) => {
+            let spring = table.section("spring").map(|s| (s.span(), read_spring(s)));
+            (read_limits(table, ambient), spring)
+        }
+        None => (Limits::default(), None),
+    };
+    let of_joint = section.section("spring").map(|s| (s.span(), read_spring(s)));
+    if let (Some(_), Some((span, _))) = (&in_limits, &of_joint) {
+        let message = "a joint has one `spring`, in [joint.limits] or in [[joint]], not in both";
+        section.note(Problem::at(span.clone(), message, "remove one of the two"));
+    }
+    if let Some((span, spring)) = in_limits.or(of_joint) {
+        limits.spring = spring;
+        if points {
+            let message = "a spring needs a motion with a position, not operating points";
+            section.note(Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"));
+        } else if motion.as_ref().is_some_and(|m| m.position.is_none()) {
+            let message = "a spring needs the position, but the motion does not come back to where it began";
+            section.note(
+                Problem::at(span, message, "the motion's position is not periodic")
+                    .help("give a column `position` that repeats its first row, or `periodic = false`, or remove `spring`"),
+            );
+        }
+    }
     let drive_current = section.section("drive").and_then(|drive| {
         let current = drive.required_quantity("current", &units::CURRENT, Range::Positive);
         drive.finish();
         current
     });
-    for key in ["spring", "torque_per_mass", "actuator"] {
+    for key in ["torque_per_mass", "actuator"] {
         if section.has(key) {
             section.note(Problem::at(
                 section.span_of(key),
@@ -431,6 +456,20 @@ fn read_objective(section: &Section) -> Option<Objective> {
     })
 }
 
+fn read_spring(section: Section) -> Option<Spring> {
+    const STIFFNESS: &str = "[\"0 N*m/rad\", \"50 N*m/rad\"]";
+    const REST_ANGLE: &str = "[\"-90 deg\", \"90 deg\"]";
+    for (key, example) in [("stiffness", STIFFNESS), ("rest_angle", REST_ANGLE)] {
+        if !section.has(key) {
+            section.missing(key, example);
+        }
+    }
+    let stiffness = section.quantity_range("stiffness", &units::STIFFNESS, Range::NonNegative);
+    let rest_angle = section.quantity_range("rest_angle", &units::ANGLE, Range::Any);
+    section.finish();
+    Some(Spring { stiffness: stiffness?, rest_angle: rest_angle? })
+}
+
 fn read_limits(section: Section, ambient: f64) -> Limits {
     let bandwidth = section.section("torque_bandwidth").and_then(|table| {
         let frequency = table.required_quantity("frequency", &units::FREQUENCY, Range::Positive);
@@ -444,6 +483,7 @@ fn read_limits(section: Section, ambient: f64) -> Limits {
         torque_bandwidth: bandwidth,
         winding_temperature: section.quantity("winding_temperature", &units::TEMPERATURE, Range::Positive),
         safety: section.number("safety", Range::Positive).unwrap_or(1.0),
+        spring: None,
     };
     if limits.winding_temperature.is_some_and(|t| t <= ambient) {
         section.note(Problem::at(
