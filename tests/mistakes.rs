@@ -136,10 +136,7 @@ fn requirement_files() {
         ("not TOML", &[("[bus]", "[bus")]),
         ("unquoted unit", &[("\"48 V\"", "48 V")]),
         ("key twice", &[("count = 2", "count = 2\ncount = 3")]),
-        (
-            "a key of a later version",
-            &[("count = 2", "count = 2\ntorque_per_mass = { elbow = \"2.1 N*m/kg\" }")],
-        ),
+        ("a key of a later version", &[("count = 2", "count = 2\ntorque_per_mass = { elbow = \"2.1 N*m/kg\" }")]),
         ("unknown regeneration", &[("voltage = \"48 V\"", "voltage = \"48 V\"\nregeneration = \"maybe\"")]),
         ("stage ratio without mass", &[("mass = \"150 g\"", "stage_ratio = 5")]),
         (

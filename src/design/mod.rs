@@ -10,6 +10,7 @@ pub mod explain;
 pub mod optimize;
 pub mod pareto;
 pub mod program;
+pub mod spring;
 pub mod sweep;
 
 pub use crate::actuator::limits::Candidate;

@@ -266,8 +266,12 @@ impl<'a> Section<'a> {
         let (least, most) = (least?, most?);
         if least > most {
             self.form.note(
-                Problem::at(value.span(), format!("{} is upside down", self.name(key)), "the first is more than the second")
-                    .help("swap the two"),
+                Problem::at(
+                    value.span(),
+                    format!("{} is upside down", self.name(key)),
+                    "the first is more than the second",
+                )
+                .help("swap the two"),
             );
             return None;
         }

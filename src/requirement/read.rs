@@ -162,13 +162,14 @@ fn read_joint(section: Section, ambient: f64, motion_errors: &mut Vec<InputError
         limits.spring = spring;
         if points {
             let message = "a spring needs a motion with a position, not operating points";
-            section.note(Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"));
+            section.note(
+                Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"),
+            );
         } else if motion.as_ref().is_some_and(|m| m.position.is_none()) {
             let message = "a spring needs the position, but the motion does not come back to where it began";
-            section.note(
-                Problem::at(span, message, "the motion's position is not periodic")
-                    .help("give a column `position` that repeats its first row, or `periodic = false`, or remove `spring`"),
-            );
+            section.note(Problem::at(span, message, "the motion's position is not periodic").help(
+                "give a column `position` that repeats its first row, or `periodic = false`, or remove `spring`",
+            ));
         }
     }
     let drive_current = section.section("drive").and_then(|drive| {
