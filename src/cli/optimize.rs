@@ -56,7 +56,10 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let robot = requirement::read(&arguments.requirement)?;
+    let robot = match arguments.pareto {
+        Some(_) => requirement::read_without_springs(&arguments.requirement, "`--pareto`")?,
+        None => requirement::read(&arguments.requirement)?,
+    };
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
     if let Some(names) = &arguments.pareto {

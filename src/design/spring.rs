@@ -3,7 +3,7 @@
 
 use super::optimize::{Design, Reason, design};
 use super::program::spring::{self, SpringOptimum, Sprung};
-use super::program::{Certificate, Outcome, RatioProgram};
+use super::program::{Certificate, Optimum, Outcome, RatioProgram};
 use super::{JointDemand, Prepared, Unusable, continuous_candidate, covers_gear, geared_candidate};
 use crate::catalog::{Gear, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
@@ -63,14 +63,16 @@ fn without_spring(prepared: &Prepared, joint: &Joint, min: f64, max: f64) -> Opt
     Some(WithoutSpring { ratio, objective, loss: prepared.at(ratio).loss })
 }
 
-/// The best ratio and spring of a candidate given without spring, as a design.
-fn solve<'a>(
+/// The best ratio and spring of a candidate given without spring.
+///
+/// # Errors
+/// Why there is none.
+pub(super) fn choose(
     prepared: &Prepared,
     joint: &Joint,
-    motor: &'a Motor,
-    gear: Option<&'a Gear>,
+    gear: Option<&Gear>,
     (min, max): (f64, f64),
-) -> Result<Design<'a>, Reason> {
+) -> Result<(SpringChoice, Optimum), Reason> {
     let Some(asked) = joint.limits.spring else {
         return Err(Reason::NotSolved("the joint asks for no spring".into()));
     };
@@ -78,11 +80,24 @@ fn solve<'a>(
     let found = spring::solve(prepared, &joint.objective, &asked, (min, max), covered).map_err(reason)?;
     let without = without_spring(prepared, joint, min, max);
     let SpringOptimum { stiffness, rest_angle, optimum, lower_bound, gap, least_stiffness } = found;
-    let sprung = Sprung::new(joint, stiffness, rest_angle.unwrap_or(0.0), covered)
+    Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
+}
+
+/// The same as a design.
+fn solve<'a>(
+    prepared: &Prepared,
+    joint: &Joint,
+    motor: &'a Motor,
+    gear: Option<&'a Gear>,
+    range: (f64, f64),
+) -> Result<Design<'a>, Reason> {
+    let (choice, optimum) = choose(prepared, joint, gear, range)?;
+    let covered = gear.map_or(0.0, |g| covered_inertia(joint, g));
+    let sprung = Sprung::new(joint, choice.stiffness, choice.rest_angle.unwrap_or(0.0), covered)
         .ok_or_else(|| Reason::NotSolved("a spring needs a motion with a position".into()))?;
     let sprung = prepared.with_candidate(sprung.candidate(&prepared.candidate));
     let mut design = design(&sprung, motor, gear.map(|g| g.id.as_str()), optimum);
-    design.spring = Some(SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without });
+    design.spring = Some(choice);
     Ok(design)
 }
 

@@ -8,6 +8,7 @@ pub mod import;
 pub mod optimize;
 pub mod pareto;
 pub mod rank;
+pub mod spring;
 pub mod sweep;
 pub mod table;
 

@@ -21,13 +21,26 @@ pub fn read(path: &Path) -> Result<Robot, Vec<InputError>> {
     read_source(&Source::read(path).map_err(|e| vec![e])?)
 }
 
+/// As [`read`], for what cannot choose a spring: a joint that asks for one is a mistake. `what` says who
+/// cannot.
+///
+/// # Errors
+/// As [`read`], and every spring.
+pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputError>> {
+    read_as(&Source::read(path).map_err(|e| vec![e])?, Some(what))
+}
+
 /// Reads a requirement from a source; motions are looked for beside it.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
+    read_as(source, None)
+}
+
+fn read_as(source: &Arc<Source>, no_springs: Option<&str>) -> Result<Robot, Vec<InputError>> {
     let mut motion_errors = Vec::new();
-    let robot = Form::read(source, |root| read_robot(root, &mut motion_errors));
+    let robot = Form::read(source, |root| read_robot(root, no_springs, &mut motion_errors));
     match robot {
         Ok(robot) if motion_errors.is_empty() => Ok(robot),
         Ok(_) => Err(motion_errors),
@@ -41,7 +54,7 @@ pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
     }
 }
 
-fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Robot> {
+fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<InputError>) -> Option<Robot> {
     let name = root.required_text("name", "\"quadruped\"").map(|t| t.into_inner());
     let bus = match root.section("bus") {
         Some(section) => read_bus(section),
@@ -78,7 +91,7 @@ fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Rob
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, surroundings, motion_errors) {
+        match read_joint(section, surroundings, no_springs, motion_errors) {
             Some(joint) => joints.push(joint),
             None => complete = false,
         }
@@ -123,7 +136,12 @@ fn read_bus(section: Section) -> Option<Bus> {
     voltage.map(|_| bus)
 }
 
-fn read_joint(section: Section, ambient: f64, motion_errors: &mut Vec<InputError>) -> Option<Joint> {
+fn read_joint(
+    section: Section,
+    ambient: f64,
+    no_springs: Option<&str>,
+    motion_errors: &mut Vec<InputError>,
+) -> Option<Joint> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
     let ratio = read_ratio(&section);
@@ -160,7 +178,11 @@ fn read_joint(section: Section, ambient: f64, motion_errors: &mut Vec<InputError
     }
     if let Some((span, spring)) = in_limits.or(of_joint) {
         limits.spring = spring;
-        if points {
+        if let Some(what) = no_springs {
+            let message = format!("{what} cannot choose a spring");
+            let help = "`optimize` and `explain` choose it with the ratio; or remove `spring`";
+            section.note(Problem::at(span, message, "asked for here").help(help));
+        } else if points {
             let message = "a spring needs a motion with a position, not operating points";
             section.note(
                 Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"),
