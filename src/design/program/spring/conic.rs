@@ -44,8 +44,7 @@ fn lower_bound(region: &Region, parts: &[(&Form, f64, f64)], z: Point) -> f64 {
     }
     let u = region.ratio.map(|n| n * n);
     let over_u = (gradient[0] * (u[0] - z[0])).min(gradient[0] * (u[1] - z[0]));
-    let corners = region.corners();
-    let spring = corners.iter().map(|(k, s)| gradient[1] * (k - z[1]) + gradient[2] * (s - z[2]));
+    let spring = region.corners.iter().map(|(k, s)| gradient[1] * (k - z[1]) + gradient[2] * (s - z[2]));
     // What rounding may have added is taken off again.
     value + over_u + spring.fold(f64::INFINITY, f64::min) - 8.0 * f64::EPSILON * size
 }
@@ -81,9 +80,8 @@ struct Scale {
 impl Scale {
     fn new(region: &Region) -> Scale {
         let half = |a: f64, b: f64| if b > a { 0.5 * (b - a) } else { 1.0 };
-        let [k0, k1] = region.stiffness;
-        let s = region.corners().map(|c| c.1);
-        let (s0, s1) = s.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+        let [k0, k1] = region.stiffness();
+        let (s0, s1) = region.corners.iter().fold((f64::MAX, f64::MIN), |(l, h), c| (l.min(c.1), h.max(c.1)));
         let u0 = region.ratio[0] * region.ratio[1];
         let map = [
             [1.0, 0.0, 0.0, 0.0],
@@ -198,25 +196,18 @@ pub(super) fn propose(region: &Region, cuts: &[Form], rows: &[Row]) -> Option<Pr
     } else {
         equalities.push(&[(V, 1.0)], a);
     }
-    if region.stiffness[1] > region.stiffness[0] {
-        inequalities.push(&[(X, 1.0)], 1.0);
-        inequalities.push(&[(X, -1.0)], 1.0);
-    } else {
-        equalities.push(&[(X, 1.0)], 0.0);
-    }
-    let edge = |q: f64, sign: f64| {
-        let m = &scale.map;
-        let entries = [(X, -sign * q * m[1][1] / m[2][2]), (X + 1, sign)];
-        (entries, sign * (q * m[1][0] - m[2][0]) / m[2][2])
+    // `p·(1, k, s) ≥ 0`, each to its own size.
+    let edge = |p: &[f64; 3]| {
+        let l = scale.linear(&[p[0], p[1], p[2], 0.0]);
+        let norm = l.iter().fold(f64::MIN_POSITIVE, |a, x| a.max(x.abs()));
+        ([(X, -l[1] / norm), (X + 1, -l[2] / norm)], l[0] / norm)
     };
-    let [q0, q1] = region.rest;
-    if q1 > q0 {
-        for (q, sign) in [(q1, 1.0), (q0, -1.0)] {
-            let (entries, right) = edge(q, sign);
-            inequalities.push(&entries, right);
-        }
-    } else {
-        let (entries, right) = edge(q0, 1.0);
+    for plane in &region.planes {
+        let (entries, right) = edge(plane);
+        inequalities.push(&entries, right);
+    }
+    for equation in &region.equations {
+        let (entries, right) = edge(equation);
         equalities.push(&entries, right);
     }
     let (first, second) = (equalities.right.len(), inequalities.right.len());
@@ -262,7 +253,8 @@ pub(super) fn propose(region: &Region, cuts: &[Form], rows: &[Row]) -> Option<Pr
     }
     let weight = |i: usize, scale: f64| solution.z[first + i].max(0.0) * scale / norms[i];
     let total: f64 = (0..cuts.len()).map(|i| weight(i, 1.0)).sum();
-    let z = region.clamp(scale.point(&solution.x));
+    let [u, k, s] = scale.point(&solution.x);
+    let z = [u.clamp(region.ratio[0].powi(2), region.ratio[1].powi(2)), k, s];
     // Without a usable weight every cut alone still bounds.
     let share = if total > 0.0 { 1.0 / total } else { 0.0 };
     let mut parts: Vec<(&Form, f64, f64)> = Vec::new();

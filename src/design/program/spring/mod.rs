@@ -134,15 +134,15 @@ impl Solver<'_> {
         let program = RatioProgram::new(self.prepared, self.objective, low, high);
         let whole = problem.whole([low, high], self.spring);
         let pieces = if problem.has_steps() { program.stage_ratios(low, high) } else { Vec::new() };
-        let verdict = search(&problem, whole, &pieces);
+        let verdict = search(&problem, self.spring, whole.clone(), &pieces);
         let Some((value, z)) = verdict.best else {
-            let (k, q) = problem.spring(&whole, verdict.nearest);
+            let (k, q) = problem.spring(self.spring, verdict.nearest);
             return Err(match self.at(k, q, min, max) {
                 Err(Outcome::Infeasible(why)) if verdict.impossible => Outcome::Infeasible(why),
                 _ => Outcome::NotSolved("no feasible ratio and spring was found, and none was ruled out".into()),
             });
         };
-        let (mut stiffness, mut rest_angle) = problem.spring(&whole, z);
+        let (mut stiffness, mut rest_angle) = problem.spring(self.spring, z);
         let mut optimum = self.at(stiffness, rest_angle, min, max)?;
         let mut best = problem.raw(optimum.objective).min(value);
         let mut least_stiffness = false;
@@ -191,7 +191,7 @@ impl Solver<'_> {
             return None;
         }
         let same = |o: &Optimum| o.objective <= optimum.objective + 1e-9 * optimum.objective.abs();
-        let rest = problem.spring(whole, whole.middle()).1;
+        let rest = problem.spring(self.spring, whole.middle()).1;
         if let Ok(other) = self.at(softest, rest, min, max)
             && same(&other)
         {
@@ -202,8 +202,9 @@ impl Solver<'_> {
         }
         let least = Problem::new(self.prepared, self.objective, self.covered)?.for_least_stiffness();
         let highest = (optimum.ratio * (1.0 + 1e-10)).min(whole.ratio[1]);
-        let verdict = search(&least, region::Region { ratio: [whole.ratio[0], highest], ..*whole }, &[]);
-        let (k, q) = least.spring(whole, verdict.best?.1);
+        let narrower = region::Region { ratio: [whole.ratio[0], highest], ..whole.clone() };
+        let verdict = search(&least, self.spring, narrower, &[]);
+        let (k, q) = least.spring(self.spring, verdict.best?.1);
         let other = self.at(k, q, min, max).ok().filter(same)?;
         (k < stiffness).then_some((k, q, other))
     }

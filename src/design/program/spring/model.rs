@@ -24,6 +24,8 @@ pub(super) struct Sample {
     pub(super) velocity: f64,
     /// Sign of the speed; at standstill ±1 in limits, 0 in means.
     pub(super) sign: f64,
+    /// Its place in the motion; none of its own where a torque is superposed.
+    pub(super) place: usize,
 }
 
 /// The shaft torque of a sample in the direction of motion: `h/N + N m + c`.
@@ -33,7 +35,7 @@ struct Shaft {
     c: f64,
 }
 
-fn direction(sample: &Sample) -> f64 {
+pub(super) fn direction(sample: &Sample) -> f64 {
     if sample.velocity < 0.0 { -1.0 } else { 1.0 }
 }
 
@@ -43,7 +45,7 @@ fn shaft(actuator: &Actuator, sample: &Sample, region: &Region) -> Shaft {
     let d = direction(sample);
     let e = times(&sample.torque, d);
     Shaft {
-        geared: Geared::new(region, e, sample.velocity != 0.0, form[Feature::Load], braking),
+        geared: Geared::new(region, sample.place, e, sample.velocity != 0.0, form[Feature::Load], braking),
         m: d * (form[Feature::Acceleration] * sample.acceleration + form[Feature::Velocity] * sample.velocity),
         c: d * form[Feature::Sign] * sample.sign,
     }
@@ -84,6 +86,14 @@ impl Shaft {
         let high = (high / a).max(high / b) + n_m.max(n_m_other) + self.c;
         let size = 1e-14 * (low.abs() + high.abs());
         (low - size, high + size)
+    }
+}
+
+/// The torque in the direction of motion of a sample whose direction of power a region leaves open.
+pub(super) fn open(actuator: &Actuator, sample: &Sample, region: &Region) -> Option<Affine> {
+    match shaft(actuator, sample, region).geared {
+        Geared::Open { e, .. } => Some(e),
+        Geared::Fixed(..) => None,
     }
 }
 
@@ -147,10 +157,6 @@ pub(super) fn functional(
 fn voltage_squared(actuator: &Actuator, sample: &Sample, region: &Region, z: Point) -> Option<Form> {
     let shaft = shaft(actuator, sample, region);
     let Geared::Fixed(flow, h) = shaft.geared else { return None };
-    // At e = 0 the motor drives: a braking sample must stay clear of it.
-    if flow == Flow::Braking && region.range(&times(&sample.torque, direction(sample))).1 >= 0.0 {
-        return None;
-    }
     let mut form = Form::default();
     let q = actuator.voltage_form(flow);
     let d = direction(sample);

@@ -64,6 +64,7 @@ impl<'a> Problem<'a> {
             jerk: motion.jerk[k],
             velocity: motion.velocity[k],
             sign,
+            place: k,
         };
         let all = 0..motion.len();
         let signs = |k: usize| match sign(motion.velocity[k]) {
@@ -85,7 +86,8 @@ impl<'a> Problem<'a> {
                 let angle = std::f64::consts::TAU * phase as f64 / BANDWIDTH_PHASES as f64;
                 let torque = motion.torque[k] + asked.amplitude * angle.cos();
                 let rate = motion.torque_rate[k] - asked.amplitude * omega * angle.sin();
-                ripples.extend(signs(k).into_iter().map(|s| sample(k, torque, rate, s)));
+                ripples
+                    .extend(signs(k).into_iter().map(|s| Sample { place: usize::MAX, ..sample(k, torque, rate, s) }));
             }
         }
         let output = all.map(|k| [motion.torque[k], position[k] - middle, -1.0]).collect();
@@ -111,7 +113,7 @@ impl<'a> Problem<'a> {
 
     /// The region of all ratios and springs.
     pub(super) fn whole(&self, ratio: [f64; 2], spring: &Spring) -> Region {
-        Region { ratio, stiffness: spring.stiffness, rest: spring.rest_angle.map(|q| q - self.middle) }
+        Region::new(ratio, spring.stiffness, spring.rest_angle.map(|q| q - self.middle))
     }
 
     /// Largest torque that a spring at the corner of a region can change e by: what its sides are measured by.
@@ -120,10 +122,43 @@ impl<'a> Problem<'a> {
         stiffness * (reach + rest.abs())
     }
 
-    /// Stiffness and rest angle of a point, `None` without stiffness.
-    pub(super) fn spring(&self, region: &Region, z: Point) -> (f64, f64) {
-        let rest = if z[1] > 0.0 { z[2] / z[1] } else { 0.5 * (region.rest[0] + region.rest[1]) };
-        (z[1], self.middle + rest.clamp(region.rest[0], region.rest[1]))
+    /// Stiffness and rest angle of a point, within what is allowed.
+    pub(super) fn spring(&self, spring: &Spring, z: Point) -> (f64, f64) {
+        let [q0, q1] = spring.rest_angle;
+        let rest = if z[1] > 0.0 { self.middle + z[2] / z[1] } else { 0.5 * (q0 + q1) };
+        (z[1].clamp(spring.stiffness[0], spring.stiffness[1]), rest.clamp(q0, q1))
+    }
+
+    /// The nearest spring that is allowed.
+    pub(super) fn allowed(&self, spring: &Spring, z: Point) -> Point {
+        let (k, rest) = self.spring(spring, z);
+        [z[0], k, k * (rest - self.middle)]
+    }
+
+    /// The sample whose direction of power, left open, costs the bound most at a point: one that breaks a
+    /// limit that could not be bounded, or one whose loss is underestimated by more than `most` in all.
+    pub(super) fn worst_open(&self, region: &Region, z: Point, look: &Look, most: f64) -> Option<(usize, Affine)> {
+        let actuator = self.actuator();
+        for (_, key) in look.limits.iter().filter(|l| l.0 > 1e-9) {
+            let asked = &self.prepared.asked[key.asked];
+            if let Demand::Samples(_) = asked.demand {
+                let sample = &self.limits[key.sample];
+                if let Some(e) = model::open(actuator, sample, region) {
+                    return Some((sample.place, e));
+                }
+            }
+        }
+        let mut worst: Option<(f64, usize, Affine)> = None;
+        for (sample, share) in self.means.iter().zip(&self.motion.weight) {
+            let Some(e) = model::open(actuator, sample, region) else { continue };
+            let mut form = Form::default();
+            model::add_torque_squared(actuator, sample, &mut form, *share, region, z);
+            let missed = share * model::torque_at(actuator, sample, z).powi(2) - form.at(z);
+            if worst.as_ref().is_none_or(|w| missed > w.0) {
+                worst = Some((missed, sample.place, e));
+            }
+        }
+        worst.filter(|w| w.0 * actuator.copper() > most).map(|(_, place, e)| (place, e))
     }
 
     /// The joint with the spring's torque added to its motion.
@@ -363,7 +398,7 @@ impl<'a> Problem<'a> {
                 model::add_power(actuator, sample, &mut form, each, region, z);
             }
         }
-        debug_assert!(look.value.is_nan() || form.at(z) <= look.value + 1e-9 * (form.size(z) + look.value.abs()));
+        debug_assert!(look.value.is_nan() || form.at(z) <= look.value + 1e-6 * (form.size(z) + look.value.abs()));
         form
     }
 

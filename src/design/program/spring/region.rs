@@ -3,43 +3,102 @@
 use super::form::{Affine, Form, Point, at, times};
 use crate::actuator::shaft::Flow;
 
-/// Ratios `[a, b]` times the trapezoid `k ∈ [k₀, k₁]`, `s ∈ [q₀ k, q₁ k]` with `s = k q_rest`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Ratios `[a, b]` times a convex polygon in (k, s), `s = k q_rest`. At first it is the trapezoid of all
+/// springs; parts are clipped from it.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Region {
     /// Ratios.
     pub(super) ratio: [f64; 2],
-    /// Stiffness \[N·m/rad\].
-    pub(super) stiffness: [f64; 2],
-    /// Rest angle \[rad\], counted from the motion's middle.
-    pub(super) rest: [f64; 2],
+    /// The polygon's corners (k, s).
+    pub(super) corners: Vec<(f64, f64)>,
+    /// Linear functions that are not negative on it.
+    pub(super) planes: Vec<Affine>,
+    /// Linear functions that vanish on it.
+    pub(super) equations: Vec<Affine>,
+    /// Samples of the motion whose direction of power is the same on it: whether the motor drives.
+    pub(super) sides: Vec<(usize, bool)>,
 }
 
 impl Region {
-    /// The corners of the trapezoid.
-    pub(super) fn corners(&self) -> [(f64, f64); 4] {
-        let [k0, k1] = self.stiffness;
-        let [q0, q1] = self.rest;
-        [(k0, k0 * q0), (k0, k0 * q1), (k1, k1 * q0), (k1, k1 * q1)]
+    /// Ratios, stiffness \[N·m/rad\], and rest angle \[rad\] counted from the motion's middle.
+    pub(super) fn new(ratio: [f64; 2], [k0, k1]: [f64; 2], [q0, q1]: [f64; 2]) -> Region {
+        let corners = vec![(k0, k0 * q0), (k1, k1 * q0), (k1, k1 * q1), (k0, k0 * q1)];
+        let (mut planes, mut equations) = (Vec::new(), Vec::new());
+        if k1 > k0 {
+            planes.extend([[-k0, 1.0, 0.0], [k1, -1.0, 0.0]]);
+        } else {
+            equations.push([-k0, 1.0, 0.0]);
+        }
+        if q1 > q0 {
+            planes.extend([[0.0, -q0, 1.0], [0.0, q1, -1.0]]);
+        } else {
+            equations.push([0.0, -q0, 1.0]);
+        }
+        Region { ratio, corners, planes, equations, sides: Vec::new() }
+    }
+
+    /// The part on which a linear function is not negative; `None` if there is none.
+    pub(super) fn clip(&self, plane: &Affine) -> Option<Region> {
+        let value = |c: &(f64, f64)| at(plane, c.0, c.1);
+        let mut corners = Vec::with_capacity(self.corners.len() + 1);
+        for (i, here) in self.corners.iter().enumerate() {
+            let next = &self.corners[(i + 1) % self.corners.len()];
+            let (a, b) = (value(here), value(next));
+            if a >= 0.0 {
+                corners.push(*here);
+            }
+            if (a < 0.0) != (b < 0.0) {
+                let share = a / (a - b);
+                corners.push((here.0 + share * (next.0 - here.0), here.1 + share * (next.1 - here.1)));
+            }
+        }
+        if corners.is_empty() {
+            return None;
+        }
+        let mut planes = self.planes.clone();
+        planes.push(*plane);
+        Some(Region { corners, planes, ..self.clone() })
+    }
+
+    /// The part on which a sample's torque in the direction of motion is not negative (`driving`), or not
+    /// positive: where it is zero the motor drives, which is left to the part where it does.
+    pub(super) fn side(&self, sample: usize, e: &Affine, driving: bool) -> Option<Region> {
+        let mut part = self.clip(&times(e, if driving { 1.0 } else { -1.0 }))?;
+        part.sides.push((sample, driving));
+        Some(part)
+    }
+
+    /// Range of the stiffness.
+    pub(super) fn stiffness(&self) -> [f64; 2] {
+        self.corners.iter().fold([f64::MAX, f64::MIN], |[l, h], c| [l.min(c.0), h.max(c.0)])
+    }
+
+    /// Range of the rest angle, counted from the motion's middle; zero without stiffness.
+    pub(super) fn rest(&self) -> [f64; 2] {
+        let angles = self.corners.iter().filter(|c| c.0 > 0.0).map(|c| c.1 / c.0);
+        let [l, h] = angles.fold([f64::MAX, f64::MIN], |[l, h], q| [l.min(q), h.max(q)]);
+        if l <= h { [l, h] } else { [0.0, 0.0] }
     }
 
     /// Its middle.
     pub(super) fn middle(&self) -> Point {
-        let k = 0.5 * (self.stiffness[0] + self.stiffness[1]);
-        [self.ratio[0] * self.ratio[1], k, 0.5 * k * (self.rest[0] + self.rest[1])]
+        let count = self.corners.len() as f64;
+        let (k, s) = self.corners.iter().fold((0.0, 0.0), |(a, b), c| (a + c.0 / count, b + c.1 / count));
+        [self.ratio[0] * self.ratio[1], k, s]
     }
 
-    /// The nearest point of the region, one coordinate after the other.
-    pub(super) fn clamp(&self, [u, k, s]: Point) -> Point {
-        let k = k.clamp(self.stiffness[0], self.stiffness[1]);
-        let u = u.clamp(self.ratio[0].powi(2), self.ratio[1].powi(2));
-        [u, k, s.clamp(k * self.rest[0], k * self.rest[1])]
+    /// Whether a point lies in it, but for rounding.
+    pub(super) fn contains(&self, [u, k, s]: Point) -> bool {
+        let n = u.sqrt();
+        let not_negative = |p: &Affine| at(p, k, s) >= -1e-12 * (p[0].abs() + (p[1] * k).abs() + (p[2] * s).abs());
+        n >= self.ratio[0] * (1.0 - 1e-12) && n <= self.ratio[1] * (1.0 + 1e-12) && self.planes.iter().all(not_negative)
     }
 
     /// Smallest and largest value of a linear function, a little too wide.
     pub(super) fn range(&self, p: &Affine) -> (f64, f64) {
         let (mut low, mut high, mut size) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
-        for (k, s) in self.corners() {
-            let value = at(p, k, s);
+        for (k, s) in &self.corners {
+            let value = at(p, *k, *s);
             low = low.min(value);
             high = high.max(value);
             size = size.max(p[0].abs() + (p[1] * k).abs() + (p[2] * s).abs());
@@ -109,16 +168,21 @@ pub(super) enum Geared {
 
 impl Geared {
     /// Of a torque e, in the direction of motion; at standstill `moves` is false and the motor holds.
-    pub(super) fn new(region: &Region, e: Affine, moves: bool, driving: f64, braking: f64) -> Geared {
+    pub(super) fn new(region: &Region, sample: usize, e: Affine, moves: bool, driving: f64, braking: f64) -> Geared {
         let fixed = |flow, factor| Geared::Fixed(flow, times(&e, factor));
         if !moves || driving == braking {
             // Which way power flows makes no difference.
             return fixed(Flow::Driving, driving);
         }
+        match region.sides.iter().find(|side| side.0 == sample) {
+            Some((_, true)) => return fixed(Flow::Driving, driving),
+            Some((_, false)) => return fixed(Flow::Braking, braking),
+            None => {}
+        }
         let range = region.range(&e);
         if range.0 >= 0.0 {
             fixed(Flow::Driving, driving)
-        } else if range.1 <= 0.0 {
+        } else if range.1 < 0.0 {
             fixed(Flow::Braking, braking)
         } else {
             Geared::Open { e, range, driving, braking }

@@ -9,6 +9,7 @@ use super::form::{Form, Point};
 use super::problem::{Key, Look, Problem};
 use super::region::Region;
 use crate::design::program::GAP_TOLERANCE;
+use crate::requirement::Spring;
 
 /// More regions than this are not looked at; what is left then is reported as a gap.
 const MAX_REGIONS: usize = 4000;
@@ -35,6 +36,7 @@ enum Found {
 struct Node {
     region: Region,
     bound: f64,
+    z: Point,
     keys: Vec<Key>,
     /// The order in which regions were made: ties are broken by it.
     number: usize,
@@ -77,6 +79,7 @@ pub(super) struct Verdict {
 
 pub(super) struct Search<'p, 'a> {
     problem: &'p Problem<'a>,
+    spring: &'p Spring,
     whole: Region,
     exact: bool,
     best: Option<(f64, Point)>,
@@ -85,9 +88,9 @@ pub(super) struct Search<'p, 'a> {
 }
 
 /// Searches a region; `pieces` are ratios at which the objective steps.
-pub(super) fn search(problem: &Problem, whole: Region, pieces: &[f64]) -> Verdict {
+pub(super) fn search(problem: &Problem, spring: &Spring, whole: Region, pieces: &[f64]) -> Verdict {
     let exact = problem.why_not_convex().is_none();
-    let mut search = Search { problem, whole, exact, best: None, nearest: None, size: 0.0 };
+    let mut search = Search { problem, spring, whole: whole.clone(), exact, best: None, nearest: None, size: 0.0 };
     let (bound, impossible) = search.run(pieces);
     Verdict {
         best: search.best,
@@ -105,14 +108,14 @@ impl Search<'_, '_> {
         let mut settled = f64::INFINITY;
         let mut start = self.whole.ratio[0];
         for end in pieces.iter().copied().chain([self.whole.ratio[1]]) {
-            let region = Region { ratio: [start, end], ..self.whole };
+            let region = Region { ratio: [start, end], ..self.whole.clone() };
             start = end;
             if let Found::Bounded { bound, z, keys } = self.region(&region, &[], ROUNDS[0]) {
-                self.refine(region, z);
+                self.refine(&region, z);
                 if !self.exact && self.best.is_none() {
-                    self.refine(region, region.middle());
+                    self.refine(&region, region.middle());
                 }
-                heap.push(Node { region, bound, keys, number });
+                heap.push(Node { region, bound, z, keys, number });
                 number += 1;
             }
         }
@@ -124,7 +127,7 @@ impl Search<'_, '_> {
             if node.bound >= self.target() {
                 return (settled.min(node.bound), false);
             }
-            let Some(parts) = self.halves(&node.region) else {
+            let Some(parts) = self.parts(&node) else {
                 settled = settled.min(node.bound);
                 continue;
             };
@@ -136,10 +139,10 @@ impl Search<'_, '_> {
                     continue;
                 }
                 if count >= next_refinement {
-                    self.refine(region, z);
+                    self.refine(&region, z);
                     next_refinement = count + count / 4 + 8;
                 }
-                heap.push(Node { region, bound, keys, number });
+                heap.push(Node { region, bound, z, keys, number });
                 number += 1;
             }
         }
@@ -178,7 +181,7 @@ impl Search<'_, '_> {
             let plain: Vec<Row> = rows.iter().map(|r| r.1).collect();
             match conic::propose(region, &cuts, &plain) {
                 Some(proposal) => {
-                    z = proposal.z;
+                    z = self.problem.allowed(self.spring, proposal.z);
                     if proposal.bound > bound {
                         bound = proposal.bound;
                         let active = rows.iter().zip(&proposal.active).filter(|(_, active)| **active);
@@ -188,7 +191,7 @@ impl Search<'_, '_> {
                 }
                 None => match nearest(region, &plain) {
                     Some((least, _)) if least > IMPOSSIBLE => return Found::Nothing,
-                    Some((_, nearest)) => z = nearest,
+                    Some((_, nearest)) => z = self.problem.allowed(self.spring, nearest),
                     None => break,
                 },
             }
@@ -221,10 +224,10 @@ impl Search<'_, '_> {
     }
 
     /// Refines a point on ever smaller regions around it, on which bounds are ever nearer to the truth.
-    fn refine(&mut self, within: Region, z: Point) {
-        let mut z = self.best.filter(|(_, best)| contains(&within, *best)).map_or(z, |b| b.1);
+    fn refine(&mut self, within: &Region, z: Point) {
+        let mut z = self.best.filter(|(_, best)| within.contains(*best)).map_or(z, |b| b.1);
         for share in REFINEMENTS {
-            let around = self.around(&within, z, share);
+            let Some(around) = self.around(within, z, share) else { continue };
             let before = self.best;
             let Found::Bounded { z: found, .. } = self.refined(&around) else { continue };
             z = match (before, self.best) {
@@ -247,59 +250,64 @@ impl Search<'_, '_> {
         found
     }
 
-    fn around(&self, within: &Region, z: Point, share: f64) -> Region {
-        let part = |[a, b]: [f64; 2], x: f64, whole: [f64; 2]| {
-            let reach = 0.5 * share * (whole[1] - whole[0]);
-            [(x - reach).clamp(a, b), (x + reach).clamp(a, b)]
-        };
-        let n = z[0].sqrt();
+    /// The part of a region around a point, a share of the whole wide.
+    fn around(&self, within: &Region, z: Point, share: f64) -> Option<Region> {
+        let reach = |[a, b]: [f64; 2]| 0.5 * share * (b - a);
+        let (n, k) = (z[0].sqrt(), z[1]);
         let spread = (self.whole.ratio[1] / self.whole.ratio[0]).powf(0.5 * share);
-        let rest = if z[1] > 0.0 { z[2] / z[1] } else { 0.5 * (within.rest[0] + within.rest[1]) };
-        Region {
-            ratio: [
-                (n / spread).clamp(within.ratio[0], within.ratio[1]),
-                (n * spread).clamp(within.ratio[0], within.ratio[1]),
-            ],
-            stiffness: part(within.stiffness, z[1], self.whole.stiffness),
-            rest: part(within.rest, rest, self.whole.rest),
+        let mut part = within.clone();
+        part.ratio = [n / spread, n * spread].map(|n| n.clamp(within.ratio[0], within.ratio[1]));
+        if self.whole.equations.len() == 2 {
+            return Some(part);
         }
+        let by_stiffness = reach(self.whole.stiffness());
+        if by_stiffness > 0.0 {
+            part = part.clip(&[by_stiffness - k, 1.0, 0.0])?.clip(&[by_stiffness + k, -1.0, 0.0])?;
+        }
+        let by_rest = reach(self.whole.rest());
+        if by_rest > 0.0 && k > 0.0 {
+            let rest = z[2] / k;
+            part = part.clip(&[0.0, by_rest - rest, 1.0])?.clip(&[0.0, by_rest + rest, -1.0])?;
+        }
+        Some(part)
     }
 
-    /// The region halved where that sharpens its forms most; `None` where it is too narrow.
-    fn halves(&self, region: &Region) -> Option<[Region; 2]> {
+    /// A region's parts: on either side of the line on which power changes its direction at a sample, where
+    /// that is what the bound suffers from, else halved where it is widest. `None` where it is too narrow.
+    fn parts(&mut self, node: &Node) -> Option<Vec<Region>> {
+        let region = &node.region;
+        if !self.exact {
+            let look = self.problem.look(node.z);
+            let gap = (self.target() - node.bound).max(0.0);
+            let most = if gap.is_finite() { 0.05 * gap } else { 0.0 };
+            if let Some((sample, e)) = self.problem.worst_open(region, node.z, &look, most) {
+                return Some([true, false].into_iter().filter_map(|d| region.side(sample, &e, d)).collect());
+            }
+        }
         let [a, b] = region.ratio;
-        let [k0, k1] = region.stiffness;
-        let [q0, q1] = region.rest;
-        let most =
-            self.problem.spring_torque(self.whole.stiffness[1], self.whole.rest[0].abs().max(self.whole.rest[1].abs()));
-        let by_stiffness = (self.problem.spring_torque(k1, q0.abs().max(q1.abs()))
-            - self.problem.spring_torque(k0, q0.abs().max(q1.abs())))
-            / most;
+        let ([k0, k1], [q0, q1]) = (region.stiffness(), region.rest());
+        let far = |[q0, q1]: [f64; 2]| q0.abs().max(q1.abs());
+        let most = self.problem.spring_torque(self.whole.stiffness()[1], far(self.whole.rest()));
+        let by_stiffness = self.problem.spring_torque(k1 - k0, far([q0, q1])) / most;
         let by_rest = k1 * (q1 - q0) / most;
         let by_ratio = (b / a).ln() * if self.problem.bends_in_ratio() { 1.0 } else { 0.02 };
         let widest = by_stiffness.max(by_rest).max(by_ratio);
-        if !(widest > 1e-10) {
+        if widest.is_nan() || widest <= 1e-10 {
             return None;
         }
-        Some(if by_ratio == widest {
+        let halves = if by_ratio == widest {
             let middle = (a * b).sqrt();
-            [Region { ratio: [a, middle], ..*region }, Region { ratio: [middle, b], ..*region }]
+            let half = |ratio| Some(Region { ratio, ..region.clone() });
+            [half([a, middle]), half([middle, b])]
         } else if by_stiffness == widest {
             let middle = 0.5 * (k0 + k1);
-            [Region { stiffness: [k0, middle], ..*region }, Region { stiffness: [middle, k1], ..*region }]
+            [region.clip(&[middle, -1.0, 0.0]), region.clip(&[-middle, 1.0, 0.0])]
         } else {
             let middle = 0.5 * (q0 + q1);
-            [Region { rest: [q0, middle], ..*region }, Region { rest: [middle, q1], ..*region }]
-        })
+            [region.clip(&[0.0, middle, -1.0]), region.clip(&[0.0, -middle, 1.0])]
+        };
+        Some(halves.into_iter().flatten().collect())
     }
-}
-
-fn contains(region: &Region, z: Point) -> bool {
-    let n = z[0].sqrt();
-    let within = |x: f64, [a, b]: [f64; 2]| x >= a - 1e-12 * a.abs() && x <= b + 1e-12 * b.abs();
-    within(n, region.ratio)
-        && within(z[1], region.stiffness)
-        && within(z[2], [z[1] * region.rest[0], z[1] * region.rest[1]])
 }
 
 /// The least excess over the rows that any point of the region has (a lower bound), and where.
