@@ -255,9 +255,9 @@ impl<'a> Section<'a> {
                 Problem::at(
                     value.span(),
                     format!("{} is not a pair [least, most]", self.name(key)),
-                    format!("expected two of {}, each with its unit", kind.with_article()),
+                    format!("expected the least and the most {}, each with its unit", kind.name),
                 )
-                .help(format!("for example {key} = [\"{0}\", \"{0}\"]", kind.example)),
+                .help(format!("for example {key} = [\"0 {}\", \"{}\"]", kind.si, kind.example)),
             );
             return None;
         };

@@ -187,7 +187,7 @@ fn read_joint(
             section.note(
                 Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"),
             );
-        } else if motion.as_ref().is_some_and(|m| m.position.is_none()) {
+        } else if spring.is_some() && motion.as_ref().is_some_and(|m| m.position.is_none()) {
             let message = "a spring needs the position, but the motion does not come back to where it began";
             section.note(Problem::at(span, message, "the motion's position is not periodic").help(
                 "give a column `position` that repeats its first row, or `periodic = false`, or remove `spring`",

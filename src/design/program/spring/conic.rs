@@ -1,6 +1,6 @@
 //! A convex program over a region: clarabel proposes, a bound without the solver disposes.
 //!
-//! Every cut and row is a [`Form`]. For any weights λ ≥ 0 (of cuts, summing to one) and μ ≥ 0 (of rows)
+//! Every cut and row is a `Form`. For any weights λ ≥ 0 (of cuts, summing to one) and μ ≥ 0 (of rows)
 //! the sum `Σ λ F + Σ μ (G − b)` is convex, its tangent plane at any point lies below it, and a plane is
 //! least at a corner of the region: a lower bound on the objective whatever the solver did.
 

@@ -2,11 +2,11 @@
 //!
 //! The one idea of this room: with the spring's torque `k (q − q_0)` added to the load, and `s = k q_0`,
 //! every limit and the objective are jointly convex in `(u = N², k, s)`: terms like `(τ + k q − s)²/u` are
-//! perspectives of quadratics ([`form`]). One conic program gives all three ([`conic`]), a tangent plane
+//! perspectives of quadratics (`form`). One conic program gives all three (`conic`), a tangent plane
 //! with the solver's multipliers a bound that does not rest on the solver. Where convexity ends — gear
 //! efficiency flips with a spring that is free, motor Coulomb friction, a limit on regeneration — the same
-//! forms bound the model on regions ([`region`], [`model`]), and regions are halved until the bounds meet
-//! ([`search`]). The best ratio at the spring that was found is the ratio program's own.
+//! forms bound the model on regions (`region`, `model`), and regions are halved until the bounds meet
+//! (`search`). The best ratio at the spring that was found is the ratio program's own.
 
 mod conic;
 mod form;

@@ -77,7 +77,14 @@ impl Region {
     pub(super) fn rest(&self) -> [f64; 2] {
         let angles = self.corners.iter().filter(|c| c.0 > 0.0).map(|c| c.1 / c.0);
         let [l, h] = angles.fold([f64::MAX, f64::MIN], |[l, h], q| [l.min(q), h.max(q)]);
-        if l <= h { [l, h] } else { [0.0, 0.0] }
+        // A single rest angle stays one: rounding opens no range.
+        if l > h {
+            [0.0, 0.0]
+        } else if h - l <= 1e-13 * l.abs().max(h.abs()) {
+            [l, l]
+        } else {
+            [l, h]
+        }
     }
 
     /// Its middle.
