@@ -98,7 +98,10 @@ impl Case {
             Quantity::PeakCurrent => peak,
             Quantity::Energy => drawn * self.period,
             Quantity::PeakPower => watt.max(0.0) / bus.drive_efficiency,
-            Quantity::Mass => unreachable!(),
+            Quantity::Mass => {
+                let (mass, stage) = gear.mass_per_stage.unwrap();
+                motor.mass.unwrap() + mass * (0..9).find(|k| n <= stage.powi(*k) * (1.0 + 1e-12)).map_or(9.0, f64::from)
+            }
         };
         let objective = joint.objective.terms.iter().map(|(q, w)| w * quantity(*q)).sum();
         Look { objective, loss, excess }
@@ -152,6 +155,7 @@ enum Kind {
     Coulomb,
     Regeneration,
     WeightedPeak,
+    SteppedMass,
 }
 
 fn draw(seed: u64, kind: Kind) -> Case {
@@ -204,6 +208,10 @@ fn draw(seed: u64, kind: Kind) -> Case {
     let mut robot = common::robot(motion, gear);
     robot.bus.drive_efficiency = within(0.85, 1.0);
     let joint = &mut robot.joints[0];
+    if kind == Kind::SteppedMass {
+        motor.mass = Some(0.3);
+        joint.gear.mass_per_stage = Some((0.4, 6.0));
+    }
     joint.ratio = RatioChoice::Continuous { min: matched * within(0.2, 0.7), max: matched * within(1.5, 5.0) };
     let stiffness = [if chance(0.6) { 0.0 } else { pull * within(0.1, 0.9) }, pull * within(1.0, 3.0)];
     joint.limits.spring = Some(Spring { stiffness, rest_angle: [within(-1.5, -0.2), within(0.0, 1.5)] });
@@ -213,6 +221,12 @@ fn draw(seed: u64, kind: Kind) -> Case {
             terms: vec![
                 (Quantity::Loss, 1.0),
                 (Quantity::PeakCurrent, motor.resistance * reach / matched / motor.torque_constant),
+            ],
+        },
+        Kind::SteppedMass => Objective {
+            terms: vec![
+                (Quantity::Loss, 1.0),
+                (Quantity::Mass, 0.3 * motor.resistance * (reach / matched / motor.torque_constant).powi(2)),
             ],
         },
         _ => Objective::single(single[within(0.0, 5.0) as usize]),
@@ -409,6 +423,11 @@ fn ratio_and_spring_agree_with_a_scan_with_a_regeneration_limit() {
 #[test]
 fn ratio_and_spring_agree_with_a_scan_with_peak_current_in_a_weighted_sum() {
     expect(&run(4000..4030, Kind::WeightedPeak), 30);
+}
+
+#[test]
+fn ratio_and_spring_agree_with_a_scan_with_a_mass_that_steps_by_stages() {
+    expect(&run(5000..5030, Kind::SteppedMass), 30);
 }
 
 /// An inverted pendulum, linearised: gravity asks for τ = −G q, with G = m g l, and a spring of stiffness G at

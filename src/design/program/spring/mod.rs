@@ -133,7 +133,12 @@ impl Solver<'_> {
         };
         let program = RatioProgram::new(self.prepared, self.objective, low, high);
         let whole = problem.whole([low, high], self.spring);
-        let pieces = if problem.has_steps() { program.stage_ratios(low, high) } else { Vec::new() };
+        // A piece of ratios has the mass of its end; the smallest ratio is a piece of its own.
+        let mut pieces = Vec::new();
+        if problem.has_steps() && low < high {
+            pieces.push(low);
+            pieces.extend(program.stage_ratios(low, high));
+        }
         let verdict = search(&problem, self.spring, whole.clone(), &pieces);
         let Some((value, z)) = verdict.best else {
             let (k, q) = problem.spring(self.spring, verdict.nearest);
