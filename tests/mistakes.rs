@@ -136,9 +136,35 @@ fn requirement_files() {
         ("not TOML", &[("[bus]", "[bus")]),
         ("unquoted unit", &[("\"48 V\"", "48 V")]),
         ("key twice", &[("count = 2", "count = 2\ncount = 3")]),
+        ("a key of a later version", &[("count = 2", "count = 2\ntorque_per_mass = { elbow = \"2.1 N*m/kg\" }")]),
         (
-            "a key of a later version",
-            &[("count = 2", "count = 2\nspring = { stiffness = [\"0 N*m/rad\", \"50 N*m/rad\"] }")],
+            "spring range upside down",
+            &[(
+                "safety = 1.2",
+                "safety = 1.2\nspring = { stiffness = [\"50 N*m/rad\", \"0 N*m/rad\"], rest_angle = [\"0 deg\", \"9 deg\"] }",
+            )],
+        ),
+        (
+            "spring without a unit",
+            &[("safety = 1.2", "safety = 1.2\nspring = { stiffness = [0, 50], rest_angle = [\"0 deg\", \"9 deg\"] }")],
+        ),
+        (
+            "spring of negative stiffness",
+            &[(
+                "safety = 1.2",
+                "safety = 1.2\nspring = { stiffness = [\"-5 N*m/rad\", \"9 N*m/rad\"], rest_angle = [\"0 deg\", \"9 deg\"] }",
+            )],
+        ),
+        ("spring without a rest angle", &[("safety = 1.2", "safety = 1.2\nspring = { stiffness = \"5 N*m/rad\" }")]),
+        (
+            "spring with operating points",
+            &[
+                ("motion = \"knee.csv\"", "points = [ { torque = \"1 N*m\", speed = \"2 rad/s\" } ]"),
+                (
+                    "safety = 1.2",
+                    "safety = 1.2\nspring = { stiffness = [\"0 N*m/rad\", \"9 N*m/rad\"], rest_angle = [\"0 deg\", \"9 deg\"] }",
+                ),
+            ],
         ),
         ("unknown regeneration", &[("voltage = \"48 V\"", "voltage = \"48 V\"\nregeneration = \"maybe\"")]),
         ("stage ratio without mass", &[("mass = \"150 g\"", "stage_ratio = 5")]),

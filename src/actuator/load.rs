@@ -211,16 +211,28 @@ impl Load {
     /// heat runs away the cut is that of the first periods from cold, as many as it takes to be beyond
     /// `bound` \[K\].
     pub fn winding_peak_cut(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> Laurent {
+        let (rise, gradient) = self.winding_peak_gradient(actuator, node, ratio, bound);
+        let squares = self.weighted_torque_squared(actuator, &gradient) * actuator.copper();
+        squares + Laurent::constant(rise - squares.at(ratio))
+    }
+
+    /// The rise at a ratio \[K\], and how it grows with the copper heat of every sample \[K/W\]; of the first
+    /// periods where the heat runs away.
+    pub(crate) fn winding_peak_gradient(
+        &self,
+        actuator: &Actuator,
+        node: &TwoNode,
+        ratio: f64,
+        bound: f64,
+    ) -> (f64, Vec<f64>) {
         let heat = self.copper_heat(actuator, ratio);
-        let (rise, gradient) = match self.settle(node, &heat) {
+        match self.settle(node, &heat) {
             Some((course, temperature)) => {
                 let gradient = node.peak_gradient(&self.heat(&self.times, &heat), course, &temperature);
                 (temperature.peak - node.ambient, gradient)
             }
             None => self.first_periods(node, &heat, bound),
-        };
-        let squares = self.weighted_torque_squared(actuator, &gradient) * actuator.copper();
-        squares + Laurent::constant(rise - squares.at(ratio))
+        }
     }
 
     /// Rise and gradient after the first periods of a heat that runs away.

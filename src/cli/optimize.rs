@@ -63,7 +63,11 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let robot = requirement::read(&arguments.requirement)?;
+    let robot = match (&arguments.pareto, arguments.robust) {
+        (Some(_), _) => requirement::read_without_springs(&arguments.requirement, "`--pareto`")?,
+        (None, true) => requirement::read_without_springs(&arguments.requirement, "`--robust`")?,
+        (None, false) => requirement::read(&arguments.requirement)?,
+    };
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
     if let Some(names) = &arguments.pareto {

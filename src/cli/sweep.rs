@@ -58,7 +58,7 @@ fn order(name: &str) -> Result<Order, Failure> {
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
-    let robot = requirement::read(&arguments.requirement)?;
+    let robot = requirement::read_without_springs(&arguments.requirement, "`sweep`")?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "sweeping");

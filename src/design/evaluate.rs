@@ -100,6 +100,18 @@ impl<'a> Prepared<'a> {
         other
     }
 
+    /// The same limits for another load of the same motor and gear. A limit that was left out stays out.
+    pub fn with_candidate<'b>(&self, candidate: Candidate<'b>) -> Prepared<'b> {
+        let mut other = Prepared::new(candidate);
+        other.asked.retain(|a| self.asked.iter().any(|b| b.limit.name == a.limit.name));
+        other
+    }
+
+    /// Evaluates the design at a ratio, the costlier figures too.
+    pub fn at_in_full(&self, ratio: f64) -> Evaluation {
+        Evaluation { energy: self.energy(ratio), peak_power: Some(self.peak_power(ratio)), ..self.at(ratio) }
+    }
+
     /// Mean copper loss as a polynomial in N \[W\].
     pub fn loss(&self) -> crate::actuator::Laurent {
         self.mean_torque_squared * self.candidate.actuator.copper()

@@ -3,6 +3,7 @@
 
 use super::optimize::Reason;
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram, golden_section};
+use super::spring::{SpringChoice, choose};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
 use crate::actuator::limits::Asked;
@@ -30,6 +31,9 @@ pub struct Explanation<'a> {
     pub remedies: Vec<Remedy>,
     /// Limits that could not be checked, and why.
     pub unchecked: Vec<(&'static str, &'static str)>,
+    /// The spring, where the joint asks for one: all else is with this spring. Or why no spring will do: all
+    /// else is without one.
+    pub spring: Option<Result<SpringChoice, Reason>>,
 }
 
 /// Relative change of the best objective with a relative change of a parameter, the ratio re-chosen.
@@ -72,6 +76,54 @@ pub fn explain<'a>(
     gear: Option<&'a Gear>,
     ratio: Option<f64>,
 ) -> Result<Explanation<'a>, Unusable> {
+    if joint.limits.spring.is_none() {
+        return explain_as_it_is(robot, joint, motor, gear, ratio);
+    }
+    let own = gear.and_then(|g| load_through(joint, g));
+    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
+    let candidate = match gear {
+        Some(gear) => geared_candidate(robot, joint, &load, motor, gear)?,
+        None => continuous_candidate(robot, joint, &load, motor)?,
+    };
+    let range = match (ratio.or(gear.map(|g| g.ratio)), &joint.ratio) {
+        (Some(ratio), _) => (ratio, ratio),
+        (None, RatioChoice::Continuous { min, max }) => (*min, *max),
+        (None, RatioChoice::Catalog { .. }) => (1.0, 1.0),
+    };
+    let chosen = choose(&Prepared::new(candidate), joint, gear, range);
+    let moved = chosen.as_ref().ok().and_then(|(spring, _)| {
+        let motion = joint.motion.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))?;
+        Some(Joint { motion, ..joint.clone() })
+    });
+    let story = explain_as_it_is(robot, moved.as_ref().unwrap_or(joint), motor, gear, ratio)?;
+    let Explanation { evaluation, winding_temperature, mut best, sensitivities, remedies, unchecked, .. } = story;
+    // The proof of ratio and spring together stands in place of that of the ratio alone.
+    if let (Ok((_, optimum)), Some(Ok(best)), None) = (&chosen, &mut best, ratio) {
+        *best = optimum.clone();
+    }
+    let spring = Some(chosen.map(|(spring, _)| spring));
+    Ok(Explanation {
+        joint,
+        motor,
+        gear,
+        evaluation,
+        winding_temperature,
+        best,
+        sensitivities,
+        remedies,
+        unchecked,
+        spring,
+    })
+}
+
+/// The explanation with the motion as it is.
+fn explain_as_it_is<'a>(
+    robot: &'a Robot,
+    joint: &'a Joint,
+    motor: &'a Motor,
+    gear: Option<&'a Gear>,
+    ratio: Option<f64>,
+) -> Result<Explanation<'a>, Unusable> {
     let own = gear.and_then(|g| load_through(joint, g));
     let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
     let prepared = match gear {
@@ -104,7 +156,18 @@ pub fn explain<'a>(
         Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
     let winding_temperature = prepared.winding_temperature(here);
     let unchecked = prepared.unchecked.clone();
-    Ok(Explanation { joint, motor, gear, evaluation, winding_temperature, best, sensitivities, remedies, unchecked })
+    Ok(Explanation {
+        joint,
+        motor,
+        gear,
+        evaluation,
+        winding_temperature,
+        best,
+        sensitivities,
+        remedies,
+        unchecked,
+        spring: None,
+    })
 }
 
 fn solve(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Result<Optimum, Reason> {

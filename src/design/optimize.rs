@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::agreement::kendall_tau;
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
 use super::prune::{self, Pruned};
+use super::spring::SpringChoice;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::{Catalog, Motor};
@@ -51,6 +52,8 @@ pub struct Design<'a> {
     pub winding_temperature: Option<Option<f64>>,
     /// Time the current needs at a reversal \[s\].
     pub reversal_time: Option<f64>,
+    /// The parallel spring, where the joint asks for one.
+    pub spring: Option<SpringChoice>,
 }
 
 /// A motor that cannot do it.
@@ -196,6 +199,10 @@ pub fn best_design<'a>(
     if joint.objective.weight(Quantity::Energy) > 0.0 && !demand.load.has_durations {
         return Err(reject(None, Reason::Unusable(Unusable::Durations)));
     }
+    if joint.limits.spring.is_some() {
+        return super::spring::best_design(robot, joint, demand, motor, only_checked)
+            .map_err(|(gear, reason)| reject(gear, reason));
+    }
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => {
             let candidate = continuous_candidate(robot, joint, &demand.load, motor)
@@ -217,7 +224,7 @@ pub fn best_design<'a>(
     }
 }
 
-fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, optimum: Optimum) -> Design<'a> {
+pub(super) fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, optimum: Optimum) -> Design<'a> {
     let ratio = optimum.ratio;
     // For one design the costlier figures are worth their time.
     let evaluation = Evaluation {
@@ -232,6 +239,7 @@ fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, opti
         unchecked: prepared.unchecked.clone(),
         winding_temperature: prepared.winding_temperature(ratio),
         reversal_time: prepared.reversal_time(ratio),
+        spring: None,
         optimum,
     }
 }

@@ -84,6 +84,10 @@ pub fn first<'a>(
 
 /// What the objective is nowhere below for a motor; `None` where it has to be solved to be told.
 fn lower_bound(robot: &Robot, joint: &Joint, demand: &JointDemand, motor: &Motor) -> Option<f64> {
+    // A spring takes load off: a bound without it is none.
+    if joint.limits.spring.is_some() {
+        return None;
+    }
     let objective = &joint.objective;
     if objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
         return None;

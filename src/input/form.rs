@@ -253,6 +253,39 @@ impl<'a> Section<'a> {
         self.read_quantity(value, key, kind, range)
     }
 
+    /// Two quantities of one kind, `[least, most]`, in SI, if the key is there. Equal ones are one value;
+    /// the wrong way round is a mistake.
+    pub fn quantity_range(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<[f64; 2]> {
+        let value = self.value(key)?;
+        let items = value.get_ref().as_array().filter(|a| a.len() == 2);
+        let Some(items) = items else {
+            self.form.note(
+                Problem::at(
+                    value.span(),
+                    format!("{} is not a pair [least, most]", self.name(key)),
+                    format!("expected the least and the most {}, each with its unit", kind.name),
+                )
+                .help(format!("for example {key} = [\"0 {}\", \"{}\"]", kind.si, kind.example)),
+            );
+            return None;
+        };
+        let mut ends = items.iter().map(|item| self.read_quantity(item, key, kind, range));
+        let (least, most) = (ends.next().flatten(), ends.next().flatten());
+        let (least, most) = (least?, most?);
+        if least > most {
+            self.form.note(
+                Problem::at(
+                    value.span(),
+                    format!("{} is upside down", self.name(key)),
+                    "the first is more than the second",
+                )
+                .help("swap the two"),
+            );
+            return None;
+        }
+        Some([least, most])
+    }
+
     /// A quantity that must be there.
     pub fn required_quantity(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<f64> {
         if !self.has(key) {

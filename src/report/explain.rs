@@ -42,6 +42,19 @@ pub fn text(story: &Explanation) -> String {
         let value = metric.value(story.motor).map(|v| crate::units::in_unit(v, metric.unit));
         out.push_str(&format!("  {:<24}{} {}\n", metric.symbol, optional(value), metric.unit));
     }
+    match &story.spring {
+        Some(Ok(spring)) => {
+            let line = format!("With a {}", super::spring::text(spring, e.loss));
+            let line = if spring.rest_angle.is_some() { line } else { super::spring::text(spring, e.loss) };
+            out.push_str(&format!("\n{}\n", wrap(&line, 0)));
+            out.push_str("  shadow prices, sensitivities and what would have to change are those at this spring\n");
+        }
+        Some(Err(why)) => {
+            let line = format!("No spring will do: {}. All else is without a spring.", reason_text(why, joint).1);
+            out.push_str(&format!("\n{}\n", wrap(&line, 0)));
+        }
+        None => {}
+    }
     match &story.best {
         Some(Ok(optimum)) => out.push_str(&best(story, optimum)),
         Some(Err(reason)) => {
@@ -183,5 +196,9 @@ pub fn json(story: &Explanation) -> Value {
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
         "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
+        "spring": story.spring.as_ref().map(|s| match s {
+            Ok(spring) => super::spring::json(spring, e.loss),
+            Err(why) => json!({ "because": reason_text(why, story.joint).1 }),
+        }),
     })
 }

@@ -10,6 +10,7 @@ pub mod pareto;
 mod prune;
 pub mod rank;
 pub mod robust;
+pub mod spring;
 pub mod sweep;
 pub mod table;
 

@@ -151,6 +151,9 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     if ideal {
         out.push_str("  No gear is described: it is taken as free of loss, inertia and mass.\n");
     }
+    if let Some(spring) = &joint.limits.spring {
+        out.push_str(&format!("  {}\n", super::spring::asked(spring)));
+    }
     if asks_for_nothing(joint) {
         out.push_str("  The motion asks for no torque and no acceleration: the order says nothing.\n");
     }
@@ -252,6 +255,10 @@ fn details(design: &Design, joint: &Joint) -> String {
         1 => format!("{tightest}; 1 thing not checked"),
         n => format!("{tightest}; {n} things not checked"),
     };
+    let tightest = match &design.spring {
+        Some(spring) => format!("{tightest}; {}", super::spring::text(spring, design.evaluation.loss)),
+        None => tightest,
+    };
     if let Some(gear) = design.gear {
         return format!("with {gear}; {tightest}");
     }
@@ -277,7 +284,12 @@ fn footnotes(result: &JointResult, top: usize) -> String {
             add(format!("not checked: {limit}, because {why}"), place);
         }
         if let Certificate::NotCertified(why) = design.optimum.certificate {
-            add(format!("not certified: {why}; the best of a refined grid"), place);
+            let found = match design.spring.map(|s| s.gap) {
+                Some(Some(gap)) => format!("the best that was found, within {gap:.0e} of the bound"),
+                Some(None) => "the best that was found, without a bound".into(),
+                None => "the best of a refined grid".into(),
+            };
+            add(format!("not certified: {why}; {found}"), place);
         }
         if design.winding_temperature == Some(None) {
             add("thermal runaway: the copper's resistance rises faster than heat flows off".into(), place);
@@ -478,6 +490,9 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("sensitivity", Value::Object(sensitivity));
     put("certificate", certificate);
     put("metrics", Value::Object(metrics));
+    if let Some(spring) = &design.spring {
+        put("spring", super::spring::json(spring, e.loss));
+    }
     Value::Object(object)
 }
 
@@ -539,6 +554,9 @@ pub fn csv(result: &RobotResult) -> String {
         "mass_s_t_kg2m2a2_per_nm2",
         "rejected_because",
     ];
+    // Columns of the spring stand there where a joint asks for one.
+    let sprung = result.joints.iter().any(|j| j.joint.limits.spring.is_some());
+    let with_spring: Vec<&str> = header.into_iter().chain(super::spring::COLUMNS).collect();
     let rows = result.joints.iter().flat_map(|j| {
         let feasible = j.candidates.iter().enumerate().map(|(place, d)| {
             let e = &d.evaluation;
@@ -559,6 +577,9 @@ pub fn csv(result: &RobotResult) -> String {
             });
             row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
             row.push(String::new());
+            if sprung {
+                row.extend(super::spring::csv(d.spring.as_ref(), e.loss));
+            }
             row
         });
         let rejected = j.rejected.iter().map(|r| {
@@ -570,6 +591,9 @@ pub fn csv(result: &RobotResult) -> String {
                 row[17 + i] = csv_number(metric.value(r.motor));
             }
             row[header.len() - 1] = reason_text(&r.reason, j.joint).1;
+            if sprung {
+                row.extend(super::spring::csv(None, 0.0));
+            }
             row
         });
         let mut rows: Vec<Vec<String>> = feasible.chain(rejected).collect();
@@ -583,5 +607,5 @@ pub fn csv(result: &RobotResult) -> String {
         }
         rows
     });
-    super::csv_text(&header, rows)
+    super::csv_text(if sprung { &with_spring } else { &header }, rows)
 }

@@ -41,6 +41,9 @@ pub struct Motion {
     /// Share of the time at standstill (speed exactly zero over a whole interval) that each sample
     /// stands for.
     pub dwell: Vec<f64>,
+    /// Position \[rad\], q: as given, else the integral of the speed from zero; `None` where it is not
+    /// given and the motion does not close, and for operating points.
+    pub position: Option<Vec<f64>>,
     /// What was not given but taken from the spline.
     pub derived: Vec<&'static str>,
 }
@@ -97,8 +100,9 @@ impl Motion {
         let mut derived = Vec::new();
         let velocity = velocity.unwrap_or_else(|| {
             derived.push("velocity");
-            differentiate(&position.expect("a motion has velocity or position")).first
+            differentiate(position.as_ref().expect("a motion has velocity or position")).first
         });
+        let position = position.or_else(|| integral(&time, &velocity, &differentiate(&velocity).first, course));
         let velocity = at_rest_where_it_rests(velocity);
         let (acceleration, jerk) = match (acceleration, jerk) {
             (Some(acceleration), Some(jerk)) => (acceleration, jerk),
@@ -121,7 +125,7 @@ impl Motion {
             differentiate(&torque).first
         });
         let (weight, dwell) = time_weights(&time, &velocity, course);
-        Motion { course, time, torque, velocity, acceleration, torque_rate, jerk, weight, dwell, derived }
+        Motion { course, time, torque, velocity, acceleration, torque_rate, jerk, weight, dwell, position, derived }
     }
 
     /// Independent operating points. Without durations they weigh alike, and heat cannot be checked.
@@ -146,8 +150,22 @@ impl Motion {
             jerk: column(|p| p.jerk),
             weight: points.iter().map(share).collect(),
             dwell: points.iter().map(|p| if p.velocity == 0.0 { share(p) } else { 0.0 }).collect(),
+            position: None,
             derived: Vec::new(),
         }
+    }
+
+    /// The same with a spring of a stiffness \[N·m/rad\] and a rest angle \[rad\] parallel to the actuator: it
+    /// pulls the joint towards its rest angle, so that the actuator has to supply `τ + k (q − q_0)`.
+    /// `None` where the position is not known.
+    pub fn with_spring(&self, stiffness: f64, rest_angle: f64) -> Option<Motion> {
+        let position = self.position.as_ref()?;
+        let mut moved = self.clone();
+        for (k, q) in position.iter().enumerate() {
+            moved.torque[k] += stiffness * (q - rest_angle);
+            moved.torque_rate[k] += stiffness * self.velocity[k];
+        }
+        Some(moved)
     }
 
     /// Number of samples, K.
@@ -185,6 +203,37 @@ impl Motion {
             _ => format!("t = {} s", crate::report::number(self.time[k])),
         }
     }
+}
+
+/// A periodic speed may miss its start by this share of the whole way: what sampling leaves.
+const CLOSES: f64 = 1e-3;
+
+/// Position from speed, from zero: the integral of the cubic through speeds and accelerations. What is
+/// left over at the end of a period is spread evenly over it; where that is more than rounding and
+/// sampling explain, the motion does not close and there is no position.
+fn integral(time: &[f64], velocity: &[f64], slope: &[f64], course: Course) -> Option<Vec<f64>> {
+    let n = time.len();
+    let mut position = vec![0.0; n];
+    let step = |i: usize, next: usize, h: f64| {
+        0.5 * h * (velocity[i] + velocity[next]) + h * h / 12.0 * (slope[i] - slope[next])
+    };
+    let mut way = 0.0;
+    for i in 1..n {
+        let moved = step(i - 1, i, time[i] - time[i - 1]);
+        way += moved.abs();
+        position[i] = position[i - 1] + moved;
+    }
+    if let Course::Periodic(period) = course {
+        let last = step(n - 1, 0, period - (time[n - 1] - time[0]));
+        let left = position[n - 1] + last;
+        if left.abs() > CLOSES * (way + last.abs()) {
+            return None;
+        }
+        for (q, t) in position.iter_mut().zip(time) {
+            *q -= left * (t - time[0]) / period;
+        }
+    }
+    Some(position)
 }
 
 /// Speeds below this share of the largest are rounding, and the joint stands still.
@@ -417,6 +466,10 @@ fn course(
     }
     if !problems.is_empty() {
         return None;
+    }
+    // Beside a velocity the position is only for a spring, which must find its start again: a wheel's is none.
+    if samples.position.as_ref().is_some_and(|q| !repeats(q)) {
+        samples.position = None;
     }
     samples.time.pop();
     samples.torque.pop();

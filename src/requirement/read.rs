@@ -21,13 +21,26 @@ pub fn read(path: &Path) -> Result<Robot, Vec<InputError>> {
     read_source(&Source::read(path).map_err(|e| vec![e])?)
 }
 
+/// As [`read`], for what cannot choose a spring: a joint that asks for one is a mistake. `what` says who
+/// cannot.
+///
+/// # Errors
+/// As [`read`], and every spring.
+pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputError>> {
+    read_as(&Source::read(path).map_err(|e| vec![e])?, Some(what))
+}
+
 /// Reads a requirement from a source; motions are looked for beside it.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
+    read_as(source, None)
+}
+
+fn read_as(source: &Arc<Source>, no_springs: Option<&str>) -> Result<Robot, Vec<InputError>> {
     let mut motion_errors = Vec::new();
-    let robot = Form::read(source, |root| read_robot(root, &mut motion_errors));
+    let robot = Form::read(source, |root| read_robot(root, no_springs, &mut motion_errors));
     match robot {
         Ok(robot) if motion_errors.is_empty() => Ok(robot),
         Ok(_) => Err(motion_errors),
@@ -41,7 +54,7 @@ pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
     }
 }
 
-fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Robot> {
+fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<InputError>) -> Option<Robot> {
     let name = root.required_text("name", "\"quadruped\"").map(|t| t.into_inner());
     let bus = match root.section("bus") {
         Some(section) => read_bus(section),
@@ -78,7 +91,7 @@ fn read_robot(root: &Section, motion_errors: &mut Vec<InputError>) -> Option<Rob
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, surroundings, motion_errors) {
+        match read_joint(section, surroundings, no_springs, motion_errors) {
             Some(joint) => joints.push(joint),
             None => complete = false,
         }
@@ -123,7 +136,12 @@ fn read_bus(section: Section) -> Option<Bus> {
     voltage.map(|_| bus)
 }
 
-fn read_joint(section: Section, ambient: f64, motion_errors: &mut Vec<InputError>) -> Option<Joint> {
+fn read_joint(
+    section: Section,
+    ambient: f64,
+    no_springs: Option<&str>,
+    motion_errors: &mut Vec<InputError>,
+) -> Option<Joint> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
     let ratio = read_ratio(&section);
@@ -145,13 +163,43 @@ fn read_joint(section: Section, ambient: f64, motion_errors: &mut Vec<InputError
     };
     let motion = read_motion(&section, motion_errors);
     let objective = read_objective(&section);
-    let limits = section.section("limits").map_or_else(Limits::default, |table| read_limits(table, ambient));
+    let points = section.has("points");
+    let (mut limits, in_limits) = match section.section("limits") {
+        Some(table) => {
+            let spring = table.section("spring").map(|s| (s.span(), read_spring(s)));
+            (read_limits(table, ambient), spring)
+        }
+        None => (Limits::default(), None),
+    };
+    let of_joint = section.section("spring").map(|s| (s.span(), read_spring(s)));
+    if let (Some(_), Some((span, _))) = (&in_limits, &of_joint) {
+        let message = "a joint has one `spring`, in [joint.limits] or in [[joint]], not in both";
+        section.note(Problem::at(span.clone(), message, "remove one of the two"));
+    }
+    if let Some((span, spring)) = in_limits.or(of_joint) {
+        limits.spring = spring;
+        if let Some(what) = no_springs {
+            let message = format!("{what} cannot choose a spring");
+            let help = "`optimize` and `explain` choose it with the ratio; or remove `spring`";
+            section.note(Problem::at(span, message, "asked for here").help(help));
+        } else if points {
+            let message = "a spring needs a motion with a position, not operating points";
+            section.note(
+                Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"),
+            );
+        } else if spring.is_some() && motion.as_ref().is_some_and(|m| m.position.is_none()) {
+            let message = "a spring needs the position, but the motion does not come back to where it began";
+            section.note(Problem::at(span, message, "the motion's position is not periodic").help(
+                "give a column `position` that repeats its first row, or `periodic = false`, or remove `spring`",
+            ));
+        }
+    }
     let drive_current = section.section("drive").and_then(|drive| {
         let current = drive.required_quantity("current", &units::CURRENT, Range::Positive);
         drive.finish();
         current
     });
-    for key in ["spring", "torque_per_mass", "actuator"] {
+    for key in ["torque_per_mass", "actuator"] {
         if section.has(key) {
             section.note(Problem::at(
                 section.span_of(key),
@@ -431,6 +479,20 @@ fn read_objective(section: &Section) -> Option<Objective> {
     })
 }
 
+fn read_spring(section: Section) -> Option<Spring> {
+    const STIFFNESS: &str = "[\"0 N*m/rad\", \"50 N*m/rad\"]";
+    const REST_ANGLE: &str = "[\"-90 deg\", \"90 deg\"]";
+    for (key, example) in [("stiffness", STIFFNESS), ("rest_angle", REST_ANGLE)] {
+        if !section.has(key) {
+            section.missing(key, example);
+        }
+    }
+    let stiffness = section.quantity_range("stiffness", &units::STIFFNESS, Range::NonNegative);
+    let rest_angle = section.quantity_range("rest_angle", &units::ANGLE, Range::Any);
+    section.finish();
+    Some(Spring { stiffness: stiffness?, rest_angle: rest_angle? })
+}
+
 fn read_limits(section: Section, ambient: f64) -> Limits {
     let bandwidth = section.section("torque_bandwidth").and_then(|table| {
         let frequency = table.required_quantity("frequency", &units::FREQUENCY, Range::Positive);
@@ -444,6 +506,7 @@ fn read_limits(section: Section, ambient: f64) -> Limits {
         torque_bandwidth: bandwidth,
         winding_temperature: section.quantity("winding_temperature", &units::TEMPERATURE, Range::Positive),
         safety: section.number("safety", Range::Positive).unwrap_or(1.0),
+        spring: None,
     };
     if limits.winding_temperature.is_some_and(|t| t <= ambient) {
         section.note(Problem::at(

@@ -287,6 +287,18 @@ pub struct Limits {
     pub winding_temperature: Option<f64>,
     /// Factor on demanded torque and current in peak checks (not on heat).
     pub safety: f64,
+    /// A spring parallel to the actuator, to be chosen.
+    pub spring: Option<Spring>,
+}
+
+/// What a spring parallel to the actuator may be: it pulls the joint towards its rest angle with
+/// `k (q_0 − q)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spring {
+    /// Smallest and largest stiffness \[N·m/rad\], k.
+    pub stiffness: [f64; 2],
+    /// Smallest and largest rest angle \[rad\], q_0, on the scale of the motion's position.
+    pub rest_angle: [f64; 2],
 }
 
 impl Default for Limits {
@@ -297,6 +309,7 @@ impl Default for Limits {
             torque_bandwidth: None,
             winding_temperature: None,
             safety: 1.0,
+            spring: None,
         }
     }
 }

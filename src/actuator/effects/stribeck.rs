@@ -35,7 +35,7 @@ impl Effect for StribeckFriction {
 
     fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
         positive("the friction torque", values[0], scale.torque, "the largest torque on the bench")?;
-        positive("the Stribeck speed", values[1], 0.5 * scale.speed, "half of the largest speed")
+        positive("the Stribeck speed", values[1], 0.25 * scale.speed, "a quarter of the largest speed")
     }
 
     fn enters(&self) -> Enters {

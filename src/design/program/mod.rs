@@ -14,6 +14,7 @@ mod conic;
 mod objective;
 mod prices;
 mod scan;
+pub mod spring;
 mod window;
 
 use crate::actuator::Laurent;

@@ -244,7 +244,7 @@ fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
     };
     match effect.shape() {
         Shape::None => vec![0.0],
-        Shape::Speed if effect.name() == "stribeck_friction" => spaced(0.01 * scale.speed, 0.4 * scale.speed, 8),
+        Shape::Speed if effect.name() == "stribeck_friction" => spaced(0.008 * scale.speed, 0.24 * scale.speed, 8),
         Shape::Speed => spaced(0.08 * scale.speed, 1.2 * scale.speed, 8),
         Shape::Current if effect.name() == "inverter_dead_time" => {
             spaced(0.003 * scale.current, 0.3 * scale.current, 8)

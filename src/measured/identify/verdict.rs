@@ -327,7 +327,9 @@ fn doubtful(work: &Work, shares: &[(Option<crate::actuator::effects::Variable>, 
         let explains = finite_sum(&work.fit_columns(&columns).left_out) - now;
         let (variable, share) = shares.iter().find(|(v, _)| v.is_some_and(|v| effect.needs().contains(&v)))?;
         let left = share * now;
-        (left > 0.15 * explains && left > 0.0).then(|| {
+        // A shape parameter bends a wrong curve nearly right: what it leaves weighs more.
+        let tolerated = if effect.shape() == Shape::None { 0.15 } else { 0.04 };
+        (left > tolerated * explains && left > 0.0).then(|| {
             let name = variable.map_or("its variable", |v| v.name());
             (
                 t,

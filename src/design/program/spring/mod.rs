@@ -1,0 +1,265 @@
+//! Ratio and parallel spring chosen together, proved.
+//!
+//! The one idea of this room: with the spring's torque `k (q − q_0)` added to the load, and `s = k q_0`,
+//! every limit and the objective are jointly convex in `(u = N², k, s)`: terms like `(τ + k q − s)²/u` are
+//! perspectives of quadratics (`form`). One conic program gives all three (`conic`), a tangent plane
+//! with the solver's multipliers a bound that does not rest on the solver. Where convexity ends — gear
+//! efficiency flips with a spring that is free, motor Coulomb friction, a limit on regeneration — the same
+//! forms bound the model on regions (`region`, `model`), and regions are halved until the bounds meet
+//! (`search`). The best ratio at the spring that was found is the ratio program's own.
+
+mod conic;
+mod form;
+mod model;
+mod problem;
+mod region;
+mod search;
+
+use super::Bind;
+use super::{Certificate, GAP_TOLERANCE, Infeasible, Optimum, Outcome, RatioProgram, Window};
+use crate::actuator::Load;
+use crate::design::Candidate;
+use crate::design::evaluate::Prepared;
+use crate::requirement::{Joint, Objective, Quantity, Spring};
+use problem::Problem;
+use search::search;
+
+/// The best ratio and spring.
+#[derive(Debug, Clone)]
+pub struct SpringOptimum {
+    /// Stiffness \[N·m/rad\].
+    pub stiffness: f64,
+    /// Rest angle \[rad\]; `None` without stiffness.
+    pub rest_angle: Option<f64>,
+    /// The best ratio at that spring; its certificate is of ratio and spring together.
+    pub optimum: Optimum,
+    /// No ratio and spring are better than this, in the objective's unit; `None` where no bound was found.
+    pub lower_bound: Option<f64>,
+    /// Relative gap between the objective and its bound.
+    pub gap: Option<f64>,
+    /// Whether the objective leaves the spring free, so that the least stiffness was taken.
+    pub least_stiffness: bool,
+}
+
+/// A joint with the torque of a certain spring in its motion, and its load.
+#[derive(Debug)]
+pub struct Sprung {
+    /// The joint.
+    pub joint: Joint,
+    /// Its load.
+    pub load: Load,
+}
+
+impl Sprung {
+    /// A joint with a spring; `covered` is the inertia at the output that the gear's efficiency covers
+    /// \[kg·m²\]. `None` where the motion says no position.
+    pub fn new(joint: &Joint, stiffness: f64, rest_angle: f64, covered: f64) -> Option<Sprung> {
+        let joint = Joint { motion: joint.motion.with_spring(stiffness, rest_angle)?, ..joint.clone() };
+        let load = match covered {
+            0.0 => Load::new(&joint.motion, joint.limits.torque_bandwidth),
+            inertia => Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia),
+        };
+        Some(Sprung { joint, load })
+    }
+
+    /// The candidate with this spring.
+    pub fn candidate<'s>(&'s self, candidate: &Candidate<'s>) -> Candidate<'s> {
+        Candidate { load: &self.load, joint: &self.joint, ..*candidate }
+    }
+}
+
+/// Finds the best ratio in a range and the best spring of a candidate, given without spring.
+///
+/// # Errors
+/// The outcome, where it is not an optimum.
+pub fn solve(
+    prepared: &Prepared,
+    objective: &Objective,
+    spring: &Spring,
+    (min, max): (f64, f64),
+    covered: f64,
+) -> Result<SpringOptimum, Outcome> {
+    let solver = Solver { prepared, objective, spring, covered };
+    if objective.sole() == Some(Quantity::Mass) && min < max {
+        return solver.least_mass(min, max);
+    }
+    let [k0, k1] = spring.stiffness;
+    let [q0, q1] = spring.rest_angle;
+    if k1 == 0.0 || (k0 == k1 && q0 == q1) {
+        let optimum = solver.at(k0, q0, min, max)?;
+        let (lower_bound, gap) = match optimum.certificate {
+            Certificate::Certified { lower_bound, gap, .. } => (Some(lower_bound), Some(gap)),
+            Certificate::NotCertified(_) => (None, None),
+        };
+        let rest_angle = (k0 > 0.0).then_some(q0);
+        return Ok(SpringOptimum { stiffness: k0, rest_angle, optimum, lower_bound, gap, least_stiffness: false });
+    }
+    solver.free(min, max)
+}
+
+struct Solver<'a> {
+    prepared: &'a Prepared<'a>,
+    objective: &'a Objective,
+    spring: &'a Spring,
+    covered: f64,
+}
+
+impl Solver<'_> {
+    /// The best ratio at a spring.
+    fn at(&self, stiffness: f64, rest_angle: f64, min: f64, max: f64) -> Result<Optimum, Outcome> {
+        let candidate = &self.prepared.candidate;
+        let no_position = || Outcome::NotSolved("a spring needs a motion with a position".into());
+        let sprung = Sprung::new(candidate.joint, stiffness, rest_angle, self.covered).ok_or_else(no_position)?;
+        let prepared = self.prepared.with_candidate(sprung.candidate(candidate));
+        if candidate.catalog_gear.is_some() {
+            return fixed_ratio(&prepared, self.objective, min).map_err(Outcome::Infeasible);
+        }
+        match RatioProgram::new(&prepared, self.objective, min, max).solve() {
+            Outcome::Optimal(optimum) => Ok(optimum),
+            other => Err(other),
+        }
+    }
+
+    fn free(&self, min: f64, max: f64) -> Result<SpringOptimum, Outcome> {
+        let Some(problem) = Problem::new(self.prepared, self.objective, self.covered) else {
+            return Err(Outcome::NotSolved("a spring needs a motion with a position".into()));
+        };
+        let (low, high) = if min == max {
+            (min, max)
+        } else {
+            let program = RatioProgram::new(self.prepared, self.objective, min, max);
+            let (low, high) = program.ends().map_err(Outcome::Infeasible)?;
+            (low.ratio, high.ratio)
+        };
+        let program = RatioProgram::new(self.prepared, self.objective, low, high);
+        let whole = problem.whole([low, high], self.spring);
+        // A piece of ratios has the mass of its end; the smallest ratio is a piece of its own.
+        let mut pieces = Vec::new();
+        if problem.has_steps() && low < high {
+            pieces.push(low);
+            pieces.extend(program.stage_ratios(low, high));
+        }
+        let verdict = search(&problem, self.spring, whole.clone(), &pieces);
+        let Some((value, z)) = verdict.best else {
+            let (k, q) = problem.spring(self.spring, verdict.nearest);
+            return Err(match self.at(k, q, min, max) {
+                Err(Outcome::Infeasible(why)) if verdict.impossible => Outcome::Infeasible(why),
+                _ => Outcome::NotSolved("no feasible ratio and spring was found, and none was ruled out".into()),
+            });
+        };
+        let (mut stiffness, mut rest_angle) = problem.spring(self.spring, z);
+        let mut optimum = self.at(stiffness, rest_angle, min, max)?;
+        let mut best = problem.raw(optimum.objective).min(value);
+        let mut least_stiffness = false;
+        // Where the objective leaves the spring free the least stiffness is taken.
+        let other = self.softer(&problem, &whole, &optimum, stiffness, min, max);
+        if let Some((k, q, softer)) = other {
+            (stiffness, rest_angle, optimum, least_stiffness) = (k, q, softer, true);
+            best = problem.raw(optimum.objective);
+        }
+        let reference = best.abs().max(1e-6 * verdict.size).max(f64::MIN_POSITIVE);
+        let bound = verdict.bound.min(best);
+        let gap = (best - bound) / reference;
+        let lower_bound = bound.is_finite().then(|| problem.natural(bound));
+        let why = problem.why_not_convex();
+        optimum.certificate = match (lower_bound, why) {
+            (Some(lower_bound), _) if gap <= GAP_TOLERANCE => Certificate::Certified {
+                lower_bound,
+                gap,
+                method: if why.is_none() { "conic duality (with spring)" } else { "branch and bound (with spring)" },
+            },
+            (_, why) => Certificate::NotCertified(why.unwrap_or("the bounds of ratio and spring did not meet")),
+        };
+        Ok(SpringOptimum {
+            stiffness,
+            rest_angle: (stiffness > 0.0).then_some(rest_angle),
+            optimum,
+            lower_bound,
+            gap: lower_bound.map(|_| gap),
+            least_stiffness,
+        })
+    }
+
+    /// A softer spring with the same objective: the softest allowed, or where the objective does not look
+    /// at the spring the softest that keeps the limits at its ratio.
+    fn softer(
+        &self,
+        problem: &Problem,
+        whole: &region::Region,
+        optimum: &Optimum,
+        stiffness: f64,
+        min: f64,
+        max: f64,
+    ) -> Option<(f64, f64, Optimum)> {
+        let softest = self.spring.stiffness[0];
+        if stiffness <= softest {
+            return None;
+        }
+        let same = |o: &Optimum| o.objective <= optimum.objective + 1e-9 * optimum.objective.abs();
+        let rest = problem.spring(self.spring, whole.middle()).1;
+        if let Ok(other) = self.at(softest, rest, min, max)
+            && same(&other)
+        {
+            return Some((softest, rest, other));
+        }
+        if self.objective.sole() != Some(Quantity::ReflectedInertia) {
+            return None;
+        }
+        let least = Problem::new(self.prepared, self.objective, self.covered)?.for_least_stiffness();
+        let highest = (optimum.ratio * (1.0 + 1e-10)).min(whole.ratio[1]);
+        let narrower = region::Region { ratio: [whole.ratio[0], highest], ..whole.clone() };
+        let verdict = search(&least, self.spring, narrower, &[]);
+        let (k, q) = least.spring(self.spring, verdict.best?.1);
+        let other = self.at(k, q, min, max).ok().filter(same)?;
+        (k < stiffness).then_some((k, q, other))
+    }
+
+    /// Mass does not depend on the spring, and does not fall with the ratio: it is least at the smallest
+    /// feasible one; among the ratios of that mass the ratio and spring of least loss are taken.
+    fn least_mass(&self, min: f64, max: f64) -> Result<SpringOptimum, Outcome> {
+        let inertia = Objective::single(Quantity::ReflectedInertia);
+        let candidate = &self.prepared.candidate;
+        let smallest = solve(self.prepared, &inertia, self.spring, (min, max), self.covered)?;
+        let ratio = smallest.optimum.ratio;
+        let Some(mass) = candidate.mass_at(ratio) else {
+            return Err(Outcome::NotSolved("the mass of motor or gear is not known".into()));
+        };
+        let same_mass = candidate.gear.mass_per_stage.map_or(f64::INFINITY, |(_, stage_ratio)| {
+            stage_ratio.powi(crate::requirement::stages(ratio, stage_ratio) as i32).max(1.0)
+        });
+        let loss = Objective::single(Quantity::Loss);
+        let range = (min, max.min(same_mass.max(ratio)));
+        let mut best = solve(self.prepared, &loss, self.spring, range, self.covered)?;
+        best.optimum.objective = mass;
+        best.optimum.shadow_prices.clear();
+        (best.lower_bound, best.gap) = (None, None);
+        best.optimum.certificate = match smallest.optimum.certificate {
+            Certificate::Certified { .. } => {
+                (best.lower_bound, best.gap) = (Some(mass), Some(0.0));
+                Certificate::Certified { lower_bound: mass, gap: 0.0, method: "mass does not fall with the ratio" }
+            }
+            not => not,
+        };
+        Ok(best)
+    }
+}
+
+/// One ratio, looked at.
+fn fixed_ratio(prepared: &Prepared, objective: &Objective, ratio: f64) -> Result<Optimum, Infeasible> {
+    let evaluation = prepared.at_in_full(ratio);
+    if !evaluation.feasible {
+        let tightest = evaluation.tightest();
+        let bind = Bind { limit: tightest.map_or("gear", |m| m.limit), sample: tightest.and_then(|m| m.sample) };
+        let least = tightest.map_or(f64::INFINITY, |m| m.demand / m.bound);
+        return Err(Infeasible::Nowhere { bind, least, ratio });
+    }
+    let bind = Bind { limit: "gear", sample: None };
+    let objective = evaluation.objective(objective).unwrap_or(f64::NAN);
+    Ok(Optimum {
+        ratio,
+        objective,
+        windows: vec![Window { min: ratio, max: ratio, low: bind.clone(), high: bind }],
+        certificate: Certificate::Certified { lower_bound: objective, gap: 0.0, method: "one ratio evaluated" },
+        shadow_prices: Vec::new(),
+    })
+}

@@ -1,0 +1,459 @@
+//! The joint with its spring left open: limits and objective at a point, and as forms on a region.
+
+use super::conic::Row;
+use super::form::{Affine, Form, Point, at};
+use super::model::{self, Sample};
+use super::region::Region;
+use crate::actuator::limits::{Asked, Class, Demand};
+use crate::actuator::load::BANDWIDTH_PHASES;
+use crate::actuator::shaft::sign;
+use crate::actuator::waveform::Functional;
+use crate::actuator::{Actuator, Load};
+use crate::design::evaluate::{Prepared, violation};
+use crate::requirement::{Joint, Motion, Objective, Quantity, Spring};
+
+/// What is asked at a spring, which limit is meant: its place, and that of the sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Key {
+    asked: usize,
+    sample: usize,
+}
+
+/// A point as the model sees it.
+#[derive(Debug, Clone)]
+pub(super) struct Look {
+    /// The objective, in the unit of the cuts.
+    pub(super) value: f64,
+    /// Largest relative excess over a limit.
+    pub(super) excess: f64,
+    /// The worst sample of every limit with its excess.
+    pub(super) limits: Vec<(f64, Key)>,
+}
+
+/// A joint with the spring left open.
+pub(super) struct Problem<'a> {
+    pub(super) prepared: &'a Prepared<'a>,
+    pub(super) objective: &'a Objective,
+    joint: &'a Joint,
+    /// Inertia at the output that the gear's efficiency covers \[kg·m²\].
+    covered: f64,
+    /// Middle of the motion's positions \[rad\]; rest angles are counted from it.
+    pub(super) middle: f64,
+    means: Vec<Sample>,
+    limits: Vec<Sample>,
+    ripples: Vec<Sample>,
+    /// Torque at the gear's output.
+    output: Vec<Affine>,
+    motion: &'a Motion,
+    /// The stiffness is minimised instead of the objective.
+    least_stiffness: bool,
+}
+
+impl<'a> Problem<'a> {
+    /// Of a candidate whose joint asks for a spring; `None` without a position.
+    pub(super) fn new(prepared: &'a Prepared<'a>, objective: &'a Objective, covered: f64) -> Option<Problem<'a>> {
+        let joint = prepared.candidate.joint;
+        let motion = &joint.motion;
+        let position = motion.position.as_ref()?;
+        let (low, high) = position.iter().fold((f64::MAX, f64::MIN), |(l, h), q| (l.min(*q), h.max(*q)));
+        let middle = 0.5 * (low + high);
+        let sample = |k: usize, torque: f64, rate: f64, sign: f64| Sample {
+            torque: [torque + covered * motion.acceleration[k], position[k] - middle, -1.0],
+            rate: [rate + covered * motion.jerk[k], motion.velocity[k], 0.0],
+            acceleration: motion.acceleration[k],
+            jerk: motion.jerk[k],
+            velocity: motion.velocity[k],
+            sign,
+            place: k,
+        };
+        let all = 0..motion.len();
+        let signs = |k: usize| match sign(motion.velocity[k]) {
+            0.0 => vec![1.0, -1.0],
+            s => vec![s],
+        };
+        let means =
+            all.clone().map(|k| sample(k, motion.torque[k], motion.torque_rate[k], sign(motion.velocity[k]))).collect();
+        let mut limits = Vec::new();
+        let mut ripples = Vec::new();
+        for k in all.clone() {
+            for s in signs(k) {
+                limits.push(sample(k, motion.torque[k], motion.torque_rate[k], s));
+            }
+        }
+        if let Some(asked) = joint.limits.torque_bandwidth {
+            let omega = std::f64::consts::TAU * asked.frequency;
+            for (k, phase) in all.clone().flat_map(|k| (0..BANDWIDTH_PHASES).map(move |phase| (k, phase))) {
+                let angle = std::f64::consts::TAU * phase as f64 / BANDWIDTH_PHASES as f64;
+                let torque = motion.torque[k] + asked.amplitude * angle.cos();
+                let rate = motion.torque_rate[k] - asked.amplitude * omega * angle.sin();
+                ripples
+                    .extend(signs(k).into_iter().map(|s| Sample { place: usize::MAX, ..sample(k, torque, rate, s) }));
+            }
+        }
+        let output = all.map(|k| [motion.torque[k], position[k] - middle, -1.0]).collect();
+        Some(Problem {
+            prepared,
+            objective,
+            joint,
+            covered,
+            middle,
+            means,
+            limits,
+            ripples,
+            output,
+            motion,
+            least_stiffness: false,
+        })
+    }
+
+    /// The same with the stiffness as the objective.
+    pub(super) fn for_least_stiffness(self) -> Problem<'a> {
+        Problem { least_stiffness: true, ..self }
+    }
+
+    /// The region of all ratios and springs.
+    pub(super) fn whole(&self, ratio: [f64; 2], spring: &Spring) -> Region {
+        Region::new(ratio, spring.stiffness, spring.rest_angle.map(|q| q - self.middle))
+    }
+
+    /// Largest torque that a spring at the corner of a region can change e by: what its sides are measured by.
+    pub(super) fn spring_torque(&self, stiffness: f64, rest: f64) -> f64 {
+        let reach = self.output.iter().fold(0.0_f64, |a, e| a.max(e[1].abs()));
+        stiffness * (reach + rest.abs())
+    }
+
+    /// Stiffness and rest angle of a point, within what is allowed.
+    pub(super) fn spring(&self, spring: &Spring, z: Point) -> (f64, f64) {
+        let [q0, q1] = spring.rest_angle;
+        let rest = if z[1] > 0.0 { self.middle + z[2] / z[1] } else { 0.5 * (q0 + q1) };
+        (z[1].clamp(spring.stiffness[0], spring.stiffness[1]), rest.clamp(q0, q1))
+    }
+
+    /// The nearest spring that is allowed.
+    pub(super) fn allowed(&self, spring: &Spring, z: Point) -> Point {
+        let (k, rest) = self.spring(spring, z);
+        [z[0], k, k * (rest - self.middle)]
+    }
+
+    /// The sample whose direction of power, left open, costs the bound most at a point: one that breaks a
+    /// limit that could not be bounded, or one whose loss is underestimated by more than `most` in all.
+    pub(super) fn worst_open(&self, region: &Region, z: Point, look: &Look, most: f64) -> Option<(usize, Affine)> {
+        let actuator = self.actuator();
+        for (_, key) in look.limits.iter().filter(|l| l.0 > 1e-9) {
+            let asked = &self.prepared.asked[key.asked];
+            if let Demand::Samples(_) = asked.demand {
+                let sample = &self.limits[key.sample];
+                if let Some(e) = model::open(actuator, sample, region) {
+                    return Some((sample.place, e));
+                }
+            }
+        }
+        let mut worst: Option<(f64, usize, Affine)> = None;
+        for (sample, share) in self.means.iter().zip(&self.motion.weight) {
+            let Some(e) = model::open(actuator, sample, region) else { continue };
+            let mut form = Form::default();
+            model::add_torque_squared(actuator, sample, &mut form, *share, region, z);
+            let missed = share * model::torque_at(actuator, sample, z).powi(2) - form.at(z);
+            if worst.as_ref().is_none_or(|w| missed > w.0) {
+                worst = Some((missed, sample.place, e));
+            }
+        }
+        worst.filter(|w| w.0 * actuator.copper() > most).map(|(_, place, e)| (place, e))
+    }
+
+    /// The joint with the spring's torque added to its motion.
+    pub(super) fn joint_with(&self, stiffness: f64, rest_angle: f64) -> Joint {
+        let mut joint = self.joint.clone();
+        if let Some(motion) = self.motion.with_spring(stiffness, rest_angle) {
+            joint.motion = motion;
+        }
+        joint
+    }
+
+    /// The load of a joint, with what the gear's efficiency covers.
+    pub(super) fn load(&self, joint: &Joint) -> Load {
+        match self.covered {
+            0.0 => Load::new(&joint.motion, joint.limits.torque_bandwidth),
+            inertia => Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia),
+        }
+    }
+
+    fn actuator(&self) -> &Actuator {
+        &self.prepared.candidate.actuator
+    }
+
+    /// Why the program is not the convex one, if there is a reason.
+    pub(super) fn why_not_convex(&self) -> Option<&'static str> {
+        use crate::actuator::shaft::{Feature, Flow};
+        let load = |flow| self.actuator().torque_form(flow)[Feature::Load];
+        if self.actuator().has_odd_powers() {
+            return Some("motor Coulomb friction makes the limits non-convex");
+        }
+        if self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex) {
+            return Some("a regeneration limit is reverse-convex");
+        }
+        let weighted = self.objective.sole().is_none();
+        if weighted && self.objective.weight(Quantity::PeakCurrent) > 0.0 {
+            return Some("a weighted sum with the peak current is not convex");
+        }
+        if load(Flow::Driving) != load(Flow::Braking) {
+            return Some("the gear's efficiency flips with a spring that is free");
+        }
+        if self.has_steps() {
+            return Some("a mass that steps by stages is not convex");
+        }
+        None
+    }
+
+    /// Whether forms depend on the width of the ratios.
+    pub(super) fn bends_in_ratio(&self) -> bool {
+        self.actuator().has_odd_powers()
+            || self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex)
+            || (self.objective.sole().is_none() && self.objective.weight(Quantity::PeakCurrent) > 0.0)
+    }
+
+    /// Whether the objective has a mass that steps by stages.
+    pub(super) fn has_steps(&self) -> bool {
+        self.objective.weight(Quantity::Mass) > 0.0 && self.prepared.candidate.gear.mass_per_stage.is_some()
+    }
+
+    fn squared_peak(&self) -> bool {
+        self.objective.sole() == Some(Quantity::PeakCurrent)
+    }
+
+    /// From the unit of the cuts to the objective's own.
+    pub(super) fn natural(&self, value: f64) -> f64 {
+        if self.squared_peak() { value.max(0.0).sqrt() / self.actuator().torque_constant } else { value }
+    }
+
+    /// The other way.
+    pub(super) fn raw(&self, objective: f64) -> f64 {
+        if self.squared_peak() { (objective * self.actuator().torque_constant).powi(2) } else { objective }
+    }
+
+    fn heat_row(&self, asked: &Asked, k: usize) -> f64 {
+        let dwell = if asked.limit.name == "standstill_holding" { self.motion.dwell[k] } else { 0.0 };
+        self.motion.weight[k] + dwell
+    }
+
+    /// The point as the model sees it.
+    pub(super) fn look(&self, z: Point) -> Look {
+        let actuator = self.actuator();
+        let worst = |samples: &[Sample]| {
+            let mut best = [(f64::NEG_INFINITY, 0_usize); 4];
+            for (i, sample) in samples.iter().enumerate() {
+                let torque = model::torque_at(actuator, sample, z);
+                let power = model::power_at(actuator, sample, torque, z);
+                let voltage = model::voltage_squared_at(actuator, sample, torque, z);
+                for (best, value) in best.iter_mut().zip([torque * torque, voltage, power, -power]) {
+                    if value > best.0 {
+                        *best = (value, i);
+                    }
+                }
+            }
+            best
+        };
+        let (plain, rippled) = (worst(&self.limits), worst(&self.ripples));
+        let squares: Vec<f64> = self.means.iter().map(|s| model::torque_at(actuator, s, z).powi(2)).collect();
+        let mut limits = Vec::new();
+        let mut costly = Vec::new();
+        for (index, asked) in self.prepared.asked.iter().enumerate() {
+            let (raw, sample) = match asked.demand {
+                Demand::Samples(f) => plain[f as usize],
+                Demand::Bandwidth(f) => rippled[f as usize],
+                Demand::Polynomial(..) if asked.limit.class == Class::Convex => {
+                    (squares.iter().enumerate().map(|(k, t)| self.heat_row(asked, k) * t).sum(), 0)
+                }
+                Demand::Fixed(..) if asked.limit.name == "gear_continuous_torque" => {
+                    let square = |(k, e): (usize, &Affine)| self.motion.weight[k] * at(e, z[1], z[2]).powi(2);
+                    (self.output.iter().enumerate().map(square).sum::<f64>().sqrt(), 0)
+                }
+                Demand::Fixed(..) => {
+                    let torques = self.output.iter().enumerate().map(|(k, e)| (at(e, z[1], z[2]).abs(), k));
+                    torques.fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a })
+                }
+                Demand::WindingPeak(_) => {
+                    costly.push(index);
+                    continue;
+                }
+                _ => continue,
+            };
+            limits.push((violation(raw, asked.raw_bound()), Key { asked: index, sample }));
+        }
+        let excess = |limits: &[(f64, Key)]| limits.iter().map(|l| l.0).fold(f64::NEG_INFINITY, f64::max);
+        if !costly.is_empty() && excess(&limits) <= 1e-9 {
+            let load = self.load_at(z);
+            let candidate = crate::design::Candidate { load: &load, ..self.prepared.candidate };
+            for index in costly {
+                let asked = &self.prepared.asked[index];
+                let ratio = z[0].sqrt();
+                if asked.is_certainly_kept(&candidate, ratio) {
+                    continue;
+                }
+                let raw = asked.raw_demand(&candidate, ratio).0;
+                limits.push((violation(raw, asked.raw_bound()), Key { asked: index, sample: 0 }));
+            }
+        }
+        Look { value: self.value(z, &squares, &plain), excess: excess(&limits), limits }
+    }
+
+    fn load_at(&self, z: Point) -> Load {
+        let rest = if z[1] > 0.0 { z[2] / z[1] } else { 0.0 };
+        self.load(&self.joint_with(z[1], rest + self.middle))
+    }
+
+    /// The objective at a point, in the unit of the cuts.
+    fn value(&self, z: Point, squares: &[f64], plain: &[(f64, usize); 4]) -> f64 {
+        let actuator = self.actuator();
+        let candidate = &self.prepared.candidate;
+        let weight = |q| self.objective.weight(q);
+        if self.least_stiffness {
+            return z[1];
+        }
+        if self.squared_peak() {
+            return plain[Functional::TorqueSquared as usize].0;
+        }
+        let mean: f64 = squares.iter().zip(&self.motion.weight).map(|(t, w)| w * t).sum();
+        let mut value = weight(Quantity::Loss) * actuator.copper() * mean;
+        value += weight(Quantity::ReflectedInertia) * actuator.inertia * z[0];
+        if weight(Quantity::PeakCurrent) > 0.0 {
+            let peak = plain[Functional::TorqueSquared as usize].0.sqrt() / actuator.torque_constant;
+            value += weight(Quantity::PeakCurrent) * peak;
+        }
+        if weight(Quantity::Mass) > 0.0 {
+            value += weight(Quantity::Mass) * candidate.mass_at(z[0].sqrt()).unwrap_or(f64::NAN);
+        }
+        if weight(Quantity::Energy) > 0.0 {
+            let sum: f64 = self.means.iter().enumerate().map(|(k, s)| self.energy_share(k, s, z).1).sum();
+            value += weight(Quantity::Energy) * self.motion.duration().unwrap_or(f64::NAN) * sum;
+        }
+        if weight(Quantity::PeakPower) > 0.0 {
+            let peak = plain[Functional::Power as usize].0.max(0.0);
+            value += weight(Quantity::PeakPower) * peak / candidate.robot.bus.drive_efficiency;
+        }
+        value
+    }
+
+    /// A sample's weight in the energy at a point, and what it adds to the mean power drawn \[W\].
+    fn energy_share(&self, k: usize, sample: &Sample, z: Point) -> (f64, f64) {
+        let efficiency = self.prepared.candidate.robot.bus.drive_efficiency;
+        let torque = model::torque_at(self.actuator(), sample, z);
+        let power = model::power_at(self.actuator(), sample, torque, z);
+        let factor = self.motion.weight[k] * if power > 0.0 { 1.0 / efficiency } else { efficiency };
+        (factor, factor * power)
+    }
+
+    /// A form that is nowhere above the objective on a region, and touches it at `z` where the program is
+    /// convex.
+    pub(super) fn cut(&self, region: &Region, z: Point, look: &Look) -> Form {
+        let actuator = self.actuator();
+        let candidate = &self.prepared.candidate;
+        let weight = |q| self.objective.weight(q);
+        let peak = |f: Functional| {
+            let at = |s: &Sample| {
+                let torque = model::torque_at(actuator, s, z);
+                if f == Functional::Power { model::power_at(actuator, s, torque, z) } else { torque * torque }
+            };
+            let values = self.limits.iter().map(|s| (at(s), s));
+            values.fold((f64::NEG_INFINITY, &self.limits[0]), |a, b| if b.0 > a.0 { b } else { a })
+        };
+        let mut form = Form::default();
+        if self.least_stiffness {
+            form.add_affine(&[0.0, 1.0, 0.0]);
+            return form;
+        }
+        if self.squared_peak() {
+            model::add_torque_squared(actuator, peak(Functional::TorqueSquared).1, &mut form, 1.0, region, z);
+            return form;
+        }
+        if weight(Quantity::Loss) > 0.0 {
+            let each = weight(Quantity::Loss) * actuator.copper();
+            for (sample, share) in self.means.iter().zip(&self.motion.weight) {
+                model::add_torque_squared(actuator, sample, &mut form, each * share, region, z);
+            }
+        }
+        form.add_u(weight(Quantity::ReflectedInertia) * actuator.inertia);
+        if weight(Quantity::PeakCurrent) > 0.0 {
+            let each = weight(Quantity::PeakCurrent) / actuator.torque_constant;
+            let sample = peak(Functional::TorqueSquared).1;
+            form.add(each, &model::torque_magnitude(actuator, sample, region, z));
+        }
+        if weight(Quantity::Mass) > 0.0 {
+            // Regions end where a stage begins: the mass is that of their upper end.
+            let mass = candidate.mass_at(region.ratio[1]).unwrap_or(f64::NAN);
+            form.add_constant(weight(Quantity::Mass) * mass);
+        }
+        if weight(Quantity::Energy) > 0.0 {
+            let each = weight(Quantity::Energy) * self.motion.duration().unwrap_or(f64::NAN);
+            for (k, sample) in self.means.iter().enumerate() {
+                let factor = self.energy_share(k, sample, z).0;
+                model::add_power(actuator, sample, &mut form, each * factor, region, z);
+            }
+        }
+        if weight(Quantity::PeakPower) > 0.0 {
+            let (power, sample) = peak(Functional::Power);
+            // Where nothing is drawn at any instant the peak is zero.
+            if power > 0.0 {
+                let each = weight(Quantity::PeakPower) / candidate.robot.bus.drive_efficiency;
+                model::add_power(actuator, sample, &mut form, each, region, z);
+            }
+        }
+        // At the start of a piece of ratios the mass is still that of the piece before.
+        debug_assert!(
+            !region.contains(z)
+                || (self.has_steps() && z[0] <= region.ratio[0].powi(2) * (1.0 + 1e-7))
+                || look.value.is_nan()
+                || form.at(z) <= look.value + 1e-6 * (form.size(z) + look.value.abs())
+        );
+        form
+    }
+
+    /// The row of a limit at its worst sample; `None` where it has none on this region.
+    pub(super) fn row(&self, key: Key, region: &Region, z: Point) -> Option<Row> {
+        let asked = &self.prepared.asked[key.asked];
+        let actuator = self.actuator();
+        let bound = asked.raw_bound();
+        let of = |samples: &[Sample], f| {
+            Some(Row { form: model::functional(f, actuator, &samples[key.sample], region, z)?, bound })
+        };
+        match asked.demand {
+            Demand::Samples(f) => of(&self.limits, f),
+            Demand::Bandwidth(f) => of(&self.ripples, f),
+            Demand::Polynomial(..) => {
+                let mut form = Form::default();
+                for (k, sample) in self.means.iter().enumerate() {
+                    model::add_torque_squared(actuator, sample, &mut form, self.heat_row(asked, k), region, z);
+                }
+                Some(Row { form, bound })
+            }
+            Demand::Fixed(..) => {
+                let mut form = Form::default();
+                let mut add = |weight, e: &Affine| form.add_square(weight, &[e[0], e[1], e[2], 0.0]);
+                if asked.limit.name == "gear_continuous_torque" {
+                    self.output.iter().zip(&self.motion.weight).for_each(|(e, w)| add(*w, e));
+                } else {
+                    add(1.0, &self.output[key.sample]);
+                }
+                Some(Row { form, bound: bound * bound })
+            }
+            Demand::WindingPeak(node) => {
+                let (rise, gradient) = self.load_at(z).winding_peak_gradient(actuator, &node, z[0].sqrt(), bound);
+                let mut form = Form::default();
+                let mut here = 0.0;
+                for (sample, per_watt) in self.means.iter().zip(gradient) {
+                    let weight = per_watt * actuator.copper();
+                    model::add_torque_squared(actuator, sample, &mut form, weight.max(0.0), region, z);
+                    here += weight * model::torque_at(actuator, sample, z).powi(2);
+                }
+                form.add_constant(rise - here);
+                Some(Row { form, bound })
+            }
+            Demand::Mass => None,
+        }
+    }
+
+    /// Whether a key can be used again on another region.
+    pub(super) fn can_be_inherited(&self, key: Key) -> bool {
+        !matches!(self.prepared.asked[key.asked].demand, Demand::WindingPeak(_))
+    }
+}
