@@ -102,7 +102,6 @@ impl Motion {
             derived.push("velocity");
             differentiate(position.as_ref().expect("a motion has velocity or position")).first
         });
-        let position = position.or_else(|| integral(&time, &velocity, &differentiate(&velocity).first, course));
         let velocity = at_rest_where_it_rests(velocity);
         let (acceleration, jerk) = match (acceleration, jerk) {
             (Some(acceleration), Some(jerk)) => (acceleration, jerk),
@@ -120,6 +119,7 @@ impl Motion {
                 (first, jerk.unwrap_or(second))
             }
         };
+        let position = position.or_else(|| integral(&time, &velocity, &acceleration, course));
         let torque_rate = torque_rate.unwrap_or_else(|| {
             derived.push("torque_rate");
             differentiate(&torque).first
