@@ -160,6 +160,77 @@ fn nulls() {
     }
 }
 
+/// The story of a report, for reading.
+fn story(report: &Report) -> String {
+    let mut text = format!(
+        "{} [{}] {:?} band {:?} samples {:?} floor {:.4e}\n",
+        report.target.name(),
+        report.unit,
+        report.verdict,
+        report.band,
+        report.samples,
+        report.noise_floor
+    );
+    for s in &report.stages {
+        text += &format!(
+            "   {:34} fit {:.4e} ({:.2} %) held {:.4e} ({:.2} %)\n",
+            s.name,
+            s.fit,
+            s.fit_vaf,
+            s.held_out.unwrap_or(f64::NAN),
+            s.held_out_vaf.unwrap_or(f64::NAN)
+        );
+    }
+    for a in &report.artefacts {
+        text += &format!("   artefact {} {} {:.4e} {}\n", a.kind, a.channel, a.value, a.unit);
+    }
+    for p in &report.parameters {
+        text += &format!("   parameter {} {:?} -> {:.5e} ± {:?}\n", p.name, p.declared, p.fitted, p.standard_error);
+    }
+    for e in &report.effects {
+        text += &format!("   effect {} ~{:?} size {:.3e}", e.name, e.confounded_with, e.size);
+        for p in &e.parameters {
+            text += &format!(" {}={:.4e}±{:.1e}", p.name, p.fitted, p.standard_error.unwrap_or(f64::NAN));
+        }
+        text += "\n";
+    }
+    for r in &report.refused {
+        text += &format!("   refused {}: {}\n", r.name, r.reason);
+    }
+    for u in &report.unexplained {
+        text += &format!("   left: {}: {}\n", u.depends_on, u.detail);
+    }
+    for r in report.remarks.iter().take(5).chain(&report.next_runs) {
+        text += &format!("   note: {r}\n");
+    }
+    text
+}
+
+/// The real sets, where they are at hand: their stories. Run with `-- --ignored --nocapture real`.
+#[test]
+#[ignore = "for reading"]
+fn real_sets() {
+    for name in ["emps", "ri50_drag", "ri50_slow", "ri50_stall", "d5065", "xl330"] {
+        if only().is_some_and(|o| !name.contains(&o)) {
+            continue;
+        }
+        let start = std::time::Instant::now();
+        let path = format!("tests/fixtures/benches/{name}.toml");
+        match gearwise::measured::read::read(Path::new(&path)) {
+            Err(errors) => println!("{name}: {}", errors.len()),
+            Ok(bench) => {
+                println!("=== {name}");
+                let band = std::env::var("GEARWISE_BAND").ok().and_then(|b| b.parse().ok());
+                match identify(&bench, &Options { band }) {
+                    Ok(reports) => reports.iter().for_each(|r| println!("{}", story(r))),
+                    Err(why) => println!("{why}"),
+                }
+            }
+        }
+        println!("    {:.1} s", start.elapsed().as_secs_f64());
+    }
+}
+
 #[test]
 fn the_simulator_writes_benches_that_can_be_read() {
     let folder = tempfile::tempdir().expect("a folder");

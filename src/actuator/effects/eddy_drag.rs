@@ -35,6 +35,9 @@ impl Effect for EddyDrag {
 
     fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
         positive("the drag torque", values[0], scale.torque, "the largest torque on the bench")?;
+        if values[1] < 0.2 * scale.speed {
+            return Err(format!("its knee at {:.3e} rad/s would make it Coulomb friction", values[1]));
+        }
         positive("the knee", values[1], 1.3 * scale.speed, "the largest speed: below its knee it is viscous friction")
     }
 

@@ -36,6 +36,12 @@ impl Effect for TorqueConstantSaturation {
 
     fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
         positive("the slope", values[0], 1.5 * scale.torque_constant, "the torque constant")?;
+        if values[0] < 0.3 * scale.torque_constant || values[1] < 0.25 * scale.current {
+            return Err(format!(
+                "torque would fall short by {:.3e} N*m/A beyond {:.3e} A: no iron saturates like that",
+                values[0], values[1]
+            ));
+        }
         positive("the saturation current", values[1], 10.0 * scale.current, "ten times the largest current")
     }
 

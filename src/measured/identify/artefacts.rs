@@ -6,7 +6,8 @@
 use super::Work;
 use super::balance::{Balance, Corrections, Setting, Target};
 use super::regression::{Blocks, covariance, paired, solve, squares};
-use crate::measured::{Bench, BenchKind};
+use crate::actuator::effects::Variable;
+use crate::measured::{Bench, BenchKind, signals};
 
 /// An artefact of the measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +40,7 @@ fn generous(balance: &Balance) -> Vec<Vec<f64>> {
             if balance.target == Target::Drive {
                 columns.push(balance.function(|_| 1.0));
             }
-            if balance.variables.contains(&crate::actuator::effects::Variable::Torque) {
+            if balance.variables.contains(&Variable::Torque) {
                 columns.push(balance.function(|at| at.torque.abs() * at.direction));
             }
         }
@@ -51,6 +52,65 @@ fn generous(balance: &Balance) -> Vec<Vec<f64>> {
     }
     columns.retain(|c| c.iter().all(|v| v.is_finite()) && c.iter().any(|v| *v != 0.0));
     columns
+}
+
+/// A band that holds all that is not noise: ten times what the motion holds, and where something turns and
+/// could ripple, all at which what the generous model leaves stands out of its own flat top. `None` where
+/// that is not clearly narrower than the band there is.
+pub fn band_of_structure(balance: &Balance) -> Option<f64> {
+    let band = balance.band?;
+    let columns = generous(balance);
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let target = balance.target_column();
+    let blocks = Blocks::new(&balance.rows, &columns, &target);
+    let coefficients = solve(&blocks.total(|b| balance.rows.block_fits[b])).coefficients;
+    let speed = balance.variable(true, |at| at.speed);
+    let current = balance.variable(true, |at| at.current);
+    let turns = balance.variables.contains(&Variable::Angle);
+    let mut highest = 0.0_f64;
+    for log in 0..balance.rows.logs() {
+        let at: Vec<usize> = (0..balance.rows.len()).filter(|k| balance.rows.log[*k] == log).collect();
+        let times: Vec<f64> = at.iter().map(|k| balance.rows.time[*k]).collect();
+        let step = signals::median_step(&times);
+        if at.len() < 512 || step <= 0.0 {
+            return None;
+        }
+        let inside = |value: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+            let values: Vec<f64> = at.iter().map(|k| value(*k)).collect();
+            let density = signals::welch(&values, step, 2048);
+            density.into_iter().filter(|d| d.0 > 0.0 && d.0 < 0.9 * band).collect()
+        };
+        let top = |density: &[(f64, f64)]| {
+            signals::median(density.iter().filter(|d| d.0 > 0.55 * band).map(|d| d.1).collect()).unwrap_or(0.0)
+        };
+        // The frequency below which a signal holds a share of what it is over its noise.
+        let holds = |density: &[(f64, f64)], share: f64| {
+            let floor = top(density);
+            let total: f64 = density.iter().map(|d| (d.1 - floor).max(0.0)).sum();
+            let mut sum = 0.0;
+            density
+                .iter()
+                .find(|d| {
+                    sum += (d.1 - floor).max(0.0);
+                    sum >= share * total
+                })
+                .map_or(band, |d| d.0)
+        };
+        highest = highest.max(10.0 * holds(&inside(&|k| speed[k]), 0.999));
+        if balance.target != Target::Drive && balance.variables.contains(&Variable::Current) {
+            highest = highest.max(3.0 * holds(&inside(&|k| current[k]), 0.99));
+        }
+        if turns {
+            let left =
+                inside(&|k| target[k] - columns.iter().zip(coefficients.iter()).map(|(x, b)| b * x[k]).sum::<f64>());
+            let floor = top(&left);
+            let stands_out = |k: usize| left[k].1 > 5.0 * floor;
+            let last = (1..left.len()).rev().find(|k| stands_out(*k) && stands_out(k - 1));
+            highest = highest.max(last.map_or(0.0, |k| 1.5 * left[k].0));
+        }
+    }
+    let narrower = highest.max(5.0);
+    (narrower < 0.6 * band).then_some(narrower)
 }
 
 /// Squared errors of the fitting blocks under the generous model, each block left out in turn with its
@@ -153,6 +213,9 @@ fn gains(balance: &Balance) -> Vec<f64> {
         return gains;
     }
     let Some(declared) = balance.base.first().and_then(|b| b.declared) else { return gains };
+    if balance.base_column(0).iter().all(|v| *v == 0.0) {
+        return gains;
+    }
     let columns = generous(balance);
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let target = balance.target_column();
@@ -191,9 +254,9 @@ fn gains(balance: &Balance) -> Vec<f64> {
         let off = |s: f64| (s / declared).ln().abs();
         if off(sizes[0]) <= off(sizes[1]) { sizes[0] } else { sizes[1] }
     } else {
-        crate::measured::signals::median(sizes.clone()).unwrap_or(declared)
+        signals::median(sizes.clone()).unwrap_or(declared)
     };
-    let spread = crate::measured::signals::median(sizes.iter().map(|s| (s / usual - 1.0).abs()).collect());
+    let spread = signals::median(sizes.iter().map(|s| (s / usual - 1.0).abs()).collect());
     let threshold = GAIN.max(3.0 * 1.48 * spread.filter(|_| sizes.len() > 3).unwrap_or(0.0));
     for (gain, slope) in gains.iter_mut().zip(&slopes) {
         if let Some((slope, error)) = slope {
@@ -263,7 +326,7 @@ fn lags(
 }
 
 fn best_step(bench: &Bench) -> f64 {
-    bench.logs.iter().map(|l| crate::measured::signals::median_step(&l.time)).fold(0.0, f64::max)
+    bench.logs.iter().map(|l| signals::median_step(&l.time)).fold(0.0, f64::max)
 }
 
 /// Golden section.

@@ -72,12 +72,15 @@ pub struct Corrections {
     pub motion_lag: f64,
     /// What each log's target is multiplied with.
     pub gains: Vec<f64>,
+    /// Load-dependent loss of the gear as far as it is known: what the transmitted torque follows with from
+    /// the motor's.
+    pub gear_loss: f64,
 }
 
 impl Corrections {
     /// None.
     pub fn none(logs: usize) -> Corrections {
-        Corrections { target_lag: 0.0, motion_lag: 0.0, gains: vec![1.0; logs] }
+        Corrections { target_lag: 0.0, motion_lag: 0.0, gains: vec![1.0; logs], gear_loss: 0.0 }
     }
 }
 
@@ -169,7 +172,8 @@ fn serves(log: &Log, bench: &Bench, target: Target) -> bool {
         },
         Target::Drive => match log.kind {
             BenchKind::Free | BenchKind::Linear => has(Channel::Current) && moves,
-            BenchKind::Servo => (has(Channel::Current) || has(Channel::Duty)) && moves,
+            // Duty alone makes the current a function of the target: such logs are simulated instead.
+            BenchKind::Servo => has(Channel::Current) && moves,
             BenchKind::Drag => !has(Channel::Torque) && has(Channel::Current) && moves,
             _ => false,
         },
@@ -710,7 +714,17 @@ fn stretch(
             }
             let second = second_derivative(&sensor, grid.step);
             let curvature = (has_output && !has_motor).then(|| second.iter().map(|s| inertia * ratio * s).collect());
-            (sensor.clone(), Some(sensor.iter().map(|t| t / ratio).collect()), curvature)
+            // What the gear transmits, from the current: the sensor is the target itself and would explain its own
+            // noise.
+            let transmitted = measured_current.as_ref().map(|i| {
+                (0..n)
+                    .map(|k| {
+                        let motor = model.torque_constant * i[k] - inertia * moved.motor_acceleration[k];
+                        motor / (1.0 + corrections.gear_loss * (motor * moved.direction[k]).signum())
+                    })
+                    .collect()
+            });
+            (sensor, transmitted, curvature)
         }
         Target::Drive => {
             let drive: Vec<f64> = match &measured_current {

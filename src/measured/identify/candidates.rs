@@ -20,6 +20,19 @@ const REPETITIONS: usize = 400;
 /// Share of its gain that a candidate must keep beside a free drift in time.
 const BESIDE_DRIFT: f64 = 0.4;
 
+/// The plainest effects.
+const BASICS: [&str; 3] = ["torque_offset", "viscous_friction", "coulomb_friction"];
+
+/// Effects that are defined beyond another.
+const BEYOND: [(&str, &str); 2] = [("direction_asymmetry", "torque_offset"), ("stribeck_friction", "coulomb_friction")];
+
+/// Whether an effect in the model is defined beyond this one, which therefore stays.
+fn carries_another(work: &Work, effect: &dyn Effect) -> bool {
+    BEYOND.iter().any(|(name, first)| {
+        *first == effect.name() && work.terms.iter().any(|t| t.effect().is_some_and(|(e, _)| e.name() == *name))
+    })
+}
+
 /// A candidate at its best shape.
 #[derive(Clone)]
 pub struct Candidate {
@@ -81,6 +94,8 @@ impl Selection {
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let threshold = chance_threshold(work, &candidates);
         let drift = structure::drift(work);
+        let drift_gain = gain_of(work, &fit, &drift);
+        let basics = self.basics_suffice(work, &fit, &candidates);
         let mut accepted: Option<Candidate> = None;
         for candidate in candidates {
             let name = candidate.effect.name();
@@ -88,6 +103,13 @@ impl Selection {
                 continue;
             }
             let already = work.terms.iter().any(|t| is(t, candidate.effect));
+            if basics && !BASICS.contains(&name) {
+                continue;
+            }
+            if let Some(first) = self.comes_after(work, &fit, candidate.effect) {
+                self.refuse(name, format!("`{first}` comes first"));
+                continue;
+            }
             let mut refuse = |reason: String| {
                 if !already {
                     self.refuse(name, reason);
@@ -125,7 +147,7 @@ impl Selection {
                 }
             }
             let beside = gain_beside(work, &candidate, &drift);
-            if beside < BESIDE_DRIFT * candidate.gain {
+            if drift_gain > 1.15 * candidate.gain && beside < BESIDE_DRIFT * candidate.gain {
                 refuse("a drift in time explains it as well".into());
                 continue;
             }
@@ -140,12 +162,46 @@ impl Selection {
         Some((accepted.effect, accepted.shape))
     }
 
+    /// What an effect is defined beyond, where that is not in the model yet and worth it: asymmetry is what
+    /// differs between directions beyond a constant.
+    fn comes_after(&self, work: &Work, fit: &Fit, effect: &dyn Effect) -> Option<&'static str> {
+        let first = BEYOND.iter().find(|(name, _)| *name == effect.name())?.1;
+        let open = self.open.iter().find(|e| e.name() == first)?;
+        if work.terms.iter().any(|t| is(t, *open)) {
+            return None;
+        }
+        (gain_of(work, fit, &work.balance.effect_columns(*open, 0.0)) > WORTH).then_some(first)
+    }
+
+    /// Whether plain friction and a constant together explain as much as the best single effect: then they
+    /// come first, however well one curve with a free shape imitates two of them.
+    fn basics_suffice(&self, work: &Work, fit: &Fit, candidates: &[Candidate]) -> bool {
+        let Some(best) = candidates
+            .iter()
+            .find(|c| !BASICS.contains(&c.effect.name()) && c.effect.plausible(&c.values, &work.balance.scale).is_ok())
+        else {
+            return false;
+        };
+        let left: Vec<&&'static dyn Effect> =
+            self.open.iter().filter(|e| BASICS.contains(&e.name()) && !work.terms.iter().any(|t| is(t, **e))).collect();
+        if left.is_empty() {
+            return false;
+        }
+        let extra: Vec<Vec<f64>> = left.iter().flat_map(|e| work.balance.effect_columns(**e, 0.0)).collect();
+        let mut columns = work.columns();
+        columns.extend(extra.iter().map(Vec::as_slice));
+        let together = work.fit_columns(&columns).left_out;
+        let gain = 1.0 - finite_sum(&together) / finite_sum(&fit.left_out).max(f64::MIN_POSITIVE);
+        gain > WORTH && paired(&together, &best.left_out) < 2.0
+    }
+
     /// Takes out what later effects made superfluous.
     pub fn drop_superfluous(&mut self, work: &mut Work) {
         loop {
             let fit = work.fit();
             let least = (0..work.terms.len())
                 .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
+                .filter(|t| !work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e)))
                 .map(|t| {
                     let without = left_out_without(work, t);
                     let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);
@@ -245,7 +301,7 @@ fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
     match effect.shape() {
         Shape::None => vec![0.0],
         Shape::Speed if effect.name() == "stribeck_friction" => spaced(0.008 * scale.speed, 0.24 * scale.speed, 8),
-        Shape::Speed => spaced(0.08 * scale.speed, 1.2 * scale.speed, 8),
+        Shape::Speed => spaced(0.2 * scale.speed, 1.2 * scale.speed, 8),
         Shape::Current if effect.name() == "inverter_dead_time" => {
             spaced(0.003 * scale.current, 0.3 * scale.current, 8)
         }
@@ -411,6 +467,13 @@ fn chance_threshold(work: &Work, candidates: &[Candidate]) -> f64 {
         .collect();
     largest.sort_by(f64::total_cmp);
     largest[((1.0 - CHANCE) * (REPETITIONS - 1) as f64) as usize]
+}
+
+/// The share of the left-out error that columns take away.
+fn gain_of(work: &Work, fit: &Fit, extra: &[Vec<f64>]) -> f64 {
+    let mut columns = work.columns();
+    columns.extend(extra.iter().map(Vec::as_slice));
+    1.0 - finite_sum(&work.fit_columns(&columns).left_out) / finite_sum(&fit.left_out).max(f64::MIN_POSITIVE)
 }
 
 /// The gain of a candidate beside other columns, as a share of the error without both.

@@ -39,6 +39,8 @@ pub struct Options {
 
 /// Most rows that regressions see.
 const ROWS: usize = 24_000;
+/// Least share of the current's column that no function of speed makes up for K_T to be fitted.
+const OWN_SHARE: f64 = 0.05;
 /// Most effects and orders that are added one after the other.
 const STEPS: usize = 16;
 
@@ -206,9 +208,41 @@ impl<'a> Work<'a> {
         self.terms[..term].iter().map(|t| t.columns.len()).sum()
     }
 
+    /// What share of a column neither the other columns nor any function of speed make up.
+    fn own_share(&self, term: usize) -> f64 {
+        let mut columns: Vec<&[f64]> = self
+            .terms
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| *k != term)
+            .flat_map(|(_, t)| &t.columns)
+            .map(Vec::as_slice)
+            .collect();
+        let free = structure::of_speed(self);
+        columns.extend(free.iter().map(Vec::as_slice));
+        let column = &self.terms[term].columns[0];
+        let total = Blocks::new(&self.balance.rows, &columns, column).total(|b| self.fits(b));
+        let last = total.nrows() - 1;
+        regression::squares(&total, &solve(&total).coefficients) / total[(last, last)].max(f64::MIN_POSITIVE)
+    }
+
     /// Holds parameters of the declared model that the data do not show at their declared values.
     fn hold_what_is_not_seen(&mut self) -> Vec<&'static str> {
         let mut held = Vec::new();
+        // A torque constant shows only where the current is more than an answer to speed.
+        let constant = (0..self.terms.len()).find(|t| {
+            self.balance.step() > 0.0
+                && matches!(self.terms[*t].kind, Kind::Base(i) if self.balance.base[i].name == "torque_constant")
+        });
+        if let Some(t) = constant {
+            let share = self.own_share(t);
+            let fitted = self.fit().solution.coefficients[self.offset(t)];
+            let relative = fitted / self.terms[t].declared.as_ref().map_or(fitted, |d| d[0]);
+            let far = !(0.6..=1.7).contains(&relative);
+            if share < OWN_SHARE || (far && share < 10.0 * OWN_SHARE) {
+                held.extend(self.hold(t));
+            }
+        }
         for _ in 0..self.terms.len() {
             let fit = self.fit();
             let covariance = regression::covariance(&fit.blocks, &fit.solution, |b| self.fits(b));
@@ -225,16 +259,63 @@ impl<'a> Work<'a> {
                     (unseen || doubt > 0.3 || value < 0.0).then_some((t, index, if unseen { f64::MAX } else { doubt }))
                 })
                 .max_by(|a, b| a.2.total_cmp(&b.2));
-            let Some((t, index, _)) = worst else { break };
-            let term = self.terms.remove(t);
-            held.push(self.balance.base[index].name);
-            if let Some(declared) = &term.declared {
-                for (y, c) in self.target.iter_mut().zip(&term.columns[0]) {
-                    *y -= declared[0] * c;
-                }
-            }
+            let Some((t, ..)) = worst else { break };
+            held.extend(self.hold(t));
         }
         held
+    }
+
+    /// Takes a parameter of the declared model out of the fit, at its declared value; its name.
+    fn hold(&mut self, term: usize) -> Option<&'static str> {
+        let term = self.terms.remove(term);
+        let Kind::Base(index) = term.kind else { return None };
+        if let Some(declared) = &term.declared {
+            for (y, c) in self.target.iter_mut().zip(&term.columns[0]) {
+                *y -= declared[0] * c;
+            }
+        }
+        Some(self.balance.base[index].name)
+    }
+
+    /// The factor of load-dependent friction that was found; zero where there is none.
+    fn gear_loss(&self) -> f64 {
+        let term = (0..self.terms.len())
+            .find(|t| self.terms[*t].effect().is_some_and(|(e, _)| e.name() == "load_dependent_friction"));
+        term.map_or(0.0, |t| self.fit().solution.coefficients[self.offset(t)].clamp(0.0, 0.9))
+    }
+
+    /// Brings the slope of saturation to the torque constant, where the data do not object: weak saturation
+    /// shows only slope over current squared.
+    fn settle_saturation(&mut self) {
+        let Some(t) = (0..self.terms.len()).find(|t| {
+            self.terms[*t].declared.is_none()
+                && self.terms[*t].effect().is_some_and(|(e, _)| e.name() == "torque_constant_saturation")
+        }) else {
+            return;
+        };
+        let Some((effect, found)) = self.terms[t].effect() else { return };
+        let own = |work: &Work| {
+            let fit = work.fit();
+            let constant = (0..work.terms.len())
+                .find(
+                    |k| matches!(work.terms[*k].kind, Kind::Base(i) if work.balance.base[i].name == "torque_constant"),
+                )
+                .map_or(work.balance.scale.torque_constant, |k| fit.solution.coefficients[work.offset(k)]);
+            (fit.solution.coefficients[work.offset(t)] / constant, finite_sum(&fit.left_out))
+        };
+        let before = own(self).1;
+        let (mut low, mut high) = ((0.25 * self.balance.scale.current).ln(), (10.0 * self.balance.scale.current).ln());
+        for _ in 0..24 {
+            let shape = 0.5 * (low + high);
+            self.terms[t].columns = self.balance.effect_columns(effect, shape.exp());
+            self.terms[t].kind = Kind::Effect(effect, shape.exp());
+            if own(self).0 < 1.0 { low = shape } else { high = shape }
+        }
+        let (slope, after) = own(self);
+        if (slope - 1.0).abs() > 0.02 || after > 1.02 * before {
+            self.terms[t].columns = self.balance.effect_columns(effect, found);
+            self.terms[t].kind = Kind::Effect(effect, found);
+        }
     }
 
     /// Improves the shape parameters that are not orders.
@@ -257,7 +338,14 @@ impl<'a> Work<'a> {
                     .collect();
                 let blocks = Blocks::new(&self.balance.rows, &columns, &self.target);
                 let total = blocks.total(|b| self.fits(b));
-                regression::squares(&total, &solve(&total).coefficients)
+                let solution = solve(&total);
+                let first = columns.len() - effect.linear();
+                let mut values: Vec<f64> = (0..effect.linear()).map(|j| solution.coefficients[first + j]).collect();
+                values.push(ln_shape.exp());
+                if effect.plausible(&values, &self.balance.scale).is_err() {
+                    return f64::INFINITY;
+                }
+                regression::squares(&total, &solution.coefficients)
             };
             let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
             let mut inner = [high - golden * (high - low), low + golden * (high - low)];
@@ -272,6 +360,9 @@ impl<'a> Work<'a> {
                     inner = [inner[1], low + golden * (high - low)];
                     values = [values[1], squares(inner[1])];
                 }
+            }
+            if values.iter().all(|v| v.is_infinite()) {
+                continue;
             }
             let best = (0.5 * (low + high)).exp();
             self.terms[t].columns = self.balance.effect_columns(effect, best);
@@ -300,8 +391,16 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
 
 fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     let logs = (0..bench.logs.len()).count();
-    let setting = |corrections| Setting { corrections, band: options.band, rows: ROWS };
-    let first = Balance::new(bench, target, &setting(Corrections::none(logs)))?;
+    let wide = Setting { corrections: Corrections::none(logs), band: options.band, rows: ROWS };
+    let mut first = Balance::new(bench, target, &wide)?;
+    let mut band = options.band;
+    if band.is_none()
+        && let Some(narrower) = artefacts::band_of_structure(&first)
+    {
+        band = Some(narrower);
+        first = Balance::new(bench, target, &Setting { band, ..wide })?;
+    }
+    let setting = |corrections| Setting { corrections, band, rows: ROWS };
     let as_declared = verdict::declared_stage(bench, &first);
     let (corrections, mut found) = artefacts::find(bench, first, &setting);
     let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
@@ -322,8 +421,12 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
         let fit = work.fit();
         stages.push(work.stage(verdict::label(effect, shape), &fit));
     }
-    // Lags are found again with the effects in: a late channel and friction look alike.
-    if let Some(better) = artefacts::refine(bench, &work, &corrections, &setting) {
+    // Lags are found again with the effects in: a late channel and friction look alike. What the gear
+    // transmits follows from its loss.
+    let gear_loss = work.gear_loss();
+    let refined = artefacts::refine(bench, &work, &corrections, &setting);
+    if refined.is_some() || gear_loss > 0.02 {
+        let better = Corrections { gear_loss, ..refined.unwrap_or_else(|| corrections.clone()) };
         let balance = Balance::new(bench, target, &setting(better.clone()))?;
         found = artefacts::list(&balance, &better, found);
         let terms = std::mem::take(&mut work.terms);
@@ -338,6 +441,7 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
         work.refine_shapes();
     }
     selection.drop_superfluous(&mut work);
+    work.settle_saturation();
     Some(verdict::report(work, selection, stages, found, held))
 }
 

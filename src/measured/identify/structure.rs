@@ -70,6 +70,18 @@ pub fn drift(work: &Work) -> Vec<Vec<f64>> {
     columns
 }
 
+/// Columns of any function of speed.
+pub fn of_speed(work: &Work) -> Vec<Vec<f64>> {
+    if !work.balance.variables.contains(&Variable::Speed) {
+        return Vec::new();
+    }
+    let values = work.balance.variable(false, |at| at.speed);
+    let mut columns: Vec<Vec<f64>> =
+        hats(&values).iter().map(|hat| work.balance.function(|at| hat(at.speed))).collect();
+    columns.push(work.balance.function(|at| at.direction));
+    columns
+}
+
 /// A flexible function that is offered: variable, what it is called, columns.
 type Offer = (Option<Variable>, &'static str, Vec<Vec<f64>>);
 
@@ -204,6 +216,9 @@ fn hum(work: &Work, fit: &Fit) -> Option<(f64, f64)> {
     }
     let rows = &work.balance.rows;
     let residual = work.residual(fit);
+    let speed = work.balance.variable(true, |at| at.speed);
+    let direction = work.balance.variable(true, |at| at.direction);
+    let current = work.balance.variable(true, |at| if at.current.is_finite() { at.current } else { 0.0 });
     let mut best: Option<(f64, f64, usize)> = None;
     let mut seen = 0;
     for log in 0..rows.logs() {
@@ -225,7 +240,14 @@ fn hum(work: &Work, fit: &Fit) -> Option<(f64, f64)> {
         let around: Vec<f64> = density.iter().map(|d| d.1).collect();
         let usual = signals::median(around).unwrap_or(0.0);
         let share = line / total.max(f64::MIN_POSITIVE);
-        if density[peak].1 > 25.0 * usual && share > 0.15 {
+        // Not where the motion itself has a line.
+        let motion = [&speed, &direction, &current].iter().any(|signal| {
+            let values: Vec<f64> = at.iter().map(|k| signal[*k]).collect();
+            let own = signals::welch(&values, step, 512);
+            let usual = signals::median(own.iter().map(|d| d.1).collect()).unwrap_or(0.0);
+            own.get(peak).is_some_and(|d| d.1.is_finite() && d.1 > 25.0 * usual)
+        });
+        if density[peak].1 > 25.0 * usual && share > 0.15 && !motion {
             let frequency = density[peak].0;
             best = match best {
                 Some((f, s, n)) if (f - frequency).abs() < 3.0 * density[1].0 => Some((f, s.max(share), n + 1)),

@@ -280,7 +280,7 @@ pub fn report(
     if work.balance.split_log {
         remarks.push("no log is held out: every fifth block of time judges instead".into());
     }
-    let next_runs = next_runs(&effects, &selection, &work);
+    let next_runs = next_runs(&effects, &selection, &left, &work);
     Report {
         target: work.balance.target,
         unit: work.balance.unit,
@@ -358,6 +358,10 @@ fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, Soluti
             Kind::Effect(effect, shape) => {
                 for parameter in &effect.parameters()[..effect.linear()] {
                     names.push(number_name(effect, shape, parameter.name));
+                }
+                if effect.name() == "torque_constant_saturation" {
+                    // Slope and current are one number where saturation is weak: the current follows the slope.
+                    continue;
                 }
                 if !matches!(effect.shape(), Shape::None | Shape::Order) {
                     let h = 1e-3 * shape;
@@ -467,7 +471,18 @@ fn found(work: &Work, selection: &Selection) -> Vec<Found> {
         let mut parameters = Vec::new();
         for parameter in effect.parameters() {
             let name = number_name(effect, shape, parameter.name);
-            if let Some(i) = names.iter().position(|n| *n == name) {
+            if effect.name() == "torque_constant_saturation" && parameter.name == "current" {
+                // Its depth goes with slope over current squared.
+                let slope =
+                    parameters.first().map_or((1.0, 0.0), |p: &Parameter| (p.fitted, p.standard_error.unwrap_or(0.0)));
+                parameters.push(Parameter {
+                    name: parameter.name.into(),
+                    declared: None,
+                    fitted: shape,
+                    standard_error: Some(0.5 * shape * slope.1 / slope.0.abs().max(f64::MIN_POSITIVE)),
+                    unit: parameter.kind.si,
+                });
+            } else if let Some(i) = names.iter().position(|n| *n == name) {
                 parameters.push(Parameter {
                     name: name.trim_start_matches(effect.name()).trim_start_matches('.').to_string(),
                     declared: None,
@@ -519,7 +534,7 @@ fn found(work: &Work, selection: &Selection) -> Vec<Found> {
 }
 
 /// Runs that would tell look-alikes apart, or show what this bench hides.
-fn next_runs(effects: &[Found], selection: &Selection, work: &Work) -> Vec<String> {
+fn next_runs(effects: &[Found], selection: &Selection, left: &[Dependence], work: &Work) -> Vec<String> {
     let mut runs: Vec<String> = Vec::new();
     for effect in effects {
         for rival in &effect.confounded_with {
@@ -535,7 +550,9 @@ fn next_runs(effects: &[Found], selection: &Selection, work: &Work) -> Vec<Strin
                 .into(),
         );
     }
-    if selection.refused.iter().any(|r| r.reason.contains("no temperature")) {
+    let drifts = left.iter().any(|d| d.on.contains("time"))
+        || selection.refused.iter().any(|r| r.reason.contains("drift in time"));
+    if drifts && selection.refused.iter().any(|r| r.reason.contains("no temperature")) {
         runs.push("log winding and housing temperature, so that warm-up and drift can be told apart".into());
     }
     runs.dedup();
