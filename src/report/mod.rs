@@ -4,6 +4,8 @@
 pub mod audit;
 pub mod compare;
 pub mod explain;
+pub mod handy;
+pub mod identify;
 pub mod import;
 pub mod optimize;
 pub mod pareto;
