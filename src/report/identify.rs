@@ -102,7 +102,7 @@ fn stage_label(stage: &Stage, seen: &mut Vec<String>) -> String {
     };
     match stage.name.as_str() {
         "declared" => "as declared".into(),
-        "artefacts" => "artefacts of the measurement taken out".into(),
+        "artefacts" => "artefacts taken out".into(),
         "refit" => "declared parameters refitted".into(),
         "final" => "in the end".into(),
         _ => effect(seen),
@@ -118,9 +118,16 @@ pub fn text(bench: &Bench, reports: &[Report], written: &[String]) -> String {
     let refusals = refused(reports);
     if !refusals.is_empty() {
         out.push_str("\nNot added, and why:\n");
-        for (refusal, _) in refusals {
-            let line = format!("{}: {}", refusal.name, refusal.reason);
-            out.push_str(&format!("  {}\n", wrap(&line, 4)));
+        // One line for all effects with the same reason.
+        let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+        for (refusal, _) in &refusals {
+            match reasons.iter_mut().find(|(reason, _)| *reason == refusal.reason) {
+                Some((_, names)) => names.push(&refusal.name),
+                None => reasons.push((&refusal.reason, vec![&refusal.name])),
+            }
+        }
+        for (reason, names) in reasons {
+            out.push_str(&format!("  {}\n", wrap(&format!("{}: {reason}", names.join(", ")), 4)));
         }
     }
     let mut runs: Vec<&String> = Vec::new();
