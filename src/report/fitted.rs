@@ -93,13 +93,13 @@ fn with_tolerance(out: &mut String, name: &str, number: Number, unit: &str) {
 /// The file's text.
 pub fn text(bench: &Bench, reports: &[Report]) -> String {
     let fit = Fit::new(bench, reports);
-    let mut out = format!(
-        "# Fitted actuator: measured, on the q axis. Tolerances are two standard errors; covariances in SI.\n\
-         gearwise = {}\nbench = {}\nverdict = {}\n",
-        quoted(env!("CARGO_PKG_VERSION")),
-        quoted(&bench.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned())),
-        quoted(super::identify::overall(reports).word())
-    );
+    let mut out =
+        String::from("# Fitted actuator, on the q axis. Tolerances are two standard errors; covariance in SI.\n");
+    let _ = writeln!(out, "# Verdict: {}", super::identify::overall(reports).word());
+    for report in reports {
+        out.push_str(&error_comment(report));
+    }
+    let _ = writeln!(out, "gearwise = {}", quoted(env!("CARGO_PKG_VERSION")));
     match &bench.declared.motor {
         Some(motor) => out.push_str(&motor_table(&fit, motor)),
         None => out.push_str(&axis_table(&fit)),
@@ -107,27 +107,6 @@ pub fn text(bench: &Bench, reports: &[Report]) -> String {
     out.push_str(&gear_table(&fit));
     out.push_str(&effect_tables(&fit));
     out.push_str(&covariance(&fit));
-    for report in reports {
-        if let (Some(from), Some(to)) = (report.stages.first(), report.stages.last()) {
-            let _ = writeln!(
-                out,
-                "\n[[error]]\nequation = {}\nunit = {}",
-                quoted(report.target.name()),
-                quoted(report.unit)
-            );
-            for (name, value) in [
-                ("fit_before", Some(from.fit)),
-                ("fit_after", Some(to.fit)),
-                ("held_out_before", from.held_out),
-                ("held_out_after", to.held_out),
-                ("noise_floor", Some(report.noise_floor)),
-            ] {
-                if let Some(value) = value.filter(|v| v.is_finite()) {
-                    line(&mut out, name, value, "1");
-                }
-            }
-        }
-    }
     for log in &bench.logs {
         let usage = match log.usage {
             crate::measured::Use::Fit => "fit",
@@ -142,6 +121,23 @@ pub fn text(bench: &Bench, reports: &[Report]) -> String {
         );
     }
     out
+}
+
+/// What the fit made of the error.
+fn error_comment(report: &Report) -> String {
+    let (Some(from), Some(to)) = (report.stages.first(), report.stages.last()) else { return String::new() };
+    let (judge, before, after) = match (from.held_out, to.held_out) {
+        (Some(before), Some(after)) => ("held out", before, after),
+        _ => ("fit", from.fit, to.fit),
+    };
+    format!(
+        "# Error of {}, {judge}: {} {unit} as declared, {} {unit} fitted; noise floor {} {unit}\n",
+        report.target.name(),
+        super::number(before),
+        super::number(after),
+        super::number(report.noise_floor),
+        unit = report.unit
+    )
 }
 
 /// Friction in the columns of the row: fitted, declared, or found as an effect.
@@ -164,7 +160,10 @@ fn motor_table(fit: &Fit, motor: &Motor) -> String {
         say("winding", word(Winding::NAMES, &winding));
     }
     say("terminals", "q_axis");
-    say("current", "q_axis");
+    // A brushed motor's ampere is the q axis' already.
+    let brushed = motor.conventions.commutation == Commutation::Brushed;
+    say("current", if brushed { "dc" } else { "q_axis" });
+    say("audit_accept", &motor.accepted_findings.join(";"));
     if let (Some(poles), Commutation::Brushless) = (motor.pole_pairs, motor.conventions.commutation) {
         let _ = writeln!(out, "pole_pairs = {poles}");
     }
@@ -178,9 +177,10 @@ fn motor_table(fit: &Fit, motor: &Motor) -> String {
     }
     let logs = fit.bench.logs.len();
     let source = format!(
-        "identified from {logs} {} of the bench `{}`; what they do not show: {}",
+        "identified from {logs} {} of the bench `{}` ({}); what they do not show: {}",
         if logs == 1 { "log" } else { "logs" },
         fit.bench.name,
+        fit.bench.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
         motor.source
     );
     notes.push(format!("fitted row of `{}`", motor.id));
@@ -273,11 +273,11 @@ fn gear_table(fit: &Fit) -> String {
         return String::new();
     };
     let mut out = String::from("\n[gear]\n");
-    let _ = writeln!(out, "ratio = {}", digits(fit.bench.declared.ratio));
-    let slope = 1.0 / ((1.0 + factor.value) * (1.0 + factor.value));
-    let efficiency = Number { value: 1.0 / (1.0 + factor.value), error: factor.error.map(|e| e * slope) };
-    with_tolerance(&mut out, "efficiency", efficiency, "1");
-    with_tolerance(&mut out, "backdrive_efficiency", Number { value: 1.0 - factor.value, ..factor }, "1");
+    if let Some(error) = factor.error {
+        let _ = writeln!(out, "# 1/(1 + γ) and 1 − γ of γ = {} ± {}", digits(factor.value), super::number(2.0 * error));
+    }
+    line(&mut out, "efficiency", 1.0 / (1.0 + factor.value), "1");
+    line(&mut out, "backdrive_efficiency", 1.0 - factor.value, "1");
     out
 }
 
@@ -328,24 +328,27 @@ fn place(fit: &Fit, name: &str) -> String {
     }
 }
 
-/// Covariance of all fitted numbers, one block for each equation.
+/// Covariance of all fitted numbers, one block for each equation. A number without a finite variance is left
+/// out.
 fn covariance(fit: &Fit) -> String {
-    let names: Vec<String> = fit.reports.iter().flat_map(|r| &r.fitted_names).map(|n| quoted(&place(fit, n))).collect();
-    if names.is_empty() {
+    let all: Vec<(usize, usize)> = fit
+        .reports
+        .iter()
+        .enumerate()
+        .flat_map(|(r, report)| (0..report.fitted_names.len()).map(move |k| (r, k)))
+        .filter(|(r, k)| fit.reports[*r].covariance[*k][*k].is_finite())
+        .collect();
+    if all.is_empty() {
         return String::new();
     }
+    let names: Vec<String> = all.iter().map(|(r, k)| quoted(&place(fit, &fit.reports[*r].fitted_names[*k]))).collect();
     let mut out = format!("\n[covariance]\nnames = [{}]\nmatrix = [\n", names.join(", "));
-    let mut before = 0;
-    for report in fit.reports {
-        let size = report.fitted_names.len();
-        for row in &report.covariance {
-            let cells = (0..names.len()).map(|k| {
-                let value = k.checked_sub(before).and_then(|j| row.get(j)).copied().unwrap_or(0.0);
-                if value.is_finite() { format!("{value:.6e}") } else { "nan".into() }
-            });
-            let _ = writeln!(out, "  [{}],", cells.collect::<Vec<_>>().join(", "));
-        }
-        before += size;
+    for (r, k) in &all {
+        let cells = all.iter().map(|(other, j)| {
+            let value = if r == other { fit.reports[*r].covariance[*k][*j] } else { 0.0 };
+            format!("{:.6e}", if value.is_finite() { value } else { 0.0 })
+        });
+        let _ = writeln!(out, "  [{}],", cells.collect::<Vec<_>>().join(", "));
     }
     out.push_str("]\n");
     out

@@ -95,17 +95,16 @@ fn listed(items: &[String]) -> String {
     }
 }
 
-fn stage_label(stage: &Stage, seen: &mut Vec<String>) -> String {
-    let effect = |seen: &mut Vec<String>| {
-        seen.push(stage.name.clone());
-        format!("+ {}", stage.name)
-    };
+/// An effect that the end of the story does not have any more is marked.
+fn stage_label(report: &Report, stage: &Stage) -> String {
+    let stays = || report.effects.iter().any(|e| stage.name.split(' ').next() == Some(e.name));
     match stage.name.as_str() {
         "declared" => "as declared".into(),
         "artefacts" => "artefacts taken out".into(),
         "refit" => "declared parameters refitted".into(),
         "final" => "in the end".into(),
-        _ => effect(seen),
+        name if stays() => format!("+ {name}"),
+        name => format!("+ {name} (taken back)"),
     }
 }
 
@@ -220,7 +219,6 @@ fn equation(bench: &Bench, report: &Report) -> String {
 }
 
 fn story(report: &Report) -> String {
-    let mut seen = Vec::new();
     let ratio = |value: f64| if report.noise_floor > 0.0 { number(value / report.noise_floor) } else { "–".into() };
     let held = |value: Option<f64>, f: &dyn Fn(f64) -> String| value.map_or_else(|| "–".into(), f);
     let vaf = |value: f64| format!("{value:.2}");
@@ -229,7 +227,7 @@ fn story(report: &Report) -> String {
         .iter()
         .map(|stage| {
             vec![
-                format!("  {}", stage_label(stage, &mut seen)),
+                format!("  {}", stage_label(report, stage)),
                 number(stage.fit),
                 held(stage.held_out, &number),
                 vaf(stage.fit_vaf),

@@ -217,8 +217,11 @@ fn draw_title(area: &Area, group: &Group) -> DrawResult {
     for (k, (tone, meaning)) in group.legend.iter().enumerate() {
         let x = 22 + 330 * i32::try_from(k).unwrap_or(0);
         area.draw(&Circle::new((x, 43), 4, tone.colour().filled()))?;
-        area.draw(&PathElement::new(vec![(x + 10, 43), (x + 30, 43)], tone.line().stroke_width(2)))?;
-        area.draw(&Text::new(meaning.clone(), (x + 38, 36), style.clone()))?;
+        let dashes: &[(i32, i32)] = if *tone == Tone::Light { &[(9, 15), (18, 24), (27, 33)] } else { &[(9, 33)] };
+        for (from, to) in dashes {
+            area.draw(&PathElement::new(vec![(x + from, 43), (x + to, 43)], tone.line().stroke_width(2)))?;
+        }
+        area.draw(&Text::new(meaning.clone(), (x + 40, 36), style.clone()))?;
     }
     Ok(())
 }
@@ -285,7 +288,7 @@ fn draw_panel(area: &Area, panel: &Panel) -> DrawResult {
                 chart.draw_series(LineSeries::new(finite, line.stroke_width(2)))?;
             }
             (Mark::Bars, tone) => {
-                let width = if tone == Tone::Light { 5 } else { 2 };
+                let width = if tone == Tone::Light { 3 } else { 2 };
                 let style = if tone == Tone::Light { colour } else { line };
                 chart.draw_series(
                     finite.map(|(x, y)| PathElement::new(vec![(x, 0.0), (x, y)], style.stroke_width(width))),

@@ -2,12 +2,14 @@
 
 use super::{Figure, Group, Mark, Panel, Series, Tone, thinned};
 use crate::measured::Bench;
-use crate::measured::identify::Report;
+use crate::measured::identify::{Report, Target};
 
 /// Dots of one tone in one panel: with five panels and two tones at most 4000 in a group.
 const DOTS: usize = 400;
 /// Bins of the line of means.
-const BINS: usize = 24;
+const BINS: usize = 30;
+/// Bins over a turn: several for each period of the orders that motors have.
+const TURN_BINS: usize = 120;
 /// Highest order of the position spectrum.
 const ORDERS: usize = 100;
 
@@ -24,36 +26,50 @@ fn group(bench: &Bench, report: &Report) -> Group {
     let tau = std::f64::consts::TAU;
     let angle = if turns { p.angle.iter().map(|a| a.rem_euclid(tau)).collect() } else { p.angle.clone() };
     let (time, lines) = one_after_the_other(report);
-    let current = if turns { "current, q axis [A]" } else { "drive (force over its gain)" };
-    let panel = |x: &str, values: &[f64], empty: &str| Panel {
+    // The current of a linear axis is its force over the declared gain.
+    let (drive, gain) =
+        if turns { ("current, q axis [A]", 1.0) } else { ("drive force [N]", bench.declared.force_gain) };
+    let current: Vec<f64> = p.current.iter().map(|i| gain * i).collect();
+    let panel = |x: &str, values: &[f64], bins: usize| Panel {
         x: x.into(),
         y: y.clone(),
         lines: Vec::new(),
-        series: series(report, values),
-        empty: empty.into(),
+        series: series(report, values, bins),
+        empty: "not in these logs, or constant".into(),
     };
     let (speed, position) = if turns {
         ("motor speed [rad/s]", "motor position in its turn [rad]")
     } else {
         ("speed [m/s]", "position [m]")
     };
-    let mut in_time = panel("time, logs one after the other [s]", &time, "no time");
+    let mut in_time = panel("time, logs one after the other [s]", &time, BINS);
     in_time.lines = lines;
     let panels = vec![
-        panel(speed, &p.speed, "not in these logs, or constant"),
-        panel(position, &angle, "not in these logs, or constant"),
-        panel(current, &p.current, "not in these logs, or constant"),
-        panel("winding over its reference [K]", &p.temperature, "not in these logs, or constant"),
+        panel(speed, &p.speed, BINS),
+        panel(position, &angle, if turns { TURN_BINS } else { BINS }),
+        panel(drive, &current, BINS),
+        panel("winding over its reference [K]", &p.temperature, BINS),
         in_time,
         spectrum(report, turns),
     ];
     Group {
-        title: format!("{}, {}: what the model leaves", bench.name, report.target.name().replace('_', " ")),
+        title: format!("{}: what the model leaves of the {}", bench.name, quantity(report)),
         legend: vec![
             (Tone::Light, "before: as declared, artefacts taken out".into()),
             (Tone::Dark, "after: refitted, with the effects found".into()),
         ],
         panels,
+    }
+}
+
+fn quantity(report: &Report) -> &'static str {
+    match (report.target, report.unit) {
+        (Target::Torque, "N") => "force",
+        (Target::Torque, _) => "torque",
+        (Target::Drive, "N") => "drive's force",
+        (Target::Drive, _) => "drive's torque",
+        (Target::Voltage, _) => "voltage",
+        (Target::WindUp, _) => "angle between motor and output",
     }
 }
 
@@ -80,7 +96,7 @@ fn one_after_the_other(report: &Report) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Dots before and after, and the lines of their means over bins.
-fn series(report: &Report, x: &[f64]) -> Vec<Series> {
+fn series(report: &Report, x: &[f64], bins: usize) -> Vec<Series> {
     let p = &report.pictures;
     if x.len() != p.before.len() || x.iter().any(|v| !v.is_finite()) {
         return Vec::new();
@@ -96,14 +112,14 @@ fn series(report: &Report, x: &[f64]) -> Vec<Series> {
         all.push(Series { tone, mark: Mark::Dots, points });
     }
     for (tone, y) in [(Tone::Light, &p.before), (Tone::Dark, &p.after)] {
-        all.push(Series { tone, mark: Mark::Line, points: means(&order, x, y) });
+        all.push(Series { tone, mark: Mark::Line, points: means(&order, x, y, bins) });
     }
     all
 }
 
 /// Means over bins of equal numbers of rows.
-fn means(order: &[usize], x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
-    let bins = BINS.min(order.len() / 8).max(1);
+fn means(order: &[usize], x: &[f64], y: &[f64], most: usize) -> Vec<(f64, f64)> {
+    let bins = most.min(order.len() / 8).max(1);
     (0..bins)
         .map(|b| {
             let bin = &order[b * order.len() / bins..(b + 1) * order.len() / bins];
