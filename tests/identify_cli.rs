@@ -1,6 +1,7 @@
 //! `identify` as a user runs it: on the shipped example, and on logs that are broken in every way.
 
 mod common;
+mod simulator;
 
 use std::fs;
 use std::path::Path;
@@ -310,11 +311,10 @@ fn constant_channels_teach_nothing_wrong() {
         rows.iter_mut().skip(1).for_each(|r| r[4] = "1.000".into());
         rows
     });
-    if output.status.code() == Some(0) {
-        assert_eq!(effects(&output), Vec::<String>::new(), "a stuck sensor shows no effect");
-    } else {
-        refused(&output, &["error"]);
-    }
+    assert_eq!(effects(&output), Vec::<String>::new(), "a stuck sensor shows no effect");
+    let result = json(&output);
+    assert_eq!(result["sentence"], "Nothing can be learnt: the torque has one value throughout.");
+    assert_eq!(result["logs"][0]["stuck_channels"], serde_json::json!(["torque"]));
     // A shaft that never turns.
     let output = spoilt(same, |_, mut rows| {
         rows.iter_mut().skip(1).for_each(|r| {
@@ -323,13 +323,10 @@ fn constant_channels_teach_nothing_wrong() {
         });
         rows
     });
-    if output.status.code() == Some(0) {
-        let found = effects(&output);
-        let moving = ["coulomb_friction", "viscous_friction", "stribeck_friction", "eddy_drag", "cogging"];
-        assert!(found.iter().all(|f| !moving.contains(&f.as_str())), "{found:?}");
-    } else {
-        refused(&output, &["nothing can be learnt"]);
-    }
+    let found = effects(&output);
+    let moving = ["coulomb_friction", "viscous_friction", "stribeck_friction", "eddy_drag", "cogging"];
+    assert!(found.iter().all(|f| !moving.contains(&f.as_str())), "{found:?}");
+    assert_eq!(json(&output)["logs"][0]["stuck_channels"], serde_json::json!(["motor position", "motor velocity"]));
 }
 
 #[test]
@@ -366,4 +363,38 @@ fn wrong_arguments_are_mistakes() {
     refused(&gearwise(&["identify", EXAMPLE, "--band", "0 Hz"]), &["greater than zero"]);
     let output = gearwise(&["identify", EXAMPLE, "--band", "30 Hz", "--json"]);
     assert_eq!(json(&output)["band_hz"].as_f64(), Some(30.0));
+}
+
+/// A bench with two equations: the first stands at the top, the other below `further`, and the top knows of
+/// the effects of both.
+#[test]
+fn every_equation_of_a_bench_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = simulator::scenario("backlash", 5.0, 7).write(folder.path());
+    let (svg, bench) = (folder.path().join("r.svg"), truth.bench.to_str().unwrap());
+    let output = gearwise(&["identify", bench, "--json", "--plot", svg.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let result = json(&output);
+    no_number_is_lost(&result, "");
+    let further = result["further"].as_array().unwrap();
+    assert_eq!(
+        (result["target"].as_str(), further.len(), further[0]["target"].as_str()),
+        (Some("drive_torque"), 1, Some("wind_up"))
+    );
+    assert_eq!(further[0]["unit"], "rad");
+    for key in ["noise_floor", "verdict", "errors", "artefacts", "parameters", "effects", "refused", "unexplained"] {
+        assert!(further[0].get(key).is_some(), "no `{key}`");
+    }
+    let names = |list: &Value| -> Vec<String> {
+        list.as_array().unwrap().iter().map(|e| e["name"].as_str().unwrap().to_string()).collect()
+    };
+    let (top, below) = (names(&result["effects"]), names(&further[0]["effects"]));
+    assert!(!below.is_empty() && below.iter().all(|b| top.contains(b)), "{top:?} {below:?}");
+    for effect in result["effects"].as_array().unwrap() {
+        let of_angle = below.iter().any(|b| effect["name"] == b.as_str());
+        assert_eq!(effect["equation"], if of_angle { "wind_up" } else { "drive_torque" });
+    }
+    assert!(names(&result["refused"]).iter().all(|r| !top.contains(r)));
+    let text = fs::read_to_string(svg).unwrap();
+    assert!(text.contains("angle between motor and output") && text.contains("residual [rad]"));
 }

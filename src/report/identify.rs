@@ -10,7 +10,7 @@ use super::number;
 use super::table::{table, wrap};
 use crate::actuator::effects::Enters;
 use crate::measured::identify::{Found, Parameter, Refused, Report, Stage, Target, Verdict};
-use crate::measured::{Bench, Log, Use};
+use crate::measured::{Bench, Channel, Log, Use};
 
 /// The unit of a parameter on this bench: effects speak of torques and angles, a linear axis of forces and
 /// metres.
@@ -167,8 +167,60 @@ fn heading(bench: &Bench) -> String {
         for remark in &log.remarks {
             out.push_str(&format!("  {}\n", wrap(&format!("{}: {remark}", log.name), 4)));
         }
+        for channel in stuck(log) {
+            out.push_str(&format!("  {}\n", wrap(&format!("{}: {channel} has one value throughout", log.name), 4)));
+        }
     }
     out
+}
+
+/// A channel in words.
+fn channel_name(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Current => "current",
+        Channel::Voltage => "voltage",
+        Channel::MotorPosition => "motor position",
+        Channel::MotorVelocity => "motor velocity",
+        Channel::OutputPosition => "output position",
+        Channel::OutputVelocity => "output velocity",
+        Channel::OutputAcceleration => "output acceleration",
+        Channel::Torque => "torque",
+        Channel::Duty => "duty",
+        Channel::Supply => "supply",
+        Channel::BusCurrent => "bus current",
+        Channel::Goal => "goal",
+        Channel::WindingTemperature => "winding temperature",
+        Channel::HousingTemperature => "housing temperature",
+    }
+}
+
+fn is_constant(values: &[f64]) -> bool {
+    let mut finite = values.iter().filter(|v| v.is_finite());
+    let first = finite.next();
+    finite.all(|v| Some(v) == first)
+}
+
+/// Channels of a log that have one value throughout. A supply may.
+fn stuck(log: &Log) -> Vec<&'static str> {
+    let suspicious = |channel: Channel| !matches!(channel, Channel::Supply);
+    log.channels
+        .iter()
+        .filter(|(channel, values)| suspicious(**channel) && is_constant(values))
+        .map(|(channel, _)| channel_name(*channel))
+        .collect()
+}
+
+/// The channel that an equation explains, where no log has it moving.
+fn dead_target(bench: &Bench, report: &Report) -> Option<&'static str> {
+    let channel = match report.target {
+        Target::Torque => Channel::Torque,
+        Target::Voltage => Channel::Voltage,
+        Target::Drive => Channel::Current,
+        Target::WindUp => return None,
+    };
+    let mut values = bench.logs.iter().filter_map(|l| l.channel(channel)).peekable();
+    values.peek()?;
+    values.all(is_constant).then(|| channel_name(channel))
 }
 
 fn logs(count: usize) -> String {
@@ -221,7 +273,8 @@ fn equation(bench: &Bench, report: &Report) -> String {
 fn story(report: &Report) -> String {
     let ratio = |value: f64| if report.noise_floor > 0.0 { number(value / report.noise_floor) } else { "–".into() };
     let held = |value: Option<f64>, f: &dyn Fn(f64) -> String| value.map_or_else(|| "–".into(), f);
-    let vaf = |value: f64| format!("{value:.2}");
+    // Of a target that does not vary no variance can be accounted for.
+    let vaf = |value: f64| if value > -1e5 { format!("{value:.2}") } else { "–".into() };
     let rows: Vec<Vec<String>> = report
         .stages
         .iter()
@@ -298,6 +351,9 @@ fn effect_text(bench: &Bench, report: &Report, effect: &Found) -> String {
 /// The verdict in a sentence that anyone understands.
 pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     let Some(first) = reports.first() else { return "Nothing can be learnt from these logs.".into() };
+    if let Some(channel) = reports.iter().find_map(|r| dead_target(bench, r)) {
+        return format!("Nothing can be learnt: the {channel} has one value throughout.");
+    }
     let mut parts = Vec::new();
     let mut names: Vec<String> = Vec::new();
     for effect in reports.iter().flat_map(|r| &r.effects) {
@@ -494,7 +550,7 @@ pub fn json(bench: &Bench, reports: &[Report]) -> Value {
         .iter()
         .map(|l| {
             json!({
-                "name": l.name, "kind": l.kind.name(), "use": used(l), "rows": l.len(), "sha256": l.hash, "remarks": l.remarks,
+                "name": l.name, "kind": l.kind.name(), "use": used(l), "rows": l.len(), "sha256": l.hash, "remarks": l.remarks, "stuck_channels": stuck(l),
             })
         })
         .collect();
