@@ -321,10 +321,20 @@ fn place(fit: &Fit, name: &str) -> String {
     let table = if fit.bench.declared.motor.is_some() { "motor" } else { "axis" };
     match name {
         "inertia" => "motor.rotor_inertia".into(),
+        "load_scale" => format!("{table}.torque_constant"),
         "coulomb_friction.torque" => format!("{table}.coulomb_friction"),
         "viscous_friction.coefficient" => format!("{table}.viscous_friction"),
         _ if EFFECTS.iter().any(|e| name.starts_with(e.name())) => format!("effects.{name}"),
         _ => format!("{table}.{name}"),
+    }
+}
+
+/// Derivative of a number of the file by the one that was fitted: a load that seems scaled by s is a torque
+/// constant of K/s.
+fn slope(fit: &Fit, name: &str) -> f64 {
+    match (name, &fit.bench.declared.motor, fit.get("torque_constant")) {
+        ("load_scale", Some(motor), Some(fitted)) => -fitted.value * fitted.value / motor.torque_constant,
+        _ => 1.0,
     }
 }
 
@@ -345,7 +355,9 @@ fn covariance(fit: &Fit) -> String {
     let mut out = format!("\n[covariance]\nnames = [{}]\nmatrix = [\n", names.join(", "));
     for (r, k) in &all {
         let cells = all.iter().map(|(other, j)| {
-            let value = if r == other { fit.reports[*r].covariance[*k][*j] } else { 0.0 };
+            let report = &fit.reports[*r];
+            let scale = slope(fit, &report.fitted_names[*k]) * slope(fit, &fit.reports[*other].fitted_names[*j]);
+            let value = if r == other { scale * report.covariance[*k][*j] } else { 0.0 };
             format!("{:.6e}", if value.is_finite() { value } else { 0.0 })
         });
         let _ = writeln!(out, "  [{}],", cells.collect::<Vec<_>>().join(", "));
