@@ -142,7 +142,8 @@ fn error_comment(report: &Report) -> String {
 
 /// Friction in the columns of the row: fitted, declared, or found as an effect.
 fn friction(fit: &Fit, name: &str, parameter: &str) -> Option<Number> {
-    fit.get(&format!("{name}.{parameter}"))
+    let declared = || fit.bench.declared.effects.iter().find(|(effect, _)| effect == name)?.1.first().copied();
+    fit.get(&format!("{name}.{parameter}")).or_else(|| declared().map(|value| Number { value, error: None }))
 }
 
 fn motor_table(fit: &Fit, motor: &Motor) -> String {

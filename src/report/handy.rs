@@ -20,20 +20,20 @@ const HANDY: &[(&str, &[(&str, f64)])] = &[
     ("rad", &[("rad", 1.0), ("mrad", 1e-3)]),
 ];
 
-/// Units that have prefixed forms of their own.
-const PREFIXABLE: f64 = 0.05;
+/// A unit is taken from this many of it on.
+const LEAST: f64 = 0.05;
 
 /// A value in the unit in which it reads best, and that unit.
 ///
 /// ```
 /// use gearwise::report::handy::handy;
-/// assert_eq!(handy(0.25e-3, "N*m").1, "uN*m");
+/// assert_eq!(handy(0.0125, "N*m").1, "mN*m");
 /// assert_eq!(handy(9.01e-6, "kg*m^2").1, "g*cm^2");
 /// assert_eq!(handy(0.0, "rad/s"), (0.0, "rad/s"));
 /// ```
 pub fn handy(value: f64, si: &'static str) -> (f64, &'static str) {
     let Some((_, offered)) = HANDY.iter().find(|(unit, _)| *unit == si) else { return (value, si) };
-    let fits = |(_, scale): &&(&'static str, f64)| value.abs() >= PREFIXABLE * scale;
+    let fits = |(_, scale): &&(&'static str, f64)| value.abs() >= LEAST * scale;
     let chosen = if value == 0.0 { offered.first() } else { offered.iter().find(fits).or(offered.last()) };
     chosen.map_or((value, si), |(unit, scale)| (value / scale, unit))
 }
