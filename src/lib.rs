@@ -16,7 +16,8 @@
 //!   sample, effects, limits as Laurent polynomials in the ratio.
 //! * [`design`]: evaluation of one design, the sweep, the ratio program with its certificate, the
 //!   ranking over a catalogue.
-//! * [`report`]: tables, JSON and CSV.
+//! * [`measured`]: bench files and logs; which effect the declared model lacks.
+//! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
 //! * [`cli`]: one file for each command.
 //!
 //! ```

@@ -4,6 +4,7 @@ mod audit;
 mod compare;
 mod completions;
 mod explain;
+mod identify;
 mod import;
 mod optimize;
 mod rank;
@@ -44,6 +45,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Are the rows of a catalogue self-consistent, and what would explain a mismatch
     Audit(audit::Arguments),
+    /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
+    Identify(identify::Arguments),
     /// A public motor database into catalogue files
     Import(import::Arguments),
     /// Completions for a shell
@@ -209,6 +212,7 @@ pub fn run() -> ExitCode {
         Command::Rank(arguments) => rank::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
+        Command::Identify(arguments) => identify::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };

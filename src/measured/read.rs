@@ -30,9 +30,21 @@ const USES: &[(&str, Use)] = &[("fit", Use::Fit), ("held_out", Use::HeldOut)];
 /// # Errors
 /// All mistakes of the bench file, then those of its catalogue and of its logs.
 pub fn read(path: &Path) -> Result<Bench, Vec<InputError>> {
+    read_file(path, None)
+}
+
+/// The same with another catalogue in place of the one that the bench file names.
+///
+/// # Errors
+/// As of [`read`].
+pub fn read_with(path: &Path, catalog: Catalog) -> Result<Bench, Vec<InputError>> {
+    read_file(path, Some(catalog))
+}
+
+fn read_file(path: &Path, catalog: Option<Catalog>) -> Result<Bench, Vec<InputError>> {
     let source = Source::read(path).map_err(|e| vec![e])?;
     let mut others = Vec::new();
-    let bench = Form::read(&source, |root| read_bench(root, path, &source, &mut others));
+    let bench = Form::read(&source, |root| read_bench(root, path, &source, catalog, &mut others));
     match bench {
         Ok(bench) if others.is_empty() => Ok(bench),
         Ok(_) => Err(others),
@@ -69,10 +81,16 @@ struct Common<'a> {
     frame: &'a Frame,
 }
 
-fn read_bench(root: &Section, path: &Path, source: &Arc<Source>, others: &mut Vec<InputError>) -> Option<Bench> {
+fn read_bench(
+    root: &Section,
+    path: &Path,
+    source: &Arc<Source>,
+    catalog: Option<Catalog>,
+    others: &mut Vec<InputError>,
+) -> Option<Bench> {
     let name =
         root.name_or("name", || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()));
-    let catalog = read_catalog(root, source, others);
+    let catalog = read_catalog(root, source, catalog, others);
     let kind = root.choice("kind", BenchKind::NAMES);
     let linear = kind == Some(BenchKind::Linear);
     let actuator = match root.section("actuator") {
@@ -106,10 +124,17 @@ fn read_bench(root: &Section, path: &Path, source: &Arc<Source>, others: &mut Ve
     Some(Bench { name: name?, path: path.to_path_buf(), catalog: catalog?, declared: declared?, logs })
 }
 
-fn read_catalog(root: &Section, source: &Arc<Source>, others: &mut Vec<InputError>) -> Option<Catalog> {
-    let catalog = if root.has("catalog") {
-        let paths: Vec<PathBuf> =
-            root.texts("catalog")?.iter().map(|text| source.folder().join(text.get_ref())).collect();
+fn read_catalog(
+    root: &Section,
+    source: &Arc<Source>,
+    given: Option<Catalog>,
+    others: &mut Vec<InputError>,
+) -> Option<Catalog> {
+    let named = if root.has("catalog") { Some(root.texts("catalog")?) } else { None };
+    let catalog = if given.is_some() {
+        return given;
+    } else if let Some(named) = named {
+        let paths: Vec<PathBuf> = named.iter().map(|text| source.folder().join(text.get_ref())).collect();
         Catalog::read(&paths)
     } else {
         Catalog::builtin()

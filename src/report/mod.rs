@@ -4,9 +4,14 @@
 pub mod audit;
 pub mod compare;
 pub mod explain;
+pub mod file;
+pub mod fitted;
+pub mod handy;
+pub mod identify;
 pub mod import;
 pub mod optimize;
 pub mod pareto;
+pub mod plot;
 mod prune;
 pub mod rank;
 pub mod robust;

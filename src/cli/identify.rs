@@ -1,0 +1,75 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CatalogChoice, Done, Failure, Output};
+use crate::measured::{identify, read};
+use crate::report::plot::{self, Format, residual};
+use crate::report::{file, fitted, identify as report};
+use crate::units;
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Structure that no known effect explains is an answer, not a failure: exit status 0.\n\nExamples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json"
+)]
+pub struct Arguments {
+    /// Bench file (TOML)
+    bench: PathBuf,
+    /// Cut-off of the filter that everything goes through; chosen from the data if not given
+    #[arg(long, value_name = "FREQUENCY")]
+    band: Option<String>,
+    /// Draw the residual before and after, against speed, position, current, temperature and time
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    plot: Option<PathBuf>,
+    /// Write the fitted actuator, to be used in place of a catalogue row
+    #[arg(long, value_name = "FITTED.toml")]
+    write: Option<PathBuf>,
+    #[command(flatten)]
+    catalog: CatalogChoice,
+    #[command(flatten)]
+    output: Output,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let band = match &arguments.band {
+        None => None,
+        Some(text) => Some(read_band(text)?),
+    };
+    if let Some(path) = &arguments.plot {
+        Format::of(path).map_err(Failure::Argument)?;
+    }
+    let bench = match arguments.catalog.catalog.as_slice() {
+        [] => read::read(&arguments.bench)?,
+        paths => read::read_with(&arguments.bench, super::catalog(paths)?)?,
+    };
+    let reports = identify::identify(&bench, &identify::Options { band })
+        .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
+    let mut written = Vec::new();
+    if let Some(path) = &arguments.plot {
+        plot::write(&residual::figure(&bench, &reports), path).map_err(Failure::Argument)?;
+        written.push(format!("The residual before and after is drawn in {}.", path.display()));
+    }
+    if let Some(path) = &arguments.write {
+        file::write_whole(path, fitted::text(&bench, &reports).as_bytes()).map_err(Failure::Argument)?;
+        written.push(format!("The fitted actuator is in {}.", path.display()));
+    }
+    let text = arguments.output.choose(
+        || report::text(&bench, &reports, &written),
+        || report::json(&bench, &reports),
+        || report::csv(&bench, &reports),
+    );
+    Ok(Done { text, satisfied: true })
+}
+
+fn read_band(text: &str) -> Result<f64, Failure> {
+    match units::quantity(text, &units::FREQUENCY) {
+        Ok(band) if band > 0.0 => Ok(band),
+        Ok(_) => Err(Failure::Argument(format!("`--band {text}` must be greater than zero"))),
+        Err(error) => Err(Failure::Argument(format!(
+            "`--band {text}`: {}; {}",
+            error.message(&units::FREQUENCY),
+            error.help(&units::FREQUENCY)
+        ))),
+    }
+}
