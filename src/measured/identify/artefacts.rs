@@ -3,9 +3,9 @@
 //! The one idea: they are looked for with a generous model (the declared one plus plain friction), so that
 //! an effect that the model lacks does not pass for a lag, and again at the end with what was found.
 
-use super::Work;
 use super::balance::{Balance, Corrections, Setting, Target};
 use super::regression::{Blocks, covariance, paired, solve, squares};
+use super::{Kind, Work};
 use crate::actuator::effects::Variable;
 use crate::measured::{Bench, BenchKind, signals};
 
@@ -54,7 +54,7 @@ fn generous(balance: &Balance) -> Vec<Vec<f64>> {
     columns
 }
 
-/// A band that holds all that is not noise: ten times what the motion holds, and where something turns and
+/// A band that holds all that is not noise: five times what the motion holds, and where something turns and
 /// could ripple, all at which what the generous model leaves stands out of its own flat top. `None` where
 /// that is not clearly narrower than the band there is.
 pub fn band_of_structure(balance: &Balance) -> Option<f64> {
@@ -96,7 +96,7 @@ pub fn band_of_structure(balance: &Balance) -> Option<f64> {
                 })
                 .map_or(band, |d| d.0)
         };
-        highest = highest.max(10.0 * holds(&inside(&|k| speed[k]), 0.999));
+        highest = highest.max(5.0 * holds(&inside(&|k| speed[k]), 0.99));
         if balance.target != Target::Drive && balance.variables.contains(&Variable::Current) {
             highest = highest.max(3.0 * holds(&inside(&|k| current[k]), 0.99));
         }
@@ -173,28 +173,41 @@ pub fn list(balance: &Balance, corrections: &Corrections, _before: Vec<Artefact>
             found.push(Artefact { kind: "lag", channel: name.into(), value: lag, unit: "s" });
         }
     }
-    if balance.target.has_zero() {
-        let zeros = zeros(balance);
-        for (log, zero) in zeros.into_iter().enumerate() {
-            found.push(Artefact {
-                kind: "zero",
-                channel: format!("{channel} of {}", balance.names[log]),
-                value: zero,
-                unit: balance.unit,
-            });
-        }
-    }
     found
 }
 
-/// The zero of each log: what the declared model leaves of its mean.
-fn zeros(balance: &Balance) -> Vec<f64> {
+/// The zero of each log: what the model as it was found leaves of its mean.
+pub fn zeros(work: &Work) -> Vec<Artefact> {
+    let balance = &work.balance;
+    if !balance.target.has_zero() {
+        return Vec::new();
+    }
     let mut left = balance.target_with_zero();
-    for (index, base) in balance.base.iter().enumerate() {
-        if let Some(value) = base.declared {
-            for (l, c) in left.iter_mut().zip(balance.base_column_with_zero(index)) {
-                *l -= value * c;
+    let mut subtract = |value: f64, column: Vec<f64>| {
+        for (l, c) in left.iter_mut().zip(column) {
+            *l -= value * c;
+        }
+    };
+    let fit = work.fit();
+    let mut fitted = vec![false; balance.base.len()];
+    for (t, term) in work.terms.iter().enumerate() {
+        let coefficient = |j: usize| fit.solution.coefficients[work.offset(t) + j];
+        match term.kind {
+            Kind::Base(index) => {
+                fitted[index] = true;
+                subtract(coefficient(0), balance.base_column_with_zero(index));
             }
+            Kind::Effect(effect, shape) => {
+                let mut values: Vec<f64> = (0..effect.linear()).map(coefficient).collect();
+                values.push(shape);
+                subtract(1.0, balance.effect_with_zero(effect, &values));
+            }
+        }
+    }
+    // What was held stays as declared.
+    for (index, base) in balance.base.iter().enumerate().filter(|(i, _)| !fitted[*i]) {
+        if let Some(value) = base.declared.filter(|v| v.is_finite()) {
+            subtract(value, balance.base_column_with_zero(index));
         }
     }
     let mut sums = vec![(0.0, 0.0); balance.rows.logs()];
@@ -202,7 +215,16 @@ fn zeros(balance: &Balance) -> Vec<f64> {
         sums[*log].0 += value;
         sums[*log].1 += 1.0;
     }
-    sums.into_iter().map(|(s, n)| if n > 0.0 { s / n } else { 0.0 }).collect()
+    sums.iter()
+        .zip(&balance.names)
+        .filter(|((_, n), _)| *n > 0.0)
+        .map(|((sum, n), name)| Artefact {
+            kind: "zero",
+            channel: format!("{} of {name}", balance.target.name()),
+            value: sum / n,
+            unit: balance.unit,
+        })
+        .collect()
 }
 
 /// A gain for each log whose torque constant differs from the others' far beyond its error.

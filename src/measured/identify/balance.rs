@@ -936,7 +936,7 @@ pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> R
     if let Some(missing) = effect.needs().iter().find(|v| !balance.variables.contains(v)) {
         return Err(match missing {
             Variable::WindingTemperature | Variable::HousingTemperature => "the logs have no temperature that varies",
-            Variable::Angle | Variable::OutputAngle => "the logs have no position that turns far enough",
+            Variable::Angle | Variable::OutputAngle => "the logs have no position that turns, or not far enough",
             Variable::Torque => "the transmitted torque is not known",
             Variable::Current => "the logs have no current",
             _ => "the logs lack a channel that it depends on",

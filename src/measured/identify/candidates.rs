@@ -117,7 +117,11 @@ impl Selection {
             };
             let percent = 100.0 * (1.0 - (1.0 - candidate.gain).max(0.0).sqrt());
             if candidate.gain < WORTH {
-                refuse(format!("it would lower the left-out error by {percent:.1} %, less than 3 %"));
+                refuse(if percent < 0.05 {
+                    "it would not lower the left-out error".into()
+                } else {
+                    format!("it would lower the left-out error by {percent:.1} %, less than 3 %")
+                });
                 continue;
             }
             if candidate.sure < SURE {

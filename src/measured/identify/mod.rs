@@ -13,8 +13,9 @@ pub mod regression;
 mod structure;
 mod verdict;
 
+pub use artefacts::Artefact;
 pub use balance::{Balance, Corrections, Setting, Target, targets};
-pub use verdict::{Found, Parameter, Refused, Report, Stage, Unexplained, Verdict};
+pub use verdict::{Found, Parameter, Pictures, Refused, Report, Stage, Unexplained, Verdict};
 
 use nalgebra::DMatrix;
 

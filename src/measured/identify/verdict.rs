@@ -238,7 +238,7 @@ pub fn report(
     mut work: Work,
     mut selection: Selection,
     mut stages: Vec<Stage>,
-    artefacts: Vec<Artefact>,
+    mut artefacts: Vec<Artefact>,
     held: Vec<&'static str>,
 ) -> Report {
     // Names that do not have the right shape are taken back: a wrong name is worse than none.
@@ -262,6 +262,7 @@ pub fn report(
         (true, false) => Verdict::Explained,
     };
     let floor = work.left_out_error(&fit) * (1.0 - left.iter().map(|d| d.share).fold(0.0, f64::max)).max(0.0).sqrt();
+    artefacts.extend(super::artefacts::zeros(&work));
     let (names, matrix, solution, _) = errors(&work);
     let parameters = parameters(&work, &names, &matrix, &solution, &held);
     let before = declared_residual(work.bench, &work.balance, false);
