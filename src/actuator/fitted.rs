@@ -59,6 +59,8 @@ pub struct FittedGear {
     pub backdrive_efficiency: Option<f64>,
     /// Inertia at the input \[kg·m²\], J_g.
     pub inertia: Option<f64>,
+    /// Its ratio on the bench: at another, friction at the output is another at the motor.
+    pub ratio: Option<f64>,
 }
 
 /// Saturation of the iron: torque `K_T i − k (i − i_s tanh(i/i_s))` at a current i ≥ 0.
@@ -390,7 +392,7 @@ pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
         }
         add("gear", how);
     }
-    if listed && motor.fitted_gear.is_some() {
+    if listed && motor.fitted_gear.is_some_and(|g| g.efficiency.is_some() || g.inertia.is_some()) {
         add("gear", "the fitted gear is not used: this joint takes gears of the catalogue".into());
     }
     notes

@@ -216,6 +216,7 @@ fn read_gear(section: &Section) -> FittedGear {
         efficiency: section.number("efficiency", Range::Fraction),
         backdrive_efficiency,
         inertia: section.quantity("inertia", &units::INERTIA, Range::NonNegative),
+        ratio: section.number("ratio", Range::Positive),
     }
 }
 

@@ -11,6 +11,7 @@ pub mod optimize;
 pub mod pareto;
 pub mod program;
 pub mod prune;
+pub mod remake;
 pub mod robust;
 pub mod sweep;
 

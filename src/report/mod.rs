@@ -9,6 +9,7 @@ pub mod optimize;
 pub mod pareto;
 mod prune;
 pub mod rank;
+pub mod remake;
 pub mod robust;
 pub mod sweep;
 pub mod table;
