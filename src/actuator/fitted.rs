@@ -214,7 +214,9 @@ impl Shortfall {
 
     /// Current at a torque ≥ 0 of the saturated curve \[A\] and its derivative \[A/(N·m)\].
     fn saturated(&self, torque: f64) -> (f64, f64) {
-        let Some(saturation) = self.saturation else { return (torque / self.torque_constant, 1.0 / self.torque_constant) };
+        let Some(saturation) = self.saturation else {
+            return (torque / self.torque_constant, 1.0 / self.torque_constant);
+        };
         let k_t = self.torque_constant;
         let end = saturation.torque(k_t, saturation.last);
         if torque > end.0 {
@@ -320,8 +322,7 @@ pub fn gear_with_fit(motor: &Motor, gear: &GearModel) -> GearModel {
     if fitted.efficiency.is_some() || factor.is_some() {
         let (own, factor) = (fitted.efficiency.unwrap_or(1.0), factor.unwrap_or(0.0));
         gear.efficiency = 1.0 / (1.0 / own + factor);
-        gear.backdrive_efficiency =
-            fitted.backdrive_efficiency.unwrap_or_else(|| backdrive_efficiency(own)) - factor;
+        gear.backdrive_efficiency = fitted.backdrive_efficiency.unwrap_or_else(|| backdrive_efficiency(own)) - factor;
     } else if let Some(backdrive) = fitted.backdrive_efficiency {
         gear.backdrive_efficiency = backdrive;
     }
@@ -400,7 +401,14 @@ pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
 
 /// Torque and its rate that are folded into a sample at a ratio, motor side: the constant, `a |ω|` and
 /// the drag, and the rate of the last two per N.
-pub fn folded(motor: &Motor, form: &ShaftForm, ratio: f64, velocity: f64, towards: f64, acceleration: f64) -> (f64, f64) {
+pub fn folded(
+    motor: &Motor,
+    form: &ShaftForm,
+    ratio: f64,
+    velocity: f64,
+    towards: f64,
+    acceleration: f64,
+) -> (f64, f64) {
     let speed = ratio * velocity;
     let (torque, slope) = drag(motor, speed, towards);
     let asymmetry = form[Feature::Speed];

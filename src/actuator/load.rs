@@ -212,7 +212,8 @@ impl Load {
         let duration = self.duration?;
         let emf = actuator.back_emf_constant / actuator.torque_constant;
         let shortfall = &actuator.shortfall;
-        let linear = (!shortfall.saturates()).then(|| (actuator.heating(), actuator.heating() * shortfall.mean_square()));
+        let linear =
+            (!shortfall.saturates()).then(|| (actuator.heating(), actuator.heating() * shortfall.mean_square()));
         let (up, down) = (ratio, 1.0 / ratio);
         let mut sum = [0.0; 5];
         for (sample, weight) in self.samples.iter().zip(&self.weight) {

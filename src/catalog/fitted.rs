@@ -45,9 +45,8 @@ static TOLERANCES: LazyLock<Vec<&'static str>> =
 
 /// `…_tolerance` of every parameter of every effect, in the order of the library.
 static EFFECT_TOLERANCES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| {
-    let of = |effect: &&dyn Effect| {
-        effect.parameters().iter().map(|p| &*format!("{}_tolerance", p.name).leak()).collect()
-    };
+    let of =
+        |effect: &&dyn Effect| effect.parameters().iter().map(|p| &*format!("{}_tolerance", p.name).leak()).collect();
     EFFECTS.iter().map(of).collect()
 });
 
@@ -69,7 +68,8 @@ pub fn read_fitted(source: &Arc<Source>) -> Result<Motor, InputError> {
             );
             return None;
         }
-        let version = root.required_text("gearwise", "\"0.1.0\"  # the version that fitted it").map(|v| v.get_ref().clone());
+        let version =
+            root.required_text("gearwise", "\"0.1.0\"  # the version that fitted it").map(|v| v.get_ref().clone());
         let mut fit = Fit { version: version.unwrap_or_default(), ..Fit::default() };
         if !root.has("motor") {
             root.missing("motor", "{ id = \"…\", resistance = \"0.7 ohm\", … }");
@@ -125,9 +125,8 @@ fn read_motor(section: &Section) -> Option<Motor> {
         source: text("source").unwrap_or_else(|| "fitted to bench logs".into()),
         source_kind: section.choice("source_kind", SourceKind::NAMES).unwrap_or(SourceKind::Measured),
         note: text("note").unwrap_or_default(),
-        accepted_findings: text("audit_accept").map_or_else(Vec::new, |t| {
-            t.split([';', ' ']).filter(|s| !s.is_empty()).map(str::to_string).collect()
-        }),
+        accepted_findings: text("audit_accept")
+            .map_or_else(Vec::new, |t| t.split([';', ' ']).filter(|s| !s.is_empty()).map(str::to_string).collect()),
     };
     for key in ["terminals", "current"] {
         if !section.has(key) {
@@ -180,12 +179,7 @@ fn read_motor(section: &Section) -> Option<Motor> {
 }
 
 /// A tolerance in the unit of its number, or in per cent of it.
-fn read_tolerance(
-    section: &Section,
-    key: &'static str,
-    kind: &'static units::Kind,
-    value: Option<f64>,
-) -> Option<f64> {
+fn read_tolerance(section: &Section, key: &'static str, kind: &'static units::Kind, value: Option<f64>) -> Option<f64> {
     let text = section.is_text(key).then(|| section.text(key)).flatten();
     if kind.needs_unit()
         && let Some(text) = &text
@@ -245,12 +239,7 @@ fn read_effects(section: &Section, motor: Option<&Motor>, fit: &mut Fit) -> Vec<
 }
 
 /// The values of one instance of an effect.
-fn read_values(
-    section: &Section,
-    effect: &dyn Effect,
-    tolerances: &[&'static str],
-    fit: &mut Fit,
-) -> Option<Vec<f64>> {
+fn read_values(section: &Section, effect: &dyn Effect, tolerances: &[&'static str], fit: &mut Fit) -> Option<Vec<f64>> {
     // Amplitudes of cosine and sine, offsets and differences have a sign; friction and drops have none.
     let signed = effect.linear() == 2 || matches!(effect.name(), "torque_offset" | "direction_asymmetry");
     let mut values = Vec::new();

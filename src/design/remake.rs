@@ -136,8 +136,7 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
             let evaluation = if first.motor.id == declared_id { at(first) } else { Some(first.evaluation.clone()) };
             regret_of(joint, evaluation, first_after.map(|d| d.optimum.objective))
         });
-        let own_regret =
-            own.map(|own| regret_of(joint, at(own), after.as_ref().ok().map(|d| d.optimum.objective)));
+        let own_regret = own.map(|own| regret_of(joint, at(own), after.as_ref().ok().map(|d| d.optimum.objective)));
         Remade {
             joint,
             motor: declared_id.to_string(),
@@ -156,13 +155,7 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
 }
 
 /// The fitted motor in a design that was made for its row.
-fn evaluate(
-    robot: &Robot,
-    joint: &Joint,
-    demand: &JointDemand,
-    fitted: &Motor,
-    design: &Design,
-) -> Option<Evaluation> {
+fn evaluate(robot: &Robot, joint: &Joint, demand: &JointDemand, fitted: &Motor, design: &Design) -> Option<Evaluation> {
     let candidate = match design.gear {
         None => continuous_candidate(robot, joint, &demand.load, fitted).ok()?,
         Some(id) => {
@@ -171,7 +164,11 @@ fn evaluate(
         }
     };
     let (prepared, ratio) = (Prepared::new(candidate), design.optimum.ratio);
-    Some(Evaluation { energy: prepared.energy(ratio), peak_power: Some(prepared.peak_power(ratio)), ..prepared.at(ratio) })
+    Some(Evaluation {
+        energy: prepared.energy(ratio),
+        peak_power: Some(prepared.peak_power(ratio)),
+        ..prepared.at(ratio)
+    })
 }
 
 fn regret_of(joint: &Joint, evaluation: Option<Evaluation>, best: Option<f64>) -> Regret {
@@ -198,9 +195,8 @@ fn output_side(
     let own = |of: fn(&Motor) -> Option<f64>| declared.and_then(of);
     let found = |of: fn(&Motor) -> Option<f64>| of(fitted).unwrap_or(0.0) - own(of).unwrap_or(0.0);
     let (viscous, coulomb) = (found(|m| m.viscous_friction), found(|m| m.coulomb_friction));
-    let friction = |e: &&FittedEffect| {
-        matches!(e.name(), "stribeck_friction" | "viscous_friction" | "coulomb_friction")
-    };
+    let friction =
+        |e: &&FittedEffect| matches!(e.name(), "stribeck_friction" | "viscous_friction" | "coulomb_friction");
     let moved: Vec<&FittedEffect> = fitted.effects.iter().filter(friction).collect();
     if viscous == 0.0 && coulomb == 0.0 && moved.is_empty() {
         return None;

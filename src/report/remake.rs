@@ -21,8 +21,16 @@ pub fn text(remade: &[Remade]) -> String {
 fn joint_text(one: &Remade) -> String {
     let joint = one.joint;
     let mut out = format!("{}: the choice made again (least {})\n\n", joint.name, joint.objective.name());
-    let header =
-        ["", "motor", ">N*", ">window", "", &format!(">{} [{}]", joint.objective.name(), joint.objective.unit()), ">rank", "proof"];
+    let header = [
+        "",
+        "motor",
+        ">N*",
+        ">window",
+        "",
+        &format!(">{} [{}]", joint.objective.name(), joint.objective.unit()),
+        ">rank",
+        "proof",
+    ];
     let mut rows = Vec::new();
     if let Some(before) = &one.before {
         rows.push(choice_row("as declared", one, before));
@@ -122,7 +130,12 @@ fn regret_text(regret: &Regret, joint: &Joint) -> String {
             100.0 * relative.max(0.0)
         ),
         (Some(objective), None) => {
-            format!("{} {} {}; nothing to compare it with", joint.objective.name(), number(objective), joint.objective.unit())
+            format!(
+                "{} {} {}; nothing to compare it with",
+                joint.objective.name(),
+                number(objective),
+                joint.objective.unit()
+            )
         }
         _ => "unknown".into(),
     }

@@ -38,9 +38,8 @@ fn prices(
     high: &End,
 ) -> Vec<ShadowPrice> {
     let natural = |n: f64| goal.natural(goal.value(n));
-    let difference = |f: &dyn Fn(f64) -> f64| {
-        (f(ratio * (1.0 + STEP)) - f(ratio * (1.0 - STEP))) / (2.0 * STEP * ratio)
-    };
+    let difference =
+        |f: &dyn Fn(f64) -> f64| (f(ratio * (1.0 + STEP)) - f(ratio * (1.0 - STEP))) / (2.0 * STEP * ratio);
     let mut prices: Vec<ShadowPrice> = Vec::new();
     for window in windows {
         for (end, inwards, bind, range) in [(window.min, 1.0, &window.low, low), (window.max, -1.0, &window.high, high)]
