@@ -14,6 +14,10 @@ use gearwise::design::program::Certificate;
 use gearwise::design::remake::remake;
 use gearwise::design::{Evaluation, Prepared, continuous_candidate};
 use gearwise::input::Source;
+use gearwise::measured::fitted::fitted_motor;
+use gearwise::measured::identify::{Found, Parameter, Report, Target, Verdict};
+use gearwise::measured::{Bench, Declared};
+use gearwise::report::remake as report;
 use gearwise::requirement::*;
 use raw::{Case, draw};
 use rayon::prelude::*;
@@ -517,6 +521,11 @@ fn the_choice_is_made_again() {
                 assert_eq!(chosen.ratio, design.optimum.ratio);
                 let own = remade.own_regret.as_ref().unwrap();
                 assert!(own.broken.is_some() || own.relative.is_none_or(|r| r > -1e-6), "{own:?}");
+                let (text, json) =
+                    (report::text(std::slice::from_ref(remade)), report::json(std::slice::from_ref(remade)));
+                assert!(text.contains("as declared") && text.contains("as fitted") && text.contains(id), "{text}");
+                assert_eq!(json[0]["after"]["ratio"].as_f64(), Some(chosen.ratio));
+                assert_eq!(json[0]["own_regret"]["feasible"].as_bool(), Some(own.broken.is_none()));
                 if let Some(Ok(output)) = remade.output_side.as_ref().map(|c| &c.outcome) {
                     seen += usize::from((output.ratio / chosen.ratio - 1.0).abs() > 1e-6);
                 }
@@ -526,4 +535,82 @@ fn the_choice_is_made_again() {
         }
     }
     assert!(seen > 5, "only {seen} cases in which the side of the friction matters");
+}
+
+fn parameter(name: &str, fitted: f64, standard_error: Option<f64>) -> Parameter {
+    Parameter { name: name.into(), declared: None, fitted, standard_error, unit: "1" }
+}
+
+/// What identification reports becomes the motor of the bench with other numbers.
+#[test]
+fn reports_make_a_fitted_motor() {
+    let catalog = Catalog::builtin().unwrap();
+    let motor = catalog.motor("t-motor-ri50").unwrap().clone();
+    let gear = GearModel { inertia: 1e-6, ..GearModel::IDEAL };
+    let declared = Declared {
+        motor: Some(motor.clone()),
+        ratio: 7.5,
+        gear,
+        mass: None,
+        force_gain: 1.0,
+        viscous_friction: None,
+        coulomb_friction: None,
+        fixture_inertia: 0.0,
+        effects: vec![("eddy_drag".into(), vec![0.01, 100.0])],
+    };
+    let bench = Bench { name: "bench".into(), path: "bench.toml".into(), catalog, declared, logs: Vec::new() };
+    let found = |name, instances: Vec<Vec<f64>>| {
+        let effect = gearwise::actuator::effects::effect(name).unwrap();
+        Found {
+            name,
+            equation: effect.equation(),
+            parameters: vec![parameter("torque", instances[0][0], Some(1e-4))],
+            instances,
+            size: 0.0,
+            held_out_before: None,
+            held_out_after: None,
+            confounded_with: Vec::new(),
+            enters: effect.enters(),
+        }
+    };
+    let report = Report {
+        target: Target::Torque,
+        unit: "N*m",
+        band: None,
+        samples: (0, 0),
+        noise_floor: 0.0,
+        verdict: Verdict::Explained,
+        stages: Vec::new(),
+        artefacts: Vec::new(),
+        parameters: vec![
+            parameter("torque_constant", 0.09, Some(0.001)),
+            parameter("inertia", 11e-6, Some(1e-7)),
+            parameter("resistance", 9.0, None),
+            parameter("eddy_drag.torque", 0.02, Some(1e-3)),
+        ],
+        effects: vec![
+            found("coulomb_friction", vec![vec![0.03]]),
+            found("cogging", vec![vec![0.01, 0.0, 12.0], vec![0.0, 0.02, 24.0]]),
+        ],
+        refused: Vec::new(),
+        unexplained: Vec::new(),
+        next_runs: Vec::new(),
+        remarks: Vec::new(),
+        fitted_names: Vec::new(),
+        covariance: Vec::new(),
+        pictures: Default::default(),
+    };
+    let fitted = fitted_motor(&bench, &[report]).unwrap();
+    assert!(near(fitted.torque_constant, 0.09, 1e-12) && near(fitted.rotor_inertia.unwrap(), 1e-5, 1e-12));
+    // What was held stays as declared; the printed number follows the fitted one in its own convention.
+    assert_eq!(fitted.resistance, motor.resistance);
+    let (printed, before) = (fitted.sheet.torque_constant.unwrap(), motor.sheet.torque_constant.unwrap());
+    assert!(near(printed.value / before.value, 0.09 / motor.torque_constant, 1e-12) && printed.tolerance.is_some());
+    assert_eq!((fitted.coulomb_friction, fitted.fitted_gear.unwrap().ratio), (Some(0.03), Some(7.5)));
+    let expected = [
+        FittedEffect::new("eddy_drag", vec![0.02, 100.0]).unwrap(),
+        FittedEffect::new("cogging", vec![0.01, 0.0, 12.0]).unwrap(),
+        FittedEffect::new("cogging", vec![0.0, 0.02, 24.0]).unwrap(),
+    ];
+    assert_eq!(fitted.effects, expected);
 }

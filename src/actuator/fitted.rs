@@ -359,42 +359,46 @@ pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
                 "does not enter the limits: no highest temperature is known".into()
             }
             ("torque_constant_temperature", _) => {
-                "enters as the torque constant at the highest allowed winding temperature; the optimum is certified".into()
+                "enters as the torque constant at the highest allowed winding temperature".into()
             }
             ("torque_constant_saturation", _) => {
-                "enters current and heat at every instant (voltage and power take the straight line); the optimum is \
-                 certified"
+                "enters current and heat at every instant (voltage and power take the straight line)"
                     .into()
             }
             ("cogging" | "gear_ripple" | "torque_ripple", _) => {
-                "enters peak torque and current by its amplitude and heat by its mean square (not voltage and power); \
-                 the optimum is certified"
+                "enters peak torque and current by its amplitude and heat by its mean square (not voltage and power)"
                     .into()
             }
-            ("inverter_dead_time", _) => "lowers the voltage that may be had; the optimum is certified".into(),
+            ("inverter_dead_time", _) => "lowers the voltage that may be had".into(),
             (_, Enters::NotAtAll(why)) => format!("does not enter the limits: {why}"),
-            (_, enters) => enters.words().into(),
+            (_, Enters::Evaluated) => format!("is {}", Enters::Evaluated.words()),
+            // Whether N* is proved is for all effects together to say.
+            (_, enters) => enters.words().split(';').next().unwrap_or_default().into(),
         };
         add(name, how);
     }
     let replaced = gear_with_fit(motor, &joint.gear);
     if !listed && replaced != joint.gear {
         let number = crate::report::number;
-        let mut how = format!("the fitted efficiency {}", number(replaced.efficiency));
-        if joint.gear.efficiency != 1.0 {
-            how.push_str(&format!(" replaces the requirement's {}", number(joint.gear.efficiency)));
+        let mut parts = Vec::new();
+        if replaced.efficiency != joint.gear.efficiency {
+            parts.push(("efficiency", replaced.efficiency, joint.gear.efficiency, ""));
+        }
+        if replaced.backdrive_efficiency != joint.gear.backdrive_efficiency {
+            let (own, asked) = (replaced.backdrive_efficiency, joint.gear.backdrive_efficiency);
+            parts.push(("backdrive efficiency", own, asked, ""));
         }
         if replaced.inertia != joint.gear.inertia {
-            how.push_str(&format!(
-                "; the fitted inertia {} kg*m^2 replaces the requirement's {}",
-                number(replaced.inertia),
-                number(joint.gear.inertia)
-            ));
+            parts.push(("inertia", replaced.inertia, joint.gear.inertia, " kg*m^2"));
         }
+        let said = parts.iter().map(|(what, own, asked, unit)| {
+            format!("{what} {}{unit} in place of the requirement's {}{unit}", number(*own), number(*asked))
+        });
+        let how = format!("is the fitted one: {}", said.collect::<Vec<_>>().join(", "));
         add("gear", how);
     }
     if listed && motor.fitted_gear.is_some_and(|g| g.efficiency.is_some() || g.inertia.is_some()) {
-        add("gear", "the fitted gear is not used: this joint takes gears of the catalogue".into());
+        add("gear", "is not used: this joint takes gears of the catalogue".into());
     }
     notes
 }
