@@ -1,9 +1,10 @@
 //! Every limit of the model, once: what is demanded, what may be had, and what kind of set of
 //! ratios that leaves. Sweep, ratio program and design rules all read [`LIMITS`].
 
+use super::fitted;
 use super::laurent::Laurent;
 use super::load::Load;
-use super::shaft::Actuator;
+use super::shaft::{Actuator, Flow};
 use super::thermal;
 use super::thermal_motion::TwoNode;
 use super::waveform::Functional;
@@ -28,6 +29,8 @@ pub struct Candidate<'a> {
     pub gear: GearModel,
     /// The equations of motor and gear together.
     pub actuator: Actuator,
+    /// Whether load and actuator are those of one ratio, with the evaluated effects in them.
+    pub folded: bool,
 }
 
 /// Which ratios a limit leaves, as a function of u = N² with all else fixed.
@@ -59,6 +62,9 @@ pub enum Demand {
     Mass,
     /// Largest rise of the winding's temperature over the motion \[K\].
     WindingPeak(TwoNode),
+    /// Mean of the squared current of a motor whose iron saturates \[A²\]; the share at standstill counted
+    /// twice where true.
+    MeanCurrentSquared(bool),
 }
 
 /// A limit that applies to a candidate. In its natural unit the demand is `factor · √x` where
@@ -143,6 +149,12 @@ impl Asked {
 
     /// The functional's value at a ratio, and the sample of the motion that has it.
     pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
+        if candidate.is_evaluated() {
+            return candidate.at_ratio(ratio, |here| match self.limit.check(here) {
+                Check::Asked(asked) => asked.raw_demand(here, ratio),
+                _ => (0.0, None),
+            });
+        }
         let over = |waveform: &super::waveform::Waveform, functional| {
             let largest = waveform.largest(functional, &candidate.actuator, ratio);
             (largest.value, Some(waveform.origin(largest.index)))
@@ -157,13 +169,16 @@ impl Asked {
             },
             Demand::Mass => (candidate.mass_at(ratio).unwrap_or(0.0), None),
             Demand::WindingPeak(node) => candidate.load.winding_peak(&candidate.actuator, &node, ratio),
+            Demand::MeanCurrentSquared(worst_phase) => {
+                (candidate.load.mean_current_squared(&candidate.actuator, worst_phase, ratio), None)
+            }
         }
     }
 
     /// Whether the limit is certainly kept at a ratio, where that is seen without computing the demand.
     pub fn is_certainly_kept(&self, candidate: &Candidate, ratio: f64) -> bool {
         match self.demand {
-            Demand::WindingPeak(node) => {
+            Demand::WindingPeak(node) if !candidate.is_evaluated() => {
                 candidate.load.winding_peak_is_within(&candidate.actuator, &node, ratio, self.bound)
             }
             _ => false,
@@ -213,17 +228,46 @@ impl Candidate<'_> {
     /// Voltage that the drive can apply, radius of the q-axis circle \[V\].
     pub fn voltage(&self) -> f64 {
         let bus = &self.robot.bus;
-        bus.voltage * bus.modulation.voltage(self.motor.conventions.commutation) * bus.modulation_limit
+        let circle = bus.voltage * bus.modulation.voltage(self.motor.conventions.commutation) * bus.modulation_limit;
+        (circle - self.actuator.shortfall.voltage).max(0.0)
+    }
+
+    /// Whether some effect of the motor has to be evaluated at each ratio.
+    pub fn is_evaluated(&self) -> bool {
+        !self.folded && fitted::evaluated(self.motor).next().is_some()
+    }
+
+    /// The candidate at one ratio, with the effects that have to be evaluated there in its samples.
+    pub fn at_ratio<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
+        let form = self.actuator.torque_form(Flow::Driving);
+        let load = self.load.folded(|velocity, towards, acceleration| {
+            fitted::folded(self.motor, form, ratio, velocity, towards, acceleration)
+        });
+        look(&Candidate { load: &load, actuator: self.actuator.folded(), folded: true, ..*self })
+    }
+
+    /// Mean heat in the copper as a limit on a current \[A\].
+    fn heating(&self, worst_phase: bool, bound: f64, owner: &'static str) -> Prepared {
+        if self.actuator.shortfall.saturates() {
+            return torque(Demand::MeanCurrentSquared(worst_phase), 1.0, bound, owner);
+        }
+        let mean = match worst_phase {
+            false => self.load.mean_torque_squared(&self.actuator),
+            true => self.load.mean_torque_squared_worst_phase(&self.actuator),
+        };
+        torque(Demand::Polynomial(mean, None), self.actuator.rms_current_per_torque(), bound, owner)
+    }
+
+    /// A limit on the largest current \[A\], of what the ripple leaves of it.
+    fn peak(&self, demand: Demand, bound: f64, owner: &'static str) -> Prepared {
+        let safety = self.joint.limits.safety;
+        let bound = self.actuator.shortfall.left_of_current(bound, safety);
+        torque(demand, safety / self.actuator.torque_constant, bound, owner)
     }
 
     /// Highest winding temperature: the lower of the motor's and the requirement's \[K\], and whose.
     fn winding_temperature(&self) -> Option<(f64, &'static str)> {
-        let motor = self.motor.max_winding_temperature.map(|t| (t, "motor"));
-        let asked = self.joint.limits.winding_temperature.map(|t| (t, "requirement"));
-        match (motor, asked) {
-            (Some(m), Some(a)) => Some(if a.0 < m.0 { a } else { m }),
-            (m, a) => m.or(a),
-        }
+        hottest(self.motor, self.joint)
     }
 
     /// The two thermal nodes, where the sheet gives both resistances and both time constants.
@@ -255,6 +299,16 @@ impl Candidate<'_> {
     }
 }
 
+/// Highest winding temperature: the lower of the motor's and the requirement's \[K\], and whose.
+pub fn hottest(motor: &Motor, joint: &Joint) -> Option<(f64, &'static str)> {
+    let motor = motor.max_winding_temperature.map(|t| (t, "motor"));
+    let asked = joint.limits.winding_temperature.map(|t| (t, "requirement"));
+    match (motor, asked) {
+        (Some(m), Some(a)) => Some(if a.0 < m.0 { a } else { m }),
+        (m, a) => m.or(a),
+    }
+}
+
 /// A limit on the square of the shaft torque.
 fn torque(demand: Demand, factor: f64, bound: f64, owner: &'static str) -> Prepared {
     Prepared::Asked { demand, squared: true, factor, bound, owner }
@@ -275,10 +329,7 @@ pub const LIMITS: &[Limit] = &[
         formula: "safety · max |T|/K_T ≤ I_peak",
         class: Class::Convex,
         prepare: |c| match c.peak_current() {
-            Some((bound, owner)) => {
-                let factor = c.joint.limits.safety / c.motor.torque_constant;
-                torque(Demand::Samples(Functional::TorqueSquared), factor, bound, owner)
-            }
+            Some((bound, owner)) => c.peak(Demand::Samples(Functional::TorqueSquared), bound, owner),
             None => Prepared::Unknown("neither motor nor drive says a largest current"),
         },
     },
@@ -288,7 +339,11 @@ pub const LIMITS: &[Limit] = &[
         formula: "safety · max |T| ≤ T_peak",
         class: Class::Convex,
         prepare: |c| match c.motor.peak_torque {
-            Some(bound) => torque(Demand::Samples(Functional::TorqueSquared), c.joint.limits.safety, bound, "motor"),
+            Some(bound) => {
+                let safety = c.joint.limits.safety;
+                let bound = c.actuator.shortfall.left_of_torque(bound, safety);
+                torque(Demand::Samples(Functional::TorqueSquared), safety, bound, "motor")
+            }
             None => Prepared::NotAsked,
         },
     },
@@ -299,10 +354,7 @@ pub const LIMITS: &[Limit] = &[
         class: Class::Convex,
         prepare: |c| match c.motor.continuous_current {
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            Some(bound) => {
-                let mean = c.load.mean_torque_squared(&c.actuator);
-                torque(Demand::Polynomial(mean, None), 1.0 / c.motor.torque_constant, bound, "motor")
-            }
+            Some(bound) => c.heating(false, bound, "motor"),
             None => Prepared::Unknown("the motor's continuous current is not known"),
         },
     },
@@ -326,10 +378,7 @@ pub const LIMITS: &[Limit] = &[
         class: Class::Convex,
         prepare: |c| match (c.thermal_current(), c.winding_temperature()) {
             (Some(_), _) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            (Some((bound, owner)), _) => {
-                let mean = c.load.mean_torque_squared(&c.actuator);
-                torque(Demand::Polynomial(mean, None), 1.0 / c.motor.torque_constant, bound, owner)
-            }
+            (Some((bound, owner)), _) => c.heating(false, bound, owner),
             (None, Some(_)) => Prepared::Unknown("the motor's thermal resistances are not known"),
             (None, None) if c.motor.thermal_resistance.is_some() => {
                 Prepared::Unknown("no highest winding temperature is known")
@@ -366,10 +415,7 @@ pub const LIMITS: &[Limit] = &[
             let current = [rated, c.thermal_current()].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
             match (current, c.motor.conventions.commutation) {
                 (_, Commutation::Brushed) => Prepared::NotAsked,
-                (Some((bound, owner)), _) => {
-                    let mean = c.load.mean_torque_squared_worst_phase(&c.actuator);
-                    torque(Demand::Polynomial(mean, None), 1.0 / c.motor.torque_constant, bound, owner)
-                }
+                (Some((bound, owner)), _) => c.heating(true, bound, owner),
                 (None, _) => Prepared::Unknown("neither continuous current nor thermal resistances are known"),
             }
         },
@@ -452,10 +498,7 @@ pub const LIMITS: &[Limit] = &[
         class: Class::Convex,
         prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
             (None, _) => Prepared::NotAsked,
-            (Some(_), Some((bound, owner))) => {
-                let factor = c.joint.limits.safety / c.motor.torque_constant;
-                torque(Demand::Bandwidth(Functional::TorqueSquared), factor, bound, owner)
-            }
+            (Some(_), Some((bound, owner))) => c.peak(Demand::Bandwidth(Functional::TorqueSquared), bound, owner),
             (Some(_), None) => Prepared::Unknown("neither motor nor drive says a largest current"),
         },
     },

@@ -41,6 +41,7 @@ pub struct Load {
     /// The samples as they are in means: no friction at standstill.
     samples: Vec<WavePoint>,
     weight: Vec<f64>,
+    rest: Vec<f64>,
 }
 
 impl Load {
@@ -56,6 +57,7 @@ impl Load {
             x[Feature::Sign as usize] = sign;
             x[Feature::Speed as usize] = motion.velocity[k].abs();
             x[Feature::One as usize] = 1.0;
+            x[Feature::SpeedRate as usize] = sign * motion.acceleration[k];
             x
         };
         // At standstill friction may oppose either way: both signs are among the points.
@@ -94,16 +96,7 @@ impl Load {
                 origin: k,
             })
             .collect();
-        let (mut mean, mut standstill): (Moments, Moments) = Default::default();
-        for k in samples.clone() {
-            let (x, flow) = (&in_means[k].features, in_means[k].flow as usize);
-            for f in 0..FEATURES {
-                for g in 0..FEATURES {
-                    mean[flow][f][g] += motion.weight[k] * x[f] * x[g];
-                    standstill[flow][f][g] += motion.dwell[k] * x[f] * x[g];
-                }
-            }
-        }
+        let (mean, standstill) = (moments(&in_means, &motion.weight), moments(&in_means, &motion.dwell));
         Load {
             waveform: Waveform::new(&plain),
             bandwidth,
@@ -123,6 +116,7 @@ impl Load {
             standstill,
             samples: in_means,
             weight: motion.weight.clone(),
+            rest: motion.dwell.clone(),
         }
     }
 
@@ -140,16 +134,75 @@ impl Load {
         load
     }
 
+    /// The same for one ratio, with what a motor's effects add at the shaft folded into the samples:
+    /// `extra(velocity, towards, acceleration)` gives torque \[N·m\] and rate \[N·m/s per N\]. It goes with
+    /// [`Actuator::folded`].
+    pub fn folded(&self, extra: impl Fn(f64, f64, f64) -> (f64, f64)) -> Load {
+        let change = |x: &mut [f64; FEATURES]| {
+            let of = |feature: Feature| x[feature as usize];
+            let (torque, rate) = extra(of(Feature::Velocity), of(Feature::Sign), of(Feature::Acceleration));
+            x[Feature::One as usize] = torque;
+            x[Feature::SpeedRate as usize] = rate;
+        };
+        let mut samples = self.samples.clone();
+        samples.iter_mut().for_each(|sample| change(&mut sample.features));
+        Load {
+            waveform: self.waveform.changed(change),
+            bandwidth: self.bandwidth.as_ref().map(|b| b.changed(change)),
+            mean: moments(&samples, &self.weight),
+            standstill: moments(&samples, &self.rest),
+            samples,
+            times: self.times.clone(),
+            weight: self.weight.clone(),
+            rest: self.rest.clone(),
+            ..*self
+        }
+    }
+
     /// Mean of `T²` over time \[N²·m²\].
     pub fn mean_torque_squared(&self, actuator: &Actuator) -> Laurent {
-        quadratic(&self.mean, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)))
+        let mean = quadratic(&self.mean, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
+        match actuator.shortfall.mean_square() {
+            0.0 => mean,
+            ripple => mean + Laurent::constant(ripple),
+        }
+    }
+
+    /// Mean of the squared current over time \[A²\] at a ratio, with the share at standstill counted twice
+    /// where `worst_phase`; for motors whose current is not proportional to the torque.
+    pub fn mean_current_squared(&self, actuator: &Actuator, worst_phase: bool, ratio: f64) -> f64 {
+        let square = |k: usize| {
+            let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
+            self.share(k, worst_phase) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).0
+        };
+        (0..self.samples.len()).map(square).sum()
+    }
+
+    /// The same as a cut: the polynomial that equals it at `ratio` and is nowhere above it. The squared current
+    /// of a sample is convex and rising in its squared torque.
+    pub fn mean_current_squared_cut(&self, actuator: &Actuator, worst_phase: bool, ratio: f64) -> Laurent {
+        let slope = |k: usize| {
+            let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
+            self.share(k, worst_phase) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).1
+        };
+        let slopes: Vec<f64> = (0..self.samples.len()).map(slope).collect();
+        let squares = self.weighted_torque_squared(actuator, &slopes);
+        squares + Laurent::constant(self.mean_current_squared(actuator, worst_phase, ratio) - squares.at(ratio))
+    }
+
+    fn share(&self, k: usize, worst_phase: bool) -> f64 {
+        self.weight[k] + if worst_phase { self.rest[k] } else { 0.0 }
     }
 
     /// Mean of `T²` with the share at standstill counted twice: where the rotor stands, the worst
     /// phase carries 2/3 of the heat instead of 1/3 \[N²·m²\].
     pub fn mean_torque_squared_worst_phase(&self, actuator: &Actuator) -> Laurent {
-        self.mean_torque_squared(actuator)
-            + quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)))
+        let standing = quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
+        let both = self.mean_torque_squared(actuator) + standing;
+        match actuator.shortfall.mean_square() {
+            0.0 => both,
+            ripple => both + Laurent::constant(ripple * self.dwell),
+        }
     }
 
     /// Energy drawn from the bus per cycle \[J\] as a cut: the polynomial that equals it at `ratio` and is
@@ -157,16 +210,28 @@ impl Load {
     /// samples do what is taken at `ratio`, and any other choice costs more. `None` without durations.
     pub fn energy_cut(&self, actuator: &Actuator, drive_efficiency: f64, ratio: f64) -> Option<Laurent> {
         let duration = self.duration?;
-        let (copper, emf) = (actuator.copper(), actuator.back_emf_constant / actuator.torque_constant);
+        let emf = actuator.back_emf_constant / actuator.torque_constant;
+        let shortfall = &actuator.shortfall;
+        let linear =
+            (!shortfall.saturates()).then(|| (actuator.heating(), actuator.heating() * shortfall.mean_square()));
         let (up, down) = (ratio, 1.0 / ratio);
         let mut sum = [0.0; 5];
         for (sample, weight) in self.samples.iter().zip(&self.weight) {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
             let speed = emf * sample.features[Feature::Velocity as usize];
+            // Heat is a straight line in T², or is above its tangent at this ratio.
+            let (copper, constant) = match linear {
+                Some(line) => line,
+                None => {
+                    let squared = (a / ratio + c + b * ratio).powi(2);
+                    let (heat, slope) = actuator.heat(squared);
+                    (slope, heat - slope * squared)
+                }
+            };
             let power = [
                 copper * a * a,
                 2.0 * copper * a * c,
-                copper * (c * c + 2.0 * a * b) + speed * a,
+                copper * (c * c + 2.0 * a * b) + speed * a + constant,
                 2.0 * copper * b * c + speed * c,
                 copper * b * b + speed * b,
             ];
@@ -199,7 +264,10 @@ impl Load {
     /// ever, keeps to it. Costs no walk over the samples.
     pub fn winding_peak_is_within(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> bool {
         let largest = self.waveform.largest(Functional::TorqueSquared, actuator, ratio).value;
-        let current_squared = largest / (actuator.torque_constant * actuator.torque_constant);
+        let current_squared = match actuator.shortfall.is_nothing() {
+            true => largest / (actuator.torque_constant * actuator.torque_constant),
+            false => actuator.shortfall.current_squared(largest).0,
+        };
         let thermal_resistance = node.resistance_winding_housing + node.resistance_housing_ambient;
         let settled =
             winding_temperature(current_squared, actuator.resistance, node.reference, thermal_resistance, node.ambient);
@@ -212,7 +280,19 @@ impl Load {
     /// `bound` \[K\].
     pub fn winding_peak_cut(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> Laurent {
         let (rise, gradient) = self.winding_peak_gradient(actuator, node, ratio, bound);
-        let squares = self.weighted_torque_squared(actuator, &gradient) * actuator.copper();
+        let squares = if actuator.shortfall.saturates() {
+            let weights: Vec<f64> = gradient
+                .iter()
+                .zip(&self.samples)
+                .map(|(weight, sample)| {
+                    let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+                    weight * actuator.heat((a / ratio + c + b * ratio).powi(2)).1
+                })
+                .collect();
+            self.weighted_torque_squared(actuator, &weights)
+        } else {
+            self.weighted_torque_squared(actuator, &gradient) * actuator.heating()
+        };
         squares + Laurent::constant(rise - squares.at(ratio))
     }
 
@@ -274,7 +354,8 @@ impl Load {
     fn copper_heat(&self, actuator: &Actuator, ratio: f64) -> Vec<f64> {
         let square = |sample: &WavePoint| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
-            actuator.copper() * (a / ratio + c + b * ratio).powi(2)
+            let squared = (a / ratio + c + b * ratio).powi(2);
+            if actuator.shortfall.is_nothing() { actuator.copper() * squared } else { actuator.heat(squared).0 }
         };
         self.samples.iter().map(square).collect()
     }
@@ -291,12 +372,12 @@ impl Load {
         sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(*c, power)).fold(Laurent::default(), |a, b| a + b)
     }
 
-    /// Mean terminal power over time \[W\].
+    /// Mean terminal power over time \[W\], with heat as if the iron did not saturate.
     pub fn mean_power(&self, actuator: &Actuator) -> Laurent {
         let mut speed = ShaftForm::default();
         speed[Feature::Velocity] = 1.0;
         let mechanical = quadratic(&self.mean, |flow| (actuator.torque_form(flow), &speed));
-        self.mean_torque_squared(actuator) * actuator.copper()
+        self.mean_torque_squared(actuator) * actuator.heating()
             + mechanical * (actuator.back_emf_constant / actuator.torque_constant)
     }
 }
@@ -310,6 +391,20 @@ fn largest(values: &[f64]) -> (f64, usize) {
         }
     }
     best
+}
+
+/// Weighted sums of products of features.
+fn moments(samples: &[WavePoint], weights: &[f64]) -> Moments {
+    let mut sums: Moments = Default::default();
+    for (sample, weight) in samples.iter().zip(weights) {
+        let (x, sums) = (&sample.features, &mut sums[sample.flow as usize]);
+        for f in 0..FEATURES {
+            for g in 0..FEATURES {
+                sums[f][g] += weight * x[f] * x[g];
+            }
+        }
+    }
+    sums
 }
 
 /// `Σ a_f b_g M_fg N^(p_f + p_g)` over both directions of power.

@@ -18,6 +18,7 @@
 use std::ops::{Index, IndexMut};
 
 use super::effects;
+use super::fitted::{self, Shortfall};
 use super::laurent::Laurent;
 use crate::catalog::Motor;
 use crate::requirement::GearModel;
@@ -41,13 +42,18 @@ pub enum Feature {
     Speed,
     /// One.
     One,
+    /// Rate of the speed's magnitude, sgn ω · α \[rad/s²\].
+    SpeedRate,
 }
 
 /// Number of features.
-pub const FEATURES: usize = 8;
+pub const FEATURES: usize = 9;
 
 /// Power of N that each feature comes with.
-pub const FEATURE_POWER: [i32; FEATURES] = [-1, -1, 1, 1, 1, 0, 1, 0];
+pub const FEATURE_POWER: [i32; FEATURES] = [-1, -1, 1, 1, 1, 0, 1, 0, 1];
+
+/// The first features are all that a motor needs whose effects are viscous and Coulomb friction.
+pub const USUAL_FEATURES: usize = 6;
 
 /// Coefficient of each feature in a linear form.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -72,7 +78,7 @@ impl ShaftForm {
     pub fn weights(&self, ratio: f64) -> [f64; FEATURES] {
         let (up, down) = (ratio, 1.0 / ratio);
         let c = &self.0;
-        [c[0] * down, c[1] * down, c[2] * up, c[3] * up, c[4] * up, c[5], c[6] * up, c[7]]
+        [c[0] * down, c[1] * down, c[2] * up, c[3] * up, c[4] * up, c[5], c[6] * up, c[7], c[8] * up]
     }
 
     /// The form at a sample, as a polynomial in N.
@@ -84,12 +90,13 @@ impl ShaftForm {
         sum
     }
 
-    /// The time derivative of the form: τ → τ̇, α → j, ω → α; a sign has none.
+    /// The time derivative of the form: τ → τ̇, α → j, ω → α, |ω| → sgn ω · α; a sign and a constant have none.
     fn rate(&self) -> ShaftForm {
         let mut rate = ShaftForm::default();
         rate[Feature::LoadRate] = self[Feature::Load];
         rate[Feature::Jerk] = self[Feature::Acceleration];
         rate[Feature::Acceleration] = self[Feature::Velocity];
+        rate[Feature::SpeedRate] = self[Feature::Speed];
         rate
     }
 
@@ -138,6 +145,10 @@ pub struct Actuator {
     pub inertia: f64,
     /// `p L / K_T` \[V·s²/(rad·N·m)\]: d-axis voltage per torque and output speed; zero where unknown.
     pub cross_coupling: f64,
+    /// What fitted effects take of currents and voltages.
+    pub shortfall: Shortfall,
+    /// Inductance over torque constant \[H·A/(N·m)\]; zero where unknown.
+    rate: f64,
     torque: [ShaftForm; 2],
     voltage: [ShaftForm; 2],
 }
@@ -146,6 +157,19 @@ impl Actuator {
     /// The actuator of a motor and a gear, with the effects that the motor's row declares. An
     /// unknown inductance, or unknown pole pairs, leave the inductance out altogether.
     pub fn new(motor: &Motor, rotor_inertia: f64, gear: &GearModel) -> Actuator {
+        Actuator::at_temperature(motor, rotor_inertia, gear, motor.max_winding_temperature, true)
+    }
+
+    /// As [`Actuator::new`] where the magnets may be as hot as `hottest` \[K\]; `fitted_gear` says whether the
+    /// gear is the one that the motor was fitted with.
+    pub fn at_temperature(
+        motor: &Motor,
+        rotor_inertia: f64,
+        gear: &GearModel,
+        hottest: Option<f64>,
+        fitted_gear: bool,
+    ) -> Actuator {
+        let torque_constant = fitted::hot_torque_constant(motor, hottest);
         let inertia = rotor_inertia + gear.inertia;
         let (inductance, pole_pairs) = motor.inductance_and_poles().unwrap_or((0.0, 0.0));
         let form = |load: f64| {
@@ -153,7 +177,7 @@ impl Actuator {
             torque[Feature::Load] = load;
             torque[Feature::Acceleration] = inertia;
             effects::add_declared(motor, &mut torque);
-            let current = 1.0 / motor.torque_constant;
+            let current = 1.0 / torque_constant;
             let mut voltage = ShaftForm::default()
                 .plus(motor.resistance * current, &torque)
                 .plus(inductance * current, &torque.rate());
@@ -163,10 +187,12 @@ impl Actuator {
         let (driving, braking) = (form(1.0 / gear.efficiency), form(gear.backdrive_efficiency));
         Actuator {
             resistance: motor.resistance,
-            torque_constant: motor.torque_constant,
+            torque_constant,
             back_emf_constant: motor.back_emf_constant,
             inertia,
-            cross_coupling: pole_pairs * inductance / motor.torque_constant,
+            cross_coupling: pole_pairs * inductance / torque_constant,
+            shortfall: Shortfall::new(motor, torque_constant, fitted_gear),
+            rate: inductance / torque_constant,
             torque: [driving.0, braking.0],
             voltage: [driving.1, braking.1],
         }
@@ -213,6 +239,48 @@ impl Actuator {
             terms[(power + 1) as usize] += coefficient * feature;
         }
         terms
+    }
+
+    /// Whether any feature beyond the usual ones counts.
+    pub fn has_unusual_features(&self) -> bool {
+        let unusual = |form: &ShaftForm| form.0[USUAL_FEATURES..].iter().any(|c| *c != 0.0);
+        self.torque.iter().chain(&self.voltage).any(unusual)
+    }
+
+    /// The same for samples into which constant, asymmetry and drag were folded at one ratio: their torque is
+    /// the feature `One`, their rate `SpeedRate`.
+    pub fn folded(&self) -> Actuator {
+        let mut actuator = *self;
+        for flow in 0..2 {
+            for (form, per_torque, per_rate) in [
+                (&mut actuator.torque[flow], 1.0, 0.0),
+                (&mut actuator.voltage[flow], self.resistance / self.torque_constant, self.rate),
+            ] {
+                form[Feature::Speed] = 0.0;
+                form[Feature::One] = per_torque;
+                form[Feature::SpeedRate] = per_rate;
+            }
+        }
+        actuator
+    }
+
+    /// Copper loss per squared torque in the mean \[W/(N·m)²\]: with what ripple in proportion to current adds.
+    pub fn heating(&self) -> f64 {
+        self.copper() * self.shortfall.heat_factor()
+    }
+
+    /// Root mean square current per root mean square torque \[A/(N·m)\].
+    pub fn rms_current_per_torque(&self) -> f64 {
+        self.shortfall.heat_factor().sqrt() / self.torque_constant
+    }
+
+    /// Copper heat of a squared torque \[W\] and its derivative: a straight line unless the iron saturates.
+    pub fn heat(&self, torque_squared: f64) -> (f64, f64) {
+        if !self.shortfall.saturates() {
+            return ((torque_squared + self.shortfall.mean_square()) * self.heating(), self.heating());
+        }
+        let (squared, slope) = self.shortfall.current_squared(torque_squared);
+        (self.resistance * squared, self.resistance * slope)
     }
 
     /// Copper loss per squared torque \[W/(N·m)²\], `R/K_T²`.

@@ -7,10 +7,12 @@
 //! is skipped. The result is the exact maximum.
 
 use super::laurent::Laurent;
-use super::shaft::{Actuator, FEATURES, Feature, Flow};
+use super::shaft::{Actuator, FEATURES, Feature, Flow, USUAL_FEATURES};
 
 /// Samples in a leaf of the tree.
 const LEAF: usize = 8;
+/// Features that boxes are divided along; those after them follow from these.
+const SPLIT: usize = 8;
 
 /// What is maximised over samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +139,7 @@ impl Waveform {
             children: None,
         });
         if end - start > LEAF {
-            let widest = (0..FEATURES)
+            let widest = (0..SPLIT)
                 .max_by(|a, b| ((high[*a] - low[*a]) / spreads[*a]).total_cmp(&((high[*b] - low[*b]) / spreads[*b])))
                 .unwrap_or(0);
             let middle = (end - start) / 2;
@@ -181,16 +183,57 @@ impl Waveform {
     /// # Panics
     /// If there is no point.
     pub fn largest(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
-        match functional {
-            Functional::TorqueSquared => self.search(actuator, ratio, bound_torque, value_torque),
-            Functional::VoltageSquared => self.search(actuator, ratio, bound_voltage, value_voltage),
-            Functional::Power => self.search(actuator, ratio, bound_power, value_power),
-            Functional::PowerBack => self.search(actuator, ratio, bound_power_back, |w, x| -value_power(w, x)),
+        // Most motors have no effect that needs the last features: they are not multiplied with zero.
+        if actuator.has_unusual_features() {
+            self.largest_over::<FEATURES>(functional, actuator, ratio)
+        } else {
+            self.largest_over::<USUAL_FEATURES>(functional, actuator, ratio)
         }
     }
 
+    fn largest_over<const D: usize>(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
+        match functional {
+            Functional::TorqueSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_torque::<D>),
+            Functional::VoltageSquared => self.search::<D>(actuator, ratio, bound_voltage::<D>, value_voltage::<D>),
+            Functional::Power => self.search::<D>(actuator, ratio, bound_power::<D>, value_power::<D>),
+            Functional::PowerBack => {
+                self.search::<D>(actuator, ratio, bound_power_back::<D>, |w, x| -value_power::<D>(w, x))
+            }
+        }
+    }
+
+    /// The same points with some of their features changed, for one ratio: without a tree.
+    pub fn changed(&self, change: impl Fn(&mut [f64; FEATURES])) -> Waveform {
+        let mut wave = Waveform {
+            columns: self.columns.clone(),
+            origin: self.origin.clone(),
+            driving: self.driving,
+            ..Waveform::default()
+        };
+        for i in 0..self.len() {
+            let mut features = std::array::from_fn(|f| self.columns[f][i]);
+            change(&mut features);
+            for (column, value) in wave.columns.iter_mut().zip(features) {
+                column[i] = value;
+            }
+        }
+        for (flow, start, end) in [(Flow::Driving, 0, self.driving), (Flow::Braking, self.driving, self.len())] {
+            if start < end {
+                wave.roots.push((flow, wave.nodes.len()));
+                wave.nodes.push(Node {
+                    center: [0.0; FEATURES],
+                    radius: [f64::INFINITY; FEATURES],
+                    start,
+                    end,
+                    children: None,
+                });
+            }
+        }
+        wave
+    }
+
     #[inline(always)]
-    fn search(
+    fn search<const D: usize>(
         &self,
         actuator: &Actuator,
         ratio: f64,
@@ -211,7 +254,7 @@ impl Waveform {
                 }
                 let node = &self.nodes[node];
                 let Some((left, right)) = node.children else {
-                    self.scan(node.start, node.end, &weights, value, &mut best);
+                    self.scan::<D>(node.start, node.end, &weights, value, &mut best);
                     continue;
                 };
                 let (a, b) = (bound(&weights, &self.nodes[left]), bound(&weights, &self.nodes[right]));
@@ -226,7 +269,7 @@ impl Waveform {
     }
 
     #[inline(always)]
-    fn scan(
+    fn scan<const D: usize>(
         &self,
         start: usize,
         end: usize,
@@ -235,9 +278,9 @@ impl Waveform {
         best: &mut Largest,
     ) {
         let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.columns[f][start..end]);
-        #[expect(clippy::needless_range_loop, reason = "six columns are walked together")]
+        #[expect(clippy::needless_range_loop, reason = "the columns are walked together")]
         for i in 0..end - start {
-            let features = std::array::from_fn(|f| columns[f][i]);
+            let features = std::array::from_fn(|f| if f < D { columns[f][i] } else { 0.0 });
             let here = value(weights, &features);
             if here > best.value {
                 *best = Largest { value: here, index: start + i };
@@ -259,16 +302,16 @@ impl Weights {
 }
 
 #[inline(always)]
-fn dot(weights: &[f64; FEATURES], features: &[f64; FEATURES]) -> f64 {
-    weights.iter().zip(features).map(|(w, x)| w * x).sum()
+fn dot<const D: usize>(weights: &[f64; FEATURES], features: &[f64; FEATURES]) -> f64 {
+    weights[..D].iter().zip(&features[..D]).map(|(w, x)| w * x).sum()
 }
 
 /// Centre and half-width of a linear form over a box; the half-width is widened by what rounding
 /// can do, so that a bound never falls below a value.
 #[inline(always)]
-fn interval(weights: &[f64; FEATURES], node: &Node) -> (f64, f64) {
+fn interval<const D: usize>(weights: &[f64; FEATURES], node: &Node) -> (f64, f64) {
     let (mut center, mut radius, mut size) = (0.0, 0.0, 0.0);
-    for ((weight, middle), half) in weights.iter().zip(&node.center).zip(&node.radius) {
+    for ((weight, middle), half) in weights[..D].iter().zip(&node.center[..D]).zip(&node.radius[..D]) {
         let term = weight * middle;
         center += term;
         size += term.abs();
@@ -278,50 +321,50 @@ fn interval(weights: &[f64; FEATURES], node: &Node) -> (f64, f64) {
 }
 
 #[inline(always)]
-fn largest_magnitude(weights: &[f64; FEATURES], node: &Node) -> f64 {
-    let (center, radius) = interval(weights, node);
+fn largest_magnitude<const D: usize>(weights: &[f64; FEATURES], node: &Node) -> f64 {
+    let (center, radius) = interval::<D>(weights, node);
     center.abs() + radius
 }
 
 #[inline(always)]
-fn value_torque(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
-    let torque = dot(&weights.torque, features);
+fn value_torque<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+    let torque = dot::<D>(&weights.torque, features);
     torque * torque
 }
 
 #[inline(always)]
-fn bound_torque(weights: &Weights, node: &Node) -> f64 {
-    let torque = largest_magnitude(&weights.torque, node);
+fn bound_torque<const D: usize>(weights: &Weights, node: &Node) -> f64 {
+    let torque = largest_magnitude::<D>(&weights.torque, node);
     torque * torque
 }
 
 const VELOCITY: usize = Feature::Velocity as usize;
 
 #[inline(always)]
-fn value_voltage(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
-    let quadrature = dot(&weights.voltage, features);
-    let direct = weights.direct * features[VELOCITY] * dot(&weights.torque, features);
+fn value_voltage<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+    let quadrature = dot::<D>(&weights.voltage, features);
+    let direct = weights.direct * features[VELOCITY] * dot::<D>(&weights.torque, features);
     quadrature * quadrature + direct * direct
 }
 
 #[inline(always)]
-fn bound_voltage(weights: &Weights, node: &Node) -> f64 {
-    let quadrature = largest_magnitude(&weights.voltage, node);
+fn bound_voltage<const D: usize>(weights: &Weights, node: &Node) -> f64 {
+    let quadrature = largest_magnitude::<D>(&weights.voltage, node);
     let speed = node.center[VELOCITY].abs() + node.radius[VELOCITY];
-    let direct = weights.direct * speed * largest_magnitude(&weights.torque, node);
+    let direct = weights.direct * speed * largest_magnitude::<D>(&weights.torque, node);
     (quadrature * quadrature + direct * direct) * (1.0 + 1e-14)
 }
 
 #[inline(always)]
-fn value_power(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
-    let torque = dot(&weights.torque, features);
+fn value_power<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+    let torque = dot::<D>(&weights.torque, features);
     weights.copper * torque * torque + weights.emf * features[VELOCITY] * torque
 }
 
 /// Largest and smallest product of speed and torque over a box.
 #[inline(always)]
-fn mechanical(weights: &Weights, node: &Node) -> (f64, f64, f64) {
-    let (center, radius) = interval(&weights.torque, node);
+fn mechanical<const D: usize>(weights: &Weights, node: &Node) -> (f64, f64, f64) {
+    let (center, radius) = interval::<D>(&weights.torque, node);
     let (t0, t1) = (center - radius, center + radius);
     let (w0, w1) = (node.center[VELOCITY] - node.radius[VELOCITY], node.center[VELOCITY] + node.radius[VELOCITY]);
     let products = [t0 * w0, t0 * w1, t1 * w0, t1 * w1];
@@ -332,14 +375,14 @@ fn mechanical(weights: &Weights, node: &Node) -> (f64, f64, f64) {
 }
 
 #[inline(always)]
-fn bound_power(weights: &Weights, node: &Node) -> f64 {
-    let (_, high, torque) = mechanical(weights, node);
+fn bound_power<const D: usize>(weights: &Weights, node: &Node) -> f64 {
+    let (_, high, torque) = mechanical::<D>(weights, node);
     weights.copper * torque * torque + weights.emf * high
 }
 
 #[inline(always)]
-fn bound_power_back(weights: &Weights, node: &Node) -> f64 {
-    let (low, ..) = mechanical(weights, node);
+fn bound_power_back<const D: usize>(weights: &Weights, node: &Node) -> f64 {
+    let (low, ..) = mechanical::<D>(weights, node);
     -weights.emf * low
 }
 
@@ -356,7 +399,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) as f64 / f64::from(u32::MAX >> 1) - 1.0
         };
-        let size = [20.0, 800.0, 100.0, 9_000.0, 10.0, 1.0, 10.0, 1.0];
+        let size = [20.0, 800.0, 100.0, 9_000.0, 10.0, 1.0, 10.0, 1.0, 100.0];
         (0..count)
             .map(|origin| {
                 let features: [f64; FEATURES] = std::array::from_fn(|f| size[f] * next());

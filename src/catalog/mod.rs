@@ -6,6 +6,7 @@
 
 pub mod audit;
 pub mod convention;
+pub mod fitted;
 mod gear;
 pub mod import;
 mod motor;
@@ -16,6 +17,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use fitted::{Fit, Provenance, read_fitted};
 pub use gear::{Gear, GearKind, matches_pattern};
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE};
 pub use read::{gear_columns, motor_columns, read_gears, read_motors};
@@ -44,7 +46,7 @@ impl Catalog {
         Catalog::from_sources(sources)
     }
 
-    /// Reads files, and the `*.csv` files in folders (one level, and `motors`, `gears` below).
+    /// Reads files, `.toml` ones as fitted actuators, and the `*.csv` files in folders (one level, and `motors`, `gears` below).
     ///
     /// # Errors
     /// All mistakes of all files.
@@ -83,7 +85,8 @@ impl Catalog {
         }
     }
 
-    /// Reads catalogue texts; whether each holds motors or gears is seen from its header.
+    /// Reads catalogue texts; whether each holds motors or gears is seen from its header, a fitted actuator from
+    /// its name that ends in `.toml`.
     ///
     /// # Errors
     /// All mistakes of all files, and ids that stand in two files.
@@ -104,7 +107,15 @@ impl Catalog {
                     errors.push(InputError { source: source.clone(), problems: vec![problem] });
                 }
             };
-            if read::is_gear_file(&source) {
+            if fitted::is_fitted_file(&source) {
+                match read_fitted(&source) {
+                    Ok(motor) => {
+                        twice(&mut motor_homes, &motor.id);
+                        catalog.motors.push(motor);
+                    }
+                    Err(error) => errors.push(error),
+                }
+            } else if read::is_gear_file(&source) {
                 match read_gears(&source) {
                     Ok(gears) => {
                         gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));

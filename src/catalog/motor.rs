@@ -1,7 +1,9 @@
 //! A motor as the program computes with it: the power-invariant q-axis equivalent of its sheet.
 
 use super::convention::Commutation;
+use super::fitted::Fit;
 use super::sheet::{Conventions, Printed, Sheet, SourceKind};
+use crate::actuator::fitted::{FittedEffect, FittedGear};
 
 /// Winding temperature that a resistance refers to where its row does not say \[K\]: 25 °C.
 pub const REFERENCE_TEMPERATURE: f64 = 298.15;
@@ -61,6 +63,12 @@ pub struct Motor {
     pub coulomb_friction: Option<f64>,
     /// Viscous friction \[N·m·s/rad\], b; `None` is unknown.
     pub viscous_friction: Option<f64>,
+    /// Effects that were found in logs of this actuator, beyond friction of its row; empty for a data sheet.
+    pub effects: Vec<FittedEffect>,
+    /// Numbers of the gear that it was fitted with.
+    pub fitted_gear: Option<FittedGear>,
+    /// Where a fitted actuator comes from.
+    pub fit: Option<Fit>,
     /// What had to be assumed to make the equivalent.
     pub assumptions: Vec<&'static str>,
 }
@@ -174,6 +182,9 @@ impl Motor {
             accepted_findings: identity.accepted_findings,
             conventions,
             sheet,
+            effects: Vec::new(),
+            fitted_gear: None,
+            fit: None,
             assumptions,
         })
     }

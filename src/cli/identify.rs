@@ -3,15 +3,18 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Output};
+use crate::design::remake::remake;
+use crate::measured::fitted::fitted_motor;
 use crate::measured::{identify, read};
 use crate::report::plot::{self, Format, residual};
-use crate::report::{file, fitted, identify as report};
+use crate::report::{file, fitted, identify as report, remake as remake_report};
+use crate::requirement;
 use crate::units;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Structure that no known effect explains is an answer, not a failure: exit status 0.\n\nExamples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json"
+    before_help = "Structure that no known effect explains is an answer, not a failure: exit status 0.\n\nExamples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --requirement robot.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json"
 )]
 pub struct Arguments {
     /// Bench file (TOML)
@@ -22,6 +25,9 @@ pub struct Arguments {
     /// Draw the residual before and after, against speed, position, current, temperature and time
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
+    /// Make the choice of this requirement again, with the fitted motor in place of its row
+    #[arg(long, value_name = "REQUIREMENT")]
+    requirement: Option<PathBuf>,
     /// Write the fitted actuator, to be used in place of a catalogue row
     #[arg(long, value_name = "FITTED.toml")]
     write: Option<PathBuf>,
@@ -39,12 +45,28 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(path) = &arguments.plot {
         Format::of(path).map_err(Failure::Argument)?;
     }
+    let robot = match &arguments.requirement {
+        Some(path) => Some(requirement::read_without_springs(path, "`--requirement`")?),
+        None => None,
+    };
     let bench = match arguments.catalog.catalog.as_slice() {
         [] => read::read(&arguments.bench)?,
         paths => read::read_with(&arguments.bench, super::catalog(paths)?)?,
     };
     let reports = identify::identify(&bench, &identify::Options { band })
         .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
+    let remade = match &robot {
+        None => None,
+        Some(robot) => {
+            super::check_gears(robot, &bench.catalog)?;
+            let declared = bench.declared.motor.as_ref().map(|m| m.id.clone());
+            let Some((declared, motor)) = declared.zip(fitted_motor(&bench, &reports)) else {
+                let why = "`--requirement`: a linear axis has no motor of the catalogue to choose again";
+                return Err(Failure::Argument(why.into()));
+            };
+            Some(remake(robot, &bench.catalog, &declared, &motor))
+        }
+    };
     let mut written = Vec::new();
     if let Some(path) = &arguments.plot {
         plot::write(&residual::figure(&bench, &reports), path).map_err(Failure::Argument)?;
@@ -55,8 +77,21 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         written.push(format!("The fitted actuator is in {}.", path.display()));
     }
     let text = arguments.output.choose(
-        || report::text(&bench, &reports, &written),
-        || report::json(&bench, &reports),
+        || {
+            let choice = remade.as_deref().map(remake_report::text);
+            [Some(report::text(&bench, &reports, &written)), choice]
+                .into_iter()
+                .flatten()
+                .collect::<Vec<_>>()
+                .join("\n")
+        },
+        || {
+            let mut value = report::json(&bench, &reports);
+            if let (Some(remade), Some(object)) = (&remade, value.as_object_mut()) {
+                object.insert("design".into(), remake_report::design_json(remade));
+            }
+            value
+        },
         || report::csv(&bench, &reports),
     );
     Ok(Done { text, satisfied: true })

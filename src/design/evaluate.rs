@@ -1,5 +1,6 @@
 //! One design, looked at closely: every limit with its margin, and the figures people choose by.
 
+use crate::actuator::fitted;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::thermal;
@@ -112,13 +113,43 @@ impl<'a> Prepared<'a> {
         Evaluation { energy: self.energy(ratio), peak_power: Some(self.peak_power(ratio)), ..self.at(ratio) }
     }
 
-    /// Mean copper loss as a polynomial in N \[W\].
+    /// Mean copper loss as a polynomial in N \[W\]; where the iron saturates, as if it did not.
     pub fn loss(&self) -> crate::actuator::Laurent {
-        self.mean_torque_squared * self.candidate.actuator.copper()
+        self.mean_torque_squared * self.candidate.actuator.heating()
+    }
+
+    /// Looks at the candidate with its evaluated effects at one ratio, and the same limits.
+    pub(super) fn at_ratio<T>(&self, ratio: f64, look: impl FnOnce(&Prepared) -> T) -> T {
+        self.candidate.at_ratio(ratio, |here| {
+            let mut prepared = Prepared::new(*here);
+            prepared.asked.retain(|a| self.asked.iter().any(|b| b.limit.name == a.limit.name));
+            look(&prepared)
+        })
+    }
+
+    /// Mean copper loss at a ratio \[W\].
+    fn loss_at(&self, ratio: f64) -> f64 {
+        let actuator = &self.candidate.actuator;
+        if actuator.shortfall.saturates() {
+            return actuator.resistance * self.candidate.load.mean_current_squared(actuator, false, ratio);
+        }
+        self.mean_torque_squared.at(ratio).max(0.0) * actuator.heating()
+    }
+
+    /// Root mean square current at a ratio \[A\].
+    fn rms_current(&self, ratio: f64) -> f64 {
+        let actuator = &self.candidate.actuator;
+        if actuator.shortfall.is_nothing() {
+            return self.mean_torque_squared.at(ratio).max(0.0).sqrt() / actuator.torque_constant;
+        }
+        (self.loss_at(ratio) / actuator.resistance).sqrt()
     }
 
     /// Evaluates the design at a ratio.
     pub fn at(&self, ratio: f64) -> Evaluation {
+        if self.candidate.is_evaluated() {
+            return self.at_ratio(ratio, |here| here.at(ratio));
+        }
         let candidate = &self.candidate;
         let actuator = &candidate.actuator;
         let peak = candidate.load.waveform.largest(Functional::TorqueSquared, actuator, ratio);
@@ -145,17 +176,19 @@ impl<'a> Prepared<'a> {
                 owner: asked.owner,
             });
         }
-        let mean = self.mean_torque_squared.at(ratio).max(0.0);
+        let loss = self.loss_at(ratio);
+        // The polynomial of the mean power has the heat as if the iron did not saturate.
+        let saturated = if actuator.shortfall.saturates() { loss - self.loss().at(ratio) } else { 0.0 };
         Evaluation {
             ratio,
             feasible,
             margins,
-            loss: mean * actuator.copper(),
-            peak_current: peak.value.max(0.0).sqrt() / actuator.torque_constant,
-            rms_current: mean.sqrt() / actuator.torque_constant,
+            loss,
+            peak_current: actuator.shortfall.peak_current(peak.value.max(0.0).sqrt()),
+            rms_current: self.rms_current(ratio),
             reflected_inertia: ratio * ratio * actuator.inertia,
             mass: candidate.mass_at(ratio),
-            mean_power: candidate.load.mean_power(actuator).at(ratio),
+            mean_power: candidate.load.mean_power(actuator).at(ratio) + saturated,
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
         }
@@ -167,6 +200,9 @@ impl<'a> Prepared<'a> {
 
     /// Energy drawn from the bus per cycle at a ratio \[J\]; `None` without durations.
     pub fn energy(&self, ratio: f64) -> Option<f64> {
+        if self.candidate.is_evaluated() {
+            return self.at_ratio(ratio, |here| here.energy(ratio));
+        }
         let candidate = &self.candidate;
         let cut = candidate.load.energy_cut(&candidate.actuator, candidate.robot.bus.drive_efficiency, ratio);
         cut.map(|cut| cut.at(ratio))
@@ -174,6 +210,9 @@ impl<'a> Prepared<'a> {
 
     /// Largest power drawn from the bus at a ratio \[W\].
     pub fn peak_power(&self, ratio: f64) -> f64 {
+        if self.candidate.is_evaluated() {
+            return self.at_ratio(ratio, |here| here.peak_power(ratio));
+        }
         let candidate = &self.candidate;
         let peak = candidate.load.waveform.largest(Functional::Power, &candidate.actuator, ratio).value;
         peak.max(0.0) / candidate.robot.bus.drive_efficiency
@@ -184,7 +223,14 @@ impl<'a> Prepared<'a> {
     pub fn winding_temperature(&self, ratio: f64) -> Option<Option<f64>> {
         let motor = self.candidate.motor;
         let r_th = motor.thermal_resistance.filter(|_| self.candidate.load.has_durations)?;
-        let mean = self.mean_torque_squared.at(ratio).max(0.0) / motor.torque_constant.powi(2);
+        if self.candidate.is_evaluated() {
+            return self.at_ratio(ratio, |here| here.winding_temperature(ratio));
+        }
+        let actuator = &self.candidate.actuator;
+        let mean = match actuator.shortfall.is_nothing() {
+            true => self.mean_torque_squared.at(ratio).max(0.0) / actuator.torque_constant.powi(2),
+            false => self.rms_current(ratio).powi(2),
+        };
         Some(thermal::winding_temperature(
             mean,
             motor.resistance,
@@ -213,7 +259,8 @@ impl<'a> Prepared<'a> {
             features[Feature::Sign as usize] = sign;
             features[Feature::Speed as usize] = motion.velocity[k].abs();
             features[Feature::One as usize] = 1.0;
-            actuator.torque_form(flow).polynomial(&features).at(ratio)
+            let drag = fitted::drag(candidate.motor, ratio * motion.velocity[k], sign).0;
+            actuator.torque_form(flow).polynomial(&features).at(ratio) + drag
         };
         // The sample before each change of direction, standstill in between included.
         let moving: Vec<usize> = (0..motion.len()).filter(|k| motion.velocity[*k] != 0.0).collect();

@@ -11,6 +11,7 @@ pub mod optimize;
 pub mod pareto;
 pub mod program;
 pub mod prune;
+pub mod remake;
 pub mod robust;
 pub mod spring;
 pub mod sweep;
@@ -20,6 +21,8 @@ pub use evaluate::{Evaluation, Margin, Prepared};
 pub use optimize::optimize;
 pub use sweep::sweep;
 
+use crate::actuator::fitted::gear_with_fit;
+use crate::actuator::limits::hottest;
 use crate::actuator::{Actuator, Load};
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
 use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
@@ -102,8 +105,9 @@ pub fn continuous_candidate<'a>(
     motor: &'a Motor,
 ) -> Result<Candidate<'a>, Unusable> {
     let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
-    let actuator = Actuator::new(motor, rotor, &joint.gear);
-    Ok(Candidate { robot, joint, load, motor, catalog_gear: None, gear: joint.gear, actuator })
+    let gear = gear_with_fit(motor, &joint.gear);
+    let actuator = Actuator::at_temperature(motor, rotor, &gear, hottest(motor, joint).map(|t| t.0), true);
+    Ok(Candidate { robot, joint, load, motor, catalog_gear: None, gear, actuator, folded: false })
 }
 
 /// A candidate with a gear of the catalogue; `load` as the gear passes it on.
@@ -128,7 +132,8 @@ pub fn geared_candidate<'a>(
     };
     // Where the efficiency covers the gear's inertia, the load has it already.
     let at_the_shaft = GearModel { inertia: if covers_gear(joint) { 0.0 } else { model.inertia }, ..model };
-    let mut actuator = Actuator::new(motor, rotor, &at_the_shaft);
+    let hottest = hottest(motor, joint).map(|t| t.0);
+    let mut actuator = Actuator::at_temperature(motor, rotor, &at_the_shaft, hottest, false);
     actuator.inertia = rotor + model.inertia;
-    Ok(Candidate { robot, joint, load, motor, catalog_gear: Some(gear), gear: model, actuator })
+    Ok(Candidate { robot, joint, load, motor, catalog_gear: Some(gear), gear: model, actuator, folded: false })
 }

@@ -130,7 +130,8 @@ fn with_numbers(motor: &Motor, numbers: impl Iterator<Item = (&'static str, f64)
         note: motor.note.clone(),
         accepted_findings: motor.accepted_findings.clone(),
     };
-    Motor::new(identity, motor.conventions, sheet, motor.pole_pairs).ok()
+    let other = Motor::new(identity, motor.conventions, sheet, motor.pole_pairs).ok()?;
+    Some(Motor { effects: motor.effects.clone(), fitted_gear: motor.fitted_gear, fit: motor.fit.clone(), ..other })
 }
 
 /// A corner of the box of tolerances.

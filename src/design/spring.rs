@@ -76,6 +76,10 @@ pub(super) fn choose(
     let Some(asked) = joint.limits.spring else {
         return Err(Reason::NotSolved("the joint asks for no spring".into()));
     };
+    // Effects that are evaluated, or that bend torque over current, have no place in the spring's forms.
+    if prepared.candidate.is_evaluated() || !prepared.candidate.actuator.shortfall.is_nothing() {
+        return Err(Reason::NotSolved("a spring is not chosen for a motor with these fitted effects".into()));
+    }
     let covered = gear.map_or(0.0, |g| covered_inertia(joint, g));
     let found = spring::solve(prepared, &joint.objective, &asked, (min, max), covered).map_err(reason)?;
     let without = without_spring(prepared, joint, min, max);

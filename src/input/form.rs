@@ -423,6 +423,24 @@ impl<'a> Section<'a> {
         cells
     }
 
+    /// A list of lists of numbers, if the key is there.
+    pub fn matrix(&self, key: &'static str) -> Option<Vec<Vec<f64>>> {
+        let value = self.value(key)?;
+        let expected = "a list of lists of numbers";
+        let Some(rows) = value.get_ref().as_array() else {
+            self.wrong_type(value, key, expected);
+            return None;
+        };
+        let row = |row: &Spanned<DeValue>| {
+            let Some(cells) = row.get_ref().as_array() else {
+                self.wrong_type(row, key, expected);
+                return None;
+            };
+            cells.iter().map(|cell| self.read_number(cell, key, Range::Any)).collect()
+        };
+        rows.iter().map(row).collect()
+    }
+
     /// Notes every key that nobody asked for, with the nearest that exists.
     pub fn finish(self) {
         let asked = self.asked.borrow();

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::optimize::{bind_text, margins_json, proof, reason_text};
+use super::optimize::{bind_text, fitted_json, fitted_notes, margins_json, proof, reason_text};
 use super::table::{table, wrap};
 use super::{number, optional};
 use crate::actuator::metrics::METRICS;
@@ -73,6 +73,13 @@ pub fn text(story: &Explanation) -> String {
         }
     } else if matches!(story.best, Some(Err(_))) {
         out.push_str("\nNo single limit, widened alone, would make it feasible.\n");
+    }
+    let fitted = fitted_notes(story.motor, joint);
+    if !fitted.is_empty() {
+        out.push_str("\nFitted to this actuator:\n");
+        for note in fitted {
+            out.push_str(&format!("  {}\n", wrap(&format!("{}: {}", note.effect, note.how), 4)));
+        }
     }
     if !story.unchecked.is_empty() {
         out.push_str("\nNot checked:\n");
@@ -187,7 +194,7 @@ pub fn json(story: &Explanation) -> Value {
         }),
         Err(reason) => json!({ "because": reason_text(reason, story.joint).1 }),
     });
-    json!({
+    let mut value = json!({
         "joint": story.joint.name, "motor": story.motor.id, "gear": story.gear.map(|g| &g.id), "ratio": e.ratio, "feasible": e.feasible,
         "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power, "peak_current_a": e.peak_current,
         "rms_current_a": e.rms_current, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
@@ -200,5 +207,9 @@ pub fn json(story: &Explanation) -> Value {
             Ok(spring) => super::spring::json(spring, e.loss),
             Err(why) => json!({ "because": reason_text(why, story.joint).1 }),
         }),
-    })
+    });
+    if let (Some(list), Value::Object(object)) = (fitted_json(story.motor, story.joint), &mut value) {
+        object.insert("fitted".into(), list);
+    }
+    value
 }

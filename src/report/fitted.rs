@@ -270,10 +270,14 @@ fn axis_table(fit: &Fit) -> String {
 
 /// What load-dependent friction says of the gear: `η = 1/(1 + γ)` forwards, `1 − γ` backwards.
 fn gear_table(fit: &Fit) -> String {
-    let Some(factor) = fit.get("load_dependent_friction.factor").filter(|f| f.value > 0.0) else {
+    let factor = fit.get("load_dependent_friction.factor").filter(|f| f.value > 0.0);
+    let ratio = fit.bench.declared.ratio;
+    if factor.is_none() && ratio == 1.0 {
         return String::new();
-    };
+    }
     let mut out = String::from("\n[gear]\n");
+    line(&mut out, "ratio", ratio, "1");
+    let Some(factor) = factor else { return out };
     if let Some(error) = factor.error {
         let _ = writeln!(out, "# 1/(1 + γ) and 1 − γ of γ = {} ± {}", digits(factor.value), super::number(2.0 * error));
     }

@@ -14,6 +14,7 @@ pub mod pareto;
 pub mod plot;
 mod prune;
 pub mod rank;
+pub mod remake;
 pub mod robust;
 pub mod spring;
 pub mod sweep;

@@ -7,6 +7,8 @@ use serde_json::{Map, Value, json};
 use super::prune;
 use super::table::{table, wrap};
 use super::{csv_number, number, optional};
+use crate::actuator::fitted::{self, Note};
+use crate::actuator::limits::hottest;
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
@@ -283,6 +285,9 @@ fn footnotes(result: &JointResult, top: usize) -> String {
         for (limit, why) in &design.unchecked {
             add(format!("not checked: {limit}, because {why}"), place);
         }
+        for note in fitted_notes(design.motor, result.joint) {
+            add(format!("fitted: {} {}", note.effect, note.how), place);
+        }
         if let Certificate::NotCertified(why) = design.optimum.certificate {
             let found = match design.spring.map(|s| s.gap) {
                 Some(Some(gap)) => format!("the best that was found, within {gap:.0e} of the bound"),
@@ -301,6 +306,18 @@ fn footnotes(result: &JointResult, top: usize) -> String {
     let lines =
         notes.into_iter().map(|(note, places)| format!("  {}\n", wrap(&format!("{}: {note}", places.join(" ")), 4)));
     lines.collect()
+}
+
+/// How what was fitted for a motor enters the limits of a joint.
+pub fn fitted_notes(motor: &Motor, joint: &Joint) -> Vec<Note> {
+    fitted::notes(motor, joint, hottest(motor, joint).map(|t| t.0))
+}
+
+/// The same for programs.
+pub fn fitted_json(motor: &Motor, joint: &Joint) -> Option<Value> {
+    let notes = fitted_notes(motor, joint);
+    let list = notes.iter().map(|n| json!({ "name": n.effect, "enters": n.how })).collect::<Vec<_>>();
+    (!list.is_empty()).then_some(Value::Array(list))
 }
 
 /// What the audit calls an error in a motor's row, where its note does not explain it.
@@ -486,6 +503,9 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("limits", limits);
     put("not_checked", design.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
     put("audit_errors", json!(contradictions(design.motor)));
+    if let Some(list) = fitted_json(design.motor, joint) {
+        put("fitted", list);
+    }
     put("shadow_prices", Value::Object(prices));
     put("sensitivity", Value::Object(sensitivity));
     put("certificate", certificate);

@@ -1,10 +1,10 @@
 //! Every motor at every ratio, feasible or why not.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value, json};
 
-use super::optimize::margins_json;
+use super::optimize::{fitted_json, fitted_notes, margins_json};
 use super::table::table;
 use super::{csv_number, number, optional};
 use crate::actuator::metrics::{METRICS, Metric};
@@ -139,6 +139,17 @@ fn counts(sweep: &JointSweep) -> String {
         let line = format!("Infeasible designs by the limit they exceed most: {}", list.join(", "));
         out.push_str(&format!("\n{}\n", super::table::wrap(&line, 2)));
     }
+    let mut fitted: BTreeSet<String> = BTreeSet::new();
+    for design in &sweep.designs {
+        if !design.motor.effects.is_empty() || design.motor.fitted_gear.is_some() {
+            for note in fitted_notes(design.motor, sweep.joint) {
+                fitted.insert(format!("{}: {} {}", design.motor.id, note.effect, note.how));
+            }
+        }
+    }
+    for line in fitted {
+        out.push_str(&format!("{}\n", super::table::wrap(&format!("Fitted, {line}"), 2)));
+    }
     for ((limit, why), n) in unchecked {
         let line = format!("Not checked in {n} designs: {limit}, because {why}");
         out.push_str(&format!("{}\n", super::table::wrap(&line, 2)));
@@ -174,6 +185,9 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             put("feasible", json!(e.feasible));
             put("because", if e.feasible { Value::Null } else { json!(because(d, sweep.joint)) });
             put("objective", json!(e.objective(&sweep.joint.objective)));
+            if let Some(list) = fitted_json(d.motor, sweep.joint) {
+                put("fitted", list);
+            }
             put("loss_w", json!(e.loss));
             put("mean_electrical_power_w", json!(e.mean_power));
             put("peak_current_a", json!(e.peak_current));

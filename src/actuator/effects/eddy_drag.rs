@@ -33,6 +33,11 @@ impl Effect for EddyDrag {
         [2.0 * (at.speed / shape) / (1.0 + (at.speed / shape).powi(2)), 0.0]
     }
 
+    fn speed_slope(&self, values: &[f64], at: &Operating) -> f64 {
+        let x = at.speed / values[1];
+        2.0 * values[0] / values[1] * (1.0 - x * x) / (1.0 + x * x).powi(2)
+    }
+
     fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
         positive("the drag torque", values[0], scale.torque, "the largest torque on the bench")?;
         if values[1] < 0.2 * scale.speed {

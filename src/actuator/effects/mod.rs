@@ -276,6 +276,12 @@ pub trait Effect: Sync {
         None
     }
 
+    /// Derivative of its torque by the speed of the motor \[N·m·s/rad\], where it is evaluated at each ratio;
+    /// the jump of a sign is left out.
+    fn speed_slope(&self, _values: &[f64], _at: &Operating) -> f64 {
+        0.0
+    }
+
     /// Adds the effect to the torque that the shaft must supply, where it has that form.
     fn shaft(&self, _values: &[f64], _form: &mut ShaftForm) {}
 
@@ -323,13 +329,14 @@ pub fn effect(name: &str) -> Option<&'static dyn Effect> {
     EFFECTS.iter().find(|e| e.name() == name).copied()
 }
 
-/// Adds all effects that the motor's row declares.
+/// Adds all effects that the motor's row declares and that were fitted for it, where they have that form.
 pub fn add_declared(motor: &Motor, form: &mut ShaftForm) {
     for effect in EFFECTS {
         if let Some(values) = effect.declared(motor) {
             effect.shaft(&values, form);
         }
     }
+    super::fitted::add_features(motor, form);
 }
 
 /// Plausible if positive and at most `largest`.

@@ -33,6 +33,10 @@ impl Effect for StribeckFriction {
         [(-(at.speed / shape).powi(2)).exp() * at.direction, 0.0]
     }
 
+    fn speed_slope(&self, values: &[f64], at: &Operating) -> f64 {
+        -2.0 * at.speed / values[1].powi(2) * self.value(values, at)
+    }
+
     fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
         positive("the friction torque", values[0], scale.torque, "the largest torque on the bench")?;
         positive("the Stribeck speed", values[1], 0.25 * scale.speed, "a quarter of the largest speed")

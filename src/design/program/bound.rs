@@ -24,6 +24,9 @@ impl RatioProgram<'_> {
         if self.fixed_limits().is_some() {
             return None;
         }
+        if self.why_evaluated().is_some() {
+            return None;
+        }
         let (low, high) = self.ends().ok()?;
         if self.objective.sole() == Some(Quantity::Mass) {
             return self.prepared.candidate.mass_at(low.ratio);

@@ -11,6 +11,7 @@ mod bound;
 mod branch;
 mod certificate;
 mod conic;
+mod evaluated;
 mod objective;
 mod prices;
 mod scan;
@@ -18,6 +19,7 @@ pub mod spring;
 mod window;
 
 use crate::actuator::Laurent;
+use crate::actuator::fitted;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
 use crate::requirement::{Objective, Quantity};
 
@@ -251,10 +253,19 @@ impl<'a> RatioProgram<'a> {
         if self.objective.sole() == Some(Quantity::Mass) {
             return self.least_mass();
         }
+        if let Some(why) = self.why_evaluated() {
+            return evaluated::solve(self, why);
+        }
         match self.why_not_convex() {
             None => self.solve_convex(),
             Some(why) => branch::solve(self, why),
         }
+    }
+
+    /// Why ratios have to be evaluated one by one, if they have.
+    fn why_evaluated(&self) -> Option<&'static str> {
+        let candidate = &self.prepared.candidate;
+        fitted::why_evaluated(candidate.motor).filter(|_| candidate.is_evaluated())
     }
 
     /// The reason why the program is not the convex one, if there is one.
@@ -352,6 +363,9 @@ impl<'a> RatioProgram<'a> {
             Demand::WindingPeak(node) => {
                 let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, asked.raw_bound());
                 Some((cut, asked.raw_demand(candidate, ratio).1))
+            }
+            Demand::MeanCurrentSquared(worst_phase) => {
+                Some((candidate.load.mean_current_squared_cut(&candidate.actuator, worst_phase, ratio), None))
             }
             Demand::Fixed(..) | Demand::Mass => None,
         }

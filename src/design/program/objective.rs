@@ -20,7 +20,9 @@ impl<'a> Goal<'a> {
     pub(super) fn new(program: &'a RatioProgram<'a>) -> Goal<'a> {
         let (objective, prepared) = (program.objective, program.prepared);
         let inertia = objective.weight(Quantity::ReflectedInertia) * prepared.candidate.actuator.inertia;
-        let mut smooth = prepared.loss() * objective.weight(Quantity::Loss) + Laurent::monomial(inertia, 2);
+        let saturated = prepared.candidate.actuator.shortfall.saturates();
+        let loss = if saturated { Laurent::default() } else { prepared.loss() };
+        let mut smooth = loss * objective.weight(Quantity::Loss) + Laurent::monomial(inertia, 2);
         let mass = objective.weight(Quantity::Mass);
         if mass > 0.0 && prepared.candidate.gear.mass_per_stage.is_none() {
             smooth = smooth + Laurent::constant(mass * prepared.candidate.mass_at(1.0).unwrap_or(f64::NAN));
@@ -32,6 +34,11 @@ impl<'a> Goal<'a> {
     pub(super) fn cut(&self, ratio: f64) -> Laurent {
         let weight = |quantity| self.program.objective.weight(quantity);
         let mut cut = self.smooth;
+        let actuator = &self.program.prepared.candidate.actuator;
+        if weight(Quantity::Loss) > 0.0 && actuator.shortfall.saturates() {
+            let mean = self.program.prepared.candidate.load.mean_current_squared_cut(actuator, false, ratio);
+            cut = cut + mean * (weight(Quantity::Loss) * actuator.resistance);
+        }
         if weight(Quantity::PeakCurrent) > 0.0 {
             cut = cut + self.peak_current(ratio, weight(Quantity::PeakCurrent));
         }
@@ -53,7 +60,14 @@ impl<'a> Goal<'a> {
             return torque.squared();
         }
         // |T| is at least T and at least −T.
-        torque * (weight * torque.at(ratio).signum() / candidate.actuator.torque_constant)
+        let shortfall = &candidate.actuator.shortfall;
+        if shortfall.is_nothing() {
+            return torque * (weight * torque.at(ratio).signum() / candidate.actuator.torque_constant);
+        }
+        // The current is convex in |T|: its tangent.
+        let (here, slope) = (torque.at(ratio), shortfall.peak_current_slope(torque.at(ratio).abs()));
+        let tangent = torque * (here.signum() * slope);
+        (tangent + Laurent::constant(shortfall.peak_current(here.abs()) - slope * here.abs())) * weight
     }
 
     fn energy(&self, ratio: f64) -> Laurent {
@@ -86,18 +100,31 @@ impl<'a> Goal<'a> {
 
     /// The value at a ratio, in the unit of the cuts.
     pub(super) fn value(&self, ratio: f64) -> f64 {
+        let RatioProgram { prepared, objective, range, .. } = *self.program;
+        if prepared.candidate.is_evaluated() {
+            return prepared.at_ratio(ratio, |here| {
+                Goal::new(&RatioProgram { prepared: here, objective, range, limits: Vec::new() }).value(ratio)
+            });
+        }
         self.cut(ratio).at(ratio) + self.steps(ratio)
     }
 
-    /// Whether the cuts are in the square of the objective.
-    pub(super) fn is_squared(&self) -> bool {
-        self.squared_peak
+    /// Derivative of the objective in its own unit by the value in the unit of the cuts.
+    pub(super) fn natural_slope(&self, value: f64) -> f64 {
+        if !self.squared_peak {
+            return 1.0;
+        }
+        let actuator = &self.program.prepared.candidate.actuator;
+        if actuator.shortfall.is_nothing() {
+            return self.natural(1.0).powi(2) / (2.0 * self.natural(value));
+        }
+        actuator.shortfall.peak_current_slope(value.sqrt()) / (2.0 * value.sqrt())
     }
 
     /// From the unit of the cuts to the objective's own.
     pub(super) fn natural(&self, value: f64) -> f64 {
         if self.squared_peak {
-            value.max(0.0).sqrt() / self.program.prepared.candidate.actuator.torque_constant
+            self.program.prepared.candidate.actuator.shortfall.peak_current(value.max(0.0).sqrt())
         } else {
             value
         }

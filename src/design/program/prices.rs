@@ -22,7 +22,7 @@ pub(super) fn at(
     let value = goal.value(ratio);
     let natural = goal.natural(value);
     // Slope of the objective in its own unit: the cuts may be in its square.
-    let per_cut = if goal.is_squared() { goal.natural(1.0).powi(2) / (2.0 * natural) } else { 1.0 };
+    let per_cut = goal.natural_slope(value);
     let near = |end: f64| (ratio - end).abs() <= 1e-9 * ratio;
     let mut prices: Vec<ShadowPrice> = Vec::new();
     for window in windows {

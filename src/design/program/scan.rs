@@ -3,10 +3,13 @@
 
 use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
-use crate::design::evaluate::FEASIBILITY_TOLERANCE;
+use crate::actuator::limits::Check;
+use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 1000;
+/// The same where effects have to be evaluated at each of them.
+const EVALUATED_POINTS: usize = 300;
 
 /// What the grid shows.
 pub(super) struct Found {
@@ -27,7 +30,8 @@ pub(super) fn point(program: &RatioProgram, ratio: f64) -> Window {
 pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -> Found {
     let (min, max) = (low.ratio, high.ratio);
     let excess = |n: f64| worst(program, n).0;
-    let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::design::sweep::grid(min, max, POINTS) };
+    let count = count(program);
+    let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::design::sweep::grid(min, max, count) };
     let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
     // A window, or a gap in one, that is narrower than the grid shows as a valley, or a hill, of the
     // excess: look at its bottom, or its top.
@@ -76,6 +80,9 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
 /// The limit that is most exceeded at a ratio: its relative excess, and itself.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
+    if program.why_evaluated().is_some() {
+        return worst_evaluated(program, ratio);
+    }
     for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
         let convex = matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
         if !convex || asked.is_certainly_kept(candidate, ratio) {
@@ -88,6 +95,38 @@ pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
         }
     }
     worst
+}
+
+/// The same where effects have to be evaluated at the ratio: once for each candidate.
+fn worst_evaluated(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
+    let mut worst = (f64::NEG_INFINITY, None);
+    let mut rest = program.limits.as_slice();
+    while let Some(first) = rest.first() {
+        let same = rest.iter().take_while(|l| std::ptr::eq(l.candidate, first.candidate)).count();
+        first.candidate.at_ratio(ratio, |here| {
+            for Limited { asked, .. } in &rest[..same] {
+                if !matches!(asked.limit.class, Class::Convex | Class::ReverseConvex) {
+                    continue;
+                }
+                let Check::Asked(asked) = asked.limit.check(here) else { continue };
+                if asked.is_certainly_kept(here, ratio) {
+                    continue;
+                }
+                let (raw, sample) = asked.raw_demand(here, ratio);
+                let excess = violation(raw, asked.raw_bound());
+                if excess > worst.0 {
+                    worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
+                }
+            }
+        });
+        rest = &rest[same..];
+    }
+    worst
+}
+
+/// How many points the grid has: evaluating effects at each takes its time.
+fn count(program: &RatioProgram) -> usize {
+    if program.why_evaluated().is_some() { EVALUATED_POINTS } else { POINTS }
 }
 
 /// The feasible end of the bracket between an infeasible and a feasible ratio, and what binds there.
@@ -128,7 +167,7 @@ pub fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 
 /// The best ratio over all windows.
 fn best_of(program: &RatioProgram, goal: &Goal, windows: &[Window]) -> Option<(f64, f64)> {
-    least(&|n| goal.value(n), &pieces(program, windows))
+    least(&|n| goal.value(n), &pieces(program, windows), count(program))
 }
 
 /// The windows, cut where the mass steps.
@@ -146,7 +185,7 @@ fn pieces(program: &RatioProgram, windows: &[Window]) -> Vec<(f64, f64)> {
 }
 
 /// The least value over some intervals: a grid on each, then every valley refined.
-fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)]) -> Option<(f64, f64)> {
+fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     let mut offer = |n: f64, f: f64| {
         if best.is_none_or(|(_, b)| f < b) {
@@ -154,7 +193,7 @@ fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)]) -> Option<(f64, 
         }
     };
     for (min, max) in intervals {
-        let grid = crate::design::sweep::grid(*min, *max, if max > min { POINTS } else { 1 });
+        let grid = crate::design::sweep::grid(*min, *max, if max > min { count } else { 1 });
         let values: Vec<f64> = grid.iter().map(|n| value(*n)).collect();
         for i in 0..grid.len() {
             offer(grid[i], values[i]);

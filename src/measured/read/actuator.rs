@@ -162,7 +162,11 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>) -> Option<(Declared
         table.finish();
     }
     let fixture_inertia = section.quantity("fixture_inertia", &units::INERTIA, Range::NonNegative).unwrap_or(0.0);
-    let effects = read_effects(section, motor);
+    let mut effects = read_effects(section, motor);
+    // A fitted actuator brings its effects along.
+    let given: Vec<String> = effects.iter().map(|(name, _)| name.clone()).collect();
+    let own = motor.iter().flat_map(|m| &m.effects).filter(|e| !given.iter().any(|name| name == e.name()));
+    effects.extend(own.map(|e| (e.name().to_string(), e.values.clone())));
     let (motor, ratio) = (motor?, ratio?);
     let frame = Frame {
         linear: None,

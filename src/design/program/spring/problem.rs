@@ -419,6 +419,8 @@ impl<'a> Problem<'a> {
         match asked.demand {
             Demand::Samples(f) => of(&self.limits, f),
             Demand::Bandwidth(f) => of(&self.ripples, f),
+            // Only of motors with fitted effects, which springs are not chosen for.
+            Demand::MeanCurrentSquared(_) => None,
             Demand::Polynomial(..) => {
                 let mut form = Form::default();
                 for (k, sample) in self.means.iter().enumerate() {

@@ -1,0 +1,421 @@
+//! Effects that were found in logs and belong to one actuator, and what those of them that are no linear
+//! feature of a sample do to its limits.
+//!
+//! The one idea: an effect says how it enters ([`Enters`]), and each way is worked out in one place. Features
+//! go through [`Effect::shaft`] into the shaft's equation. What lowers what may be had, or adds to the heat,
+//! becomes one [`Shortfall`] of the actuator, which turns torques into currents for every limit. What
+//! depends on the motor's own speed in no polynomial way is a [`drag`], evaluated at a ratio.
+
+use super::effects::{Effect, Enters, Operating, effect};
+use super::shaft::{Feature, ShaftForm};
+use crate::catalog::Motor;
+use crate::requirement::{GearModel, Joint, RatioChoice, backdrive_efficiency};
+
+/// An effect of an actuator with its values.
+#[derive(Clone)]
+pub struct FittedEffect {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Its values in the order of its parameters, SI.
+    pub values: Vec<f64>,
+}
+
+impl FittedEffect {
+    /// The effect of a name with its values; `None` where the library has none of that name, or it has another
+    /// number of parameters.
+    pub fn new(name: &str, values: Vec<f64>) -> Option<FittedEffect> {
+        effect(name).filter(|e| e.parameters().len() == values.len()).map(|effect| FittedEffect { effect, values })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        self.effect.name()
+    }
+
+    /// Amplitude of an effect with a cosine and a sine.
+    fn amplitude(&self) -> f64 {
+        self.values[0].hypot(self.values[1])
+    }
+}
+
+impl std::fmt::Debug for FittedEffect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {:?}", self.name(), self.values)
+    }
+}
+
+impl PartialEq for FittedEffect {
+    fn eq(&self, other: &FittedEffect) -> bool {
+        self.name() == other.name() && self.values == other.values
+    }
+}
+
+/// Numbers of the gear that an actuator was fitted with.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FittedGear {
+    /// Efficiency when the motor drives, η.
+    pub efficiency: Option<f64>,
+    /// Efficiency when the load drives, η_b.
+    pub backdrive_efficiency: Option<f64>,
+    /// Inertia at the input \[kg·m²\], J_g.
+    pub inertia: Option<f64>,
+    /// Its ratio on the bench: at another, friction at the output is another at the motor.
+    pub ratio: Option<f64>,
+}
+
+/// Saturation of the iron: torque `K_T i − k (i − i_s tanh(i/i_s))` at a current i ≥ 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Saturation {
+    /// k \[N·m/A\].
+    slope: f64,
+    /// i_s \[A\].
+    current: f64,
+    /// Up to this current the curve is used \[A\]; beyond it heat goes on as its tangent.
+    last: f64,
+}
+
+/// What lies between the torque that a sample asks for and the current that makes it, beyond `T/K_T`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shortfall {
+    /// Torque constant \[N·m/A\] that the rest refers to.
+    torque_constant: f64,
+    /// Sum of the amplitudes of torques that depend on angle alone \[N·m\], A.
+    ripple: f64,
+    /// Mean of their square `Σ A²/2` \[N²·m²\].
+    ripple_mean_square: f64,
+    /// Sum of the amplitudes of ripple that is proportional to current, over the torque constant, r.
+    proportional: f64,
+    /// What that ripple multiplies the mean squared current with: `(1 − Σ r²)^(−3/2)`.
+    proportional_heat: f64,
+    saturation: Option<Saturation>,
+    /// Voltage lost in the inverter \[V\].
+    pub voltage: f64,
+}
+
+impl Shortfall {
+    /// Nothing lies between.
+    pub fn none(torque_constant: f64) -> Shortfall {
+        Shortfall {
+            torque_constant,
+            ripple: 0.0,
+            ripple_mean_square: 0.0,
+            proportional: 0.0,
+            proportional_heat: 1.0,
+            saturation: None,
+            voltage: 0.0,
+        }
+    }
+
+    /// Of the motor's effects, at a torque constant; ripple of the gear only where the gear is the one that
+    /// was fitted.
+    pub fn new(motor: &Motor, torque_constant: f64, fitted_gear: bool) -> Shortfall {
+        let mut all = Shortfall::none(torque_constant);
+        let mut squares = 0.0;
+        for fitted in &motor.effects {
+            match fitted.name() {
+                "cogging" => all.add_ripple(fitted.amplitude()),
+                "gear_ripple" if fitted_gear => all.add_ripple(fitted.amplitude()),
+                "torque_ripple" => {
+                    let relative = fitted.amplitude() / torque_constant;
+                    all.proportional += relative;
+                    squares += relative * relative;
+                }
+                "torque_constant_saturation" if fitted.values[0] != 0.0 => {
+                    all.saturation = Some(Saturation::new(&fitted.values, torque_constant, motor.peak_current));
+                }
+                "inverter_dead_time" => all.voltage += fitted.values[0],
+                _ => {}
+            }
+        }
+        // Ripple as large as the torque itself leaves none: the heat has no end.
+        all.proportional_heat = (1.0 - squares).max(0.0).powf(-1.5);
+        all
+    }
+
+    fn add_ripple(&mut self, amplitude: f64) {
+        self.ripple += amplitude;
+        self.ripple_mean_square += 0.5 * amplitude * amplitude;
+    }
+
+    /// Whether torque and current are proportional, and nothing is lost.
+    pub fn is_nothing(&self) -> bool {
+        *self == Shortfall::none(self.torque_constant)
+    }
+
+    /// Whether the current is no longer proportional to the torque.
+    pub fn saturates(&self) -> bool {
+        self.saturation.is_some()
+    }
+
+    /// What remains for the motion of a largest torque \[N·m\], where demands are multiplied with `safety`.
+    pub fn left_of_torque(&self, largest: f64, safety: f64) -> f64 {
+        if self.ripple == 0.0 && self.proportional == 0.0 {
+            return largest;
+        }
+        (largest * (1.0 - self.proportional) - safety * self.ripple).max(0.0)
+    }
+
+    /// What remains for the motion of a largest current \[A\], as `T/K_T`.
+    pub fn left_of_current(&self, largest: f64, safety: f64) -> f64 {
+        if *self == (Shortfall { voltage: self.voltage, ..Shortfall::none(self.torque_constant) }) {
+            return largest;
+        }
+        let torque = match self.saturation {
+            Some(saturation) => saturation.largest_torque(self.torque_constant, largest),
+            None => self.torque_constant * largest,
+        };
+        self.left_of_torque(torque, safety) / self.torque_constant
+    }
+
+    /// Largest current of a largest torque of the motion \[A\].
+    pub fn peak_current(&self, torque: f64) -> f64 {
+        if self.saturation.is_none() {
+            return match self.ripple == 0.0 && self.proportional == 0.0 {
+                true => torque / self.torque_constant,
+                false => (torque + self.ripple) / (self.torque_constant * (1.0 - self.proportional).max(0.0)),
+            };
+        }
+        self.saturated((torque + self.ripple) / (1.0 - self.proportional).max(0.0)).0
+    }
+
+    /// Derivative of [`Self::peak_current`] \[A/(N·m)\].
+    pub fn peak_current_slope(&self, torque: f64) -> f64 {
+        let share = (1.0 - self.proportional).max(0.0);
+        match self.saturation {
+            None => 1.0 / (self.torque_constant * share),
+            Some(_) => self.saturated((torque + self.ripple) / share).1 / share,
+        }
+    }
+
+    /// What is added to the mean of `T²` \[N²·m²\].
+    pub fn mean_square(&self) -> f64 {
+        self.ripple_mean_square
+    }
+
+    /// What the mean of the squared current is multiplied with beyond `1/K_T²`.
+    pub fn heat_factor(&self) -> f64 {
+        self.proportional_heat
+    }
+
+    /// Mean squared current at a squared torque \[A²\], and its derivative \[A²/(N²·m²)\]: a convex
+    /// function. Ripple is added in its mean square.
+    pub fn current_squared(&self, torque_squared: f64) -> (f64, f64) {
+        let squared = (torque_squared + self.ripple_mean_square) * self.proportional_heat;
+        if self.saturation.is_none() {
+            let per_square = 1.0 / (self.torque_constant * self.torque_constant);
+            return (squared * per_square, self.proportional_heat * per_square);
+        }
+        let torque = squared.sqrt();
+        let (current, slope) = self.saturated(torque);
+        // d(i²)/d(T²) = i i'/T, which is 1/K_T² where both vanish.
+        let per_square = if torque > 0.0 { current * slope / torque } else { self.torque_constant.powi(-2) };
+        (current * current, per_square * self.proportional_heat)
+    }
+
+    /// Current at a torque ≥ 0 of the saturated curve \[A\] and its derivative \[A/(N·m)\].
+    fn saturated(&self, torque: f64) -> (f64, f64) {
+        let Some(saturation) = self.saturation else {
+            return (torque / self.torque_constant, 1.0 / self.torque_constant);
+        };
+        let k_t = self.torque_constant;
+        let end = saturation.torque(k_t, saturation.last);
+        if torque > end.0 {
+            // i² goes on as the tangent in T²: convex, and beyond what the motor can do anyway.
+            let rate = 2.0 * saturation.last / end.1;
+            let squared = saturation.last.powi(2) + rate / (2.0 * end.0) * (torque * torque - end.0 * end.0);
+            return (squared.sqrt(), rate / (2.0 * end.0) * torque / squared.sqrt());
+        }
+        // The curve rises and bends down: Newton from T/K_T, which is below the root, never passes it.
+        let mut current = torque / k_t;
+        for _ in 0..100 {
+            let (value, slope) = saturation.torque(k_t, current);
+            let next = (current + (torque - value) / slope).min(saturation.last);
+            let done = (next - current).abs() <= 1e-15 * current;
+            current = next;
+            if done {
+                break;
+            }
+        }
+        (current, 1.0 / saturation.torque(k_t, current).1)
+    }
+}
+
+impl Saturation {
+    fn new(values: &[f64], torque_constant: f64, peak_current: Option<f64>) -> Saturation {
+        let [slope, current] = [values[0], values[1]];
+        // Where the slope dT/di = K_T − k tanh²(i/i_s) has fallen to a hundredth, the motor gives no more.
+        let share = 0.99 * torque_constant / slope;
+        let steep = if (0.0..1.0).contains(&share) { current * share.sqrt().atanh() } else { f64::INFINITY };
+        let largest = peak_current.unwrap_or(f64::INFINITY).max(current);
+        Saturation { slope, current, last: steep.min(1e3 * largest.min(1e6)) }
+    }
+
+    /// Torque \[N·m\] and its slope \[N·m/A\] at a current.
+    fn torque(&self, torque_constant: f64, current: f64) -> (f64, f64) {
+        let bent = (current / self.current).tanh();
+        let torque = torque_constant * current - self.slope * (current - self.current * bent);
+        (torque, torque_constant - self.slope * bent * bent)
+    }
+
+    /// The largest torque with a current up to `largest`.
+    fn largest_torque(&self, torque_constant: f64, largest: f64) -> f64 {
+        self.torque(torque_constant, largest.min(self.last)).0
+    }
+}
+
+/// Adds the features of all effects that the motor's row or its fit has.
+pub fn add_features(motor: &Motor, form: &mut ShaftForm) {
+    for fitted in &motor.effects {
+        fitted.effect.shaft(&fitted.values, form);
+    }
+}
+
+/// Effects that are evaluated at each ratio.
+pub fn evaluated(motor: &Motor) -> impl Iterator<Item = &FittedEffect> {
+    motor.effects.iter().filter(|e| e.effect.enters() == Enters::Evaluated)
+}
+
+/// Torque of the evaluated effects at a speed of the motor \[N·m\] with its sign, and its derivative
+/// \[N·m·s/rad\].
+pub fn drag(motor: &Motor, speed: f64, direction: f64) -> (f64, f64) {
+    let at = Operating { direction, ..Operating::at_speed(speed) };
+    evaluated(motor).fold((0.0, 0.0), |(torque, slope), fitted| {
+        (torque + fitted.effect.value(&fitted.values, &at), slope + fitted.effect.speed_slope(&fitted.values, &at))
+    })
+}
+
+/// Why a program with evaluated effects has no certificate.
+pub fn why_evaluated(motor: &Motor) -> Option<&'static str> {
+    let has = |name: &str| evaluated(motor).any(|e| e.name() == name);
+    match (has("stribeck_friction"), has("eddy_drag")) {
+        (true, true) => Some("stribeck_friction and eddy_drag are evaluated on a grid of ratios"),
+        (true, false) => Some("stribeck_friction is evaluated on a grid of ratios"),
+        (false, true) => Some("eddy_drag is evaluated on a grid of ratios"),
+        (false, false) => None,
+    }
+}
+
+/// Torque constant of the hottest motor \[N·m/A\], where magnets were found to lose flux.
+pub fn hot_torque_constant(motor: &Motor, hottest: Option<f64>) -> f64 {
+    let slopes = motor.effects.iter().filter(|e| e.name() == "torque_constant_temperature").map(|e| e.values[0]);
+    let Some(hottest) = hottest else { return motor.torque_constant };
+    let rise = (hottest - motor.reference_temperature).max(0.0);
+    // A magnet that would be gone altogether is left a hundredth: currents without end are refused anyway.
+    slopes.fold(motor.torque_constant, |k, slope| k - slope * rise).max(0.01 * motor.torque_constant)
+}
+
+/// The factor γ of the gear's friction, where it was found.
+fn load_dependent(motor: &Motor) -> Option<f64> {
+    let mut found = motor.effects.iter().filter(|e| e.name() == "load_dependent_friction").map(|e| e.values[0]);
+    let first = found.next()?;
+    Some(found.fold(first, |a, b| a + b))
+}
+
+/// The gear of a continuous ratio with the numbers that were fitted for this motor: they replace those of
+/// the requirement. `1/η = 1/η_fitted + γ`, `η_b = η_b fitted − γ`.
+pub fn gear_with_fit(motor: &Motor, gear: &GearModel) -> GearModel {
+    let (fitted, factor) = (motor.fitted_gear.unwrap_or_default(), load_dependent(motor));
+    let mut gear = *gear;
+    if let Some(inertia) = fitted.inertia {
+        gear.inertia = inertia;
+    }
+    if fitted.efficiency.is_some() || factor.is_some() {
+        let (own, factor) = (fitted.efficiency.unwrap_or(1.0), factor.unwrap_or(0.0));
+        gear.efficiency = 1.0 / (1.0 / own + factor);
+        gear.backdrive_efficiency = fitted.backdrive_efficiency.unwrap_or_else(|| backdrive_efficiency(own)) - factor;
+    } else if let Some(backdrive) = fitted.backdrive_efficiency {
+        gear.backdrive_efficiency = backdrive;
+    }
+    gear
+}
+
+/// How one thing that was fitted enters the limits of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Note {
+    /// The effect, or `gear`.
+    pub effect: &'static str,
+    /// How, in words.
+    pub how: String,
+}
+
+/// How everything that was fitted for a motor enters the limits at a joint; empty for a catalogue row.
+pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
+    let listed = matches!(joint.ratio, RatioChoice::Catalog { .. });
+    let mut notes: Vec<Note> = Vec::new();
+    let mut add = |effect: &'static str, how: String| {
+        if !notes.iter().any(|n| n.effect == effect) {
+            notes.push(Note { effect, how });
+        }
+    };
+    for fitted in &motor.effects {
+        let name = fitted.name();
+        let how = match (name, fitted.effect.enters()) {
+            ("load_dependent_friction" | "gear_ripple", _) if listed => {
+                "does not enter the limits: it belongs to the gear that was on the bench, and this joint takes gears of \
+                 the catalogue"
+                    .into()
+            }
+            ("torque_constant_temperature", _) if hottest.is_none() => {
+                "does not enter the limits: no highest temperature is known".into()
+            }
+            ("torque_constant_temperature", _) => {
+                "enters as the torque constant at the highest allowed winding temperature".into()
+            }
+            ("torque_constant_saturation", _) => {
+                "enters current and heat at every instant (voltage and power take the straight line)"
+                    .into()
+            }
+            ("cogging" | "gear_ripple" | "torque_ripple", _) => {
+                "enters peak torque and current by its amplitude and heat by its mean square (not voltage and power)"
+                    .into()
+            }
+            ("inverter_dead_time", _) => "lowers the voltage that may be had".into(),
+            (_, Enters::NotAtAll(why)) => format!("does not enter the limits: {why}"),
+            (_, Enters::Evaluated) => format!("is {}", Enters::Evaluated.words()),
+            // Whether N* is proved is for all effects together to say.
+            (_, enters) => enters.words().split(';').next().unwrap_or_default().into(),
+        };
+        add(name, how);
+    }
+    let replaced = gear_with_fit(motor, &joint.gear);
+    if !listed && replaced != joint.gear {
+        let number = crate::report::number;
+        let mut parts = Vec::new();
+        if replaced.efficiency != joint.gear.efficiency {
+            parts.push(("efficiency", replaced.efficiency, joint.gear.efficiency, ""));
+        }
+        if replaced.backdrive_efficiency != joint.gear.backdrive_efficiency {
+            let (own, asked) = (replaced.backdrive_efficiency, joint.gear.backdrive_efficiency);
+            parts.push(("backdrive efficiency", own, asked, ""));
+        }
+        if replaced.inertia != joint.gear.inertia {
+            parts.push(("inertia", replaced.inertia, joint.gear.inertia, " kg*m^2"));
+        }
+        let said = parts.iter().map(|(what, own, asked, unit)| {
+            format!("{what} {}{unit} in place of the requirement's {}{unit}", number(*own), number(*asked))
+        });
+        let how = format!("is the fitted one: {}", said.collect::<Vec<_>>().join(", "));
+        add("gear", how);
+    }
+    if listed && motor.fitted_gear.is_some_and(|g| g.efficiency.is_some() || g.inertia.is_some()) {
+        add("gear", "is not used: this joint takes gears of the catalogue".into());
+    }
+    notes
+}
+
+/// Torque and its rate that are folded into a sample at a ratio, motor side: the constant, `a |ω|` and
+/// the drag, and the rate of the last two per N.
+pub fn folded(
+    motor: &Motor,
+    form: &ShaftForm,
+    ratio: f64,
+    velocity: f64,
+    towards: f64,
+    acceleration: f64,
+) -> (f64, f64) {
+    let speed = ratio * velocity;
+    let (torque, slope) = drag(motor, speed, towards);
+    let asymmetry = form[Feature::Speed];
+    let constant = form[Feature::One] + asymmetry * speed.abs() + torque;
+    (constant, (asymmetry * towards + slope) * acceleration)
+}

@@ -1,0 +1,233 @@
+//! The choice made again with what was measured.
+//!
+//! The one idea: the fitted motor takes the place of its declared row, and everything else stays. What
+//! changes for a joint (ratio, window, margins, rank, the first choice) is the difference between the two,
+//! and the regret is what the choice made before costs under the fitted model. Friction that was found behind a
+//! gear looks the same on either side of it, but another ratio tells them apart: the choice is given
+//! for both readings.
+
+use super::optimize::{Design, Reason, best_design, optimize, order};
+use super::{Evaluation, JointDemand, Margin, Prepared, continuous_candidate, geared_candidate};
+use crate::actuator::fitted::{FittedEffect, Note, notes};
+use crate::actuator::limits::hottest;
+use crate::actuator::shaft::sign;
+use crate::catalog::{Catalog, Motor};
+use crate::design::program::{Bind, Certificate};
+use crate::requirement::{Joint, Robot};
+
+/// What the measurement changes at one joint.
+#[derive(Debug, Clone)]
+pub struct Remade<'a> {
+    /// The joint.
+    pub joint: &'a Joint,
+    /// Id of the motor.
+    pub motor: String,
+    /// Number of motors of the catalogue.
+    pub motors: usize,
+    /// The motor by its declared row; `None` where the catalogue does not have it.
+    pub before: Option<Choice>,
+    /// The motor as fitted.
+    pub after: Choice,
+    /// The same with the friction that was found at the output instead, where both readings fit the logs.
+    pub output_side: Option<Choice>,
+    /// The first choice of the catalogue before, if any motor can do it.
+    pub first_before: Option<Chosen>,
+    /// The first choice with the fitted motor in place of its row.
+    pub first_after: Option<Chosen>,
+    /// What the first choice before costs under the fitted model.
+    pub regret: Option<Regret>,
+    /// What the ratio of the declared row costs for the fitted motor.
+    pub own_regret: Option<Regret>,
+    /// How what was fitted enters the limits.
+    pub notes: Vec<Note>,
+}
+
+/// What came of a motor at a joint.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    /// The best design, or why there is none.
+    pub outcome: Result<Chosen, Reason>,
+    /// Its place among the motors that can do it, the first is 1.
+    pub rank: Option<usize>,
+}
+
+/// A design that was chosen.
+#[derive(Debug, Clone)]
+pub struct Chosen {
+    /// Id of the motor.
+    pub motor: String,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<String>,
+    /// N*.
+    pub ratio: f64,
+    /// The window that it lies in.
+    pub window: (f64, f64),
+    /// What ends the window.
+    pub binds: (Bind, Bind),
+    /// Every margin.
+    pub margins: Vec<Margin>,
+    /// The objective.
+    pub objective: f64,
+    /// The proof.
+    pub certificate: Certificate,
+}
+
+/// What a choice made before comes to under the fitted model.
+#[derive(Debug, Clone)]
+pub struct Regret {
+    /// Its objective there; `None` where it needs a number that is not known.
+    pub objective: Option<f64>,
+    /// What it breaks there, if anything.
+    pub broken: Option<Margin>,
+    /// `(objective − best)/|best|`, best being the choice made again; `None` where it breaks a limit.
+    pub relative: Option<f64>,
+}
+
+impl Chosen {
+    fn new(design: &Design) -> Chosen {
+        let window = design.optimum.window();
+        Chosen {
+            motor: design.motor.id.clone(),
+            gear: design.gear.map(str::to_string),
+            ratio: design.optimum.ratio,
+            window: (window.min, window.max),
+            binds: (window.low.clone(), window.high.clone()),
+            margins: design.evaluation.margins.clone(),
+            objective: design.optimum.objective,
+            certificate: design.optimum.certificate.clone(),
+        }
+    }
+
+    /// The smallest margin.
+    pub fn tightest(&self) -> Option<&Margin> {
+        self.margins.iter().min_by(|a, b| a.margin.total_cmp(&b.margin))
+    }
+}
+
+/// Makes the choice again for every joint: the fitted motor takes the place of the row `declared_id`, or
+/// stands beside the others where the catalogue has no such row.
+pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted: &Motor) -> Vec<Remade<'a>> {
+    let fitted = Motor { id: declared_id.to_string(), ..fitted.clone() };
+    let declared = catalog.motors.iter().find(|m| m.id == declared_id);
+    let result = optimize(robot, catalog);
+    let pairs = robot.joints.iter().zip(&result.joints);
+    let one = |(joint, before): (&'a Joint, &super::optimize::JointResult)| {
+        let demand = JointDemand::new(joint, catalog);
+        let after = best_design(robot, joint, &demand, &fitted, false);
+        let others: Vec<&Design> = before.candidates.iter().filter(|d| d.motor.id != declared_id).collect();
+        let rank = |design: &Design| 1 + others.iter().filter(|d| order(d, design).is_lt()).count();
+        let choice = |found: &Result<Design, super::optimize::Rejected>| match found {
+            Ok(design) => Choice { outcome: Ok(Chosen::new(design)), rank: Some(rank(design)) },
+            Err(rejected) => Choice { outcome: Err(rejected.reason.clone()), rank: None },
+        };
+        let own = before.candidates.iter().find(|d| d.motor.id == declared_id);
+        let refused = before.rejected.iter().find(|r| r.motor.id == declared_id);
+        let own_before = match (own, refused) {
+            (Some(design), _) => Some(Choice { outcome: Ok(Chosen::new(design)), rank: Some(rank(design)) }),
+            (None, Some(rejected)) => Some(Choice { outcome: Err(rejected.reason.clone()), rank: None }),
+            (None, None) => None,
+        };
+        let mut remade: Vec<&Design> = others.clone();
+        remade.extend(after.as_ref().ok());
+        remade.sort_by(|a, b| order(a, b));
+        let (first, first_after) = (before.candidates.first(), remade.first());
+        let at = |design: &Design| evaluate(robot, joint, &demand, &fitted, design);
+        let regret = first.map(|first| {
+            let evaluation = if first.motor.id == declared_id { at(first) } else { Some(first.evaluation.clone()) };
+            regret_of(joint, evaluation, first_after.map(|d| d.optimum.objective))
+        });
+        let own_regret = own.map(|own| regret_of(joint, at(own), after.as_ref().ok().map(|d| d.optimum.objective)));
+        Remade {
+            joint,
+            motor: declared_id.to_string(),
+            motors: before.motors(),
+            before: own_before,
+            after: choice(&after),
+            output_side: output_side(robot, joint, catalog, declared, &fitted, &rank),
+            first_before: first.map(Chosen::new),
+            first_after: first_after.map(|d| Chosen::new(d)),
+            regret,
+            own_regret,
+            notes: notes(&fitted, joint, hottest(&fitted, joint).map(|t| t.0)),
+        }
+    };
+    pairs.map(one).collect()
+}
+
+/// The fitted motor in a design that was made for its row.
+fn evaluate(robot: &Robot, joint: &Joint, demand: &JointDemand, fitted: &Motor, design: &Design) -> Option<Evaluation> {
+    let candidate = match design.gear {
+        None => continuous_candidate(robot, joint, &demand.load, fitted).ok()?,
+        Some(id) => {
+            let (gear, load) = demand.gears_for(fitted).find(|(g, _)| g.id == id)?;
+            geared_candidate(robot, joint, load, fitted, gear).ok()?
+        }
+    };
+    let (prepared, ratio) = (Prepared::new(candidate), design.optimum.ratio);
+    Some(Evaluation {
+        energy: prepared.energy(ratio),
+        peak_power: Some(prepared.peak_power(ratio)),
+        ..prepared.at(ratio)
+    })
+}
+
+fn regret_of(joint: &Joint, evaluation: Option<Evaluation>, best: Option<f64>) -> Regret {
+    let objective = evaluation.as_ref().and_then(|e| e.objective(&joint.objective));
+    let broken = evaluation.filter(|e| !e.feasible).and_then(|e| e.tightest().copied());
+    let relative = match (objective, best) {
+        (Some(objective), Some(best)) if broken.is_none() && best != 0.0 => Some((objective - best) / best.abs()),
+        _ => None,
+    };
+    Regret { objective, broken, relative }
+}
+
+/// The fitted motor with the friction that its row did not declare at the output of the gear on the bench,
+/// where it stays the same whatever the ratio. `None` where none was found, or where no gear was between.
+fn output_side(
+    robot: &Robot,
+    joint: &Joint,
+    catalog: &Catalog,
+    declared: Option<&Motor>,
+    fitted: &Motor,
+    rank: &dyn Fn(&Design) -> usize,
+) -> Option<Choice> {
+    let bench = fitted.fitted_gear.and_then(|g| g.ratio).filter(|ratio| *ratio != 1.0)?;
+    let own = |of: fn(&Motor) -> Option<f64>| declared.and_then(of);
+    let found = |of: fn(&Motor) -> Option<f64>| of(fitted).unwrap_or(0.0) - own(of).unwrap_or(0.0);
+    let (viscous, coulomb) = (found(|m| m.viscous_friction), found(|m| m.coulomb_friction));
+    let friction =
+        |e: &&FittedEffect| matches!(e.name(), "stribeck_friction" | "viscous_friction" | "coulomb_friction");
+    let moved: Vec<&FittedEffect> = fitted.effects.iter().filter(friction).collect();
+    if viscous == 0.0 && coulomb == 0.0 && moved.is_empty() {
+        return None;
+    }
+    let motor = Motor {
+        viscous_friction: own(|m| m.viscous_friction),
+        coulomb_friction: own(|m| m.coulomb_friction),
+        effects: fitted.effects.iter().filter(|e| !friction(e)).cloned().collect(),
+        ..fitted.clone()
+    };
+    let mut joint = joint.clone();
+    let motion = &mut joint.motion;
+    for k in 0..motion.len() {
+        let speed = bench * motion.velocity[k];
+        let at = crate::actuator::effects::Operating::at_speed(speed);
+        let (mut torque, mut slope) = (coulomb * sign(speed) + viscous * speed, viscous);
+        for fitted in &moved {
+            torque += fitted.effect.value(&fitted.values, &at);
+            slope += match fitted.name() {
+                "viscous_friction" => fitted.values[0],
+                _ => fitted.effect.speed_slope(&fitted.values, &at),
+            };
+        }
+        // Torque at the output is N times that at the motor, and speed there 1/N.
+        motion.torque[k] += bench * torque;
+        motion.torque_rate[k] += bench * bench * slope * motion.acceleration[k];
+    }
+    let demand = JointDemand::new(&joint, catalog);
+    let found = best_design(robot, &joint, &demand, &motor, false);
+    Some(match found {
+        Ok(design) => Choice { outcome: Ok(Chosen::new(&design)), rank: Some(rank(&design)) },
+        Err(rejected) => Choice { outcome: Err(rejected.reason), rank: None },
+    })
+}

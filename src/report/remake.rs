@@ -1,0 +1,229 @@
+//! What a measurement changes in the choice of motor and ratio.
+
+use serde_json::{Map, Value, json};
+
+use super::number;
+use super::optimize::{bind_text, margins_json, proof, reason_text};
+use super::table::{table, wrap};
+use crate::design::program::Certificate;
+use crate::design::remake::{Choice, Chosen, Regret, Remade};
+use crate::requirement::Joint;
+
+/// For people.
+pub fn text(remade: &[Remade]) -> String {
+    let mut out = String::new();
+    for one in remade {
+        out.push_str(&joint_text(one));
+    }
+    out
+}
+
+fn joint_text(one: &Remade) -> String {
+    let joint = one.joint;
+    let mut out = format!("{}: the choice made again (least {})\n\n", joint.name, joint.objective.name());
+    let header = [
+        "",
+        "motor",
+        ">N*",
+        ">window",
+        "",
+        &format!(">{} [{}]", joint.objective.name(), joint.objective.unit()),
+        ">rank",
+        "proof",
+    ];
+    let mut rows = Vec::new();
+    if let Some(before) = &one.before {
+        rows.push(choice_row("as declared", one, before));
+    }
+    rows.push(choice_row("as fitted", one, &one.after));
+    if let Some(choice) = &one.output_side {
+        rows.push(choice_row("friction at the output", one, choice));
+    }
+    for (what, first) in [("first choice before", &one.first_before), ("first choice now", &one.first_after)] {
+        rows.push(match first {
+            Some(chosen) => chosen_row(what, joint, chosen, Some(1)),
+            None => none_row(what, "–"),
+        });
+    }
+    for line in table(&header, &rows).lines() {
+        out.push_str(&format!("  {line}\n"));
+    }
+    let mut say = |line: String| out.push_str(&format!("  {}\n", wrap(&line, 4)));
+    for (what, choice) in [("as declared", one.before.as_ref()), ("as fitted", Some(&one.after))] {
+        match choice.map(|c| &c.outcome) {
+            Some(Ok(chosen)) => {
+                if let Some(margin) = chosen.tightest() {
+                    say(format!("{what}: tightest margin {} {:.0} %", margin.limit, 100.0 * margin.margin.max(0.0)));
+                }
+            }
+            Some(Err(reason)) => say(format!("{what}: {}", reason_text(reason, joint).1)),
+            None => {}
+        }
+    }
+    if let Some(regret) = &one.own_regret {
+        say(format!("the declared row's ratio, under the fitted model: {}", regret_text(regret, joint)));
+    }
+    if let Some(regret) = &one.regret {
+        say(format!("the first choice before, under the fitted model: {}", regret_text(regret, joint)));
+    }
+    if let Some(Choice { outcome: Ok(output), .. }) = &one.output_side
+        && let Ok(motor) = &one.after.outcome
+    {
+        say(format!(
+            "one ratio cannot tell friction of the motor from friction at the output: N* = {} if it is the motor's, {} if \
+             it is the output's",
+            number(motor.ratio),
+            number(output.ratio)
+        ));
+    }
+    for note in &one.notes {
+        say(format!("{}: {}", note.effect, note.how));
+    }
+    out.push('\n');
+    out
+}
+
+fn choice_row(what: &str, one: &Remade, choice: &Choice) -> Vec<String> {
+    match &choice.outcome {
+        Ok(chosen) => chosen_row(what, one.joint, chosen, choice.rank),
+        Err(_) => none_row(what, &one.motor),
+    }
+}
+
+fn none_row(what: &str, motor: &str) -> Vec<String> {
+    [what, motor, "none", "", "", "", "", ""].map(str::to_string).to_vec()
+}
+
+fn chosen_row(what: &str, joint: &Joint, chosen: &Chosen, rank: Option<usize>) -> Vec<String> {
+    let binds = match &chosen.gear {
+        Some(gear) => gear.clone(),
+        None => format!("{}, {}", bind_text(&chosen.binds.0, joint), bind_text(&chosen.binds.1, joint)),
+    };
+    vec![
+        what.into(),
+        chosen.motor.clone(),
+        number(chosen.ratio),
+        format!("{} to {}", number(chosen.window.0), number(chosen.window.1)),
+        binds,
+        number(chosen.objective),
+        rank.map_or_else(String::new, |r| r.to_string()),
+        proof(&chosen.certificate),
+    ]
+}
+
+fn regret_text(regret: &Regret, joint: &Joint) -> String {
+    if let Some(margin) = &regret.broken {
+        return format!(
+            "not feasible: {} is {} of {} {}",
+            margin.limit,
+            number(margin.demand),
+            number(margin.bound),
+            margin.unit
+        );
+    }
+    match (regret.objective, regret.relative) {
+        (Some(objective), Some(relative)) => format!(
+            "{} {} {}, {:.2} % more than the choice made again",
+            joint.objective.name(),
+            number(objective),
+            joint.objective.unit(),
+            100.0 * relative.max(0.0)
+        ),
+        (Some(objective), None) => {
+            format!(
+                "{} {} {}; nothing to compare it with",
+                joint.objective.name(),
+                number(objective),
+                joint.objective.unit()
+            )
+        }
+        _ => "unknown".into(),
+    }
+}
+
+/// For programs.
+pub fn json(remade: &[Remade]) -> Value {
+    let one = |one: &Remade| {
+        json!({
+            "joint": one.joint.name,
+            "motor": one.motor,
+            "motors": one.motors,
+            "objective": one.joint.objective.name(),
+            "objective_unit": one.joint.objective.unit(),
+            "before": one.before.as_ref().map(|c| choice_json(c, one.joint)),
+            "after": choice_json(&one.after, one.joint),
+            "output_side": one.output_side.as_ref().map(|c| choice_json(c, one.joint)),
+            "first_before": one.first_before.as_ref().map(|c| chosen_json(c, one.joint)),
+            "first_after": one.first_after.as_ref().map(|c| chosen_json(c, one.joint)),
+            "regret": one.regret.as_ref().map(regret_json),
+            "own_regret": one.own_regret.as_ref().map(regret_json),
+            "effects": one.notes.iter().map(|n| json!({ "name": n.effect, "enters": n.how })).collect::<Vec<_>>(),
+        })
+    };
+    Value::Array(remade.iter().map(one).collect())
+}
+
+/// First choices of the catalogue before and after, and the whole story of each joint.
+pub fn design_json(remade: &[Remade]) -> Value {
+    let side = |after: bool| -> Vec<Value> {
+        remade
+            .iter()
+            .map(|one| {
+                let chosen = if after { &one.first_after } else { &one.first_before };
+                let mut value = chosen.as_ref().map_or_else(|| json!({ "motor": null }), |c| chosen_json(c, one.joint));
+                if let Value::Object(object) = &mut value {
+                    object.insert("joint".into(), json!(one.joint.name));
+                }
+                value
+            })
+            .collect()
+    };
+    json!({
+        "before": side(false),
+        "after": side(true),
+        "joints": json(remade),
+    })
+}
+
+fn choice_json(choice: &Choice, joint: &Joint) -> Value {
+    let mut value = match &choice.outcome {
+        Ok(chosen) => chosen_json(chosen, joint),
+        Err(reason) => json!({ "because": reason_text(reason, joint).1 }),
+    };
+    if let Value::Object(object) = &mut value {
+        object.insert("rank".into(), json!(choice.rank));
+    }
+    value
+}
+
+fn chosen_json(chosen: &Chosen, joint: &Joint) -> Value {
+    let (margins, _) = margins_json(&chosen.margins, joint);
+    let mut object = Map::new();
+    let mut put = |key: &str, value: Value| object.insert(key.into(), value);
+    put("motor", json!(chosen.motor));
+    put("gear", json!(chosen.gear));
+    put("ratio", json!(chosen.ratio));
+    put("window", json!([chosen.window.0, chosen.window.1]));
+    put("binds", json!({ "low": chosen.binds.0.limit, "high": chosen.binds.1.limit }));
+    put("objective", json!(chosen.objective));
+    put("margins", margins);
+    put(
+        "certificate",
+        match &chosen.certificate {
+            Certificate::Certified { lower_bound, gap, method } => {
+                json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method })
+            }
+            Certificate::NotCertified(why) => json!({ "certified": false, "because": why }),
+        },
+    );
+    Value::Object(object)
+}
+
+fn regret_json(regret: &Regret) -> Value {
+    json!({
+        "objective": regret.objective,
+        "feasible": regret.broken.is_none(),
+        "broken": regret.broken.map(|m| m.limit),
+        "relative": regret.relative,
+    })
+}
