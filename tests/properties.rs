@@ -327,7 +327,10 @@ proptest! {
             let inside = found.is_some_and(|(min, max, ..)| e.ratio >= min * (1.0 - 1e-8) && e.ratio <= max * (1.0 + 1e-8));
             prop_assert_eq!(e.feasible, inside, "N = {} of {:?}", e.ratio, found);
             if let (true, Some((_, _, best, ok))) = (inside, found) {
-                prop_assert!(ok && e.objective(&objective).unwrap() >= best * (1.0 - 1e-6));
+                prop_assert!(ok, "the optimum breaks a limit");
+                // Energy can be negative: what comes back counts.
+                let here = e.objective(&objective).unwrap();
+                prop_assert!(here >= best - 1e-6 * best.abs(), "N = {}: {} against {}", e.ratio, here, best);
             }
         }
     }
