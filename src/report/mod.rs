@@ -4,6 +4,7 @@
 pub mod audit;
 pub mod compare;
 pub mod explain;
+pub mod forward;
 pub mod import;
 pub mod optimize;
 pub mod pareto;

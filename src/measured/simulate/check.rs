@@ -206,8 +206,7 @@ fn left_out(model: &Model, parts: &[Track]) -> f64 {
     whole.fit(&everything, &Counted::new(), 12, 1e-3);
     for fold in 0..folds {
         let mut trial = whole.clone();
-        let others: Vec<&Track> =
-            parts.iter().enumerate().filter(|(k, _)| k % folds != fold).map(|(_, t)| t).collect();
+        let others: Vec<&Track> = parts.iter().enumerate().filter(|(k, _)| k % folds != fold).map(|(_, t)| t).collect();
         trial.fit(&others, &Counted::new(), 8, 1e-3);
         for part in parts.iter().skip(fold).step_by(folds) {
             squares += part.residual(&trial.machine).iter().map(|r| r * r).sum::<f64>();

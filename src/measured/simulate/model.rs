@@ -74,9 +74,9 @@ pub(super) fn scale(tracks: &[Track], machine: &Machine) -> Scale {
         match &t.input {
             Input::Current(i) => inputs.extend(i.iter().map(|i| i.abs())),
             Input::Duty(d) => inputs.extend(d.iter().zip(&t.supply).map(|(d, v)| (d * v).abs())),
-            Input::Goal { goal, gain, limit, .. } => inputs.extend(
-                (0..t.len()).map(|k| (gain * (goal[k] - t.position[k])).abs().min(*limit) * t.supply[k]),
-            ),
+            Input::Goal { goal, gain, limit, .. } => {
+                inputs.extend((0..t.len()).map(|k| (gain * (goal[k] - t.position[k])).abs().min(*limit) * t.supply[k]))
+            }
         }
         torques.push(t.load_gravity / n);
     }
@@ -96,8 +96,10 @@ pub(super) fn scale(tracks: &[Track], machine: &Machine) -> Scale {
 
 /// What a linear value of an effect is measured in: a tenth of the largest torque, or voltage.
 fn size(effect: &dyn Effect, index: usize, shape: f64, scale: &Scale) -> f64 {
+    // What depends on a speed is largest about there.
+    let speed = if effect.shape() == Shape::Speed { shape } else { 0.5 * scale.speed };
     let at = Operating {
-        speed: 0.5 * scale.speed,
+        speed,
         direction: 1.0,
         angle: 0.7,
         output_angle: 0.8,

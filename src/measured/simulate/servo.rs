@@ -31,10 +31,12 @@ const CANDIDATES: &[&str] = &[
 const WORTH: f64 = 0.03;
 /// Errors this close are a tie.
 const TIE: f64 = 0.01;
-/// Length of the stretches that judge where logs are few \[s\].
+/// Length of the stretches of time that judge, several times what the error of a closed loop remembers \[s\].
 const BLOCK: f64 = 1.5;
-/// So many logs judge as wholes.
-const ENOUGH_LOGS: usize = 8;
+/// So many logs are left out as wholes.
+const ENOUGH_LOGS: usize = 4;
+/// So many logs judge as wholes: stretches of one log are not independent.
+const MANY_LOGS: usize = 8;
 /// Most folds.
 const FOLDS: usize = 6;
 /// Draws of the test by random signs.
@@ -174,7 +176,7 @@ impl<'a> Judges<'a> {
         let (mut unit, mut fold, mut count) = (Vec::new(), Vec::new(), 0);
         for (index, track) in fit.iter().enumerate() {
             let length = track.time[track.len() - 1] - track.time[0];
-            let blocks = if whole { 1 } else { ((length / BLOCK).round() as usize).max(1) };
+            let blocks = if fit.len() >= MANY_LOGS { 1 } else { ((length / BLOCK).round() as usize).max(1) };
             let at = |t: f64| (((t - track.time[0]) / length * blocks as f64) as usize).min(blocks - 1);
             unit.push(track.time.iter().map(|t| count + at(*t)).collect());
             // With few logs neighbouring stretches are in different folds.
@@ -234,7 +236,8 @@ impl<'a> Judges<'a> {
     }
 }
 
-/// Probability that differences as large as these come about where there is none: signs at random.
+/// Probability that gains as large as these come about where there is none: signs at random, stretch by
+/// stretch.
 fn chance(before: &[f64], after: &[f64]) -> f64 {
     let gains: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
     let sum: f64 = gains.iter().sum();
@@ -266,7 +269,6 @@ fn chance(before: &[f64], after: &[f64]) -> f64 {
 struct Tried {
     candidate: Candidate,
     model: Model,
-    left_out: Vec<f64>,
     error: f64,
 }
 
@@ -329,7 +331,10 @@ pub fn identify_servo(bench: &Bench) -> Option<Report> {
             break;
         };
         let fall = 100.0 * (1.0 - judges.error(&now) / judges.error(&left));
-        story.refuse(candidate.name(), format!("superfluous beside the others: it takes {fall:.1} % of the left-out error"));
+        story.refuse(
+            candidate.name(),
+            format!("superfluous beside the others: it takes {fall:.1} % of the left-out error"),
+        );
         (model, now) = (without, left);
         added.retain(|c| c.name() != candidate.name());
     }
@@ -482,24 +487,28 @@ fn next(candidates: &[Candidate], model: &Model, now: &[f64], judges: &Judges, s
         story.refuse(candidate.name(), format!("others explain more: the error would fall by {fall:.1} %"));
     }
     fits.truncate(3);
+    let judged = fits.len() as f64;
     let mut tried: Vec<Tried> = Vec::new();
     for (candidate, with, _) in fits {
         let left_out = judges.left_out(&with);
         let error = judges.error(&left_out);
-        let probability = chance(now, &left_out) * open.len() as f64;
+        let probability = chance(now, &left_out) * judged;
         if error > (1.0 - WORTH) * before {
             let fall = 100.0 * (1.0 - error / before);
-            story.refuse(candidate.name(), format!("on what was left out the error falls by {fall:.1} %, less than 3 %"));
+            story.refuse(
+                candidate.name(),
+                format!("on what was left out the error falls by {fall:.1} %, less than 3 %"),
+            );
         } else if probability > CHANCE {
             let fall = 100.0 * (1.0 - error / before);
             story.refuse(
                 candidate.name(),
-                format!("the left-out error falls by {fall:.1} %, but by chance one of all would as well in {:.0} % of cases",
+                format!("the left-out error falls by {fall:.1} %, but by chance one of those tried would as well in {:.0} % of cases",
                     100.0 * probability.min(1.0)),
             );
         } else {
             story.refuse(candidate.name(), "another explains it better".into());
-            tried.push(Tried { candidate, model: with, left_out, error });
+            tried.push(Tried { candidate, model: with, error });
         }
     }
     let best = tried.iter().map(|t| t.error).fold(f64::INFINITY, f64::min);
@@ -509,7 +518,13 @@ fn next(candidates: &[Candidate], model: &Model, now: &[f64], judges: &Judges, s
 }
 
 /// Effects that do about as well in the place of one that was found.
-fn look_alikes(found: Candidate, model: &Model, now: &[f64], candidates: &[Candidate], judges: &Judges) -> Vec<&'static str> {
+fn look_alikes(
+    found: Candidate,
+    model: &Model,
+    now: &[f64],
+    candidates: &[Candidate],
+    judges: &Judges,
+) -> Vec<&'static str> {
     let without = found.removed(model);
     let error = judges.error(now);
     let mut list = Vec::new();
@@ -554,11 +569,7 @@ fn report(
         }
         _ => Some(declared.get(slot)),
     };
-    let mut own = vec![
-        (Slot::TorqueConstant, "N*m/A"),
-        (Slot::Damping, "N*m*s/rad"),
-        (Slot::Inertia, "kg*m^2"),
-    ];
+    let mut own = vec![(Slot::TorqueConstant, "N*m/A"), (Slot::Damping, "N*m*s/rad"), (Slot::Inertia, "kg*m^2")];
     for (t, term) in declared.machine.terms.iter().enumerate() {
         own.extend((0..term.effect.linear()).map(|j| (Slot::Value(t, j), term.effect.parameters()[j].kind.si)));
     }
@@ -627,7 +638,9 @@ fn report(
     let next_runs = effects
         .iter()
         .flat_map(|e| e.confounded_with.iter().map(move |r| (e.name, *r)))
-        .map(|(name, rival)| format!("`{name}` or `{rival}`: a run at another load and other speeds would separate them"))
+        .map(|(name, rival)| {
+            format!("`{name}` or `{rival}`: a run at another load and other speeds would separate them")
+        })
         .collect();
     let samples = all.iter().map(Track::len).sum();
     let mut report = Report {
@@ -656,9 +669,8 @@ fn report(
 fn remarks(all: &[Track], judges: &Judges, bench: &Bench) -> Vec<String> {
     let closed = all.iter().any(|t| matches!(t.input, Input::Goal { .. }));
     let how = if closed { "the goal through the declared controller" } else { "the logged duty cycle" };
-    let mut remarks = vec![format!(
-        "errors are of the simulated position, from {how}; K_T stands for K_T/R, which alone is seen"
-    )];
+    let mut remarks =
+        vec![format!("errors are of the simulated position, from {how}; K_T stands for K_T/R, which alone is seen")];
     let off = all.iter().filter(|t| !t.off.is_empty()).count();
     if off > 0 {
         remarks.push(format!(
@@ -680,7 +692,8 @@ fn noise(all: &[Track]) -> f64 {
     let levels: Vec<f64> = all
         .iter()
         .map(|t| {
-            let squares: Vec<f64> = t.position.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2)).collect();
+            let squares: Vec<f64> =
+                t.position.windows(4).map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2)).collect();
             (signals::quantile(squares.clone(), 0.5).unwrap_or(0.0) / 0.455 / 20.0)
                 .max(0.25 * squares.iter().filter(|v| v.is_finite()).sum::<f64>() / 20.0 / squares.len().max(1) as f64)
                 .sqrt()
@@ -719,7 +732,10 @@ fn left(judges: &Judges, residuals: &[Vec<f64>], floor: f64) -> Vec<Unexplained>
         .into_iter()
         .map(|(on, share)| Unexplained {
             depends_on: on.into(),
-            detail: format!("a free function of {on} takes away {:.0} % of the squared error that is left", 100.0 * share),
+            detail: format!(
+                "a free function of {on} takes away {:.0} % of the squared error that is left",
+                100.0 * share
+            ),
         })
         .collect();
     if list.is_empty() {

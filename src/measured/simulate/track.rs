@@ -106,34 +106,46 @@ fn unwrapped(values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Position and speed at the start of a stretch: a parabola through the first 50 ms; a speed within three
+/// Windows for the speed at the start \[s\]: the shortest that tells it.
+const WINDOWS: [f64; 3] = [0.01, 0.02, 0.05];
+
+/// Position and speed at the start of a stretch: a parabola through the first samples; a speed within three
 /// of its standard errors is zero.
 fn start(time: &[f64], position: &[f64], speed: Option<f64>) -> State {
     let first = position.iter().copied().find(|p| p.is_finite()).unwrap_or(0.0);
     if let Some(speed) = speed.filter(|v| v.is_finite()) {
         return State { position: first, speed };
     }
+    let mut best = 0.0;
+    for window in WINDOWS {
+        match parabola(time, position, window) {
+            Some((speed, error)) if error < 0.02 * speed.abs() => return State { position: first, speed },
+            Some((speed, error)) => best = if speed.abs() > 3.0 * error { speed } else { 0.0 },
+            None => {}
+        }
+    }
+    State { position: first, speed: best }
+}
+
+/// Speed at the first sample and its standard error, by a parabola through the samples of a window \[s\];
+/// `None` where they are fewer than eight.
+fn parabola(time: &[f64], position: &[f64], window: f64) -> Option<(f64, f64)> {
     let points: Vec<(f64, f64)> = time
         .iter()
         .zip(position)
-        .take_while(|(t, _)| **t - time[0] <= 0.05)
-        .chain(time.iter().zip(position).skip_while(|(t, _)| **t - time[0] <= 0.05).take(2))
+        .take_while(|(t, _)| **t - time[0] <= window)
         .filter(|(_, p)| p.is_finite())
-        .map(|(t, p)| (t - time[0], *p))
-        .take(400)
+        .map(|(t, p)| ((t - time[0]) / window, *p))
         .collect();
-    if points.len() < 6 {
-        return State { position: first, speed: 0.0 };
+    if points.len() < 8 {
+        return None;
     }
     let design = nalgebra::DMatrix::from_fn(points.len(), 3, |r, c| points[r].0.powi(c as i32));
     let values = nalgebra::DVector::from_iterator(points.len(), points.iter().map(|p| p.1));
-    let Some(inverse) = (design.transpose() * &design).try_inverse() else {
-        return State { position: first, speed: 0.0 };
-    };
+    let inverse = (design.transpose() * &design).try_inverse()?;
     let fit = &inverse * design.transpose() * &values;
     let left = (&values - &design * &fit).norm_squared() / (points.len() - 3) as f64;
-    let error = (left * inverse[(1, 1)]).sqrt();
-    State { position: first, speed: if fit[1].abs() > 3.0 * error { fit[1] } else { 0.0 } }
+    Some((fit[1] / window, (left * inverse[(1, 1)]).sqrt() / window))
 }
 
 impl Track {
@@ -171,11 +183,9 @@ impl Track {
         } else {
             (Input::Duty(duty?), supply?)
         };
-        let reference = declared.motor.as_ref().map_or(crate::catalog::REFERENCE_TEMPERATURE, |m| {
-            m.reference_temperature
-        });
-        let rise =
-            |c| get(c).map_or_else(Vec::new, |t| t.into_iter().map(|t| t - reference).collect::<Vec<f64>>());
+        let reference =
+            declared.motor.as_ref().map_or(crate::catalog::REFERENCE_TEMPERATURE, |m| m.reference_temperature);
+        let rise = |c| get(c).map_or_else(Vec::new, |t| t.into_iter().map(|t| t - reference).collect::<Vec<f64>>());
         let winding = rise(Channel::WindingTemperature);
         let housing = Some(rise(Channel::HousingTemperature)).filter(|h| !h.is_empty()).unwrap_or(winding.clone());
         let starts = signals::stretches(&time)
