@@ -287,7 +287,13 @@ fn xl330_through_its_controller() {
     let names: Vec<&str> = report.effects.iter().map(|e| e.name).collect();
     assert!(names.contains(&"load_dependent_friction"), "{names:?}");
     assert!(!names.contains(&"stribeck_friction"), "{names:?}");
-    println!("{:#?}", forward_check(&bench, &report));
+    // The README's load-dependent model has 0.051 rad on the held-out logs, its best without that 0.073.
+    let last = report.stages.last().unwrap();
+    assert!(last.held_out.unwrap() < 0.06, "{last:?}");
+    assert_eq!(report.stages[1].name, "refit");
+    assert!(last.held_out.unwrap() < 0.7 * report.stages[1].held_out.unwrap());
+    let check = forward_check(&bench, &report).unwrap();
+    assert!(check.closed_loop && check.after.held_out < check.before.held_out, "{check:?}");
 }
 
 /// Runs a simulated bench.
