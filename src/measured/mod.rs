@@ -9,5 +9,6 @@ pub mod read;
 
 pub mod identify;
 pub mod signals;
+pub mod simulate;
 
 pub use bench::{Bench, BenchKind, Channel, Controller, Declared, KnownLoad, Log, Use};

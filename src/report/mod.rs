@@ -6,6 +6,7 @@ pub mod compare;
 pub mod explain;
 pub mod file;
 pub mod fitted;
+pub mod forward;
 pub mod handy;
 pub mod identify;
 pub mod import;

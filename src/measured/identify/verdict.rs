@@ -141,6 +141,13 @@ pub struct Report {
     pub pictures: Pictures,
 }
 
+impl Report {
+    /// A lag of a channel \[s\], as the list of artefacts has it.
+    pub(crate) fn lag(channel: &str, value: f64) -> Artefact {
+        Artefact { kind: "lag", channel: channel.into(), value, unit: "s" }
+    }
+}
+
 /// Columns for the pictures: one entry for each row of the regression.
 #[derive(Debug, Clone, Default)]
 pub struct Pictures {

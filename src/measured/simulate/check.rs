@@ -1,0 +1,217 @@
+//! The forward check: position as simulated against position as measured, before and after.
+
+use super::machine::{Machine, Term};
+use super::model::{Counted, Model, Slot, declared_machine, error, scale};
+use super::track::{Input, Track};
+use crate::actuator::effects::{Equation, effect};
+use crate::measured::identify::{Report, Target};
+use crate::measured::{Bench, BenchKind};
+
+/// Root mean square error of the simulated position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// On the logs for fitting.
+    pub fit: f64,
+    /// On the logs that were held out.
+    pub held_out: Option<f64>,
+}
+
+/// How well a model that is simulated forward follows the logs.
+#[derive(Debug, Clone)]
+pub struct ForwardCheck {
+    /// Unit of the errors.
+    pub unit: &'static str,
+    /// With the declared model.
+    pub before: Errors,
+    /// With the fitted parameters and the effects that were found.
+    pub after: Errors,
+    /// With parameters fitted to the simulated position itself. A better model of force need not simulate
+    /// better, so both are told.
+    pub refitted: Option<Errors>,
+    /// Parameters of that fit: name and value, SI.
+    pub refitted_parameters: Vec<(String, f64)>,
+    /// Effects that were found but do not help to simulate: left out of that fit, by left-out parts of the
+    /// logs for fitting.
+    pub without: Vec<&'static str>,
+    /// Effects that were found and cannot be simulated here.
+    pub not_simulated: Vec<&'static str>,
+    /// Whether the controller's loop was closed in simulation.
+    pub closed_loop: bool,
+}
+
+/// Parts that each log for fitting is cut into to choose what the model for simulation has.
+const PARTS: usize = 5;
+/// Share of the left-out error that an effect must take away to be kept.
+const KEPT: f64 = 0.01;
+
+/// The machine of a report: its parameters and effects on the declared ones.
+pub(super) fn fitted_machine(bench: &Bench, report: &Report, is_voltage: bool) -> (Machine, Vec<&'static str>) {
+    let mut machine = declared_machine(&bench.declared, is_voltage);
+    // A report of the balance holds the drive and scales the load; one of the simulation does not.
+    let of_balance = report.unit != "rad" && report.unit != "m";
+    for p in &report.parameters {
+        match p.name.as_str() {
+            "inertia" | "mass" => machine.inertia = p.fitted,
+            "damping" => machine.damping = p.fitted,
+            "torque_constant" if of_balance => machine.load_scale = machine.torque_constant / p.fitted,
+            "torque_constant" => machine.torque_constant = p.fitted,
+            name => {
+                let Some((of, value)) = name.split_once('.') else { continue };
+                for term in machine.terms.iter_mut().filter(|t| t.effect.name() == of) {
+                    if let Some(index) = term.effect.parameters().iter().position(|q| q.name == value) {
+                        term.values[index] = p.fitted;
+                    }
+                }
+            }
+        }
+    }
+    let mut not_simulated = Vec::new();
+    for found in &report.effects {
+        let Some(effect) = effect(found.name) else { continue };
+        let shown = match effect.acts_on() {
+            Equation::Torque => effect.name() != "gear_compliance",
+            Equation::Voltage => is_voltage,
+            Equation::Angle => false,
+        };
+        if shown {
+            machine.terms.extend(found.instances.iter().map(|v| Term::new(effect, v.clone())));
+        } else {
+            not_simulated.push(found.name);
+        }
+    }
+    for a in report.artefacts.iter().filter(|a| !of_balance && a.kind == "lag") {
+        machine.lag = a.value;
+    }
+    (machine, not_simulated)
+}
+
+fn errors(tracks: &[&Track], model: &Model) -> Errors {
+    let residuals = model.residuals(tracks);
+    Errors {
+        fit: error(tracks, &residuals, true).map_or(f64::NAN, |e| e.0),
+        held_out: error(tracks, &residuals, false).map(|e| e.0),
+    }
+}
+
+/// Simulates the logs of a bench forward from what was put in, with the declared model, with that of a
+/// report, and with one fitted to the position itself. `None` where no log has both a known load (or a mass)
+/// and what drives it, or where the report is of another equation than that of the drive.
+pub fn forward_check(bench: &Bench, report: &Report) -> Option<ForwardCheck> {
+    if report.target != Target::Drive {
+        return None;
+    }
+    let all: Vec<Track> = bench
+        .logs
+        .iter()
+        .filter(|log| matches!(log.kind, BenchKind::Free | BenchKind::Linear | BenchKind::Servo))
+        .filter_map(|log| Track::new(log, &bench.declared))
+        .collect();
+    let tracks: Vec<&Track> = all.iter().collect();
+    if !tracks.iter().any(|t| t.fits) {
+        return None;
+    }
+    let is_voltage = all.iter().any(|t| !matches!(t.input, Input::Current(_)));
+    let declared = declared_machine(&bench.declared, is_voltage);
+    let moved = |m: &Machine| all.iter().all(|t| m.inertia + t.load_inertia > 0.0);
+    let (machine, not_simulated) = fitted_machine(bench, report, is_voltage);
+    if !moved(&declared) || !moved(&machine) {
+        return None;
+    }
+    let scale = scale(&all, &declared);
+    let before = errors(&tracks, &Model { machine: declared, slots: Vec::new(), scale });
+    let mut model = Model { machine, slots: Vec::new(), scale };
+    let after = errors(&tracks, &model);
+    model.slots = slots(&model.machine, report);
+    let without = prune(&mut model, &all, bench);
+    let fit: Vec<&Track> = all.iter().filter(|t| t.fits).collect();
+    model.fit(&fit, &Counted::new(), 40, 1e-6);
+    let refitted_parameters = model.slots.iter().map(|s| (name(&model, *s), model.get(*s))).collect();
+    Some(ForwardCheck {
+        unit: if bench.declared.motor.is_some() { "rad" } else { "m" },
+        before,
+        after,
+        refitted: Some(errors(&tracks, &model)),
+        refitted_parameters,
+        without,
+        not_simulated,
+        closed_loop: all.iter().any(|t| matches!(t.input, Input::Goal { .. })),
+    })
+}
+
+/// What the report fitted is fitted again.
+fn slots(machine: &Machine, report: &Report) -> Vec<Slot> {
+    let seen = |name: &str| report.parameters.iter().any(|p| p.name == name && p.standard_error.is_some());
+    let mut slots = Vec::new();
+    if seen("inertia") || seen("mass") {
+        slots.push(Slot::Inertia);
+    }
+    if seen("damping") {
+        slots.push(Slot::Damping);
+    }
+    if seen("torque_constant") {
+        slots.push(if report.unit == "rad" { Slot::TorqueConstant } else { Slot::LoadScale });
+    }
+    if machine.lag > 0.0 {
+        slots.push(Slot::Lag);
+    }
+    for (t, term) in machine.terms.iter().enumerate() {
+        slots.extend((0..term.effect.linear()).map(|j| Slot::Value(t, j)));
+    }
+    slots
+}
+
+pub(super) fn name(model: &Model, slot: Slot) -> String {
+    match slot {
+        Slot::TorqueConstant => "torque_constant".into(),
+        Slot::Damping => "damping".into(),
+        Slot::Inertia => "inertia".into(),
+        Slot::LoadScale => "load_scale".into(),
+        Slot::Lag => "lag".into(),
+        Slot::Value(term, index) => {
+            let effect = model.machine.terms[term].effect;
+            format!("{}.{}", effect.name(), effect.parameters()[index].name)
+        }
+    }
+}
+
+/// Leaves out effects that do not help on parts that were left out. The parts start from their measured
+/// state.
+fn prune(model: &mut Model, all: &[Track], bench: &Bench) -> Vec<&'static str> {
+    let mut without = Vec::new();
+    let parts: Vec<Track> = all.iter().filter(|t| t.fits).flat_map(|t| t.parts(PARTS)).collect();
+    let declared = declared_machine(&bench.declared, false).terms.len();
+    let mut now = left_out(model, &parts);
+    while model.machine.terms.len() > declared {
+        let trial = (declared..model.machine.terms.len())
+            .map(|t| {
+                let mut trial = model.clone();
+                trial.remove(t);
+                (t, left_out(&trial, &parts))
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((t, error)) = trial.filter(|(_, e)| *e * (1.0 - KEPT) < now) else { break };
+        without.push(model.machine.terms[t].effect.name());
+        model.remove(t);
+        now = error;
+    }
+    without
+}
+
+/// Root mean square error of the parts, each simulated with what the others say.
+fn left_out(model: &Model, parts: &[Track]) -> f64 {
+    let folds = parts.len().min(PARTS);
+    let (mut squares, mut count) = (0.0, 0);
+    let mut whole = model.clone();
+    let everything: Vec<&Track> = parts.iter().collect();
+    whole.fit(&everything, &Counted::new(), 12, 1e-3);
+    for fold in 0..folds {
+        let mut trial = whole.clone();
+        let others: Vec<&Track> = parts.iter().enumerate().filter(|(k, _)| k % folds != fold).map(|(_, t)| t).collect();
+        trial.fit(&others, &Counted::new(), 8, 1e-3);
+        for part in parts.iter().skip(fold).step_by(folds) {
+            squares += part.residual(&trial.machine).iter().map(|r| r * r).sum::<f64>();
+            count += part.count();
+        }
+    }
+    (squares / count.max(1) as f64).sqrt()
+}
