@@ -5,9 +5,9 @@ use clap::Args;
 use super::{CatalogChoice, Done, Failure, Output};
 use crate::design::remake::remake;
 use crate::measured::fitted::fitted_motor;
-use crate::measured::{identify, read};
+use crate::measured::{identify, read, simulate};
 use crate::report::plot::{self, Format, residual};
-use crate::report::{file, fitted, identify as report, remake as remake_report};
+use crate::report::{file, fitted, forward as forward_report, identify as report, remake as remake_report};
 use crate::requirement;
 use crate::units;
 
@@ -67,6 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             Some(remake(robot, &bench.catalog, &declared, &motor))
         }
     };
+    let forward = reports.iter().find_map(|report| simulate::forward_check(&bench, report));
     let mut written = Vec::new();
     if let Some(path) = &arguments.plot {
         plot::write(&residual::figure(&bench, &reports), path).map_err(Failure::Argument)?;
@@ -87,6 +88,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         },
         || {
             let mut value = report::json(&bench, &reports);
+            if let (Some(check), Some(object)) = (&forward, value.as_object_mut()) {
+                object.insert("forward".into(), forward_report::json(check));
+            }
             if let (Some(remade), Some(object)) = (&remade, value.as_object_mut()) {
                 object.insert("design".into(), remake_report::design_json(remade));
             }

@@ -74,6 +74,7 @@ fn equation_title(report: &Report) -> &'static str {
         (Target::Drive, "N") => "Force of the drive against the known mass",
         (Target::Drive, _) => "Torque of the drive against the known load",
         (Target::Voltage, _) => "Terminal voltage",
+        (Target::Position, _) => "Position of the output, simulated",
         (Target::WindUp, _) => "Angle by which the motor leads the output",
     }
 }
@@ -216,7 +217,7 @@ fn dead_target(bench: &Bench, report: &Report) -> Option<&'static str> {
         Target::Torque => Channel::Torque,
         Target::Voltage => Channel::Voltage,
         Target::Drive => Channel::Current,
-        Target::WindUp => return None,
+        Target::WindUp | Target::Position => return None,
     };
     let mut values = bench.logs.iter().filter_map(|l| l.channel(channel)).peekable();
     values.peek()?;

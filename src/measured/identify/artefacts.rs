@@ -45,6 +45,8 @@ fn generous(balance: &Balance) -> Vec<Vec<f64>> {
             }
         }
         Target::Voltage => columns.push(balance.function(|at| at.current.signum())),
+        // Simulated, not regressed.
+        Target::Position => {}
         Target::WindUp => {
             columns.push(balance.function(|at| at.torque));
             columns.push(balance.function(|at| at.torque.signum()));
@@ -152,7 +154,7 @@ pub fn list(balance: &Balance, corrections: &Corrections, _before: Vec<Artefact>
         Target::Torque => "torque",
         Target::Drive => "current",
         Target::Voltage => "voltage",
-        Target::WindUp => "position",
+        Target::WindUp | Target::Position => "position",
     };
     let mut found = Vec::new();
     for (log, gain) in corrections.gains.iter().enumerate().filter(|(_, g)| **g != 1.0) {

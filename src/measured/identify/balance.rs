@@ -24,6 +24,8 @@ pub enum Target {
     Voltage,
     /// Angle by which the motor, over N, leads the output.
     WindUp,
+    /// Position of the output, simulated: of servo logs that have only duty and position.
+    Position,
 }
 
 impl Target {
@@ -34,13 +36,14 @@ impl Target {
             Target::Drive => "drive_torque",
             Target::Voltage => "voltage",
             Target::WindUp => "wind_up",
+            Target::Position => "position",
         }
     }
 
     /// The equation of effects that this target shows.
     pub fn equation(self) -> Equation {
         match self {
-            Target::Torque | Target::Drive => Equation::Torque,
+            Target::Torque | Target::Drive | Target::Position => Equation::Torque,
             Target::Voltage => Equation::Voltage,
             Target::WindUp => Equation::Angle,
         }
@@ -182,6 +185,8 @@ fn serves(log: &Log, bench: &Bench, target: Target) -> bool {
             let wanted = log.kind == BenchKind::Electrical || log.kind == BenchKind::Backdrive || has(Channel::Voltage);
             wanted && log.kind != BenchKind::Linear && volts && (has(Channel::Current) || moves)
         }
+        // Simulated, not regressed.
+        Target::Position => false,
         Target::WindUp => bench.declared.motor.is_some() && has(Channel::MotorPosition) && has(Channel::OutputPosition),
     }
 }
@@ -369,7 +374,7 @@ impl Balance {
         let factor = match target {
             Target::Torque => -declared.ratio,
             Target::Drive => declared.ratio,
-            Target::Voltage | Target::WindUp => 1.0,
+            Target::Voltage | Target::WindUp | Target::Position => 1.0,
         };
         let mut balance = Balance {
             target,
@@ -377,7 +382,7 @@ impl Balance {
                 (Target::Torque | Target::Drive, false) => "N*m",
                 (Target::Torque | Target::Drive, true) => "N",
                 (Target::Voltage, _) => "V",
-                (Target::WindUp, _) => "rad",
+                (Target::WindUp | Target::Position, _) => "rad",
             },
             base,
             names: logs.iter().map(|l| bench.logs[*l].name.clone()).collect(),
@@ -770,6 +775,7 @@ fn stretch(
                 None,
             )
         }
+        Target::Position => return None,
         Target::WindUp => {
             let (m, o) = (motor_angle.as_ref()?, output_angle.as_ref()?);
             let angle = m.iter().zip(o).map(|(m, o)| m / ratio - o).collect();
@@ -817,7 +823,7 @@ fn stretch(
 
 /// Quadrature voltage per volt of duty times supply: a brushed motor, and a row that is on the q axis
 /// already, take all of it.
-fn volts_per_duty(motor: &crate::catalog::Motor) -> f64 {
+pub(crate) fn volts_per_duty(motor: &crate::catalog::Motor) -> f64 {
     use crate::catalog::convention::{BLOCK, Commutation, CurrentConvention, Modulation};
     match (motor.conventions.commutation, motor.conventions.current) {
         (Commutation::Brushed, _) | (_, CurrentConvention::QAxis) => 1.0,
@@ -861,7 +867,7 @@ fn base_terms(target: Target, model: &Model, declared: &Declared, log: &Log) -> 
             term("inductance", "H", model.inductance),
             term("back_emf_constant", "V*s/rad", Some(model.back_emf)),
         ],
-        Target::WindUp => Vec::new(),
+        Target::WindUp | Target::Position => Vec::new(),
     }
 }
 

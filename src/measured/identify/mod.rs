@@ -378,12 +378,16 @@ impl<'a> Work<'a> {
 /// In words, where the logs say nothing that can be compared.
 pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String> {
     let targets = targets(bench);
-    if targets.is_empty() {
+    let simulated = crate::measured::simulate::serves(bench);
+    if targets.is_empty() && !simulated {
         return Err("no log for fitting has the channels of an equation: torque or a known load and a current, \
                     or a voltage, with a velocity or a position"
             .into());
     }
-    let reports: Vec<Report> = targets.into_iter().filter_map(|target| run(bench, target, options)).collect();
+    let mut reports: Vec<Report> = targets.into_iter().filter_map(|target| run(bench, target, options)).collect();
+    if simulated {
+        reports.extend(crate::measured::simulate::identify_servo(bench));
+    }
     if reports.is_empty() {
         return Err("nothing can be learnt: no log has 16 samples in a row with all channels, moving".into());
     }

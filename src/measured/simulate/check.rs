@@ -48,7 +48,7 @@ const KEPT: f64 = 0.01;
 pub(super) fn fitted_machine(bench: &Bench, report: &Report, is_voltage: bool) -> (Machine, Vec<&'static str>) {
     let mut machine = declared_machine(&bench.declared, is_voltage);
     // A report of the balance holds the drive and scales the load; one of the simulation does not.
-    let of_balance = report.unit != "rad" && report.unit != "m";
+    let of_balance = report.target != Target::Position;
     for p in &report.parameters {
         match p.name.as_str() {
             "inertia" | "mass" => machine.inertia = p.fitted,
@@ -149,7 +149,7 @@ fn slots(machine: &Machine, report: &Report) -> Vec<Slot> {
         slots.push(Slot::Damping);
     }
     if seen("torque_constant") {
-        slots.push(if report.unit == "rad" { Slot::TorqueConstant } else { Slot::LoadScale });
+        slots.push(if report.target == Target::Position { Slot::TorqueConstant } else { Slot::LoadScale });
     }
     if machine.lag > 0.0 {
         slots.push(Slot::Lag);

@@ -644,7 +644,7 @@ fn report(
         .collect();
     let samples = all.iter().map(Track::len).sum();
     let mut report = Report {
-        target: Target::Drive,
+        target: Target::Position,
         unit: "rad",
         band: None,
         samples: (samples, judges.samples),

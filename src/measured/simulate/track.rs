@@ -1,6 +1,7 @@
 //! A log made ready for simulation: what goes in, what position comes out, where it starts.
 
 use super::machine::{Machine, Sample, State};
+use crate::measured::identify::balance::volts_per_duty;
 use crate::measured::{Channel, Declared, Log, Use, signals};
 
 /// Longest internal step \[s\].
@@ -342,17 +343,6 @@ impl Track {
     /// How many samples count.
     pub fn count(&self) -> usize {
         self.position.iter().filter(|p| p.is_finite()).count()
-    }
-}
-
-/// Quadrature voltage per volt of duty times supply, as in the balance of the regression: a brushed motor, and
-/// a row that is on the q axis already, take all of it.
-fn volts_per_duty(motor: &crate::catalog::Motor) -> f64 {
-    use crate::catalog::convention::{BLOCK, Commutation, CurrentConvention, Modulation};
-    match (motor.conventions.commutation, motor.conventions.current) {
-        (Commutation::Brushed, _) | (_, CurrentConvention::QAxis) => 1.0,
-        (_, CurrentConvention::Dc) => BLOCK,
-        (commutation, _) => Modulation::SpaceVector.voltage(commutation),
     }
 }
 

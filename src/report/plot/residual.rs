@@ -69,6 +69,7 @@ fn quantity(report: &Report) -> &'static str {
         (Target::Drive, "N") => "drive's force",
         (Target::Drive, _) => "drive's torque",
         (Target::Voltage, _) => "voltage",
+        (Target::Position, _) => "position",
         (Target::WindUp, _) => "angle between motor and output",
     }
 }
