@@ -231,6 +231,139 @@ fn real_sets() {
     }
 }
 
+/// A shorter bench, for tests that run every time.
+fn short(bench: Bench) -> Bench {
+    bench.sampled(15.0, 400.0)
+}
+
+#[test]
+fn undeclared_effects_are_named_and_measured() {
+    for name in ["coulomb_friction", "cogging", "load_dependent_friction", "winding_temperature", "torque_offset"] {
+        let (truth, reports) = run(&short(simulator::scenario(name, 5.0, 77)));
+        assert_eq!(outcome(&truth, &reports), Outcome::Right, "{}", detail(&truth, &reports));
+        let report = reports.iter().find(|r| r.effects.iter().any(|e| e.name == name)).expect("it was found");
+        let (first, last) = (report.stages.first().unwrap(), report.stages.last().unwrap());
+        let (before, after) = (first.held_out.unwrap(), last.held_out.unwrap());
+        assert!(after < 0.7 * before, "{name}: {before} {after}");
+        // Held out, the error is that of the noise.
+        assert!(after < 1.15 * report.noise_floor, "{name}: {after} {}", report.noise_floor);
+        let found = &report.effects[0].instances[0];
+        let of_truth = |key: &str| truth.effects[0].parameters.iter().find(|(n, _)| *n == key).map(|(_, v)| *v);
+        let wanted = match name {
+            "coulomb_friction" => of_truth("c"),
+            "torque_offset" => of_truth("offset").or(of_truth("torque")),
+            "load_dependent_friction" => of_truth("gamma"),
+            _ => None,
+        };
+        if let Some(wanted) = wanted {
+            assert!((found[0] / wanted - 1.0).abs() < 0.1, "{name}: {} against {wanted}", found[0]);
+        }
+    }
+}
+
+#[test]
+fn no_effect_is_named_where_none_is_missing_or_none_of_the_library_is() {
+    for bench in [
+        simulator::clean(Kind::Dynamometer, 78),
+        simulator::clean(Kind::Free, 79),
+        simulator::clean(Kind::Electrical, 80),
+        simulator::outside("zero_step", 81),
+        simulator::outside("hum", 82),
+        simulator::shuffled("coulomb_friction", 5.0, 83),
+    ] {
+        let (truth, reports) = run(&short(bench));
+        assert!(names(&reports).is_empty(), "{}", detail(&truth, &reports));
+    }
+}
+
+#[test]
+fn the_same_logs_say_the_same_with_any_number_of_threads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let truth = short(simulator::scenario("cogging", 5.0, 84)).write(folder.path());
+    let bench = gearwise::measured::read::read(&truth.bench).unwrap();
+    let told = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| identify(&bench, &Options::default()).unwrap().iter().map(story).collect::<String>())
+    };
+    assert_eq!(told(1), told(4));
+}
+
+/// A bench of a real set; `None`, said so, where the set is not at hand.
+fn real(name: &str) -> Option<Report> {
+    if !Path::new("../shared/data").exists() {
+        println!("skipped: ../shared/data is not there");
+        return None;
+    }
+    let bench = gearwise::measured::read::read(Path::new(&format!("tests/fixtures/benches/{name}.toml"))).unwrap();
+    Some(identify(&bench, &Options::default()).unwrap().remove(0))
+}
+
+fn parameter(report: &Report, effect: &str, name: &str) -> f64 {
+    let found = report.effects.iter().find(|e| e.name == effect).unwrap_or_else(|| panic!("no {effect}"));
+    found.parameters.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("no {name}")).fitted
+}
+
+/// Janot, Gautier, Brunot 2019: M 95.1089 kg, Fv 203.5, Fc 20.39.
+#[test]
+fn emps_has_the_friction_that_its_authors_found() {
+    let Some(report) = real("emps") else { return };
+    let names: Vec<&str> = report.effects.iter().map(|e| e.name).collect();
+    assert_eq!(names, ["viscous_friction", "coulomb_friction", "torque_offset", "direction_asymmetry"]);
+    let within = |value: f64, published: f64, share: f64| assert!((value / published - 1.0).abs() < share, "{value}");
+    within(report.parameters[0].fitted, 95.1089, 0.005);
+    within(parameter(&report, "viscous_friction", "coefficient"), 203.5, 0.03);
+    within(parameter(&report, "coulomb_friction", "torque"), 20.39, 0.03);
+    assert!(report.stages.last().unwrap().held_out.unwrap() < 2.0);
+    assert!(report.refused.iter().any(|r| r.name == "stribeck_friction"));
+}
+
+/// The drag of the idle RI50 flattens: its README has T 0.0531 N*m and a knee at 115.6 rad/s.
+#[test]
+fn the_drag_of_the_ri50_is_that_of_eddy_currents() {
+    let Some(report) = real("ri50_drag") else { return };
+    assert!((parameter(&report, "eddy_drag", "torque") / 0.0531 - 1.0).abs() < 0.05);
+    assert!((parameter(&report, "eddy_drag", "speed") / 115.6 - 1.0).abs() < 0.05);
+    assert!(report.effects.iter().all(|e| ["eddy_drag", "cogging"].contains(&e.name)));
+}
+
+#[test]
+fn slow_turns_of_the_ri50_show_the_cogging_of_its_twelve_slots() {
+    let Some(report) = real("ri50_slow") else { return };
+    assert!(parameter(&report, "cogging", "12.cosine").hypot(parameter(&report, "cogging", "12.sine")) > 0.005);
+    assert!(report.refused.iter().any(|r| r.name == "torque_offset" && r.reason.contains("zero")));
+}
+
+/// One log has the wrong sign, one a gain of 0.69 that its authors mended the same day.
+#[test]
+fn stall_logs_of_the_ri50_show_the_wrong_sign_and_the_wrong_gain() {
+    let Some(report) = real("ri50_stall") else { return };
+    let of = |kind: &str| report.artefacts.iter().filter(|a| a.kind == kind).collect::<Vec<_>>();
+    assert!(matches!(of("sign")[..], [a] if a.channel.contains("stall_11b")));
+    assert!(matches!(of("gain")[..], [a] if a.channel.contains("badgain") && (a.value - 0.69).abs() < 0.03));
+    assert!(report.effects.is_empty());
+    // 0.1064 N*m per ampere of phase amplitude.
+    let slope = report.parameters[0].fitted / (2.0_f64 / 3.0).sqrt();
+    assert!((0.097..0.109).contains(&slope), "{slope}");
+}
+
+#[test]
+fn the_d5065_saturates_and_its_temperature_term_is_refused() {
+    let Some(report) = real("d5065") else { return };
+    assert_eq!(report.effects.iter().map(|e| e.name).collect::<Vec<_>>(), ["torque_constant_saturation"]);
+    assert!(report.refused.iter().any(|r| r.name == "torque_constant_temperature"));
+    assert!(report.stages.last().unwrap().held_out.unwrap() < 0.016);
+}
+
+/// Writes a large bench for timing: `GEARWISE_OUT` says where, `GEARWISE_RATE` how many samples a second of
+/// three logs of 30 s.
+#[test]
+#[ignore = "writes files for timing"]
+fn large_bench() {
+    let folder = std::env::var("GEARWISE_OUT").expect("GEARWISE_OUT");
+    let rate = std::env::var("GEARWISE_RATE").ok().and_then(|r| r.parse().ok()).unwrap_or(1000.0);
+    simulator::scenario("cogging", 5.0, 1).sampled(30.0, rate).write(Path::new(&folder));
+}
+
 #[test]
 fn the_simulator_writes_benches_that_can_be_read() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -80,7 +80,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let text = arguments.output.choose(
         || {
             let choice = remade.as_deref().map(remake_report::text);
-            [Some(report::text(&bench, &reports, &written)), choice]
+            let simulated = forward.as_ref().map(forward_report::text);
+            [Some(report::text(&bench, &reports, &written)), simulated, choice]
                 .into_iter()
                 .flatten()
                 .collect::<Vec<_>>()
