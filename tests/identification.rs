@@ -354,6 +354,83 @@ fn the_d5065_saturates_and_its_temperature_term_is_refused() {
     assert!(report.stages.last().unwrap().held_out.unwrap() < 0.016);
 }
 
+/// The motor as it really is: the declared row with the effect that was put in.
+fn true_motor(declared: &gearwise::catalog::Motor, truth: &Truth) -> gearwise::catalog::Motor {
+    use gearwise::actuator::fitted::FittedEffect;
+    let mut motor = declared.clone();
+    for effect in &truth.effects {
+        let value = |n: usize| effect.parameters[n].1;
+        match effect.name {
+            "viscous_friction" => motor.viscous_friction = Some(value(0)),
+            "coulomb_friction" => motor.coulomb_friction = Some(value(0)),
+            "load_dependent_friction" => {
+                motor.effects.extend(FittedEffect::new("load_dependent_friction", vec![value(0)]));
+            }
+            "eddy_drag" => motor.effects.extend(FittedEffect::new("eddy_drag", vec![value(0), value(1)])),
+            "stribeck_friction" => {
+                motor.effects.extend(FittedEffect::new("stribeck_friction", vec![value(0), value(1)]))
+            }
+            other => panic!("{other} has no true motor"),
+        }
+    }
+    motor
+}
+
+/// The loop closed: the choice made with what was identified against the choice under the truth. Slow, as
+/// [`confusion`].
+#[test]
+#[ignore = "slow: the score, not a check"]
+fn the_choice_made_again_is_that_under_the_truth() {
+    use gearwise::design::remake::remake;
+    let mut robot = gearwise::requirement::read("requirements/bench/leg_joint.toml".as_ref()).unwrap();
+    robot.joints[0].limits.actuator_mass = None;
+    robot.joints[0].limits.reflected_inertia = None;
+    let (mut same, mut cases, mut changed) = (0, 0, 0);
+    let (mut before, mut after) = (Vec::new(), Vec::new());
+    for name in ["viscous_friction", "coulomb_friction", "load_dependent_friction", "eddy_drag", "stribeck_friction"] {
+        for seed in seeds() {
+            let folder = tempfile::tempdir().expect("a folder");
+            let truth = simulator::scenario(name, 5.0, seed).write(folder.path());
+            let bench = gearwise::measured::read::read(&truth.bench).unwrap();
+            let reports = identify(&bench, &Options::default()).unwrap();
+            let fitted = gearwise::measured::fitted::fitted_motor(&bench, &reports).unwrap();
+            let declared = bench.declared.motor.clone().unwrap();
+            // Only this motor and a heavier rival: the choice is N*, and between the two.
+            let mut catalog = bench.catalog.clone();
+            let mut rival = declared.clone();
+            rival.id = "rival".into();
+            rival.resistance *= 1.3;
+            catalog.motors.push(rival);
+            let real = true_motor(&declared, &truth);
+            let by_fit = remake(&robot, &catalog, &declared.id, &fitted);
+            let by_truth = remake(&robot, &catalog, &declared.id, &real);
+            let (Some(a), Some(b)) = (&by_fit[0].first_after, &by_truth[0].first_after) else { continue };
+            cases += 1;
+            // The fitted motor has another id than its row.
+            let own = |id: &str| id != "rival";
+            let agree = own(&a.motor) == own(&b.motor) && (a.ratio / b.ratio - 1.0).abs() < 0.02;
+            same += usize::from(agree);
+            if let Some(first) = &by_truth[0].first_before {
+                changed +=
+                    usize::from(own(&first.motor) != own(&b.motor) || (first.ratio / b.ratio - 1.0).abs() > 0.02);
+            }
+            if !agree {
+                println!("{name} {seed}: {} {} against {} {}", a.motor, a.ratio, b.motor, b.ratio);
+            }
+            before.extend(by_truth[0].regret.as_ref().and_then(|r| r.relative));
+            // What the choice by the fit costs under the truth: the same motor at the other ratio.
+            after.push((a.objective / b.objective - 1.0).abs());
+        }
+    }
+    let mean = |v: &[f64]| 100.0 * v.iter().sum::<f64>() / v.len().max(1) as f64;
+    println!("{same} of {cases} choices the same as under the truth; the truth changes {changed} of them");
+    println!(
+        "regret of the choice before: {:.2} % on average; objective by the fit within {:.3} %",
+        mean(&before),
+        mean(&after)
+    );
+}
+
 /// Writes a large bench for timing: `GEARWISE_OUT` says where, `GEARWISE_RATE` how many samples a second of
 /// three logs of 30 s.
 #[test]

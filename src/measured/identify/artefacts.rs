@@ -303,7 +303,7 @@ fn lags(
 ) -> Corrections {
     // A part of the rows is enough to find a lag.
     let coarse = |c: &Corrections| {
-        let wanted = Setting { rows: 6000, ..setting(c.clone()) };
+        let wanted = Setting { rows: 6000, samples: 12_000, ..setting(c.clone()) };
         Balance::new(bench, target, &wanted).map(|b| errors(&b))
     };
     let mut best = start;

@@ -147,6 +147,8 @@ pub struct Setting {
     pub band: Option<f64>,
     /// Most rows that the regression sees.
     pub rows: usize,
+    /// Most samples of each stretch that are looked at at all, from its middle: a part is enough to find a lag.
+    pub samples: usize,
 }
 
 /// Which targets a bench has, the most telling first.
@@ -345,6 +347,8 @@ impl Balance {
             };
             let mut short = 0;
             for (range, step) in ranges {
+                let spare = range.len().saturating_sub(setting.samples) / 2;
+                let range = range.start + spare..range.end - spare;
                 if range.len() < 16 {
                     short += range.len();
                     continue;

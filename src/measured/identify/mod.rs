@@ -396,7 +396,7 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
 
 fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     let logs = (0..bench.logs.len()).count();
-    let wide = Setting { corrections: Corrections::none(logs), band: options.band, rows: ROWS };
+    let wide = Setting { corrections: Corrections::none(logs), band: options.band, rows: ROWS, samples: usize::MAX };
     let mut first = Balance::new(bench, target, &wide)?;
     let mut band = options.band;
     if band.is_none()
@@ -405,7 +405,7 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
         band = Some(narrower);
         first = Balance::new(bench, target, &Setting { band, ..wide })?;
     }
-    let setting = |corrections| Setting { corrections, band, rows: ROWS };
+    let setting = |corrections| Setting { corrections, band, rows: ROWS, samples: usize::MAX };
     let as_declared = verdict::declared_stage(bench, &first);
     let (corrections, mut found) = artefacts::find(bench, first, &setting);
     let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
