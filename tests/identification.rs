@@ -131,6 +131,43 @@ fn detail(truth: &Truth, reports: &[Report]) -> String {
     text
 }
 
+/// Two effects at once. Slow, as [`confusion`].
+#[test]
+#[ignore = "slow: the score, not a check"]
+fn pairs() {
+    let mut totals: BTreeMap<Outcome, usize> = BTreeMap::new();
+    for (a, b) in [
+        ("coulomb_friction", "viscous_friction"),
+        ("coulomb_friction", "cogging"),
+        ("viscous_friction", "torque_constant_saturation"),
+        ("coulomb_friction", "torque_constant_temperature"),
+        ("load_dependent_friction", "cogging"),
+        ("stribeck_friction", "torque_ripple"),
+        ("eddy_drag", "gear_ripple"),
+        ("direction_asymmetry", "cogging"),
+        ("gravity", "coulomb_friction"),
+        ("torque_offset", "viscous_friction"),
+        ("winding_temperature", "inverter_dead_time"),
+    ] {
+        let mut counts: BTreeMap<Outcome, usize> = BTreeMap::new();
+        let mut details = Vec::new();
+        for seed in seeds() {
+            let (truth, reports) = run(&simulator::pair(a, b, 5.0, seed));
+            let what = outcome(&truth, &reports);
+            *counts.entry(what).or_default() += 1;
+            *totals.entry(what).or_default() += 1;
+            if what != Outcome::Right {
+                details.push(detail(&truth, &reports));
+            }
+        }
+        println!("{a} + {b}: {counts:?}");
+        for d in details {
+            println!("      {d}");
+        }
+    }
+    println!("total {totals:?}");
+}
+
 /// Clean logs and logs with something that is not in the library. Slow, as [`confusion`].
 #[test]
 #[ignore = "slow: the score, not a check"]

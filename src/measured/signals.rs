@@ -64,6 +64,24 @@ pub fn on_grid(time: &[f64], values: &[f64], start: f64, step: f64, count: usize
     Some(resampled.collect())
 }
 
+/// Opens wrapped angles: a jump of more than half a turn between samples is a wrap.
+pub fn unwrapped(values: &[f64]) -> Vec<f64> {
+    let mut turns = 0.0;
+    let mut last = f64::NAN;
+    values
+        .iter()
+        .map(|v| {
+            if v.is_finite() {
+                if last.is_finite() {
+                    turns -= ((v - last) / std::f64::consts::TAU).round();
+                }
+                last = *v;
+            }
+            v + turns * std::f64::consts::TAU
+        })
+        .collect()
+}
+
 /// A signal shifted in time: `values(t + shift)`, shift in samples, by a cubic through four points; held
 /// at the ends.
 pub fn shifted(values: &[f64], shift: f64) -> Vec<f64> {

@@ -4,7 +4,6 @@
 use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
 use crate::actuator::limits::Check;
-use crate::actuator::limits::Demand;
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
 
 /// Points of the first grid, evenly spaced in ln N.
@@ -78,30 +77,21 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     Found { best, windows, nearest: nowhere(program, &points) }
 }
 
-/// The limit that is most exceeded at a ratio: its relative excess, and itself. A limit that takes a walk over
-/// all samples is looked at only where the others are kept.
+/// The limit that is most exceeded at a ratio: its relative excess, and itself.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
     if program.why_evaluated().is_some() {
         return worst_evaluated(program, ratio);
     }
-    for costly in [false, true] {
-        if costly && worst.0 > 0.0 {
-            break;
+    for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
+        let convex = matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
+        if !convex || asked.is_certainly_kept(candidate, ratio) {
+            continue;
         }
-        for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
-            let convex = matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
-            if !convex || matches!(asked.demand, Demand::WindingPeak(_)) != costly {
-                continue;
-            }
-            if asked.is_certainly_kept(candidate, ratio) {
-                continue;
-            }
-            let (raw, sample) = asked.raw_demand(candidate, ratio);
-            let excess = program.excess(index, raw, ratio);
-            if excess > worst.0 {
-                worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
-            }
+        let (raw, sample) = asked.raw_demand(candidate, ratio);
+        let excess = program.excess(index, raw, ratio);
+        if excess > worst.0 {
+            worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
         }
     }
     worst

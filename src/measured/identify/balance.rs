@@ -193,24 +193,6 @@ fn serves(log: &Log, bench: &Bench, target: Target) -> bool {
     }
 }
 
-/// Opens wrapped angles: a jump of more than half a turn between samples is a wrap.
-fn unwrapped(values: &[f64]) -> Vec<f64> {
-    let mut turns = 0.0;
-    let mut last = f64::NAN;
-    values
-        .iter()
-        .map(|v| {
-            if v.is_finite() {
-                if last.is_finite() {
-                    turns -= ((v - last) / std::f64::consts::TAU).round();
-                }
-                last = *v;
-            }
-            v + turns * std::f64::consts::TAU
-        })
-        .collect()
-}
-
 /// Standard deviation of the noise of a signal: from the second differences, which take out what is slow.
 fn noise_level(values: &[f64]) -> f64 {
     let second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
@@ -239,7 +221,7 @@ impl Gridded<'_> {
         let wraps = matches!(channel, Channel::MotorPosition | Channel::OutputPosition | Channel::Goal) && !self.linear;
         let opened;
         let values = if wraps {
-            opened = unwrapped(values);
+            opened = signals::unwrapped(values);
             &opened
         } else {
             values

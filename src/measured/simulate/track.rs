@@ -90,23 +90,6 @@ fn bridged(time: &[f64], values: &[f64]) -> Option<Vec<f64>> {
     )
 }
 
-/// Jumps of more than half a turn are wraps.
-fn unwrapped(values: &[f64]) -> Vec<f64> {
-    let (mut turns, mut last) = (0.0, f64::NAN);
-    values
-        .iter()
-        .map(|v| {
-            if v.is_finite() {
-                if last.is_finite() {
-                    turns -= ((v - last) / std::f64::consts::TAU).round();
-                }
-                last = *v;
-            }
-            v + turns * std::f64::consts::TAU
-        })
-        .collect()
-}
-
 /// Windows for the speed at the start \[s\]: the shortest that tells it.
 const WINDOWS: [f64; 3] = [0.01, 0.02, 0.05];
 
@@ -158,7 +141,7 @@ impl Track {
         if time.len() < 3 {
             return None;
         }
-        let opened = |c: Channel| log.channel(c).map(|v| if linear { v.to_vec() } else { unwrapped(v) });
+        let opened = |c: Channel| log.channel(c).map(|v| if linear { v.to_vec() } else { signals::unwrapped(v) });
         let ratio = declared.ratio;
         let position = opened(Channel::OutputPosition)
             .or_else(|| opened(Channel::MotorPosition).map(|p| p.iter().map(|v| v / ratio).collect()))?;
