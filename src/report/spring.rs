@@ -53,7 +53,7 @@ pub fn json(spring: &SpringChoice, loss: f64) -> Value {
     })
 }
 
-/// Columns of [`csv`].
+/// Columns of [`csv()`].
 pub const COLUMNS: [&str; 5] = [
     "stiffness_nm_per_rad",
     "rest_angle_rad",
