@@ -64,6 +64,22 @@ fn only() -> Option<String> {
     std::env::var("GEARWISE_ONLY").ok()
 }
 
+/// Relative errors of the parameters that the simulator and the library have in common.
+fn parameter_errors(truth: &Truth, reports: &[Report]) -> Vec<f64> {
+    let mut errors = Vec::new();
+    for effect in &truth.effects {
+        let Some(found) = reports.iter().flat_map(|r| &r.effects).find(|e| e.name == effect.name) else { continue };
+        let values = &found.instances[0];
+        let direct = match effect.name {
+            "viscous_friction" | "coulomb_friction" | "load_dependent_friction" | "torque_offset" | "supply_sag" => 1,
+            "stribeck_friction" | "eddy_drag" | "inverter_dead_time" => 2,
+            _ => 0,
+        };
+        errors.extend((0..direct).map(|k| (values[k] / effect.parameters[k].1 - 1.0).abs()));
+    }
+    errors
+}
+
 /// The confusion table. Slow: run with `--release -- --ignored --nocapture confusion`.
 #[test]
 #[ignore = "slow: the score, not a check"]
@@ -71,6 +87,7 @@ fn confusion() {
     for size in [5.0, 1.5] {
         println!("size {size} x noise");
         let mut totals: BTreeMap<Outcome, usize> = BTreeMap::new();
+        let (mut at_floor, mut cases, mut errors) = (0, 0, Vec::new());
         for effect in Effect::LIBRARY {
             if only().is_some_and(|o| !effect.name().contains(&o)) {
                 continue;
@@ -80,6 +97,12 @@ fn confusion() {
             for seed in seeds() {
                 let (truth, reports) = run(&simulator::scenario(effect.name(), size, seed));
                 let what = outcome(&truth, &reports);
+                errors.extend(parameter_errors(&truth, &reports));
+                for report in reports.iter().filter(|r| r.effects.iter().any(|e| e.name == effect.name())) {
+                    cases += 1;
+                    let held = report.stages.last().and_then(|s| s.held_out).unwrap_or(f64::INFINITY);
+                    at_floor += usize::from(held <= 1.15 * report.noise_floor);
+                }
                 *counts.entry(what).or_default() += 1;
                 *totals.entry(what).or_default() += 1;
                 if what != Outcome::Right || only().is_some() {
@@ -91,7 +114,11 @@ fn confusion() {
                 println!("      {d}");
             }
         }
-        println!("total {totals:?}");
+        let near = errors.iter().filter(|e| **e < 0.1).count();
+        println!(
+            "total {totals:?}; held out within 1.15 x the floor in {at_floor} of {cases}; {near} of {} parameters within 10 %",
+            errors.len()
+        );
     }
 }
 
