@@ -130,11 +130,7 @@ fn errors(balance: &Balance) -> Vec<f64> {
 }
 
 /// Finds sign, gain and lag. `balance` is uncorrected.
-pub fn find(
-    bench: &Bench,
-    balance: Balance,
-    setting: &impl Fn(Corrections) -> Setting,
-) -> (Corrections, Vec<Artefact>) {
+pub fn find(bench: &Bench, balance: Balance, setting: &impl Fn(Corrections) -> Setting) -> Corrections {
     let mut corrections = Corrections::none(balance.logs.len());
     let target = balance.target;
     corrections.gains = gains(&balance);
@@ -144,12 +140,11 @@ pub fn find(
     if dynamic {
         corrections = lags(bench, target, corrections, setting, &errors);
     }
-    let found = list(&balance, &corrections, Vec::new());
-    (corrections, found)
+    corrections
 }
 
 /// What the corrections say, as a list.
-pub fn list(balance: &Balance, corrections: &Corrections, _before: Vec<Artefact>) -> Vec<Artefact> {
+pub fn list(balance: &Balance, corrections: &Corrections) -> Vec<Artefact> {
     let channel = match balance.target {
         Target::Torque => "torque",
         Target::Drive => "current",

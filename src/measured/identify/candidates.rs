@@ -207,7 +207,7 @@ impl Selection {
                 .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
                 .filter(|t| !work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e)))
                 .map(|t| {
-                    let without = left_out_without(work, t);
+                    let without = work.left_out_without(t);
                     let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);
                     (t, gain, paired(&without, &fit.left_out))
                 })
@@ -273,19 +273,6 @@ fn is(term: &Term, effect: &dyn Effect) -> bool {
 
 fn rank(effect: &dyn Effect) -> usize {
     EFFECTS.iter().position(|e| e.name() == effect.name()).unwrap_or(usize::MAX)
-}
-
-/// Left-out errors of the model without one of its terms.
-fn left_out_without(work: &Work, term: usize) -> Vec<f64> {
-    let columns: Vec<&[f64]> = work
-        .terms
-        .iter()
-        .enumerate()
-        .filter(|(k, _)| *k != term)
-        .flat_map(|(_, t)| &t.columns)
-        .map(Vec::as_slice)
-        .collect();
-    work.fit_columns(&columns).left_out
 }
 
 fn values_of(effect: &dyn Effect, shape: f64, linear: impl Iterator<Item = f64>) -> Vec<f64> {

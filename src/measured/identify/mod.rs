@@ -144,6 +144,17 @@ impl<'a> Work<'a> {
         self.terms.iter().flat_map(|t| &t.columns).map(Vec::as_slice).collect()
     }
 
+    /// Columns of all terms but one.
+    pub fn columns_without(&self, term: usize) -> Vec<&[f64]> {
+        let others = self.terms.iter().enumerate().filter(|(k, _)| *k != term);
+        others.flat_map(|(_, t)| &t.columns).map(Vec::as_slice).collect()
+    }
+
+    /// Left-out errors of the model without one of its terms.
+    pub fn left_out_without(&self, term: usize) -> Vec<f64> {
+        self.fit_columns(&self.columns_without(term)).left_out
+    }
+
     /// Whether a block is for fitting.
     pub fn fits(&self, block: usize) -> bool {
         self.folds[block].is_some()
@@ -211,14 +222,7 @@ impl<'a> Work<'a> {
 
     /// What share of a column neither the other columns nor any function of speed make up.
     fn own_share(&self, term: usize) -> f64 {
-        let mut columns: Vec<&[f64]> = self
-            .terms
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| *k != term)
-            .flat_map(|(_, t)| &t.columns)
-            .map(Vec::as_slice)
-            .collect();
+        let mut columns = self.columns_without(term);
         let free = structure::of_speed(self);
         columns.extend(free.iter().map(Vec::as_slice));
         let column = &self.terms[term].columns[0];
@@ -328,15 +332,9 @@ impl<'a> Work<'a> {
             }
             let (mut low, mut high) = ((shape / 1.7).ln(), (shape * 1.7).ln());
             let squares = |ln_shape: f64| {
-                let mut other: Vec<Vec<f64>> = self.balance.effect_columns(effect, ln_shape.exp());
-                let columns: Vec<&[f64]> = self
-                    .terms
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(k, term)| if k == t { Vec::new() } else { term.columns.iter().collect() })
-                    .map(Vec::as_slice)
-                    .chain(other.iter_mut().map(|c| c.as_slice()))
-                    .collect();
+                let own = self.balance.effect_columns(effect, ln_shape.exp());
+                let mut columns = self.columns_without(t);
+                columns.extend(own.iter().map(Vec::as_slice));
                 let blocks = Blocks::new(&self.balance.rows, &columns, &self.target);
                 let total = blocks.total(|b| self.fits(b));
                 let solution = solve(&total);
@@ -395,8 +393,12 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
 }
 
 fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
-    let logs = (0..bench.logs.len()).count();
-    let wide = Setting { corrections: Corrections::none(logs), band: options.band, rows: ROWS, samples: usize::MAX };
+    let wide = Setting {
+        corrections: Corrections::none(bench.logs.len()),
+        band: options.band,
+        rows: ROWS,
+        samples: usize::MAX,
+    };
     let mut first = Balance::new(bench, target, &wide)?;
     let mut band = options.band;
     if band.is_none()
@@ -407,7 +409,7 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     }
     let setting = |corrections| Setting { corrections, band, rows: ROWS, samples: usize::MAX };
     let as_declared = verdict::declared_stage(bench, &first);
-    let (corrections, mut found) = artefacts::find(bench, first, &setting);
+    let mut corrections = artefacts::find(bench, first, &setting);
     let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
     let mut work = Work::new(bench, balance);
     let mut stages = vec![as_declared, verdict::corrected_stage(&work)];
@@ -431,9 +433,8 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     let gear_loss = work.gear_loss();
     let refined = artefacts::refine(bench, &work, &corrections, &setting);
     if refined.is_some() || gear_loss > 0.02 {
-        let better = Corrections { gear_loss, ..refined.unwrap_or_else(|| corrections.clone()) };
-        let balance = Balance::new(bench, target, &setting(better.clone()))?;
-        found = artefacts::list(&balance, &better, found);
+        corrections = Corrections { gear_loss, ..refined.unwrap_or(corrections) };
+        let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
         let terms = std::mem::take(&mut work.terms);
         work = Work::new(bench, balance);
         work.hold_what_is_not_seen();
@@ -447,6 +448,7 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     }
     selection.drop_superfluous(&mut work);
     work.settle_saturation();
+    let found = artefacts::list(&work.balance, &corrections);
     Some(verdict::report(work, selection, stages, found, held))
 }
 

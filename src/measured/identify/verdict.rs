@@ -324,15 +324,7 @@ fn doubtful(work: &Work, shares: &[(Option<crate::actuator::effects::Variable>, 
         if term.declared.is_some() || effect.shape() == Shape::Order {
             return None;
         }
-        let columns: Vec<&[f64]> = work
-            .terms
-            .iter()
-            .enumerate()
-            .filter(|(k, _)| *k != t)
-            .flat_map(|(_, t)| &t.columns)
-            .map(Vec::as_slice)
-            .collect();
-        let explains = finite_sum(&work.fit_columns(&columns).left_out) - now;
+        let explains = finite_sum(&work.left_out_without(t)) - now;
         let (variable, share) = shares.iter().find(|(v, _)| v.is_some_and(|v| effect.needs().contains(&v)))?;
         let left = share * now;
         // A shape parameter bends a wrong curve nearly right: what it leaves weighs more.
