@@ -260,6 +260,13 @@ impl Load {
         }
     }
 
+    /// Winding and housing temperature over the motion \[K\], in its periodic state or from cold, with the times of
+    /// the samples \[s\]; `None` where it runs away.
+    pub fn winding_course(&self, actuator: &Actuator, node: &TwoNode, ratio: f64) -> Option<(&[f64], Temperature)> {
+        let heat = self.copper_heat(actuator, ratio);
+        self.settle(node, &heat).map(|(_, temperature)| (self.times.as_slice(), temperature))
+    }
+
     /// Whether the rise certainly stays within `bound` \[K\]: it does where even the largest heat, held for
     /// ever, keeps to it. Costs no walk over the samples.
     pub fn winding_peak_is_within(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> bool {

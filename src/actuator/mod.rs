@@ -6,6 +6,7 @@
 //! each limit says once which of them it bounds ([`limits`]).
 
 pub mod effects;
+pub mod envelope;
 pub mod fitted;
 pub mod laurent;
 pub mod limits;

@@ -23,6 +23,11 @@ pub struct StepResponse {
 /// Simulates a unit step of the q-axis voltage on the free motor, with the inductance given \[H\].
 /// `None` where the rotor inertia is unknown.
 pub fn simulate(motor: &Motor, inductance: f64) -> Option<StepResponse> {
+    simulate_and_watch(motor, inductance, &mut |_, _| {})
+}
+
+/// As [`simulate`]; `watch` is told the time \[s\] and the speed as a share of the final speed, step by step.
+pub fn simulate_and_watch(motor: &Motor, inductance: f64, watch: &mut dyn FnMut(f64, f64)) -> Option<StepResponse> {
     let rotor = motor.rotor_inertia?;
     let (r, k_t, k_b) = (motor.resistance, motor.torque_constant, motor.back_emf_constant);
     let mechanical = rotor * r / (k_t * k_b);
@@ -57,6 +62,7 @@ pub fn simulate(motor: &Motor, inductance: f64) -> Option<StepResponse> {
         peak = peak.max(next[1]);
         x = next;
         time += step;
+        watch(time, x[1] / final_speed);
     }
     Some(StepResponse { rise_time: rise_time?, overshoot: (peak / final_speed - 1.0).max(0.0) })
 }

@@ -1,7 +1,10 @@
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::{CatalogChoice, Done, Failure};
 use crate::report::compare::{self as report, Comparison};
+use crate::report::plot::step as plot;
 use crate::units;
 
 /// Arguments of the command.
@@ -19,6 +22,9 @@ pub struct Arguments {
     inertia: Option<String>,
     #[command(flatten)]
     catalog: CatalogChoice,
+    /// Draw the responses to a voltage step: an .svg or .png file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// Print JSON (SI units, the unit in the key)
     #[arg(long)]
     json: bool,
@@ -40,9 +46,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             }
         },
     };
+    super::check_plot(arguments.plot.as_ref())?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     let find = |id: &str| super::find_motor(&catalog, id);
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
+    super::draw_plot(arguments.plot.as_ref(), || plot::figure(&comparison))?;
     let text =
         if arguments.json { crate::report::json_text(&report::json(&comparison)) } else { report::text(&comparison) };
     Ok(Done { text, satisfied: true })

@@ -6,6 +6,7 @@ use super::{CatalogChoice, Done, Failure};
 use crate::design::explain::explain;
 use crate::input::nearest;
 use crate::report::explain as report;
+use crate::report::plot::design as plot;
 use crate::requirement;
 
 /// Arguments of the command.
@@ -23,12 +24,16 @@ pub struct Arguments {
     joint: Option<String>,
     #[command(flatten)]
     catalog: CatalogChoice,
+    /// Draw the design: torque over speed, temperature, objective and limits over the ratio: an .svg or .png file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     /// Print JSON (SI units, the unit in the key)
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    super::check_plot(arguments.plot.as_ref())?;
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
@@ -69,6 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let story = explain(&robot, joint, motor, gear, ratio)
         .map_err(|why| Failure::Argument(format!("{id} cannot be explained at this joint: {}", why.reason())))?;
+    super::draw_plot(arguments.plot.as_ref(), || plot::explained(&robot, &story))?;
     let text = if arguments.json { crate::report::json_text(&report::json(&story)) } else { report::text(&story) };
     Ok(Done { text, satisfied: story.evaluation.feasible })
 }

@@ -18,6 +18,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::catalog::{Catalog, Motor};
 use crate::input::InputError;
+use crate::report::plot::{self, Figure};
 use crate::requirement::{RatioChoice, Robot};
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
@@ -145,6 +146,16 @@ fn check_gears(robot: &Robot, catalog: &Catalog) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// A picture's file name must be one before any work is done.
+fn check_plot(path: Option<&PathBuf>) -> Result<(), Failure> {
+    path.map_or(Ok(()), |p| plot::Format::of(p).map(|_| ()).map_err(Failure::Argument))
+}
+
+/// Draws the picture that was asked for.
+fn draw_plot(path: Option<&PathBuf>, figure: impl FnOnce() -> Figure) -> Result<(), Failure> {
+    path.map_or(Ok(()), |p| plot::write(&figure(), p).map_err(Failure::Argument))
 }
 
 /// The motor of the catalogue with this id.

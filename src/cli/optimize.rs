@@ -8,7 +8,7 @@ use crate::design::pareto::fronts;
 use crate::design::robust::robust;
 use crate::input::nearest;
 use crate::report::optimize as report;
-use crate::report::{pareto, robust as robust_report};
+use crate::report::{pareto, plot, robust as robust_report};
 use crate::requirement::{self, Quantity};
 
 /// Arguments of the command.
@@ -35,11 +35,14 @@ pub struct Arguments {
     #[arg(long, value_name = "A,B")]
     pareto: Option<String>,
     /// Designs that keep all limits over the motors' tolerances, and how likely the first choice stays first
-    #[arg(long, conflicts_with_all = ["pareto", "only_top"])]
+    #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot"])]
     robust: bool,
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
+    /// Draw the objective of the first designs over the ratio and the first choice's torque over speed, or the fronts: an .svg or .png file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
@@ -63,6 +66,7 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    super::check_plot(arguments.plot.as_ref())?;
     let robot = match (&arguments.pareto, arguments.robust) {
         (Some(_), _) => requirement::read_without_springs(&arguments.requirement, "`--pareto`")?,
         (None, true) => requirement::read_without_springs(&arguments.requirement, "`--robust`")?,
@@ -72,6 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     super::check_gears(&robot, &catalog)?;
     if let Some(names) = &arguments.pareto {
         let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
+        super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
         let text = arguments.output.choose(|| pareto::text(&fronts), || pareto::json(&fronts), || pareto::csv(&fronts));
         return Ok(Done { text, satisfied });
@@ -92,6 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let result = optimize_with(&robot, &catalog, options);
     bar.finish_and_clear();
+    super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
     let text =
         arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));

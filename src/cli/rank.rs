@@ -4,13 +4,14 @@ use clap::Args;
 
 use super::{Done, Failure, Output};
 use crate::actuator::metrics::{METRICS, metric};
+use crate::report::plot::rank as plot;
 use crate::report::rank::{self as report, Ranking};
 use crate::units;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise rank\n  gearwise rank --sort mass_s_m --top 50\n  gearwise rank my_motors.csv --tolerance 10%"
+    before_help = "Examples:\n  gearwise rank\n  gearwise rank --sort mass_s_m --top 50\n  gearwise rank my_motors.csv --tolerance 10%\n  gearwise rank --plot motors.svg --mark t-motor-ri50 --mark t-motor-u8"
 )]
 pub struct Arguments {
     /// Catalogue files or folders; the built-in catalogue if none is given
@@ -27,6 +28,12 @@ pub struct Arguments {
     /// Tolerance (±, 95 %) of every number whose row states none, e.g. 5%
     #[arg(long, value_name = "PERCENT")]
     tolerance: Option<String>,
+    /// Draw rotor inertia over motor constant with lines of equal S_M, and over torque constant: an .svg or .png file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Motor to be marked in the picture; may be repeated
+    #[arg(long, value_name = "ID", requires = "plot")]
+    mark: Vec<String>,
     #[command(flatten)]
     output: Output,
 }
@@ -45,8 +52,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             }
         },
     };
+    super::check_plot(arguments.plot.as_ref())?;
     let catalog = super::motors(&arguments.catalog)?;
+    let marked: Vec<_> = arguments.mark.iter().map(|id| super::find_motor(&catalog, id)).collect::<Result<_, _>>()?;
     let ranking = Ranking::new(&catalog.motors, by, tolerance);
+    super::draw_plot(arguments.plot.as_ref(), || plot::figure(&ranking, &marked))?;
     let text = arguments.output.choose(
         || report::text(&ranking, arguments.top),
         || report::json(&ranking),

@@ -5,6 +5,7 @@ use clap::Args;
 use super::{CatalogChoice, Done, Failure, Output};
 use crate::actuator::metrics::METRICS;
 use crate::design::sweep::sweep_with_progress;
+use crate::report::plot::sweep as plot;
 use crate::report::sweep::{self as report, Order};
 use crate::requirement::{self, Quantity};
 
@@ -31,6 +32,9 @@ pub struct Arguments {
     /// Show infeasible designs too, after the feasible ones
     #[arg(long)]
     infeasible: bool,
+    /// Draw what is feasible, motor by motor, and the objective over the ratio: an .svg or .png file
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
@@ -57,6 +61,7 @@ fn order(name: &str) -> Result<Order, Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    super::check_plot(arguments.plot.as_ref())?;
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = requirement::read_without_springs(&arguments.requirement, "`sweep`")?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
@@ -64,6 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "sweeping");
     let sweeps = sweep_with_progress(&robot, &catalog, arguments.ratios as usize, &|| bar.inc(1));
     bar.finish_and_clear();
+    super::draw_plot(arguments.plot.as_ref(), || plot::figure(&sweeps))?;
     let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.evaluation.feasible));
     let text = arguments.output.choose(
         || report::text(&robot, &sweeps, order, arguments.top, arguments.infeasible),

@@ -183,7 +183,9 @@ fn legend_height(entries: &[Entry], width: f64) -> f64 {
 fn draw_legend(pen: &mut Pen, entries: &[Entry], (left, top): (f64, f64), width: f64) -> f64 {
     for (entry, (x, row)) in entries.iter().zip(legend_places(entries, width)) {
         let (x, y) = (left + x, top + row as f64 * LINE + 0.5 * LINE + 2.0);
-        for (tone, mark) in &entry.samples {
+        // Bars have no look of their own where something else has the name too.
+        let alone = entry.samples.len() == 1;
+        for (tone, mark) in entry.samples.iter().filter(|s| alone || s.1 != Some(Mark::Bars)) {
             draw_sample(pen, *tone, *mark, (x, y));
         }
         pen.text((x + SAMPLE + 6.0, y + 4.0), entry.name, TextStyle::new(TEXT, Anchor::Start));
@@ -334,7 +336,10 @@ fn draw_panel(pen: &mut Pen, panel: &Panel, outer: Rect, layout: &mut Layout) {
         pen.line(&rule_ends(&axes, rule), rule.tone.dark_line(), 1.2, rule.dash, &rule.text);
     }
     for series in &panel.series {
-        draw_series(pen, &axes, series);
+        // A line over dots of its own tone has to be darker than they are.
+        let over = panel.series.iter().any(|s| s.mark == Mark::Dots && s.tone == series.tone);
+        let line = if over { series.tone.dark() } else { series.tone.dark_line() };
+        draw_series(pen, &axes, series, line);
     }
     pen.close("svg");
     pen.rect(frame, &format!("fill=\"none\" stroke=\"{FRAME}\""));
@@ -366,7 +371,7 @@ fn rule_ends(axes: &Axes, rule: &Rule) -> [(f64, f64); 2] {
     }
 }
 
-fn draw_series(pen: &mut Pen, axes: &Axes, series: &Series) {
+fn draw_series(pen: &mut Pen, axes: &Axes, series: &Series, line: &'static str) {
     let (tone, note) = (series.tone, |k: usize| series.note(k));
     let held = || series.points.iter().enumerate().filter(|(_, p)| axes.holds(**p));
     let through = || series.points.iter().map(|p| axes.at(*p)).collect::<Vec<_>>();
@@ -376,7 +381,7 @@ fn draw_series(pen: &mut Pen, axes: &Axes, series: &Series) {
             let colours = (tone.colour(), outline(tone, shape));
             held().for_each(|(k, p)| pen.shape(axes.at(*p), shape, 3.6, colours, note(k)));
         }
-        Mark::Line(dash) => pen.line(&through(), tone.dark_line(), 2.0, dash, note(0)),
+        Mark::Line(dash) => pen.line(&through(), line, 2.0, dash, note(0)),
         Mark::Thin(dash) => pen.line(&through(), tone.colour(), 1.0, dash, note(0)),
         Mark::Bars => {
             let zero = axes.y.pixel(axes.y.range.0.max(0.0));

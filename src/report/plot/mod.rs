@@ -7,10 +7,18 @@
 //! A picture of its own is one file beside this one, which makes a [`Figure`].
 
 mod axis;
+pub mod design;
 mod draw;
 mod labels;
+pub mod over_ratio;
+pub mod pareto;
 mod pen;
+pub mod rank;
 pub mod residual;
+pub mod step;
+pub mod sweep;
+pub mod temperature;
+pub mod torque_speed;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,0 +1,170 @@
+//! The pictures of one design, and of the best designs of each joint of a robot.
+
+use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Series, Stripe, Tone, over_ratio, temperature, torque_speed};
+use crate::actuator::Load;
+use crate::catalog::{Catalog, Gear, Motor};
+use crate::design::explain::Explanation;
+use crate::design::optimize::{Design, JointResult, RobotResult};
+use crate::design::program::Optimum;
+use crate::design::sweep::grid;
+use crate::design::{Prepared, continuous_candidate, geared_candidate, load_through};
+use crate::report::number;
+use crate::requirement::{Joint, RatioChoice, Robot};
+
+/// Designs whose objective is drawn over the ratio.
+const CURVES: usize = 6;
+
+/// Prepares a motor at a joint and looks at it.
+fn with_prepared<T>(
+    robot: &Robot,
+    joint: &Joint,
+    motor: &Motor,
+    gear: Option<&Gear>,
+    look: impl FnOnce(&Prepared) -> T,
+) -> Option<T> {
+    let own = gear.and_then(|g| load_through(joint, g));
+    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
+    let candidate = match gear {
+        Some(gear) => geared_candidate(robot, joint, &load, motor, gear),
+        None => continuous_candidate(robot, joint, &load, motor),
+    };
+    candidate.ok().map(|c| look(&Prepared::new(c)))
+}
+
+/// The joint with the spring that was chosen in its motion.
+fn with_spring(joint: &Joint, spring: Option<(f64, f64)>) -> Joint {
+    let moved = spring.and_then(|(stiffness, rest)| joint.motion.with_spring(stiffness, rest));
+    moved.map_or_else(|| joint.clone(), |motion| Joint { motion, ..joint.clone() })
+}
+
+fn name(motor: &Motor, gear: Option<&str>, ratio: f64) -> String {
+    match gear {
+        Some(gear) => format!("{} with {gear} (N = {})", motor.id, number(ratio)),
+        None => format!("{} at N = {}", motor.id, number(ratio)),
+    }
+}
+
+/// The pictures of an explanation: torque over speed, objective and limits over the ratio, temperature.
+pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
+    let spring = story.spring.as_ref().and_then(|s| s.as_ref().ok());
+    let joint = with_spring(story.joint, spring.map(|s| (s.stiffness, s.rest_angle.unwrap_or(0.0))));
+    let ratio = story.evaluation.ratio;
+    let optimum = story.best.as_ref().and_then(|b| b.as_ref().ok());
+    let panels = with_prepared(robot, &joint, story.motor, story.gear, |prepared| {
+        let mut panels = vec![torque_speed::panel(prepared, ratio, "torque over speed".into())];
+        panels.extend(temperature::panel(prepared, ratio));
+        if let RatioChoice::Continuous { min, max } = joint.ratio {
+            let all = over_ratio::evaluations(prepared, over_ratio::range(optimum, ratio, (min, max)));
+            panels.push(over_ratio::objective(prepared, &all, optimum, ratio));
+            panels.push(over_ratio::limits(&all, optimum, ratio));
+        }
+        panels
+    });
+    let title = format!("{}: {}", story.joint.name, name(story.motor, story.gear.map(|g| g.id.as_str()), ratio));
+    let state = if story.evaluation.feasible { "All limits that can be checked are kept. " } else { "Some limit is exceeded. " };
+    let group = Group {
+        title,
+        caption: format!("{state}{}", torque_speed::CAPTION),
+        own_legends: true,
+        panels: panels.unwrap_or_default(),
+    };
+    Figure { groups: vec![group], columns: 2, panel: (560.0, 400.0), ..Figure::default() }
+}
+
+/// The pictures of an optimisation: per joint the objective of the first designs over the ratio, and the
+/// first choice's torque over speed. Joints that ask the same share theirs.
+pub fn optimized(result: &RobotResult, catalog: &Catalog) -> Figure {
+    let mut groups: Vec<Group> = Vec::new();
+    for (k, joint) in result.joints.iter().enumerate() {
+        let same = |j: &&JointResult| j.joint.asks_the_same(joint.joint);
+        if result.joints[..k].iter().any(|j| same(&j)) {
+            continue;
+        }
+        let names: Vec<&str> = result.joints[k..].iter().filter(same).map(|j| j.joint.name.as_str()).collect();
+        groups.push(group(result.robot, joint, catalog, &names.join(", ")));
+    }
+    if let Some(first) = groups.first_mut() {
+        first.caption = torque_speed::CAPTION.into();
+    }
+    Figure { groups, columns: 2, panel: (560.0, 380.0), ..Figure::default() }
+}
+
+fn group(robot: &Robot, result: &JointResult, catalog: &Catalog, names: &str) -> Group {
+    let Some(first) = result.candidates.first() else {
+        let empty = Panel { x: "".into(), empty: "no motor of the catalogue is feasible".into(), ..Panel::default() };
+        return Group { title: names.into(), panels: vec![empty], ..Group::default() };
+    };
+    let gear = first.gear.and_then(|id| catalog.gears.iter().find(|g| g.id == id));
+    let ratio = first.optimum.ratio;
+    let diagram = with_prepared(robot, &own_joint(result.joint, first), first.motor, gear, |prepared| {
+        torque_speed::panel(prepared, ratio, format!("first choice: {}", name(first.motor, first.gear, ratio)))
+    });
+    let title = format!("{names}: the first of {} feasible motors is {}", result.candidates.len(), first.motor.id);
+    let panels = std::iter::once(candidates(robot, result)).chain(diagram).collect();
+    Group { title, caption: String::new(), own_legends: true, panels }
+}
+
+fn own_joint(joint: &Joint, design: &Design) -> Joint {
+    with_spring(joint, design.spring.as_ref().map(|s| (s.stiffness, s.rest_angle.unwrap_or(0.0))))
+}
+
+/// The objective of the first designs over the ratio, or at their gears.
+fn candidates(robot: &Robot, result: &JointResult) -> Panel {
+    let goal = &result.joint.objective;
+    let label = if goal.unit() == "1" { goal.name() } else { format!("{} [{}]", goal.name(), goal.unit()) };
+    let mut panel = Panel {
+        title: format!("{} of the first designs; drawn where all limits are kept", goal.name()),
+        x: Axis::log("ratio N"),
+        y: Axis::linear(label),
+        empty: "one ratio only".into(),
+        ..Panel::default()
+    };
+    for (rank, design) in result.candidates.iter().take(CURVES).enumerate() {
+        let best = (design.optimum.ratio, design.optimum.objective);
+        let ids = vec![design.motor.id.clone()];
+        if let RatioChoice::Continuous { .. } = result.joint.ratio {
+            let joint = own_joint(result.joint, design);
+            let curve = with_prepared(robot, &joint, design.motor, None, |prepared| curve(prepared, &design.optimum));
+            let series = Series::new(Tone::nth(rank), Mark::Line(Dash::nth(rank)), curve.unwrap_or_default());
+            panel.series.push(series.named(design.motor.id.as_str()).of(ids.clone()));
+        }
+        let note = name(design.motor, design.gear, design.optimum.ratio);
+        let shape = super::Shape::nth(rank);
+        let dot = Series::new(Tone::nth(rank), Mark::Points(shape), vec![best]).of(ids).noted(vec![note]);
+        panel.series.push(dot.named(design.motor.id.as_str()));
+        let text = format!("N* = {}", number(design.optimum.ratio));
+        panel.labels.push(Label { at: best, text, chosen: rank == 0 });
+    }
+    if let Some(first) = result.candidates.first().filter(|d| d.gear.is_none()) {
+        for window in &first.optimum.windows {
+            panel.stripes.push(Stripe {
+                along: super::Along::X,
+                from: window.min,
+                to: window.max,
+                tone: Tone::Blue,
+                name: format!("{} is feasible", first.motor.id),
+            });
+        }
+    }
+    let least = result.candidates.first().map_or(0.0, |d| d.optimum.objective);
+    let values = panel.series.iter().flat_map(|s| &s.points).map(|p| p.1).filter(|v| v.is_finite());
+    let most = values.fold(least, f64::max);
+    // A curve that rises without end must not squash the others.
+    let last = result.candidates.iter().take(CURVES).map(|d| d.optimum.objective).fold(least, f64::max);
+    if least > 0.0 && most > 4.0 * last {
+        panel.y.range = Some((0.0, 4.0 * last));
+    }
+    panel
+}
+
+/// The objective over the design's own windows.
+fn curve(prepared: &Prepared, optimum: &Optimum) -> Vec<(f64, f64)> {
+    let goal = &prepared.candidate.joint.objective;
+    let mut points = Vec::new();
+    for window in &optimum.windows {
+        let ratios = if window.max > window.min * (1.0 + 1e-9) { grid(window.min, window.max, 101) } else { vec![window.min] };
+        points.extend(ratios.into_iter().map(|n| (n, prepared.at_in_full(n).objective(goal).unwrap_or(f64::NAN))));
+        points.push((f64::NAN, f64::NAN));
+    }
+    points
+}

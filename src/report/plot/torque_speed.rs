@@ -1,0 +1,220 @@
+//! The torque-speed diagram of a design, at its output: what each limit leaves, and what the motion asks.
+//!
+//! The one idea: what a sample asks of the *motor* is drawn as the steady torque at the output that would ask the
+//! same torque of the motor's shaft, so that accelerating the rotor counts, and a sample lies
+//! outside a current limit exactly where that limit is exceeded. Driving is above zero, braking below.
+
+use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Shape, Tone, thinned};
+use crate::actuator::envelope::Steady;
+use crate::actuator::limits::{Asked, Candidate, Demand};
+use crate::actuator::shaft::Flow;
+use crate::actuator::waveform::Functional;
+use crate::design::Prepared;
+use crate::report::number;
+use crate::requirement::Course;
+
+/// Points of a boundary.
+const POINTS: usize = 121;
+/// Most samples of the motion that are drawn.
+const SAMPLES: usize = 1500;
+
+/// What stands under the diagram.
+pub const CAPTION: &str = "At the output, at steady speed and torque (α = 0, dτ/dt = 0); driving above zero, braking below. \
+    The motion: for each sample the steady torque that asks the same torque of the motor's shaft, the rotor's \
+    acceleration included; ○ marks where it is in time. Voltage for changing the current (L di/dt) is not in the \
+    diagram; it is in the table.";
+
+/// The diagram of a design at a ratio.
+pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
+    let candidate = &prepared.candidate;
+    let motion = cloud(candidate, ratio);
+    let loads: Vec<(f64, f64)> = {
+        let m = &candidate.joint.motion;
+        let of = |k: usize| {
+            let sign = if m.velocity[k] == 0.0 { m.torque[k].signum() } else { m.velocity[k].signum() };
+            (m.velocity[k].abs(), sign * m.torque[k])
+        };
+        thinned(m.len(), SAMPLES).map(of).collect()
+    };
+    let fastest = motion.iter().map(|(_, p)| p.0).fold(0.0, f64::max);
+    let strongest = motion.iter().map(|(_, p)| p.1.abs()).chain(loads.iter().map(|p| p.1.abs())).fold(0.0, f64::max);
+    let speed = speed_range(prepared, ratio, fastest);
+    let speeds: Vec<f64> = (0..POINTS).map(|k| speed * k as f64 / (POINTS - 1) as f64).collect();
+    let mut panel = Panel { title, ..Panel::default() };
+    let boundaries = boundaries(prepared, ratio, &speeds);
+    // The peak limits must be seen, unless they are so far off that the motion would vanish.
+    let farthest = boundaries
+        .iter()
+        .filter(|s| s.name.starts_with("peak"))
+        .flat_map(|s| &s.points)
+        .map(|p| p.1.abs())
+        .filter(|t| t.is_finite() && *t <= 4.0 * strongest)
+        .fold(strongest, f64::max);
+    let deepest = motion.iter().map(|(_, p)| -p.1).fold(0.0, f64::max);
+    let up = 1.12 * farthest;
+    panel.x = Axis::linear("speed of the output [rad/s]").within(0.0, speed);
+    panel.y = Axis::linear("torque at the output [N·m]").within(-(1.25 * deepest).max(0.25 * up).min(up), up);
+    panel.series.push(Series::new(Tone::Grey, Mark::Dots, loads).named("load torque alone"));
+    let order: Vec<(f64, f64)> = motion.iter().map(|(_, p)| *p).collect();
+    if !matches!(candidate.joint.motion.course, Course::Points(_)) {
+        panel.series.push(Series::new(Tone::Sky, Mark::Thin(Dash::Solid), order.clone()));
+    }
+    let notes = motion.iter().map(|(k, _)| candidate.joint.motion.name_sample(*k)).collect();
+    panel.series.push(Series::new(Tone::Blue, Mark::Dots, order).named("motion, with the rotor").noted(notes));
+    panel.series.extend(boundaries);
+    panel.rules = straight(prepared, ratio, (speed, up));
+    panel.labels = instants(candidate, &motion);
+    let (at, notes) = panel.labels.iter().map(|l| (l.at, l.text.clone())).unzip();
+    panel.series.push(Series::new(Tone::Blue, Mark::Points(Shape::Circle), at).noted(notes));
+    panel
+}
+
+/// The samples with what each asks of the motor, as speed and torque at the output.
+fn cloud(candidate: &Candidate, ratio: f64) -> Vec<(usize, (f64, f64))> {
+    let steady = Steady::new(candidate, ratio);
+    let shaft = |here: &Candidate| {
+        let wave = &here.load.waveform;
+        let mut all: Vec<(usize, f64, f64)> = (0..wave.len())
+            .map(|i| {
+                let point = wave.point(i);
+                let form = here.actuator.torque_form(point.flow);
+                let sign = point.features[crate::actuator::shaft::Feature::Sign as usize];
+                let torque = form.polynomial(&point.features).at(ratio);
+                let speed = point.features[crate::actuator::shaft::Feature::Velocity as usize].abs();
+                (point.origin, speed, sign * torque)
+            })
+            .collect();
+        all.sort_by_key(|p| p.0);
+        // At standstill friction may oppose either way: the greater torque is what counts.
+        let mut kept: Vec<(usize, f64, f64)> = Vec::with_capacity(all.len());
+        for p in all {
+            match kept.last_mut() {
+                Some(last) if last.0 == p.0 => {
+                    let torque = last.2.abs().max(p.2.abs());
+                    last.2 = torque;
+                }
+                _ => kept.push(p),
+            }
+        }
+        kept
+    };
+    let all = if candidate.is_evaluated() { candidate.at_ratio(ratio, shaft) } else { shaft(candidate) };
+    thinned(all.len(), SAMPLES)
+        .filter_map(|k| {
+            let (origin, speed, torque) = all[k];
+            Some((origin, (speed, steady.load_torque(torque, speed)?)))
+        })
+        .collect()
+}
+
+/// To where speeds are drawn: beyond the motion, to where the voltage ends if that is not too far.
+fn speed_range(prepared: &Prepared, ratio: f64, fastest: f64) -> f64 {
+    let steady = Steady::new(&prepared.candidate, ratio);
+    let bound = prepared.candidate.voltage().powi(2);
+    let reaches = |speed: f64| {
+        let driving = steady.largest_torque(Functional::VoltageSquared, bound, Flow::Driving, speed);
+        driving.is_some_and(|t| t > 0.0)
+    };
+    let mut speed = 1.15 * fastest.max(1e-3);
+    while speed < 2.2 * fastest && reaches(speed) {
+        speed *= 1.05;
+    }
+    speed
+}
+
+/// A limit on the torque of the motor's shaft: its name in the legend, and the torque \[N·m\].
+fn shaft_limit(asked: &Asked) -> Option<(&'static str, f64)> {
+    let bound = asked.raw_bound().max(0.0).sqrt();
+    let name = match (asked.limit.name, asked.owner) {
+        ("peak_current", "drive") => "peak: current of the drive",
+        ("peak_current", _) => "peak: current of the motor",
+        ("peak_torque", _) => "peak: torque of the motor",
+        ("continuous_current", _) => "continuous: rated current (of the rms)",
+        ("continuous_torque", _) => "continuous: rated torque (of the rms)",
+        ("winding_temperature", _) => "continuous: winding temperature (of the rms)",
+        _ => return None,
+    };
+    matches!(asked.demand, Demand::Samples(Functional::TorqueSquared) | Demand::Polynomial(..)).then_some((name, bound))
+}
+
+fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
+    let candidate = &prepared.candidate;
+    let steady = Steady::new(candidate, ratio);
+    let both = |at: &dyn Fn(Flow, f64) -> Option<f64>| -> Vec<(f64, f64)> {
+        let mut points = Vec::new();
+        for flow in Flow::BOTH {
+            points.extend(speeds.iter().map(|w| (*w, at(flow, *w).filter(|t| t.is_finite()).unwrap_or(f64::NAN))));
+            points.push((f64::NAN, f64::NAN));
+        }
+        points
+    };
+    let mut all = Vec::new();
+    for asked in &prepared.asked {
+        let bound = asked.raw_bound();
+        if let Some((name, torque)) = shaft_limit(asked) {
+            let tone = if name.starts_with("peak") { Tone::Vermilion } else { Tone::Green };
+            let dash = match asked.limit.name {
+                "winding_temperature" | "peak_torque" => Dash::Dashed,
+                "continuous_torque" => Dash::Dotted,
+                _ => Dash::Solid,
+            };
+            let at = |flow: Flow, speed: f64| {
+                let signed = if flow == Flow::Driving { torque } else { -torque };
+                steady.load_torque(signed, speed).filter(|t| (*t >= 0.0) == (flow == Flow::Driving))
+            };
+            all.push(Series::new(tone, Mark::Line(dash), both(&at)).named(name));
+        }
+        let (functional, name, tone, dash) = match asked.limit.name {
+            "voltage" => (Functional::VoltageSquared, "voltage", Tone::Black, Dash::Solid),
+            "bus_power" => (Functional::Power, "power of the bus", Tone::Purple, Dash::DashDot),
+            "bus_current" => (Functional::Power, "current of the bus", Tone::Purple, Dash::DashDotDot),
+            _ => continue,
+        };
+        let boundary = |steady: Steady| {
+            both(&|flow, speed| steady.largest_torque(functional, bound, flow, speed))
+        };
+        let inductance = asked.limit.name == "voltage" && candidate.motor.inductance_and_poles().is_some();
+        let name = if inductance { "voltage, with the inductance" } else { name };
+        all.push(Series::new(tone, Mark::Line(dash), boundary(steady)).named(name));
+        if inductance {
+            let without = boundary(steady.without_inductance());
+            all.push(Series::new(tone, Mark::Line(Dash::Dotted), without).named("voltage, without"));
+        }
+    }
+    all.retain(|s| s.points.iter().any(|p| p.1.is_finite()));
+    all
+}
+
+/// Limits of speed, and of the gear's torque.
+fn straight(prepared: &Prepared, ratio: f64, (fastest, strongest): (f64, f64)) -> Vec<Rule> {
+    let safety = prepared.candidate.joint.limits.safety;
+    let rule = |asked: &Asked| {
+        let (along, at, text, dash) = match asked.limit.name {
+            "max_speed" => (Along::X, asked.bound / ratio, "speed of the motor", Dash::Dashed),
+            "gear_input_speed" => (Along::X, asked.bound / ratio, "speed of the gear", Dash::DashDot),
+            "gear_peak_torque" => (Along::Y, asked.bound / safety, "gear, peak", Dash::Long),
+            "gear_continuous_torque" => (Along::Y, asked.bound, "gear, continuous (of the rms)", Dash::Dotted),
+            _ => return None,
+        };
+        let seen = if along == Along::X { at <= fastest } else { at <= strongest };
+        seen.then(|| Rule { along, at, tone: Tone::Orange, dash, text: text.into() })
+    };
+    prepared.asked.iter().filter_map(rule).collect()
+}
+
+/// Where the motion is at the start and after each quarter.
+fn instants(candidate: &Candidate, motion: &[(usize, (f64, f64))]) -> Vec<Label> {
+    let m = &candidate.joint.motion;
+    let Some(duration) = m.duration().filter(|_| !matches!(m.course, Course::Points(_))) else {
+        let points = motion.iter().take(6);
+        return points.map(|(k, p)| Label { at: *p, text: m.name_sample(*k), chosen: false }).collect();
+    };
+    let start = m.time.first().copied().unwrap_or(0.0);
+    let nearest = |quarter: u32| {
+        let at = start + duration * f64::from(quarter) / 4.0;
+        let far = |k: usize| (m.time[k] - at).abs();
+        let (k, p) = motion.iter().min_by(|a, b| far(a.0).total_cmp(&far(b.0)))?;
+        Some(Label { at: *p, text: format!("{} s", number(m.time[*k])), chosen: false })
+    };
+    (0..4).filter_map(nearest).collect()
+}
