@@ -10,10 +10,13 @@ use crate::report::number;
 /// Points of a curve.
 const POINTS: usize = 400;
 
+/// Which motor, whether with inductance, and the share of the final speed over time \[s\].
+type Response = (usize, bool, Vec<(f64, f64)>);
+
 /// The figure of a comparison.
 pub fn figure(comparison: &Comparison) -> Figure {
     let [a, b] = comparison.motors;
-    let responses: Vec<(usize, bool, Vec<(f64, f64)>)> = comparison
+    let responses: Vec<Response> = comparison
         .motors
         .iter()
         .enumerate()
@@ -70,7 +73,7 @@ fn response(motor: &Motor, inductance: f64) -> Vec<(f64, f64)> {
 
 fn panel(
     comparison: &Comparison,
-    responses: &[(usize, bool, Vec<(f64, f64)>)],
+    responses: &[Response],
     end: f64,
     title: &str,
     y: &str,

@@ -171,8 +171,11 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
         if let Some((name, torque)) = shaft_limit(asked) {
             let tone = if name.starts_with("peak") { Tone::Vermilion } else { Tone::Green };
             let dash = match asked.limit.name {
-                "winding_temperature" | "peak_torque" => Dash::Dashed,
-                "continuous_torque" => Dash::Dotted,
+                // No two alike: in grey the dash is all that tells them apart.
+                "peak_torque" => Dash::Dashed,
+                "continuous_current" => Dash::Long,
+                "winding_temperature" => Dash::DashDot,
+                "continuous_torque" => Dash::DashDotDot,
                 _ => Dash::Solid,
             };
             let at = |flow: Flow, speed: f64| {
