@@ -58,7 +58,8 @@ fn joint_power_is_the_rate_of_energy() {
         let n = mechanism.moving().len();
         for seed in [0.0, 1.0, 2.0, 3.0] {
             let [q, v, a] = state(n, seed);
-            let power: f64 = inverse(&mechanism, &[q.clone(), v.clone(), a.clone()]).iter().zip(&v).map(|(t, v)| t * v).sum();
+            let power: f64 =
+                inverse(&mechanism, &[q.clone(), v.clone(), a.clone()]).iter().zip(&v).map(|(t, v)| t * v).sum();
             let total = |h: f64| {
                 let at: Vec<f64> = (0..n).map(|j| q[j] + h * v[j] + 0.5 * h * h * a[j]).collect();
                 let speed: Vec<f64> = (0..n).map(|j| v[j] + h * a[j]).collect();
@@ -217,7 +218,11 @@ fn friction_and_springs_of_a_joint_are_loads_and_the_rotor_is_not() {
     let motion = trajectory::read(&table(&rows), &mechanism, false, None).unwrap();
     let all = torques(&mechanism, &motion, true);
     assert_relative_eq!(all.torque[0][2], 5.0 + 0.5 * 4.0 + 2.0 + 3.0 * (1.0 - FRAC_PI_2), max_relative = 1e-13);
-    assert_relative_eq!(torques(&mechanism, &motion, false).torque[0][2], 5.0 + 3.0 * (1.0 - FRAC_PI_2), max_relative = 1e-13);
+    assert_relative_eq!(
+        torques(&mechanism, &motion, false).torque[0][2],
+        5.0 + 3.0 * (1.0 - FRAC_PI_2),
+        max_relative = 1e-13
+    );
     assert_eq!(all.motion(&motion, 0).torque_rate[2], 0.0);
 }
 
@@ -233,16 +238,22 @@ fn motion_files_say_the_same_as_the_description() {
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write("robot.urdf", PENDULUM);
     write("sway.csv", &sway(&parse(PENDULUM)));
-    let (code, _, errors) = gearwise(folder.path(), &["torques", "robot.urdf", "sway.csv", "--payload", "bob=1 kg@0,0,-500 mm", "--out", "out"]);
+    let (code, _, errors) = gearwise(
+        folder.path(),
+        &["torques", "robot.urdf", "sway.csv", "--payload", "bob=1 kg@0,0,-500 mm", "--out", "out"],
+    );
     assert_eq!(code, Some(0), "{errors}");
     let joint = "name = \"p\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"hinge\"\nratio = { min = 3, max = 30 }\n";
     write("files.toml", &format!("{joint}motion = \"out/hinge.csv\"\n"));
     let payload = "[mechanism]\nmodel = \"robot.urdf\"\ntrajectory = \"sway.csv\"\npayload = { link = \"bob\", mass = \"1 kg\", at = [\"0 m\", \"0 m\", \"-0.5 m\"] }\n";
     write("model.toml", &format!("{joint}mechanism_joint = \"hinge\"\n{payload}"));
-    let read = |name: &str| gearwise::requirement::read(&folder.path().join(name)).unwrap_or_else(|e| panic!("{}", e[0]));
+    let read =
+        |name: &str| gearwise::requirement::read(&folder.path().join(name)).unwrap_or_else(|e| panic!("{}", e[0]));
     let (from_file, from_model) = (read("files.toml"), read("model.toml"));
     let (file, model) = (&from_file.joints[0].motion, &from_model.joints[0].motion);
-    for (a, b) in [(&file.torque, &model.torque), (&file.velocity, &model.velocity), (&file.torque_rate, &model.torque_rate)] {
+    for (a, b) in
+        [(&file.torque, &model.torque), (&file.velocity, &model.velocity), (&file.torque_rate, &model.torque_rate)]
+    {
         for (a, b) in a.iter().zip(b) {
             assert_relative_eq!(*a, *b, max_relative = 1e-9, epsilon = 1e-9);
         }
@@ -314,9 +325,14 @@ mistakes! {
 
 #[test]
 fn nesting_without_end_is_refused() {
-    let text = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(50_000), "</body>".repeat(50_000));
+    let text =
+        format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", "<body>".repeat(50_000), "</body>".repeat(50_000));
     let report = mistake(&text, ROWS);
-    assert!(report.contains("nested too deep") || report.contains("not an XML file"), "{}", &report[..report.len().min(300)]);
+    assert!(
+        report.contains("nested too deep") || report.contains("not an XML file"),
+        "{}",
+        &report[..report.len().min(300)]
+    );
 }
 
 #[test]

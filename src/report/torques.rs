@@ -8,7 +8,7 @@ use super::{csv_number, number, optional};
 use crate::mechanism::torques::{Carried, Torques};
 use crate::mechanism::trajectory::Trajectory;
 use crate::mechanism::{Joint, Mechanism, Motion as Degree};
-use crate::requirement::{Course, Motion};
+use crate::requirement::{Course, Driven, Motion, Robot};
 
 /// What the command found.
 #[derive(Debug)]
@@ -82,55 +82,104 @@ pub fn text(answer: &Answer) -> String {
         Course::Points(_) => String::new(),
     };
     let mut out = format!(
-        "{}: {} joints, {} kg in motion or at rest, {} samples, {course}\n\n",
+        "{}: {} joints, {} kg with payload, {} samples, {course}\n\n",
         answer.mechanism.name,
         answer.mechanism.moving().len(),
         number(answer.mechanism.mass()),
         trajectory.len()
     );
+    let rows = answer.rows();
+    let slides = rows.iter().any(|row| row.joint.motion == Degree::Slides);
+    let (torque, speed, each) =
+        if slides { ("N*m, N", "rad/s, m/s", "N*m/kg, N/kg") } else { ("N*m", "rad/s", "N*m/kg") };
     let header = [
-        "joint",
-        "",
-        ">peak torque\n[N*m | N]",
-        ">at t\n[s]",
-        ">rms torque\n[N*m | N]",
-        ">peak speed\n[rad/s | m/s]",
-        ">mean power\n[W]",
-        ">peak power\n[W]",
-        ">per kg carried\n[N*m/kg | N/kg]",
-        "worst actuator",
+        "joint".to_string(),
+        format!(">peak torque\n[{torque}]"),
+        ">at t\n[s]".into(),
+        format!(">rms torque\n[{torque}]"),
+        format!(">peak speed\n[{speed}]"),
+        ">mean power\n[W]".into(),
+        ">peak power\n[W]".into(),
+        format!(">per kg carried\n[{each}]"),
+        "worst placed\nactuator".into(),
     ];
-    let rows: Vec<Vec<String>> = answer
-        .rows()
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let largest = answer.carried.iter().fold(0.0_f64, |a, c| a.max(c.largest().abs()));
+    let rows: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
             vec![
                 row.joint.name.clone(),
-                if row.joint.motion == Degree::Turns { "turns" } else { "slides" }.into(),
                 number(row.peak),
                 number(trajectory.time[row.peak_at]),
                 number(row.rms),
                 number(row.speed),
                 number(rounded(row.mean_power, row.peak_power)),
                 number(row.peak_power),
-                optional(row.worst.map(Carried::largest)),
+                optional(row.worst.map(|c| rounded(c.largest(), largest))),
                 row.worst.map_or_else(
                     || "carries none".into(),
-                    |c| format!("{} (t = {} s)", answer.name(c.actuator), number(trajectory.time[c.worst()])),
+                    |c| format!("{}, t = {} s", answer.name(c.actuator), number(trajectory.time[c.worst()])),
                 ),
             ]
         })
         .collect();
     out.push_str(&super::table::table(&header, &rows));
     out.push('\n');
-    let about = [
-        "Torque is the load's: the rotor's N^2 (J_m + J_g) times acceleration comes with the motor that is chosen; rotors' reaction and gyroscopic torques are neglected.",
-        "Per kg carried: what one kilogram more of the worst placed actuator adds to this joint's torque, each actuator at its joint on the link that the joint hangs on.",
-    ];
-    for note in about.iter().copied().chain(answer.notes.iter().map(String::as_str)) {
+    for note in ABOUT.iter().copied().chain(answer.notes.iter().map(String::as_str)) {
         out.push_str(&format!("  {}\n", super::table::wrap(note, 2)));
     }
     out
+}
+
+/// What the numbers are and are not.
+const ABOUT: [&str; 2] = [
+    "Torque is the load's, without the rotor: the motor that is chosen brings its own inertia, N^2 (J_m + J_g). The \
+     rotors' gyroscopic torques and their reaction on other joints are neglected.",
+    "Per kg carried: what one kilogram more of the worst placed actuator adds to this joint's torque; each actuator \
+     sits at its joint, on the link that the joint hangs on. The masses of the description stay as they are: where \
+     they contain motors already, only the difference in mass counts.",
+];
+
+/// What was done with the description that a requirement names, and what its joints carry.
+pub(super) fn driven_text(driven: &Driven, robot: &Robot) -> String {
+    let mut lines = vec![format!("Torques by inverse dynamics of `{}`. {}", driven.model, ABOUT[0])];
+    lines.extend(driven.notes.iter().cloned());
+    let mut carries: Vec<String> = Vec::new();
+    for (j, joint) in robot.joints.iter().enumerate() {
+        let of = driven.carried.iter().filter(|c| c.carrying == j);
+        let Some(worst) = of.max_by(|a, b| a.largest().abs().total_cmp(&b.largest().abs())) else { continue };
+        if worst.largest().abs() > 1e-9 {
+            let size = number(worst.largest().abs());
+            carries.push(format!("{} {size} N*m/kg of {}", joint.name, robot.joints[worst.actuator].name));
+        }
+    }
+    if !carries.is_empty() {
+        lines.push(format!(
+            "Actuators carry actuators, at most: {}. These masses are not part of the torques below.",
+            carries.join(", ")
+        ));
+    }
+    lines.iter().map(|line| format!("  {}\n", super::table::wrap(line, 4))).collect()
+}
+
+/// The same for programs.
+pub(super) fn driven_json(driven: &Driven, robot: &Robot) -> Value {
+    let carried = driven.carried.iter().map(|c| {
+        let time = robot.joints[c.carrying].motion.time.get(c.worst());
+        json!({
+            "carrying_joint": robot.joints[c.carrying].name,
+            "actuator_of": robot.joints[c.actuator].name,
+            "largest_nm_per_kg": c.largest(),
+            "time_s": time,
+        })
+    });
+    json!({
+        "model": driven.model,
+        "rotor_inertia_counted": false,
+        "notes": driven.notes,
+        "torque_per_mass": carried.collect::<Vec<_>>(),
+    })
 }
 
 /// Zero where only rounding is left.
