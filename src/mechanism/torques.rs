@@ -9,6 +9,7 @@
 use super::dynamics::{inverse_dynamics, kinematics, per_mass};
 use super::trajectory::Trajectory;
 use super::{Mechanism, Motion as Degree, Place};
+use crate::requirement::motion::disagreement;
 use crate::requirement::{Motion, Samples};
 
 /// What every joint asks over a trajectory.
@@ -156,6 +157,14 @@ pub fn notes(mechanism: &Mechanism, trajectory: &Trajectory, torques: &Torques) 
         let far = |values: &[f64]| values.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
         let (speed, torque) = (far(&trajectory.velocity[j]), far(&torques.torque[j]));
         let unit = joint.position_unit();
+        // States that were drawn at random are a trajectory too: said, not refused.
+        if let Some(k) = disagreement(&trajectory.time, &trajectory.position[j], &trajectory.velocity[j]) {
+            let at = crate::report::number(trajectory.time[k]);
+            notes.push(format!(
+                "the velocity given for {} is not the rate of its position (most at t = {at} s): a wrong unit or sign?",
+                joint.name
+            ));
+        }
         if let Some([low, high]) = joint.range {
             let beyond = |q: &&f64| **q < low - 1e-6 || **q > high + 1e-6;
             if let Some(q) = trajectory.position[j].iter().find(beyond) {

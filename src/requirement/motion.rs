@@ -367,10 +367,20 @@ fn read_samples(
 
 /// A velocity that is not the rate of the position given beside it: a wrong unit, sign or column.
 fn contradiction(table: &Table, samples: &Samples) -> Option<Problem> {
-    let (position, velocity) = (samples.position.as_ref()?, samples.velocity.as_ref()?);
+    let worst = disagreement(&samples.time, samples.position.as_ref()?, samples.velocity.as_ref()?)?;
+    Some(
+        Problem::at(table.cell_span(worst, "velocity"), "velocity is not the rate of position", "differs most here")
+            .help(
+                "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
+            ),
+    )
+}
+
+/// The sample at which velocity differs most from the rate of position, where the two do not belong together.
+pub(crate) fn disagreement(time: &[f64], position: &[f64], velocity: &[f64]) -> Option<usize> {
     let (mut apart, mut size, mut worst) = (0.0, 0.0, (0.0, 0));
     for k in 1..position.len() {
-        let rate = (position[k] - position[k - 1]) / (samples.time[k] - samples.time[k - 1]);
+        let rate = (position[k] - position[k - 1]) / (time[k] - time[k - 1]);
         let mean = 0.5 * (velocity[k] + velocity[k - 1]);
         apart += (rate - mean).powi(2);
         size += rate.powi(2).max(mean.powi(2));
@@ -378,12 +388,7 @@ fn contradiction(table: &Table, samples: &Samples) -> Option<Problem> {
             worst = ((rate - mean).abs(), k);
         }
     }
-    (apart > 0.25 * size).then(|| {
-        Problem::at(table.cell_span(worst.1, "velocity"), "velocity is not the rate of position", "differs most here")
-            .help(
-                "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
-            )
-    })
+    (apart > 0.25 * size).then_some(worst.1)
 }
 
 /// Whether time increases from row to row, by enough to differentiate; if not, notes where.
