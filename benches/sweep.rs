@@ -66,6 +66,7 @@ fn robot(samples: usize, joints: usize) -> Robot {
         ambient: 298.15,
         budget: Budget::default(),
         joints: (0..joints).map(joint).collect(),
+        driven: None,
     }
 }
 

@@ -12,6 +12,7 @@
 //! * [`catalog`]: motors and gears in their declared conventions, converted to the power-invariant
 //!   q-axis equivalent; the audit of redundant numbers.
 //! * [`requirement`]: robot, joints, motions as arrays over samples, limits, objectives.
+//! * [`mechanism`]: the robot as a tree of rigid bodies (URDF, MJCF), and the joint torques of a trajectory.
 //! * [`actuator`]: the model: metrics, shaft torque and voltage as linear forms in the features of a
 //!   sample, effects, limits as Laurent polynomials in the ratio.
 //! * [`design`]: evaluation of one design, the sweep, the ratio program with its certificate, the
@@ -36,6 +37,7 @@ pub mod cli;
 pub mod design;
 pub mod input;
 pub mod measured;
+pub mod mechanism;
 pub mod report;
 pub mod requirement;
 pub mod units;

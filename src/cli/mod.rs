@@ -9,6 +9,7 @@ mod import;
 mod optimize;
 mod rank;
 mod sweep;
+mod torques;
 
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -48,6 +49,8 @@ enum Command {
     Audit(audit::Arguments),
     /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
     Identify(identify::Arguments),
+    /// Joint torques of a robot (URDF or MJCF) along a trajectory, as motions for a requirement
+    Torques(torques::Arguments),
     /// A public motor database into catalogue files
     Import(import::Arguments),
     /// Completions for a shell
@@ -224,6 +227,7 @@ pub fn run() -> ExitCode {
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
+        Command::Torques(arguments) => torques::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };

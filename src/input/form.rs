@@ -286,6 +286,24 @@ impl<'a> Section<'a> {
         Some([least, most])
     }
 
+    /// Three quantities of one kind, along x, y and z, in SI, if the key is there.
+    pub fn vector(&self, key: &'static str, kind: &'static Kind) -> Option<[f64; 3]> {
+        let value = self.value(key)?;
+        let Some(items) = value.get_ref().as_array().filter(|a| a.len() == 3) else {
+            self.form.note(
+                Problem::at(
+                    value.span(),
+                    format!("{} is not a vector [x, y, z]", self.name(key)),
+                    format!("expected three times {}, each with its unit", kind.with_article()),
+                )
+                .help(format!("for example {key} = [\"0 {0}\", \"0 {0}\", \"{1}\"]", kind.si, kind.example)),
+            );
+            return None;
+        };
+        let read: Vec<Option<f64>> = items.iter().map(|item| self.read_quantity(item, key, kind, Range::Any)).collect();
+        Some([read[0]?, read[1]?, read[2]?])
+    }
+
     /// A quantity that must be there.
     pub fn required_quantity(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<f64> {
         if !self.has(key) {

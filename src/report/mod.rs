@@ -20,6 +20,7 @@ pub mod robust;
 pub mod spring;
 pub mod sweep;
 pub mod table;
+pub mod torques;
 
 use serde_json::Value;
 

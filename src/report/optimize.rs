@@ -126,6 +126,9 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
         robot.joints.len(),
         number(robot.bus.voltage)
     );
+    if let Some(driven) = &robot.driven {
+        out.push_str(&super::torques::driven_text(driven, robot));
+    }
     for joint in &result.joints {
         out.push('\n');
         out.push_str(&joint_text(joint, shown));
@@ -536,7 +539,7 @@ pub fn json(result: &RobotResult) -> Value {
         }
         joint
     });
-    json!({
+    let mut all = json!({
         "robot": {
             "name": result.robot.name,
             "satisfied": result.satisfied(),
@@ -545,7 +548,11 @@ pub fn json(result: &RobotResult) -> Value {
             "distinct_motors": result.distinct_motors(),
         },
         "joints": joints.collect::<Vec<_>>(),
-    })
+    });
+    if let (Some(driven), Value::Object(object)) = (&result.robot.driven, &mut all) {
+        object.insert("mechanism".into(), super::torques::driven_json(driven, result.robot));
+    }
+    all
 }
 
 /// As rows: every motor at every joint, feasible or not.

@@ -351,39 +351,11 @@ fn read_samples(
     if !problems.is_empty() {
         return None;
     }
-    for row in 1..table.len() {
-        if samples.time[row] <= samples.time[row - 1] {
-            problems.push(
-                Problem::at(
-                    table.cell_span(row, "time"),
-                    "time does not increase",
-                    format!("not later than the row above, {} s", samples.time[row - 1]),
-                )
-                .help("sort the rows by time and remove duplicates"),
-            );
-            return None;
-        }
+    if !check_time(&table, &samples.time, problems) {
+        return None;
     }
-    let duration = samples.time[table.len().max(1) - 1] - samples.time[0];
-    for row in 1..table.len() {
-        if samples.time[row] - samples.time[row - 1] < 1e-9 * duration {
-            let what = "two rows are at practically the same time: no derivative can be taken";
-            problems.push(Problem::at(
-                table.cell_span(row, "time"),
-                what,
-                "less than 1e-9 of the motion after the row above",
-            ));
-            return None;
-        }
-    }
-    let course = course(&table, &mut samples, periodic, period, problems)?;
-    let fewest = if periodic { spline::MIN_PERIODIC } else { spline::MIN_OPEN };
-    if samples.time.len() < fewest {
-        problems.push(Problem::at(
-            table.row_span(table.len() - 1),
-            format!("the motion has {} distinct samples: too few to differentiate", samples.time.len()),
-            format!("expected at least {}", if periodic && period.is_none() { fewest + 1 } else { fewest }),
-        ));
+    let course = take_course(&table, &mut samples, periodic, period, problems)?;
+    if !check_length(&table, samples.time.len(), periodic, period, problems) {
         return None;
     }
     if let Some(problem) = contradiction(&table, &samples) {
@@ -395,10 +367,20 @@ fn read_samples(
 
 /// A velocity that is not the rate of the position given beside it: a wrong unit, sign or column.
 fn contradiction(table: &Table, samples: &Samples) -> Option<Problem> {
-    let (position, velocity) = (samples.position.as_ref()?, samples.velocity.as_ref()?);
+    let worst = disagreement(&samples.time, samples.position.as_ref()?, samples.velocity.as_ref()?)?;
+    Some(
+        Problem::at(table.cell_span(worst, "velocity"), "velocity is not the rate of position", "differs most here")
+            .help(
+                "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
+            ),
+    )
+}
+
+/// The sample at which velocity differs most from the rate of position, where the two do not belong together.
+pub(crate) fn disagreement(time: &[f64], position: &[f64], velocity: &[f64]) -> Option<usize> {
     let (mut apart, mut size, mut worst) = (0.0, 0.0, (0.0, 0));
     for k in 1..position.len() {
-        let rate = (position[k] - position[k - 1]) / (samples.time[k] - samples.time[k - 1]);
+        let rate = (position[k] - position[k - 1]) / (time[k] - time[k - 1]);
         let mean = 0.5 * (velocity[k] + velocity[k - 1]);
         apart += (rate - mean).powi(2);
         size += rate.powi(2).max(mean.powi(2));
@@ -406,39 +388,79 @@ fn contradiction(table: &Table, samples: &Samples) -> Option<Problem> {
             worst = ((rate - mean).abs(), k);
         }
     }
-    (apart > 0.25 * size).then(|| {
-        Problem::at(table.cell_span(worst.1, "velocity"), "velocity is not the rate of position", "differs most here")
-            .help(
-                "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
-            )
-    })
+    (apart > 0.25 * size).then_some(worst.1)
 }
 
-/// Finds the period, and takes the repeated last row of a periodic motion away.
-fn course(
+/// Whether time increases from row to row, by enough to differentiate; if not, notes where.
+pub(crate) fn check_time(table: &Table, time: &[f64], problems: &mut Vec<Problem>) -> bool {
+    for row in 1..time.len() {
+        if time[row] <= time[row - 1] {
+            problems.push(
+                Problem::at(
+                    table.cell_span(row, "time"),
+                    "time does not increase",
+                    format!("not later than the row above, {} s", time[row - 1]),
+                )
+                .help("sort the rows by time and remove duplicates"),
+            );
+            return false;
+        }
+    }
+    let duration = time[time.len().max(1) - 1] - time[0];
+    for row in 1..time.len() {
+        if time[row] - time[row - 1] < 1e-9 * duration {
+            let what = "two rows are at practically the same time: no derivative can be taken";
+            problems.push(Problem::at(
+                table.cell_span(row, "time"),
+                what,
+                "less than 1e-9 of the motion after the row above",
+            ));
+            return false;
+        }
+    }
+    true
+}
+
+/// Whether there are enough samples for the spline; if not, notes it.
+pub(crate) fn check_length(
     table: &Table,
-    samples: &mut Samples,
+    distinct: usize,
     periodic: bool,
     period: Option<f64>,
     problems: &mut Vec<Problem>,
-) -> Option<Course> {
-    let last = table.len().checked_sub(1)?;
-    let duration = samples.time[last] - samples.time[0];
-    if !periodic {
-        return Some(Course::Once(duration));
+) -> bool {
+    let fewest = if periodic { spline::MIN_PERIODIC } else { spline::MIN_OPEN };
+    if distinct < fewest {
+        problems.push(Problem::at(
+            table.row_span(table.len() - 1),
+            format!("the motion has {distinct} distinct samples: too few to differentiate"),
+            format!("expected at least {}", if periodic && period.is_none() { fewest + 1 } else { fewest }),
+        ));
     }
-    let repeats = |values: &[f64]| {
-        let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
-        (values[last] - values[0]).abs() <= 1e-4 * (high - low)
-    };
-    let names: [(&str, Option<&Vec<f64>>); 6] = [
-        ("torque", Some(&samples.torque)),
-        ("position", samples.position.as_ref().filter(|_| samples.velocity.is_none())),
-        ("velocity", samples.velocity.as_ref()),
-        ("acceleration", samples.acceleration.as_ref()),
-        ("torque_rate", samples.torque_rate.as_ref()),
-        ("jerk", samples.jerk.as_ref()),
-    ];
+    distinct >= fewest
+}
+
+/// Whether the last value is the first again, but for the digits of a table.
+pub(crate) fn repeats(values: &[f64]) -> bool {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    (values[values.len() - 1] - values[0]).abs() <= 1e-4 * (high - low)
+}
+
+/// The course of a table, and whether its last row is the first again. Each of `columns` has to repeat its
+/// first value at the end of the period.
+pub(crate) fn course(
+    table: &Table,
+    time: &[f64],
+    columns: &[(&str, &[f64])],
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<(Course, bool)> {
+    let last = table.len().checked_sub(1)?;
+    let duration = time[last] - time[0];
+    if !periodic {
+        return Some((Course::Once(duration), false));
+    }
     if let Some(period) = period {
         if period < duration * (1.0 - 1e-12) {
             problems.push(Problem::at(
@@ -449,11 +471,12 @@ fn course(
             return None;
         }
         if period > duration * (1.0 + 1e-9) {
-            return Some(Course::Periodic(period));
+            return Some((Course::Periodic(period), false));
         }
     }
-    for (name, values) in names {
-        if values.is_some_and(|v| !repeats(v)) {
+    let before = problems.len();
+    for (name, values) in columns {
+        if !repeats(values) {
             problems.push(
                 Problem::at(
                     table.cell_span(last, name),
@@ -464,8 +487,29 @@ fn course(
             );
         }
     }
-    if !problems.is_empty() {
-        return None;
+    (problems.len() == before).then_some((Course::Periodic(duration), true))
+}
+
+/// Finds the period, and takes the repeated last row of a periodic motion away.
+fn take_course(
+    table: &Table,
+    samples: &mut Samples,
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<Course> {
+    let names: [(&str, Option<&Vec<f64>>); 6] = [
+        ("torque", Some(&samples.torque)),
+        ("position", samples.position.as_ref().filter(|_| samples.velocity.is_none())),
+        ("velocity", samples.velocity.as_ref()),
+        ("acceleration", samples.acceleration.as_ref()),
+        ("torque_rate", samples.torque_rate.as_ref()),
+        ("jerk", samples.jerk.as_ref()),
+    ];
+    let columns: Vec<(&str, &[f64])> = names.iter().filter_map(|(n, v)| Some((*n, v.as_ref()?.as_slice()))).collect();
+    let (course, last_is_first) = course(table, &samples.time, &columns, periodic, period, problems)?;
+    if !last_is_first {
+        return Some(course);
     }
     // Beside a velocity the position is only for a spring, which must find its start again: a wheel's is none.
     if samples.position.as_ref().is_some_and(|q| !repeats(q)) {
@@ -477,7 +521,7 @@ fn course(
     for values in [position, velocity, acceleration, torque_rate, jerk].into_iter().flatten() {
         values.pop();
     }
-    Some(Course::Periodic(duration))
+    Some(course)
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::mechanism::{self, Model, Use};
 use super::motion::{self, Motion, Point};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
@@ -83,23 +84,28 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint");
     }
+    let model = mechanism::read(root, motion_errors);
     let mut names = HashSet::new();
-    let mut joints = Vec::new();
+    let (mut joints, mut uses) = (Vec::new(), Vec::new());
     let mut complete = true;
     for section in sections {
         let duplicate = section.text("name").filter(|n| !names.insert(n.get_ref().clone()));
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, surroundings, no_springs, motion_errors) {
-            Some(joint) => joints.push(joint),
+        match read_joint(section, surroundings, no_springs, &model, motion_errors) {
+            Some((joint, taken)) => {
+                joints.push(joint);
+                uses.push(taken);
+            }
             None => complete = false,
         }
     }
     if !complete {
         return None;
     }
-    Some(Robot { name: name?, bus: bus?, ambient: surroundings, budget: budget.unwrap_or_default(), joints })
+    let driven = mechanism::driven(model, &uses);
+    Some(Robot { name: name?, bus: bus?, ambient: surroundings, budget: budget.unwrap_or_default(), joints, driven })
 }
 
 fn read_bus(section: Section) -> Option<Bus> {
@@ -140,8 +146,9 @@ fn read_joint(
     section: Section,
     ambient: f64,
     no_springs: Option<&str>,
+    model: &Model,
     motion_errors: &mut Vec<InputError>,
-) -> Option<Joint> {
+) -> Option<(Joint, Option<Use>)> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
     let ratio = read_ratio(&section);
@@ -161,7 +168,11 @@ fn read_joint(
         }
         None => GearModel::IDEAL,
     };
-    let motion = read_motion(&section, motion_errors);
+    let (motion, taken) = if section.has("mechanism_joint") {
+        mechanism::read_joint(&section, model).unzip()
+    } else {
+        (read_motion(&section, motion_errors), None)
+    };
     let objective = read_objective(&section);
     let points = section.has("points");
     let (mut limits, in_limits) = match section.section("limits") {
@@ -209,7 +220,7 @@ fn read_joint(
         }
     }
     section.finish();
-    Some(Joint {
+    let joint = Joint {
         name: name?,
         count,
         ratio: ratio?,
@@ -218,7 +229,8 @@ fn read_joint(
         objective: objective?,
         limits,
         drive_current,
-    })
+    };
+    Some((joint, taken))
 }
 
 fn read_ratio(section: &Section) -> Option<RatioChoice> {
@@ -349,7 +361,7 @@ fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option
         (false, false) => {
             section.missing(
                 "motion",
-                "\"motions/knee.csv\", or points = [ { torque = \"18 N*m\", speed = \"0 rad/s\" } ]",
+                "\"motions/knee.csv\", or points = [ { torque = \"18 N*m\", speed = \"0 rad/s\" } ], or mechanism_joint = \"knee_joint\"",
             );
             None
         }

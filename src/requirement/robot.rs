@@ -1,5 +1,6 @@
 //! What a requirement file says, in SI.
 
+use super::mechanism::Driven;
 use super::motion::Motion;
 use crate::catalog::convention::Modulation;
 use crate::units::{self, Kind};
@@ -17,6 +18,8 @@ pub struct Robot {
     pub budget: Budget,
     /// The joints.
     pub joints: Vec<Joint>,
+    /// Where motions come from a description of the robot: what was done with it.
+    pub driven: Option<Driven>,
 }
 
 /// The electrical supply that all joints share.

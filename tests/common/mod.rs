@@ -62,6 +62,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         ambient: 298.15,
         budget: Budget::default(),
         joints: vec![joint],
+        driven: None,
     }
 }
 

@@ -1,0 +1,202 @@
+//! An XML description read as a sheet: every element and attribute knows its place, every mistake is
+//! collected, and what no reader asked for is not passed over in silence.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::ops::Range as Span;
+use std::sync::Arc;
+
+use nalgebra::{UnitVector3, Vector3};
+use roxmltree::{Attribute, Document, Error, Node, ParsingOptions};
+
+use super::Mechanism;
+use crate::input::{InputError, Problem, Range, Source};
+use crate::units;
+
+/// An element of a document that outlives the reader.
+pub(super) type El<'a> = Node<'a, 'a>;
+
+/// Elements of one description; more is refused instead of filling the memory.
+const MAX_NODES: u32 = 5_000_000;
+
+/// The file as it is read.
+pub(super) struct Sheet {
+    problems: RefCell<Vec<Problem>>,
+    skipped: RefCell<BTreeMap<String, usize>>,
+}
+
+impl Sheet {
+    /// Parses the file and lets `read` take what it knows.
+    pub fn read(
+        source: &Arc<Source>,
+        read: impl for<'a> FnOnce(&Sheet, El<'a>) -> Option<Mechanism>,
+    ) -> Result<Mechanism, InputError> {
+        let sheet = Sheet { problems: RefCell::default(), skipped: RefCell::default() };
+        let text = source.text();
+        if let Some(at) = text.find("<xacro:") {
+            let problem = Problem::at(at..at + 7, "this is a xacro file, not yet a description", "macros are not run");
+            sheet.note(problem.help("run `xacro robot.urdf.xacro > robot.urdf` first"));
+        }
+        let mut mechanism = None;
+        if sheet.problems.borrow().is_empty() {
+            let options = ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+            match Document::parse_with_options(text, options) {
+                Ok(document) => mechanism = read(&sheet, document.root_element()),
+                Err(error) => sheet.note(not_xml(text, &error)),
+            }
+        }
+        InputError::unless_empty(source, sheet.problems.into_inner())?;
+        let mut mechanism = mechanism.ok_or_else(|| InputError {
+            source: source.clone(),
+            problems: vec![Problem::whole("the description could not be read")],
+        })?;
+        for (name, count) in sheet.skipped.into_inner() {
+            mechanism.notes.push(format!("`{name}` of the description was not read ({count} times)"));
+        }
+        if mechanism.moving().is_empty() {
+            let problem = Problem::whole("no joint of this description moves").help("every joint is fixed");
+            return Err(InputError { source: source.clone(), problems: vec![problem] });
+        }
+        mechanism.note_the_massless();
+        Ok(mechanism)
+    }
+
+    pub fn note(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
+    }
+
+    pub fn has_problems(&self) -> bool {
+        !self.problems.borrow().is_empty()
+    }
+
+    /// Counts an element that is left aside although nobody knows what it is for.
+    pub fn skip(&self, node: El) {
+        *self.skipped.borrow_mut().entry(node.tag_name().name().chars().take(60).collect()).or_default() += 1;
+    }
+
+    /// Notes something that would change the motion and is not modelled.
+    pub fn refuse(&self, node: El, what: &str, help: &str) {
+        self.note(Problem::at(span(node), what, "not supported").help(help));
+    }
+
+    /// Notes every attribute that is not among `known`.
+    pub fn only(&self, node: El, known: &[&str]) {
+        for attribute in node.attributes().filter(|a| a.namespace().is_none()) {
+            if !known.contains(&attribute.name()) {
+                let name: String = attribute.name().chars().take(60).collect();
+                let message = format!("unknown attribute `{name}` of `{}`", node.tag_name().name());
+                let place = attribute.range_qname();
+                self.note(Problem::at(place, message, "not known here").suggest(&name, known.iter().copied()));
+            }
+        }
+    }
+
+    /// Notes an element that is not known here, with the nearest that is.
+    pub fn unknown(&self, node: El, known: &[&str]) {
+        let name: String = node.tag_name().name().chars().take(60).collect();
+        let inside = node.parent_element().map_or(String::new(), |p| format!(" in `{}`", p.tag_name().name()));
+        self.note(
+            Problem::at(span(node), format!("unknown element `{name}`{inside}"), "not known here")
+                .suggest(&name, known.iter().copied()),
+        );
+    }
+
+    /// An attribute that must be there.
+    pub fn required<'a>(&self, node: El<'a>, name: &str) -> Option<&'a str> {
+        let found = node.attribute(name).filter(|t| !t.trim().is_empty());
+        if found.is_none() {
+            let message = format!("`{}` has no `{name}`", node.tag_name().name());
+            self.note(Problem::at(span(node), message, format!("expected {name}=\"…\"")));
+        }
+        found
+    }
+
+    /// Numbers of an attribute, separated by blanks.
+    pub fn list(&self, attribute: Attribute) -> Option<Vec<f64>> {
+        let mut numbers = Vec::new();
+        for word in attribute.value().split_whitespace() {
+            match word.parse::<f64>() {
+                Ok(number) if number.is_finite() && units::is_sane(number) => numbers.push(number),
+                _ => {
+                    let word: String = word.chars().take(40).collect();
+                    let message = format!("`{}`: `{word}` is not a number", attribute.name());
+                    let mut problem = Problem::at(attribute.range_value(), message, "expected numbers");
+                    if word.contains(',') {
+                        problem = problem.help("numbers have a decimal point and stand apart with blanks, not commas");
+                    }
+                    self.note(problem);
+                    return None;
+                }
+            }
+        }
+        Some(numbers)
+    }
+
+    /// Exactly `N` numbers of an attribute.
+    pub fn numbers<const N: usize>(&self, attribute: Attribute) -> Option<[f64; N]> {
+        let numbers = self.list(attribute)?;
+        let count = numbers.len();
+        let fixed = <[f64; N]>::try_from(numbers).ok();
+        if fixed.is_none() {
+            let message = format!("`{}` has {count} numbers", attribute.name());
+            self.note(Problem::at(attribute.range_value(), message, format!("expected {N}")));
+        }
+        fixed
+    }
+
+    /// One number of an attribute, in a range.
+    pub fn number(&self, attribute: Attribute, range: Range) -> Option<f64> {
+        let [number] = self.numbers::<1>(attribute)?;
+        if !range.contains(number) {
+            let message = format!("`{}` is out of range", attribute.name());
+            self.note(Problem::at(attribute.range_value(), message, format!("expected {}", range.expected())));
+            return None;
+        }
+        Some(number)
+    }
+
+    /// A direction; zero has none.
+    pub fn direction(&self, attribute: Attribute) -> Option<UnitVector3<f64>> {
+        let direction = UnitVector3::try_new(Vector3::from(self.numbers::<3>(attribute)?), 1e-10);
+        if direction.is_none() {
+            let message = format!("`{}` is zero: it points nowhere", attribute.name());
+            self.note(Problem::at(attribute.range_value(), message, "expected a direction"));
+        }
+        direction
+    }
+
+    /// Notes a name that stood before; names are how a trajectory finds its joints.
+    pub fn unique(&self, node: El, kind: &str, name: &str, names: &mut std::collections::HashSet<String>) {
+        if !names.insert(name.to_string()) {
+            let place = node.attribute_node("name").map_or_else(|| span(node), |a| a.range_value());
+            self.note(Problem::at(place, format!("two {kind} are called `{name}`"), "second time"));
+        }
+    }
+}
+
+/// The opening of an element, without its attributes.
+pub(super) fn span(node: El) -> Span<usize> {
+    let start = node.range().start;
+    start..(start + 1 + node.tag_name().name().len()).min(node.range().end)
+}
+
+/// Child elements.
+pub(super) fn children<'a>(node: El<'a>) -> impl Iterator<Item = El<'a>> {
+    node.children().filter(Node::is_element)
+}
+
+fn not_xml(text: &str, error: &Error) -> Problem {
+    let position = error.pos();
+    let (row, column) = (position.row as usize, position.col as usize);
+    let start: usize = text.split_inclusive('\n').take(row.saturating_sub(1)).map(str::len).sum();
+    let line = text[start.min(text.len())..].lines().next().unwrap_or("");
+    let inside: usize = line.chars().take(column.saturating_sub(1)).map(char::len_utf8).sum();
+    let at = (start + inside).min(text.len());
+    let mut message: String =
+        error.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).take(160).collect();
+    if let Some(end) = message.rfind(" at ").filter(|_| message.ends_with(|c: char| c.is_ascii_digit())) {
+        message.truncate(end);
+    }
+    let end = at + text[at..].chars().next().filter(|c| *c != '\n').map_or(0, char::len_utf8);
+    Problem::at(at..end, format!("not an XML file: {message}"), "here")
+}

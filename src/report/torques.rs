@@ -1,0 +1,316 @@
+//! Joint torques of a trajectory: what each joint asks, what carries what, and motion files for requirements.
+
+use std::collections::HashSet;
+
+use serde_json::{Map, Value, json};
+
+use super::{csv_number, number, optional};
+use crate::mechanism::torques::{Carried, Torques};
+use crate::mechanism::trajectory::Trajectory;
+use crate::mechanism::{Joint, Mechanism, Motion as Degree};
+use crate::requirement::{Course, Driven, Motion, Robot};
+
+/// What the command found.
+#[derive(Debug)]
+pub struct Answer<'a> {
+    /// The robot.
+    pub mechanism: &'a Mechanism,
+    /// What it does.
+    pub trajectory: &'a Trajectory,
+    /// What its joints ask for that.
+    pub torques: &'a Torques,
+    /// What the actuators' masses add.
+    pub carried: Vec<Carried>,
+    /// What was left aside or exceeded.
+    pub notes: Vec<String>,
+    /// Numbers of the joints to show.
+    pub shown: Vec<usize>,
+}
+
+/// Peaks and means of one joint. SI.
+struct Row<'a> {
+    joint: &'a Joint,
+    peak: f64,
+    peak_at: usize,
+    rms: f64,
+    speed: f64,
+    mean_power: f64,
+    peak_power: f64,
+    motion: Motion,
+    worst: Option<&'a Carried>,
+}
+
+impl<'a> Answer<'a> {
+    fn rows(&'a self) -> Vec<Row<'a>> {
+        self.shown.iter().filter_map(|j| Some(self.row(*j, self.mechanism.joints().nth(*j)?))).collect()
+    }
+
+    fn row(&'a self, number: usize, joint: &'a Joint) -> Row<'a> {
+        let motion = self.torques.motion(self.trajectory, number);
+        let mut peak_at = 0;
+        for (k, t) in motion.torque.iter().enumerate() {
+            if t.abs() > motion.torque[peak_at].abs() {
+                peak_at = k;
+            }
+        }
+        let power = |k: usize| motion.torque[k] * motion.velocity[k];
+        let of = |c: &&Carried| c.carrying == number;
+        Row {
+            joint,
+            peak: motion.torque[peak_at],
+            peak_at,
+            rms: motion.mean(|k| motion.torque[k].powi(2)).sqrt(),
+            speed: motion.velocity.iter().fold(0.0, |a, v| a.max(v.abs())),
+            mean_power: motion.mean(power),
+            peak_power: (0..motion.len()).map(power).fold(f64::NEG_INFINITY, f64::max),
+            worst: self.carried.iter().filter(of).max_by(|a, b| a.largest().abs().total_cmp(&b.largest().abs())),
+            motion,
+        }
+    }
+
+    fn name(&self, joint: usize) -> &str {
+        self.mechanism.joints().nth(joint).map_or("", |j| j.name.as_str())
+    }
+}
+
+/// For people.
+pub fn text(answer: &Answer) -> String {
+    let trajectory = answer.trajectory;
+    let course = match trajectory.course {
+        Course::Periodic(period) => format!("repeating every {} s", number(period)),
+        Course::Once(duration) => format!("once, {} s", number(duration)),
+        Course::Points(_) => String::new(),
+    };
+    let mut out = format!(
+        "{}: {} joints, {} kg with payload, {} samples, {course}\n\n",
+        answer.mechanism.name,
+        answer.mechanism.moving().len(),
+        number(answer.mechanism.mass()),
+        trajectory.len()
+    );
+    let rows = answer.rows();
+    let slides = rows.iter().any(|row| row.joint.motion == Degree::Slides);
+    let (torque, speed, each) =
+        if slides { ("N*m, N", "rad/s, m/s", "N*m/kg, N/kg") } else { ("N*m", "rad/s", "N*m/kg") };
+    let header = [
+        "joint".to_string(),
+        format!(">peak torque\n[{torque}]"),
+        ">at t\n[s]".into(),
+        format!(">rms torque\n[{torque}]"),
+        format!(">peak speed\n[{speed}]"),
+        ">mean power\n[W]".into(),
+        ">peak power\n[W]".into(),
+        format!(">per kg carried\n[{each}]"),
+        "worst placed\nactuator".into(),
+    ];
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let largest = answer.carried.iter().fold(0.0_f64, |a, c| a.max(c.largest().abs()));
+    let rows: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| {
+            vec![
+                row.joint.name.clone(),
+                number(row.peak),
+                number(trajectory.time[row.peak_at]),
+                number(row.rms),
+                number(row.speed),
+                number(rounded(row.mean_power, row.peak_power)),
+                number(row.peak_power),
+                optional(row.worst.map(|c| rounded(c.largest(), largest))),
+                row.worst.map_or_else(
+                    || "carries none".into(),
+                    |c| format!("{}, t = {} s", answer.name(c.actuator), number(trajectory.time[c.worst()])),
+                ),
+            ]
+        })
+        .collect();
+    out.push_str(&super::table::table(&header, &rows));
+    out.push('\n');
+    for note in ABOUT.iter().copied().chain(answer.notes.iter().map(String::as_str)) {
+        out.push_str(&format!("  {}\n", super::table::wrap(note, 2)));
+    }
+    out
+}
+
+/// What the numbers are and are not.
+const ABOUT: [&str; 2] = [
+    "Torque is the load's, without the rotor: the motor that is chosen brings its own inertia, N^2 (J_m + J_g). The \
+     rotors' gyroscopic torques and their reaction on other joints are neglected.",
+    "Per kg carried: what one kilogram more of the worst placed actuator adds to this joint's torque; each actuator \
+     sits at its joint, on the link that the joint hangs on. The masses of the description stay as they are: where \
+     they contain motors already, only the difference in mass counts.",
+];
+
+/// What was done with the description that a requirement names, and what its joints carry.
+pub(super) fn driven_text(driven: &Driven, robot: &Robot) -> String {
+    let mut lines = vec![format!("Torques by inverse dynamics of `{}`. {}", driven.model, ABOUT[0])];
+    lines.extend(driven.notes.iter().cloned());
+    let mut carries: Vec<String> = Vec::new();
+    for (j, joint) in robot.joints.iter().enumerate() {
+        let of = driven.carried.iter().filter(|c| c.carrying == j);
+        let Some(worst) = of.max_by(|a, b| a.largest().abs().total_cmp(&b.largest().abs())) else { continue };
+        if worst.largest().abs() > 1e-9 {
+            let size = number(worst.largest().abs());
+            carries.push(format!("{} {size} N*m/kg of {}", joint.name, robot.joints[worst.actuator].name));
+        }
+    }
+    if !carries.is_empty() {
+        lines.push(format!(
+            "Actuators carry actuators, at most: {}. These masses are not part of the torques below.",
+            carries.join(", ")
+        ));
+    }
+    lines.iter().map(|line| format!("  {}\n", super::table::wrap(line, 4))).collect()
+}
+
+/// The same for programs.
+pub(super) fn driven_json(driven: &Driven, robot: &Robot) -> Value {
+    let carried = driven.carried.iter().map(|c| {
+        let time = robot.joints[c.carrying].motion.time.get(c.worst());
+        json!({
+            "carrying_joint": robot.joints[c.carrying].name,
+            "actuator_of": robot.joints[c.actuator].name,
+            "largest_nm_per_kg": c.largest(),
+            "time_s": time,
+        })
+    });
+    json!({
+        "model": driven.model,
+        "rotor_inertia_counted": false,
+        "notes": driven.notes,
+        "torque_per_mass": carried.collect::<Vec<_>>(),
+    })
+}
+
+/// Zero where only rounding is left.
+fn rounded(value: f64, size: f64) -> f64 {
+    if value.abs() <= 1e-9 * size.abs() { 0.0 } else { value }
+}
+
+/// For programs.
+pub fn json(answer: &Answer) -> Value {
+    let joints = answer.rows().into_iter().map(|row| {
+        let slides = row.joint.motion == Degree::Slides;
+        let (torque, speed) =
+            if slides { ("force_n", "velocity_m_per_s") } else { ("torque_nm", "velocity_rad_per_s") };
+        let mut object = Map::new();
+        object.insert("joint".into(), json!(row.joint.name));
+        object.insert("motion".into(), json!(if slides { "slides" } else { "turns" }));
+        object.insert(format!("peak_{torque}"), json!(row.peak));
+        object.insert("peak_time_s".into(), json!(answer.trajectory.time[row.peak_at]));
+        object.insert(format!("rms_{torque}"), json!(row.rms));
+        object.insert(format!("peak_{speed}"), json!(row.speed));
+        object.insert("mean_power_w".into(), json!(row.mean_power));
+        object.insert("peak_power_w".into(), json!(row.peak_power));
+        object.insert("armature_left_out_kgm2".into(), json!(row.joint.armature));
+        Value::Object(object)
+    });
+    let carried = answer.carried.iter().filter(|c| answer.shown.contains(&c.carrying)).map(|c| {
+        json!({
+            "carrying_joint": answer.name(c.carrying),
+            "actuator_of": answer.name(c.actuator),
+            "largest_nm_per_kg": c.largest(),
+            "time_s": answer.trajectory.time[c.worst()],
+        })
+    });
+    json!({
+        "model": answer.mechanism.name,
+        "mass_kg": answer.mechanism.mass(),
+        "samples": answer.trajectory.len(),
+        "joints": joints.collect::<Vec<_>>(),
+        "torque_per_mass": carried.collect::<Vec<_>>(),
+        "joint_friction_counted": answer.torques.joint_friction,
+        "rotor_inertia_counted": false,
+        "notes": answer.notes,
+    })
+}
+
+/// As rows: every sample, torque, speed and position of every joint.
+pub fn csv(answer: &Answer) -> String {
+    let rows = answer.rows();
+    let mut header = vec!["time [s]".to_string()];
+    for row in &rows {
+        let (name, position, effort) = (&row.joint.name, row.joint.position_unit(), row.joint.effort_unit());
+        header
+            .push(format!("{name}.{} [{effort}]", if row.joint.motion == Degree::Turns { "torque" } else { "force" }));
+        header.push(format!("{name}.velocity [{position}/s]"));
+        header.push(format!("{name} [{position}]"));
+    }
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let lines = (0..answer.trajectory.len()).map(|k| {
+        let mut line = vec![csv_number(Some(answer.trajectory.time[k]))];
+        for (row, j) in rows.iter().zip(&answer.shown) {
+            let position = answer.trajectory.position[*j][k];
+            line.extend([row.motion.torque[k], row.motion.velocity[k], position].map(|v| csv_number(Some(v))));
+        }
+        line
+    });
+    super::csv_text(&header, lines)
+}
+
+/// Motion files for requirements, one per joint that turns (of one that slides, its force), and the
+/// coefficients of carried actuators. Names and contents.
+pub fn files(answer: &Answer) -> Vec<(String, String)> {
+    let mut taken = HashSet::from(["torque_per_mass.csv".to_string()]);
+    let mut files = Vec::new();
+    for (row, j) in answer.rows().iter().zip(&answer.shown) {
+        let mut name = format!("{}.csv", file_name(&row.joint.name));
+        while !taken.insert(name.clone()) {
+            name = format!("_{name}");
+        }
+        files.push((name, motion_file(answer, row, *j)));
+    }
+    files.push(("torque_per_mass.csv".into(), carried_file(answer)));
+    files
+}
+
+/// A joint's name without what could leave the folder or trouble a shell.
+fn file_name(joint: &str) -> String {
+    let safe = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    let name: String = joint.chars().map(safe).take(100).collect();
+    if name.starts_with('.') || name.is_empty() { format!("_{name}") } else { name }
+}
+
+fn motion_file(answer: &Answer, row: &Row, number: usize) -> String {
+    let (effort, unit) = (row.joint.effort_unit(), row.joint.position_unit());
+    let what = if row.joint.motion == Degree::Turns { "torque" } else { "force" };
+    let header = [
+        "time [s]".to_string(),
+        format!("{what} [{effort}]"),
+        format!("velocity [{unit}/s]"),
+        format!("position [{unit}]"),
+        format!("acceleration [{unit}/s^2]"),
+        format!("{what}_rate [{effort}/s]"),
+    ];
+    let motion = &row.motion;
+    let position = &answer.trajectory.position[number];
+    let line = |k: usize, time: f64| {
+        let values = [motion.torque[k], motion.velocity[k], position[k], motion.acceleration[k], motion.torque_rate[k]];
+        std::iter::once(time).chain(values).map(|v| csv_number(Some(v))).collect::<Vec<_>>()
+    };
+    let mut lines: Vec<Vec<String>> = motion.time.iter().enumerate().map(|(k, t)| line(k, *t)).collect();
+    if let Course::Periodic(period) = motion.course {
+        lines.push(line(0, motion.time[0] + period));
+    }
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    super::csv_text(&header, lines)
+}
+
+fn carried_file(answer: &Answer) -> String {
+    let pairs: Vec<&Carried> = answer.carried.iter().filter(|c| answer.shown.contains(&c.carrying)).collect();
+    let mut header = vec!["time [s]".to_string()];
+    for pair in &pairs {
+        let unit = answer.mechanism.joints().nth(pair.carrying).map_or("N*m", Joint::effort_unit);
+        header.push(format!(
+            "{} per mass of the actuator of {} [{unit}/kg]",
+            answer.name(pair.carrying),
+            answer.name(pair.actuator)
+        ));
+    }
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let line = |k: usize| {
+        let values = pairs.iter().map(|pair| csv_number(Some(pair.coefficients[k])));
+        std::iter::once(csv_number(Some(answer.trajectory.time[k]))).chain(values).collect::<Vec<_>>()
+    };
+    super::csv_text(&header, (0..answer.trajectory.len()).map(line))
+}

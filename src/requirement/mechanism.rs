@@ -1,0 +1,239 @@
+//! Joints whose motion comes from a description of the robot: `[mechanism]` names model and trajectory,
+//! `mechanism_joint` in a joint takes its torque from inverse dynamics in place of a motion file.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use super::motion::Motion;
+use crate::input::{InputError, Problem, Range, Section, Source};
+use crate::mechanism::torques::{self, Carried, Torques};
+use crate::mechanism::trajectory::{self, Trajectory};
+use crate::mechanism::{Mechanism, Payload, Place};
+use crate::units;
+
+/// What the description says of the robot's joints.
+#[derive(Debug, Clone)]
+pub struct Driven {
+    /// The model's file as the requirement names it.
+    pub model: String,
+    /// What of the description was left aside, and where the trajectory leaves what it allows.
+    pub notes: Vec<String>,
+    /// How much the torque of one of the robot's joints rises per kilogram of another's actuator, over the
+    /// samples of their motions; joints by their place in the requirement. In a joint with `count`, of each.
+    pub carried: Vec<Carried>,
+}
+
+/// The section while the joints are read.
+pub(super) enum Model {
+    /// There is none.
+    Absent,
+    /// There is one with mistakes, which are noted already.
+    Broken,
+    /// Read, and its torques computed.
+    Read(Box<Known>),
+}
+
+/// A mechanism with its torques.
+pub(super) struct Known {
+    model: String,
+    mechanism: Mechanism,
+    trajectory: Trajectory,
+    torques: Torques,
+}
+
+/// What a joint takes from the mechanism.
+#[derive(Debug, Clone)]
+pub(super) struct Use {
+    joint: usize,
+    place: Option<Place>,
+    /// Force over torque of the screw or belt that moves a sliding joint \[1/m\] inverted: travel per radian \[m\].
+    travel: Option<f64>,
+}
+
+/// Reads `[mechanism]`, its files, and computes the torques.
+pub(super) fn read(root: &Section, errors: &mut Vec<InputError>) -> Model {
+    let Some(section) = root.section("mechanism") else {
+        return if root.has("mechanism") { Model::Broken } else { Model::Absent };
+    };
+    let known = read_section(&section, errors);
+    section.finish();
+    known.map_or(Model::Broken, |known| Model::Read(Box::new(known)))
+}
+
+fn read_section(section: &Section, errors: &mut Vec<InputError>) -> Option<Known> {
+    let model = section.required_text("model", "\"robots/arm.urdf\"");
+    let path = section.required_text("trajectory", "\"robots/arm_pick.csv\"");
+    let periodic = section.boolean("periodic").unwrap_or(true);
+    let period = section.quantity("period", &units::TIME, Range::Positive);
+    let friction = section.boolean("joint_friction").unwrap_or(true);
+    let gravity = section.vector("gravity", &units::LINEAR_ACCELERATION);
+    let mut complete = true;
+    let mut payloads = Vec::new();
+    let tables = if section.is_list("payload") {
+        section.sections("payload")
+    } else {
+        section.section("payload").into_iter().collect()
+    };
+    for table in tables {
+        let link = table.required_text("link", "\"tool0\"");
+        let mass = table.required_quantity("mass", &units::MASS, Range::Positive);
+        let at = table.vector("at", &units::LENGTH).unwrap_or([0.0; 3]);
+        table.finish();
+        match (link, mass) {
+            (Some(link), Some(mass)) => payloads.push((link.span(), Payload { link: link.into_inner(), mass, at })),
+            _ => complete = false,
+        }
+    }
+    let (model, path) = (model?, path?);
+    let mut mechanism = open(section, &model, "model", errors, Mechanism::read_source)?;
+    if let Some(gravity) = gravity {
+        mechanism.gravity = Vector3::from(gravity);
+    }
+    for (span, payload) in payloads {
+        if !mechanism.carry(&payload) {
+            let message = format!("there is no link `{}` in `{}`", payload.link, model.get_ref());
+            section.note(Problem::at(span, message, "named here").suggest(&payload.link, mechanism.frames()));
+            complete = false;
+        }
+    }
+    let trajectory =
+        open(section, &path, "trajectory", errors, |source| trajectory::read(source, &mechanism, periodic, period))?;
+    if !complete {
+        return None;
+    }
+    let torques = torques::torques(&mechanism, &trajectory, friction);
+    Some(Known { model: model.into_inner(), mechanism, trajectory, torques })
+}
+
+/// Opens a file that a key names; what is wrong in it is its own report.
+fn open<T>(
+    section: &Section,
+    name: &toml::Spanned<String>,
+    what: &str,
+    errors: &mut Vec<InputError>,
+    read: impl FnOnce(&Arc<Source>) -> Result<T, InputError>,
+) -> Option<T> {
+    match Source::read(&section.source().folder().join(Path::new(name.get_ref()))) {
+        Ok(source) => read(&source).map_err(|e| errors.push(e)).ok(),
+        Err(error) => {
+            let first = error.problems.into_iter().next();
+            let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
+            let mut problem = Problem::at(name.span(), format!("{what} `{}`: {message}", name.get_ref()), "named here");
+            problem.help = help;
+            section.note(problem);
+            None
+        }
+    }
+}
+
+/// Reads what `mechanism_joint` and its companions of a joint say, and gives the joint's motion.
+pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Use)> {
+    let name = section.required_text("mechanism_joint", "\"elbow_joint\"")?;
+    let lead = section.quantity("lead", &units::LENGTH, Range::Positive);
+    for key in ["periodic", "period", "motion", "points"] {
+        if section.has(key) {
+            let message = format!("`{key}` does not go with `mechanism_joint`");
+            let help = if key.starts_with("period") { "write it in [mechanism]" } else { "remove one of the two" };
+            section.note(Problem::at(section.span_of(key), message, "the motion is the trajectory's").help(help));
+        }
+    }
+    let known = match model {
+        Model::Read(known) => known,
+        Model::Broken => {
+            let _ = section.section("actuator_at").map(|table| (table.has("link"), table.has("at")));
+            return None;
+        }
+        Model::Absent => {
+            section.note(
+                Problem::at(name.span(), "`mechanism_joint` needs a table [mechanism]", "no mechanism is described")
+                    .help("for example [mechanism] with model = \"robots/arm.urdf\" and trajectory = \"robots/arm_pick.csv\""),
+            );
+            return None;
+        }
+    };
+    let mechanism = &known.mechanism;
+    let Some(joint) = mechanism.joint(name.get_ref()) else {
+        let names: Vec<&str> = mechanism.joints().map(|j| j.name.as_str()).collect();
+        let message = format!("no joint `{}` moves in `{}`", name.get_ref(), known.model);
+        section.note(Problem::at(name.span(), message, "named here").suggest(name.get_ref(), names));
+        return None;
+    };
+    let turns = torques::turns(mechanism, joint);
+    if turns && lead.is_some() {
+        let message = format!("`{}` turns: it has no lead", name.get_ref());
+        section.note(Problem::at(section.span_of("lead"), message, "for joints that slide"));
+    }
+    if !turns && !section.has("lead") {
+        section.missing("lead", "\"10 mm\"  # travel of this sliding joint per turn of the gear's output");
+        return None;
+    }
+    let place = match section.section("actuator_at") {
+        None => mechanism.actuator_place(joint),
+        Some(table) => {
+            let link = table.required_text("link", "\"base_link\"");
+            let at = table.vector("at", &units::LENGTH).unwrap_or([0.0; 3]);
+            table.finish();
+            let link = link?;
+            let Some(body) = mechanism.body(link.get_ref()) else {
+                let message = format!("there is no link `{}` in `{}`", link.get_ref(), known.model);
+                section
+                    .note(Problem::at(link.span(), message, "named here").suggest(link.get_ref(), mechanism.frames()));
+                return None;
+            };
+            Some(Place { body, at: Vector3::from(at) })
+        }
+    };
+    let travel = lead.filter(|_| !turns).map(|lead| lead / std::f64::consts::TAU);
+    let motion = known.torques.motion(&known.trajectory, joint);
+    Some((travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r)), Use { joint, place, travel }))
+}
+
+/// The motion of the screw that moves a sliding joint by `travel` \[m\] per radian.
+fn through_screw(motion: &Motion, travel: f64) -> Motion {
+    let mut turned = motion.clone();
+    for values in [&mut turned.torque, &mut turned.torque_rate] {
+        values.iter_mut().for_each(|v| *v *= travel);
+    }
+    let moved = [&mut turned.velocity, &mut turned.acceleration, &mut turned.jerk];
+    for values in moved.into_iter().chain(turned.position.as_mut()) {
+        values.iter_mut().for_each(|v| *v /= travel);
+    }
+    turned
+}
+
+/// What remains for the robot once its joints are read; `uses` has one entry per joint.
+pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
+    let Model::Read(known) = model else { return None };
+    let Known { model, mechanism, trajectory, torques } = *known;
+    let mut notes = torques::notes(&mechanism, &trajectory, &torques);
+    let mut places = vec![None; mechanism.moving().len()];
+    for u in uses.iter().flatten() {
+        places[u.joint] = u.place;
+    }
+    let mut carried = Vec::new();
+    for pair in torques::torques_per_mass(&mechanism, &trajectory, &places) {
+        // A joint of the mechanism may serve several joints of the requirement, or none.
+        let by =
+            |joint: usize| uses.iter().enumerate().filter(move |(_, u)| u.as_ref().is_some_and(|u| u.joint == joint));
+        for (carrying, u) in by(pair.carrying) {
+            let travel = u.as_ref().and_then(|u| u.travel).unwrap_or(1.0);
+            for (actuator, _) in by(pair.actuator) {
+                let coefficients = pair.coefficients.iter().map(|c| c * travel).collect();
+                carried.push(Carried { carrying, actuator, coefficients });
+            }
+        }
+    }
+    carried.sort_by_key(|c| (c.carrying, c.actuator));
+    let unused: Vec<&str> = mechanism
+        .joints()
+        .enumerate()
+        .filter(|(j, _)| !uses.iter().flatten().any(|u| u.joint == *j))
+        .map(|(_, joint)| joint.name.as_str())
+        .collect();
+    if !unused.is_empty() {
+        notes.push(format!("joints of the model that no joint of the requirement drives: {}", unused.join(", ")));
+    }
+    Some(Driven { model, notes, carried })
+}
