@@ -359,10 +359,11 @@ impl<'a> Reader<'a, '_> {
         let entry = self.classes.entry(name).or_insert((above, Vec::new()));
         let parts: Vec<El> = children(node).filter(|n| !n.has_tag_name("default")).collect();
         entry.1.extend(&parts);
-        if inside.is_none() && name != "main" {
-            if let Some(main) = self.classes.get_mut("main") {
-                main.1.extend(&parts);
-            }
+        if inside.is_none()
+            && name != "main"
+            && let Some(main) = self.classes.get_mut("main")
+        {
+            main.1.extend(&parts);
         }
         for part in parts {
             match part.tag_name().name() {
@@ -542,12 +543,12 @@ impl<'a> Reader<'a, '_> {
                 let Some(layers) = self.layers(child, None) else { continue };
                 let here = outer * pose(self.at(&layers), self.orientation(&layers));
                 self.joints(child, class, here, found);
-            } else if child.has_tag_name("joint") {
-                if let Some((joint, at)) = self.joint(child, class) {
-                    let axis = outer.rotation * joint.axis;
-                    let at = (outer * nalgebra::Point3::from(at)).coords;
-                    found.push((Joint { axis, ..joint }, at));
-                }
+            } else if child.has_tag_name("joint")
+                && let Some((joint, at)) = self.joint(child, class)
+            {
+                let axis = outer.rotation * joint.axis;
+                let at = (outer * nalgebra::Point3::from(at)).coords;
+                found.push((Joint { axis, ..joint }, at));
             }
         }
     }
