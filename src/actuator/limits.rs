@@ -123,6 +123,11 @@ enum Prepared {
 }
 
 impl Limit {
+    /// Whether the demand has the requirement's safety factor in it.
+    pub fn has_safety(&self) -> bool {
+        self.formula.contains("safety")
+    }
+
     /// Whether the limit applies to a candidate, and how.
     pub fn check(&'static self, candidate: &Candidate) -> Check {
         match (self.prepare)(candidate) {

@@ -1,6 +1,7 @@
 //! The command line: arguments in, library call, report out. No physics.
 
 mod audit;
+mod check;
 mod compare;
 mod completions;
 mod explain;
@@ -8,6 +9,7 @@ mod identify;
 mod import;
 mod optimize;
 mod rank;
+mod rule;
 mod sweep;
 mod torques;
 
@@ -47,6 +49,10 @@ enum Command {
     Compare(compare::Arguments),
     /// Are the rows of a catalogue self-consistent, and what would explain a mismatch
     Audit(audit::Arguments),
+    /// Design rules on a chosen design, for CI: table, JSON, JUnit, SARIF, GitHub annotations
+    Check(check::Arguments),
+    /// What a design rule does, why, and how to mend what it finds
+    Rule(rule::Arguments),
     /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
     Identify(identify::Arguments),
     /// Joint torques of a robot (URDF or MJCF) along a trajectory, as motions for a requirement
@@ -226,6 +232,8 @@ pub fn run() -> ExitCode {
         Command::Rank(arguments) => rank::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Rule(arguments) => rule::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
         Command::Torques(arguments) => torques::run(arguments),
         Command::Import(arguments) => import::run(arguments),

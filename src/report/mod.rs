@@ -2,7 +2,9 @@
 //! JSON and its CSV from the same facts.
 
 pub mod audit;
+pub mod check;
 pub mod compare;
+pub mod design_file;
 pub mod explain;
 pub mod file;
 pub mod fitted;
@@ -17,6 +19,7 @@ mod prune;
 pub mod rank;
 pub mod remake;
 pub mod robust;
+pub mod rules;
 pub mod spring;
 pub mod sweep;
 pub mod table;
