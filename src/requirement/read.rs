@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::motion::{self, Motion, Point};
+use super::carried::{self, Asked};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
 use crate::input::{Form, InputError, Problem, Range, Section, Source};
@@ -75,6 +76,8 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
         let budget = Budget {
             actuator_mass: section.quantity("actuator_mass", &units::MASS, Range::Positive),
             max_distinct_motors: section.count("max_distinct_motors"),
+            power: section.quantity("power", &units::POWER, Range::Positive),
+            current: section.quantity("current", &units::CURRENT, Range::Positive),
         };
         section.finish();
         budget
@@ -83,22 +86,27 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint");
     }
+    let all: Vec<String> = sections.iter().filter_map(|s| s.text("name")).map(|n| n.into_inner()).collect();
     let mut names = HashSet::new();
-    let mut joints = Vec::new();
+    let (mut joints, mut carried) = (Vec::new(), Vec::new());
     let mut complete = true;
     for section in sections {
         let duplicate = section.text("name").filter(|n| !names.insert(n.get_ref().clone()));
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, surroundings, no_springs, motion_errors) {
-            Some(joint) => joints.push(joint),
+        match read_joint(section, surroundings, no_springs, &all, motion_errors) {
+            Some((joint, carries)) => {
+                joints.push(joint);
+                carried.push(carries);
+            }
             None => complete = false,
         }
     }
     if !complete {
         return None;
     }
+    carried::resolve(root, &mut joints, carried)?;
     Some(Robot { name: name?, bus: bus?, ambient: surroundings, budget: budget.unwrap_or_default(), joints })
 }
 
@@ -140,8 +148,9 @@ fn read_joint(
     section: Section,
     ambient: f64,
     no_springs: Option<&str>,
+    joints: &[String],
     motion_errors: &mut Vec<InputError>,
-) -> Option<Joint> {
+) -> Option<(Joint, Vec<Asked>)> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
     let ratio = read_ratio(&section);
@@ -161,7 +170,8 @@ fn read_joint(
         }
         None => GearModel::IDEAL,
     };
-    let motion = read_motion(&section, motion_errors);
+    let others: Vec<String> = joints.iter().filter(|j| name.as_ref() != Some(j)).cloned().collect();
+    let (motion, columns) = read_motion(&section, &others, motion_errors).unzip();
     let objective = read_objective(&section);
     let points = section.has("points");
     let (mut limits, in_limits) = match section.section("limits") {
@@ -199,17 +209,14 @@ fn read_joint(
         drive.finish();
         current
     });
-    for key in ["torque_per_mass", "actuator"] {
-        if section.has(key) {
-            section.note(Problem::at(
-                section.span_of(key),
-                format!("`{key}` is not supported by this version"),
-                "remove it",
-            ));
-        }
+    if section.has("actuator") {
+        let span = section.span_of("actuator");
+        section.note(Problem::at(span, "`actuator` is not supported by this version", "remove it"));
     }
+    let carries = carried::read(&section, columns.unwrap_or_default());
+    let phases = read_phases(&section, count, motion.as_ref());
     section.finish();
-    Some(Joint {
+    let joint = Joint {
         name: name?,
         count,
         ratio: ratio?,
@@ -218,7 +225,30 @@ fn read_joint(
         objective: objective?,
         limits,
         drive_current,
-    })
+        phases,
+        carries: Vec::new(),
+    };
+    Some((joint, carries))
+}
+
+/// By how much of the period each of several joints is late.
+fn read_phases(section: &Section, count: u32, motion: Option<&Motion>) -> Vec<f64> {
+    let Some(phases) = section.number_list("phases", Range::Any) else { return Vec::new() };
+    let span = section.span_of("phases");
+    if phases.len() != count as usize {
+        let message = format!("`phases` has {} entries, but `count` is {count}", phases.len());
+        section.note(
+            Problem::at(span, message, "expected one for each of the joints")
+                .help("for example count = 4 and phases = [0, 0.5, 0.5, 0]"),
+        );
+    } else if phases.iter().any(|p| !(0.0..=1.0).contains(p)) {
+        let message = "`phases` are shares of the period";
+        section.note(Problem::at(span, message, "expected numbers from 0 to 1").help("half a period late is 0.5"));
+    } else if motion.is_some_and(|m| !matches!(m.course, motion::Course::Periodic(_))) {
+        let message = "`phases` need a motion that repeats";
+        section.note(Problem::at(span, message, "this joint has none").help("give a periodic `motion`, or remove them"));
+    }
+    phases
 }
 
 fn read_ratio(section: &Section) -> Option<RatioChoice> {
@@ -334,7 +364,12 @@ fn read_gear(section: Section) -> GearModel {
     gear
 }
 
-fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option<Motion> {
+/// The motion, and the columns of torque per mass in its file.
+fn read_motion(
+    section: &Section,
+    joints: &[String],
+    motion_errors: &mut Vec<InputError>,
+) -> Option<(Motion, Vec<carried::Column>)> {
     let periodic = section.boolean("periodic").unwrap_or(true);
     let period = section.quantity("period", &units::TIME, Range::Positive);
     match (section.has("motion"), section.has("points")) {
@@ -353,12 +388,14 @@ fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option
             );
             None
         }
-        (false, true) => read_points(section),
+        (false, true) => Some((read_points(section)?, Vec::new())),
         (true, false) => {
             let file = section.text("motion")?;
             let path = section.source().folder().join(file.get_ref());
             match Source::read(&path) {
-                Ok(source) => motion::read(&source, periodic, period).map_err(|e| motion_errors.push(e)).ok(),
+                Ok(source) => {
+                    motion::read_carrying(&source, periodic, period, joints).map_err(|e| motion_errors.push(e)).ok()
+                }
                 Err(error) => {
                     let first = error.problems.into_iter().next();
                     let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
