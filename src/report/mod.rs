@@ -16,6 +16,7 @@ pub mod plot;
 mod prune;
 pub mod rank;
 pub mod remake;
+pub mod robot;
 pub mod robust;
 pub mod spring;
 pub mod sweep;

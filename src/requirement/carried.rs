@@ -59,8 +59,9 @@ pub(super) fn resolve(root: &Section, joints: &mut [Joint], asked: Vec<Vec<Asked
             if joint == j {
                 let message = format!("joint `{}` carries its own actuator", names[j]);
                 root.note(
-                    Problem::at(name.span(), message, "itself")
-                        .help("name the joints further out; what a joint's own actuator weighs rests on what carries it"),
+                    Problem::at(name.span(), message, "itself").help(
+                        "name the joints further out; what a joint's own actuator weighs rests on what carries it",
+                    ),
                 );
                 good = false;
                 continue;

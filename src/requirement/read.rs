@@ -4,8 +4,8 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::motion::{self, Motion, Point};
 use super::carried::{self, Asked};
+use super::motion::{self, Motion, Point};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
 use crate::input::{Form, InputError, Problem, Range, Section, Source};
@@ -246,7 +246,8 @@ fn read_phases(section: &Section, count: u32, motion: Option<&Motion>) -> Vec<f6
         section.note(Problem::at(span, message, "expected numbers from 0 to 1").help("half a period late is 0.5"));
     } else if motion.is_some_and(|m| !matches!(m.course, motion::Course::Periodic(_))) {
         let message = "`phases` need a motion that repeats";
-        section.note(Problem::at(span, message, "this joint has none").help("give a periodic `motion`, or remove them"));
+        section
+            .note(Problem::at(span, message, "this joint has none").help("give a periodic `motion`, or remove them"));
     }
     phases
 }

@@ -120,7 +120,8 @@ impl Joint {
     /// Whether another joint, looked at by itself, asks the same of its actuator: whatever its name, however
     /// many there are, when they move and whatever they carry.
     pub fn asks_the_same(&self, other: &Joint) -> bool {
-        let Joint { name: _, count: _, ratio, gear, motion, objective, limits, drive_current, phases: _, carries: _ } = self;
+        let Joint { name: _, count: _, ratio, gear, motion, objective, limits, drive_current, phases: _, carries: _ } =
+            self;
         *ratio == other.ratio
             && *gear == other.gear
             && *objective == other.objective

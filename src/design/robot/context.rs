@@ -27,7 +27,6 @@ const MAX_MENUS: usize = 4000;
 pub(super) struct Context<'a> {
     pub robot: &'a Robot,
     pub catalog: &'a Catalog,
-    pub options: Options<'a>,
     pub order: Vec<usize>,
     pub needs: Vec<Needs>,
     pub certain: Vec<Option<Rc<Menu<'a>>>>,
@@ -67,7 +66,9 @@ impl<'a> Context<'a> {
             if !joint.carries.is_empty() {
                 continue;
             }
-            let same = |i: &usize| certain[*i].is_some() && joint.asks_the_same(&robot.joints[*i]) && needs[*i].mass == needs[j].mass;
+            let same = |i: &usize| {
+                certain[*i].is_some() && joint.asks_the_same(&robot.joints[*i]) && needs[*i].mass == needs[j].mass
+            };
             certain[j] = match (0..j).find(same) {
                 Some(i) => certain[i].clone(),
                 None => Some(Rc::new(menu(robot, joint, catalog, needs[j]))),
@@ -78,9 +79,8 @@ impl<'a> Context<'a> {
         let boxes = (0..n)
             .map(|j| {
                 let joint = &robot.joints[j];
-                (!joint.carries.is_empty()).then(|| {
-                    Boxes::new(robot, joint, catalog, carry::reach(joint, |i| reach[i]), needs[j])
-                })
+                (!joint.carries.is_empty())
+                    .then(|| Boxes::new(robot, joint, catalog, carry::reach(joint, |i| reach[i]), needs[j]))
             })
             .collect();
         let least = |menu: &Menu| menu.items.iter().map(|i| i.design.optimum.objective).fold(f64::INFINITY, f64::min);
@@ -98,7 +98,6 @@ impl<'a> Context<'a> {
             least_power: f64::INFINITY,
             robot,
             catalog,
-            options,
             needs,
             certain,
             reach,
@@ -314,8 +313,7 @@ impl<'a> Context<'a> {
 
     /// A combination with all that is known of it.
     pub(super) fn combination(&mut self, found: &Found) -> Combination<'a> {
-        let menus: Vec<Rc<Menu>> =
-            (0..found.items.len()).map(|j| self.menu_of(j, &found.coordinates[j])).collect();
+        let menus: Vec<Rc<Menu>> = (0..found.items.len()).map(|j| self.menu_of(j, &found.coordinates[j])).collect();
         let items: Vec<&Item> = menus.iter().zip(&found.items).map(|(m, i)| &m.items[*i]).collect();
         let own_ratios: Vec<f64> = items.iter().map(|i| i.design.evaluation.ratio).collect();
         let ratios = found.ratios.clone().unwrap_or(own_ratios);
@@ -371,9 +369,8 @@ impl<'a> Context<'a> {
 
 /// Lightest and heaviest that a joint's actuator can be, whatever its load.
 fn reach(joint: &Joint, catalog: &Catalog, menu: Option<&Menu>) -> (f64, f64) {
-    let span = |masses: &mut dyn Iterator<Item = f64>| {
-        masses.fold((f64::INFINITY, 0.0_f64), |(a, b), m| (a.min(m), b.max(m)))
-    };
+    let span =
+        |masses: &mut dyn Iterator<Item = f64>| masses.fold((f64::INFINITY, 0.0_f64), |(a, b), m| (a.min(m), b.max(m)));
     if let Some(menu) = menu {
         let (least, most) = span(&mut menu.items.iter().map(|i| i.mass));
         return if least.is_finite() { (least, most) } else { (0.0, 0.0) };

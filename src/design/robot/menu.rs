@@ -99,7 +99,8 @@ fn continuous<'a>(
                 // Nothing moves where the ratio stays; a spring stays with its ratio.
                 let mass = if needs.moves { mass } else { found.evaluation.mass };
                 let stays = found.spring.is_some() || !needs.moves;
-                let ratios = if stays { (found.evaluation.ratio, found.evaluation.ratio) } else { (window.min, window.max) };
+                let ratios =
+                    if stays { (found.evaluation.ratio, found.evaluation.ratio) } else { (window.min, window.max) };
                 unproved |= needs.moves && (found.optimum.windows.len() > 1 || found.spring.is_some());
                 take(&mut items, found, catalog, motor, mass, ratios, needs, &mut without_mass, &mut unproved);
             }

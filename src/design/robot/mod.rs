@@ -216,7 +216,11 @@ fn prove(context: &Context, answer: &Answer) -> Proof {
     unproved.dedup();
     if !unproved.is_empty() {
         let ids: Vec<&str> = unproved.iter().take(5).map(|m| context.catalog.motors[*m].id.as_str()).collect();
-        let more = if unproved.len() > ids.len() { format!(" and {} more", unproved.len() - ids.len()) } else { String::new() };
+        let more = if unproved.len() > ids.len() {
+            format!(" and {} more", unproved.len() - ids.len())
+        } else {
+            String::new()
+        };
         not_proved.push(format!("the best ratios of {}{more} are not certified", ids.join(", ")));
     }
     let lower_bound = Some(answer.lower).filter(|l| l.is_finite());

@@ -214,9 +214,7 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
                 let weight = self.joints.count(*joint) * mass;
                 let cost = match (self.rules.lightest, self.rules.mass) {
                     (true, _) => weight,
-                    (false, Some(_)) => {
-                        self.joints.scale(*joint) * objective + self.tables[t].per_mass * weight
-                    }
+                    (false, Some(_)) => self.joints.scale(*joint) * objective + self.tables[t].per_mass * weight,
                     (false, None) => self.joints.scale(*joint) * objective,
                 };
                 least += cost;

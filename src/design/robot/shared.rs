@@ -74,7 +74,10 @@ pub(super) struct Price {
 pub(super) enum Outcome {
     Solved(Solved),
     /// The bus cannot feed it: the least power that it draws at its worst instant, and what shows it.
-    TooMuch { least: f64, price: Price },
+    TooMuch {
+        least: f64,
+        price: Price,
+    },
 }
 
 #[derive(Debug)]
@@ -174,14 +177,6 @@ fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
         return Outcome::Solved(Solved { ratios: gentlest, value: f64::INFINITY, lower, price });
     }
     program.best(own, &gentlest, limit)
-}
-
-/// The least power at the worst instant \[W\] that a combination can do with, at the ratios that are best for it.
-pub(super) fn least_power(parts: &[Part], schedule: &Schedule) -> f64 {
-    let program = Program { parts, schedule };
-    let own: Vec<f64> = parts.iter().map(|p| p.own).collect();
-    let (gentlest, ..) = program.least_power(&own);
-    program.power(&gentlest).0
 }
 
 /// What all joints draw at their worst instant at these ratios \[W\].
