@@ -66,9 +66,10 @@ fn a_robot_of_one_joint_is_the_joint_and_without_budgets_joints_add_up() {
 fn a_count_is_so_many_joints_alike() {
     let catalog = few();
     let mut together = quadruped();
-    together.joints.truncate(1);
+    together.joints = vec![together.joints[2].clone()];
     together.joints[0].count = 2;
     let free = choose(&together, &catalog, quick(0)).unwrap().combinations[0].peak_power;
+    let mut compared = 0;
     for phases in [Vec::new(), vec![0.0, 0.5]] {
         together.joints[0].phases = phases.clone();
         let mut apart = together.clone();
@@ -78,23 +79,27 @@ fn a_count_is_so_many_joints_alike() {
             joint.name = format!("{}_{j}", joint.name);
             joint.phases = phases.get(j).map(|p| vec![*p]).unwrap_or_default();
         }
-        for share in [0.93, 2.0] {
+        for share in [0.999, 2.0] {
             let power = Some(share * free);
             (together.budget.power, apart.budget.power) = (power, power);
             // Alike joints have one and the same motor, with or without being told.
             (together.budget.max_distinct_motors, apart.budget.max_distinct_motors) = (Some(1), Some(1));
             let [a, b] = [&together, &apart].map(|r| choose(r, &catalog, quick(0)).unwrap());
-            let (a, b) = (a.combinations[0].objective, b.combinations[0].objective);
+            let best = |c: &Choice| c.combinations.first().map(|c| c.objective);
+            assert_eq!(best(&a).is_some(), best(&b).is_some());
+            let (Some(a), Some(b)) = (best(&a), best(&b)) else { continue };
+            compared += 1;
             assert!((a - b).abs() <= 1e-6 * a, "{phases:?} {share}: {a} {b}");
         }
     }
+    assert!(compared >= 2, "{compared}");
 }
 
 #[test]
 fn legs_out_of_phase_draw_less_at_once() {
     let catalog = few();
     let mut robot = quadruped();
-    robot.joints.truncate(1);
+    robot.joints = vec![robot.joints[2].clone()];
     robot.joints[0].count = 4;
     let peak = |robot: &Robot| choose(robot, &catalog, quick(0)).unwrap().combinations[0].peak_power;
     let in_phase = peak(&robot);

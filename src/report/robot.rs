@@ -39,11 +39,15 @@ pub fn text(choice: &Choice) -> String {
             out.push_str(&format!("    {}\n", wrap(&change_text(choice, best, change), 6)));
         }
     }
+    if choice.changes.is_empty() && choice.robot.shared_power().is_some() {
+        out.push_str("\n  The search took long: what other budgets would give was not looked at.\n");
+    }
     if choice.front.len() > 1 {
         out.push_str("\n  Less mass costs (the best for each mass, other budgets kept):\n");
         let value = format!(">{} {}", choice.total.name, unit(choice));
         let rows = choice.front.iter().map(|c| {
-            let change = differences(robot, best, c);
+            let differ = best.joints.iter().zip(&c.joints).filter(|(a, b)| name(a) != name(b)).count();
+            let change = if differ > 2 { format!("{differ} joints differ") } else { differences(robot, best, c) };
             vec![optional(c.mass), number(c.objective), change]
         });
         let rows: Vec<Vec<String>> = rows.collect();
@@ -112,27 +116,27 @@ fn designs(robot: &Robot, best: &Combination) -> String {
         .zip(&best.joints)
         .map(|(joint, design)| {
             let e = &design.evaluation;
-            let unchecked = match design.unchecked.len() {
-                0 => String::new(),
-                n => format!("{n} not checked"),
-            };
+            let mark = if design.unchecked.is_empty() { "" } else { " *" };
             let tightest =
                 e.tightest().map_or_else(String::new, |m| format!("{} {:.0} %", m.limit, (100.0 * m.margin).max(0.0)));
             vec![
                 joint.name.clone(),
                 joint.count.to_string(),
-                name(design),
+                format!("{}{mark}", name(design)),
                 number(e.ratio),
                 number(e.loss),
                 number(e.reflected_inertia),
                 optional(e.mass),
                 tightest,
-                unchecked,
             ]
         })
         .collect();
-    let header = ["joint", ">×", "motor", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]", "tightest margin", ""];
-    table(&header, &rows).lines().map(|l| format!("  {}\n", l.trim_end())).collect()
+    let header = ["joint", ">×", "motor", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]", "tightest margin"];
+    let mut out: String = table(&header, &rows).lines().map(|l| format!("  {}\n", l.trim_end())).collect();
+    if best.joints.iter().any(|d| !d.unchecked.is_empty()) {
+        out.push_str("  * not every limit could be checked: the joint's table above says which\n");
+    }
+    out
 }
 
 fn sums(choice: &Choice, combination: &Combination) -> String {
@@ -191,9 +195,13 @@ fn change_text(choice: &Choice, best: &Combination, change: &Change) -> String {
     let now = budget_now(choice.robot, change.budget).unwrap_or(f64::NAN);
     let step = change.value - now;
     let word = if step > 0.0 { "more" } else { "less" };
-    let unit = if change.unit == "1" { "motors" } else { change.unit };
+    let unit = change.unit;
     let (size, unit) = if unit == "kg" && step.abs() < 1.0 { (step.abs() * 1e3, "g") } else { (step.abs(), unit) };
-    let head = format!("{} {unit} {word} ({} {})", number(size), change.budget, number(change.value));
+    let head = match (change.unit, step > 0.0) {
+        ("1", true) => format!("one motor more ({} {})", change.budget, change.value),
+        ("1", false) => format!("one motor fewer ({} {})", change.budget, change.value),
+        _ => format!("{} {unit} {word} ({} {} {})", number(size), change.budget, number(change.value), change.unit),
+    };
     let Some(new) = &change.best else { return format!("{head}: no combination keeps it") };
     let doubt = if change.certified { "" } else { " (not proved)" };
     format!(

@@ -23,6 +23,11 @@ use crate::requirement::{Joint, RatioChoice, Robot};
 /// Menus of joints under loads of their own that are made at most.
 const MAX_MENUS: usize = 4000;
 
+/// Combinations whose programs give prices of power.
+const PRICES: usize = 6;
+/// Tables of prices that are kept, those with the best bounds.
+const TABLES: usize = 4;
+
 /// The robot with all that was found out about its joints.
 pub(super) struct Context<'a> {
     pub robot: &'a Robot,
@@ -250,18 +255,19 @@ impl<'a> Context<'a> {
     }
 
     /// Prices of power from a few combinations: the cheapest under the prices so far is solved, and what its
-    /// program says of power is the next price.
+    /// program says of power is mixed with them in the share that gives the best bound.
     fn power_tables(&mut self, limit: f64) -> Vec<Table> {
         let menus: Vec<Rc<Menu>> = self.certain.iter().flatten().cloned().collect();
         if menus.iter().any(|m| m.items.is_empty()) {
             return Vec::new();
         }
         let nothing = vec![Vec::new(); menus.len()];
-        let mut tables: Vec<Table> = Vec::new();
-        let mut seen: Vec<Vec<usize>> = Vec::new();
         let plain = Table { per_mass: 0.0, priced: None, offset: 0.0 };
-        for _ in 0..8 {
-            let table = tables.last().unwrap_or(&plain);
+        let mut tables: Vec<(f64, Price, Table)> = Vec::new();
+        let mut seen: Vec<Vec<usize>> = Vec::new();
+        for _ in 0..PRICES {
+            let best = tables.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            let (center, table) = best.map_or((Price::default(), &plain), |(_, price, table)| (price.clone(), table));
             let cheapest = |(j, menu): (usize, &Rc<Menu>)| {
                 let cost = |i: usize| self.cost(table, j, i, menu);
                 (0..menu.items.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
@@ -280,20 +286,32 @@ impl<'a> Context<'a> {
             if price.rows.is_empty() {
                 break;
             }
-            let table = self.power_table(&menus, &price, factor, limit);
-            tables.push(table);
+            let shares: &[f64] = if center.rows.is_empty() { &[1.0, 0.5, 0.25] } else { &[1.0, 0.5, 0.2] };
+            for share in shares {
+                let old = center.rows.iter().map(|(places, m)| (places.clone(), (1.0 - share) * m));
+                let new = price.rows.iter().map(|(places, m)| (places.clone(), share * factor * m));
+                let mixed = Price { rows: old.chain(new).filter(|(_, m)| *m > 0.0).collect() };
+                let table = self.power_table(&menus, &mixed, limit);
+                let least = |(j, menu): (usize, &Rc<Menu>)| {
+                    (0..menu.items.len()).map(|i| self.cost(&table, j, i, menu)).fold(f64::INFINITY, f64::min)
+                };
+                let bound = table.offset + menus.iter().enumerate().map(least).sum::<f64>();
+                tables.push((bound, mixed, table));
+            }
         }
-        tables
+        tables.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let few = tables.len().saturating_sub(TABLES);
+        tables.into_iter().skip(few).map(|(.., table)| table).collect()
     }
 
-    fn power_table(&self, menus: &[Rc<Menu<'a>>], price: &Price, factor: f64, limit: f64) -> Table {
+    fn power_table(&self, menus: &[Rc<Menu<'a>>], price: &Price, limit: f64) -> Table {
         let mut weights: Vec<Vec<(usize, f64)>> = vec![Vec::new(); menus.len()];
         let mut worth = 0.0;
         for (places, multiplier) in &price.rows {
-            worth += factor * multiplier * limit;
+            worth += multiplier * limit;
             for (group, place) in self.schedule.groups.iter().zip(places) {
                 for (j, sample, weight) in &group.instants[*place].parts {
-                    weights[*j].push((*sample, factor * multiplier * weight));
+                    weights[*j].push((*sample, multiplier * weight));
                 }
             }
         }
@@ -476,6 +494,10 @@ impl<'a> Joints<'a> for Context<'a> {
         let Some(boxes) = &self.boxes[joint] else { return (0.0, 0.0) };
         let part = carry::reach(&self.robot.joints[joint], |i| self.masses(masses, i));
         (boxes.least(&part), self.reach[joint].0)
+    }
+
+    fn is_costly(&self) -> bool {
+        self.power.is_some()
     }
 
     fn complete(&mut self, menus: &[Rc<Menu<'a>>], chosen: &[usize], coordinates: &[Vec<f64>]) -> Option<Completed> {

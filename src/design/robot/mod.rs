@@ -160,7 +160,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         .filter(|(_, menu)| menu.as_ref().is_some_and(|m| m.items.is_empty()))
         .map(|(joint, _)| joint.name.clone())
         .collect();
-    let nothing = || Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0 };
+    let nothing = || Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0 };
     let answer = if empty.is_empty() { solve(&mut context, rules) } else { nothing() };
     let combinations: Vec<Combination> = answer.found.iter().map(|f| context.combination(f)).collect();
     let wanting = match (empty.is_empty(), combinations.is_empty()) {
@@ -169,7 +169,8 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         (true, false) => Vec::new(),
     };
     let (mut changes, mut front) = (Vec::new(), Vec::new());
-    if options.budgets && !combinations.is_empty() {
+    // Where the search was long once, it is not repeated for each other budget.
+    if options.budgets && !combinations.is_empty() && (context.power.is_none() || answer.solved <= LONG) {
         changes = other_budgets(&mut context, rules);
         front = mass_front(&mut context, rules);
     }
@@ -252,6 +253,8 @@ fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
     wanting
 }
 
+/// Programs of combinations after which other budgets are not looked at.
+const LONG: usize = 100;
 /// Steps of a budget, as shares of it.
 const STEPS: [f64; 4] = [-0.1, -0.05, 0.05, 0.1];
 

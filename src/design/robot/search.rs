@@ -14,6 +14,9 @@ use super::menu::Menu;
 /// Nodes after which the search gives up; what is left is reported as a gap.
 const MAX_NODES: usize = 2_000_000;
 
+/// Combinations that are solved at most where each takes a program of its own.
+const MAX_SOLVED: usize = 1500;
+
 /// A set of prices, as costs of items.
 #[derive(Debug, Clone)]
 pub(super) struct Table {
@@ -60,6 +63,8 @@ pub(super) struct Answer {
     /// Whether the search came to its end.
     pub finished: bool,
     pub nodes: usize,
+    /// Complete combinations that were solved.
+    pub solved: usize,
 }
 
 /// What the search asks of the robot.
@@ -78,6 +83,8 @@ pub(super) trait Joints<'a> {
     fn certain(&self, joint: usize) -> Option<Rc<Menu<'a>>>;
     /// A lower bound of a joint's objective and of its mass for the masses chosen so far.
     fn bound(&self, joint: usize, masses: &[Option<f64>]) -> (f64, f64);
+    /// Whether a complete combination takes a program of its own.
+    fn is_costly(&self) -> bool;
     /// Best ratios, value and bound of a complete combination; `None` where it cannot be.
     fn complete(&mut self, menus: &[Rc<Menu<'a>>], items: &[usize], coordinates: &[Vec<f64>]) -> Option<Completed>;
 }
@@ -134,7 +141,7 @@ pub(super) fn run<'a, J: Joints<'a>>(joints: &mut J, tables: &[Table], rules: Ru
         tables,
         rules,
         order,
-        answer: Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0 },
+        answer: Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0 },
         menus,
         joints,
     };
@@ -332,6 +339,14 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
 
     fn finish(&mut self, state: &State<'a>) {
         let menus: Vec<Rc<Menu>> = state.menus.iter().flatten().cloned().collect();
+        self.answer.solved += 1;
+        if self.joints.is_costly() && self.answer.solved > MAX_SOLVED {
+            self.answer.lower = self.answer.lower.min(self.bound(self.order.len(), state));
+            self.answer.finished = false;
+            // Nothing further is looked at: what is left counts with its bounds.
+            self.answer.nodes = MAX_NODES;
+            return;
+        }
         let Some(completed) = self.joints.complete(&menus, &state.items, &state.coordinates) else { return };
         let (value, lower) = match self.rules.lightest {
             true => (if completed.value.is_finite() { state.mass } else { f64::INFINITY }, state.mass),
