@@ -313,6 +313,9 @@ pub fn read_carrying(
     Ok((motion, carried))
 }
 
+/// A column of torque per mass: the joint that is carried, and the values \[N·m/kg\].
+type Named = (String, Vec<f64>);
+
 fn columns(joints: &[String]) -> Vec<Column> {
     let column = |name: &str, kind, required| Column {
         name: name.into(),
@@ -338,7 +341,7 @@ fn read_samples(
     period: Option<f64>,
     joints: &[String],
     problems: &mut Vec<Problem>,
-) -> Option<(Motion, Vec<(String, Vec<f64>)>)> {
+) -> Option<(Motion, Vec<Named>)> {
     let table = Table::read(source, columns(joints), problems)?;
     let mut read = |name: &str| -> Option<Vec<f64>> {
         if !table.has(name) {
