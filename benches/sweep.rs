@@ -50,6 +50,8 @@ fn robot(samples: usize, joints: usize) -> Robot {
             ..Limits::default()
         },
         drive_current: None,
+        phases: Vec::new(),
+        carries: Vec::new(),
     };
     Robot {
         name: "bench".into(),

@@ -56,6 +56,8 @@ kinds! {
     TORQUE = "torque", [1, 2, -2, 0, 0], Exactly(0.0), "N*m", "18 N*m";
     /// Torque per time \[N·m/s\].
     TORQUE_RATE = "torque rate", [1, 2, -3, 0, 0], Exactly(0.0), "N*m/s", "200 N*m/s";
+    /// Torque per mass \[N·m/kg\]: what a carried kilogram asks of a joint.
+    TORQUE_PER_MASS = "torque per mass", [0, 2, -2, 0, 0], Optional(-1.0), "N*m/kg", "2.1 N*m/kg";
     /// Angular speed \[rad/s\].
     SPEED = "speed", [0, 0, -1, 0, 0], Exactly(1.0), "rad/s", "300 rpm";
     /// Angular acceleration \[rad/s²\].

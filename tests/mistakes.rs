@@ -23,6 +23,15 @@ reflected_inertia = "0.02 kg*m^2"
 safety = 1.2
 "#;
 
+/// A second joint before the first.
+const HIP: &str = "[[joint]]
+name = \"hip\"
+ratio = { min = 3, max = 30 }
+motion = \"knee.csv\"
+# carries
+
+[[joint]]";
+
 const MOTION: &str = "time [s], torque [N*m], velocity [rad/s]
 0,    1.0,  0.5
 0.1,  2.0,  1.5
@@ -136,7 +145,35 @@ fn requirement_files() {
         ("not TOML", &[("[bus]", "[bus")]),
         ("unquoted unit", &[("\"48 V\"", "48 V")]),
         ("key twice", &[("count = 2", "count = 2\ncount = 3")]),
-        ("a key of a later version", &[("count = 2", "count = 2\ntorque_per_mass = { elbow = \"2.1 N*m/kg\" }")]),
+        ("a key of a later version", &[("count = 2", "count = 2\nactuator = \"fitted.toml\"")]),
+        (
+            "carrying a joint that is not there",
+            &[("[[joint]]", HIP), ("count = 2", "count = 2\ntorque_per_mass = { hipp = \"2.1 N*m/kg\" }")],
+        ),
+        ("carrying itself", &[("count = 2", "count = 2\ntorque_per_mass = { knee = \"2.1 N*m/kg\" }")]),
+        (
+            "carrying in a circle",
+            &[
+                ("[[joint]]", HIP),
+                ("# carries", "torque_per_mass = { knee = \"3 N*m/kg\" }"),
+                ("count = 2", "count = 2\ntorque_per_mass = { hip = \"2.1 N*m/kg\" }"),
+            ],
+        ),
+        (
+            "torque per mass in another unit",
+            &[("[[joint]]", HIP), ("count = 2", "count = 2\ntorque_per_mass = { hip = \"2.1 N*m\" }")],
+        ),
+        ("negative count", &[("count = 2", "count = -2")]),
+        ("phases of another length", &[("count = 2", "count = 2\nphases = [0, 0.5, 0.5]")]),
+        ("phases in degrees", &[("count = 2", "count = 2\nphases = [0, 180]")]),
+        (
+            "phases of operating points",
+            &[
+                ("count = 2", "count = 2\nphases = [0, 0.5]"),
+                ("motion = \"knee.csv\"", "points = [ { torque = \"1 N*m\", speed = \"1 rad/s\" } ]"),
+            ],
+        ),
+        ("typo in a key of the budget", &[("[[joint]]", "[budget]\nactuator_mas = \"2 kg\"\n\n[[joint]]")]),
         (
             "spring range upside down",
             &[(

@@ -279,7 +279,7 @@ fn a_budget_is_checked_against_the_first_choices() {
     let mut robot = robot(hold(1.0, 1.0, 0.0), GearModel::IDEAL);
     robot.joints[0].ratio = RatioChoice::Continuous { min: 1.0, max: 50.0 };
     robot.joints[0].count = 3;
-    robot.budget = Budget { actuator_mass: Some(3.1), max_distinct_motors: Some(1) };
+    robot.budget = Budget { actuator_mass: Some(3.1), max_distinct_motors: Some(1), ..Budget::default() };
     assert!(optimize(&robot, &catalog).satisfied());
     robot.budget.actuator_mass = Some(2.9);
     assert!(!optimize(&robot, &catalog).satisfied());

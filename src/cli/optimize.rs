@@ -5,18 +5,19 @@ use clap::Args;
 use super::{CatalogChoice, Done, Failure, Output};
 use crate::design::optimize::{Options, RobotResult, optimize_with};
 use crate::design::pareto::fronts;
+use crate::design::robot::{self, choose};
 use crate::design::robust::robust;
 use crate::input::nearest;
 use crate::report::design_file::{self, way};
 use crate::report::file::write_whole;
 use crate::report::optimize as report;
-use crate::report::{pareto, plot, robust as robust_report};
+use crate::report::{pareto, plot, robot as robot_report, robust as robust_report};
 use crate::requirement::{self, Quantity};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
     /// Requirement file (TOML)
@@ -48,6 +49,13 @@ pub struct Arguments {
     /// Write the first choices as a design file, for `check` and `export`
     #[arg(long, value_name = "FILE", conflicts_with_all = ["pareto", "robust"])]
     write_design: Option<PathBuf>,
+    /// The best combination for the whole robot, even where nothing couples the joints (a budget or
+    /// `torque_per_mass` does, and then it is always told)
+    #[arg(long, conflicts_with_all = ["pareto", "robust"])]
+    robot: bool,
+    /// How many further combinations of the whole robot are told
+    #[arg(long, default_value_t = 3, value_name = "K", value_parser = clap::value_parser!(u32).range(..=1000))]
+    runner_ups: u32,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
@@ -79,6 +87,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     };
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
+    if robot.is_coupled() && (arguments.pareto.is_some() || arguments.robust) {
+        eprintln!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
+    }
     if let Some(names) = &arguments.pareto {
         let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
@@ -107,9 +118,30 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         write_design(&result, arguments, path)?;
     }
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
-    let text =
-        arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));
-    Ok(Done { text, satisfied: result.satisfied() })
+    let whole = robot.is_coupled() || arguments.robot;
+    let options = robot::Options {
+        only_checked: arguments.only_checked,
+        runner_ups: arguments.runner_ups as usize,
+        ..robot::Options::default()
+    };
+    let choice = whole.then(|| choose(&robot, &catalog, options)).transpose().map_err(Failure::Argument)?;
+    let text = arguments.output.choose(
+        || {
+            let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
+            report::text(&result, shown) + &whole
+        },
+        || {
+            let mut all = report::json(&result);
+            if let Some(choice) = &choice {
+                all["robot"]["satisfied"] = (!choice.combinations.is_empty()).into();
+                all["robot"]["choice"] = robot_report::json(choice);
+            }
+            all
+        },
+        || report::csv(&result),
+    );
+    let satisfied = choice.as_ref().map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty());
+    Ok(Done { text, satisfied })
 }
 
 /// Writes the first choices, with the ways from there to requirement and catalogue.

@@ -13,6 +13,7 @@ pub mod pareto;
 pub mod program;
 pub mod prune;
 pub mod remake;
+pub mod robot;
 pub mod robust;
 pub mod spring;
 pub mod sweep;

@@ -425,6 +425,38 @@ impl<'a> Section<'a> {
         names.iter().filter_map(|name| Some((*name, self.number(name, range)?))).collect()
     }
 
+    /// Numbers without dimension in a list, if the key is there.
+    pub fn number_list(&self, key: &'static str, range: Range) -> Option<Vec<f64>> {
+        let value = self.value(key)?;
+        let Some(items) = value.get_ref().as_array() else {
+            self.wrong_type(value, key, "a list of numbers");
+            return None;
+        };
+        items.iter().map(|item| self.read_number(item, key, range)).collect()
+    }
+
+    /// Quantities of one kind under names of the user's own, in SI, with the place of each name.
+    pub fn named_quantities(
+        &self,
+        key: &'static str,
+        kind: &'static Kind,
+        range: Range,
+    ) -> Vec<(Spanned<String>, f64)> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let Some(table) = value.get_ref().as_table() else {
+            self.wrong_type(value, key, "a table of names and quantities");
+            return Vec::new();
+        };
+        let mut named = Vec::new();
+        for (name, item) in table.iter() {
+            if let Some(number) = self.read_quantity(item, name.get_ref(), kind, range) {
+                named.push((Spanned::new(name.span(), name.get_ref().to_string()), number));
+            }
+        }
+        named.sort_by_key(|(name, _)| name.span().start);
+        named
+    }
+
     /// Whether the value at `key` is a table (for keys that are a word or a table).
     pub fn is_table(&self, key: &'static str) -> bool {
         self.value(key).is_some_and(|v| v.get_ref().is_table())

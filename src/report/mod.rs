@@ -18,6 +18,7 @@ pub mod plot;
 mod prune;
 pub mod rank;
 pub mod remake;
+pub mod robot;
 pub mod robust;
 pub mod rules;
 pub mod spring;

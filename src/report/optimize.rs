@@ -374,7 +374,10 @@ fn choice_text(design: &Design) -> String {
 
 fn summary(result: &RobotResult) -> String {
     let robot = result.robot;
-    let mut out = String::from("First choices:");
+    let mut out = String::from(match robot.is_coupled() {
+        true => "First choices, each joint by itself and carrying nothing:",
+        false => "First choices:",
+    });
     for joint in &result.joints {
         let choice = joint.candidates.first().map_or_else(|| "none".to_string(), choice_text);
         out.push_str(&format!("\n  {}", wrap(&format!("{} ×{}: {choice}", joint.joint.name, joint.joint.count), 4)));
@@ -421,6 +424,12 @@ fn summary(result: &RobotResult) -> String {
             "  {} different motors, {verdict} the budget of {limit} (each joint chosen by itself)\n",
             result.distinct_motors()
         ));
+    }
+    let several = robot.joints.iter().map(|j| j.count).sum::<u32>() > 1;
+    if several && robot.shared_power().is_none() && (robot.bus.power.is_some() || robot.bus.current.is_some()) {
+        out.push_str(
+            "  the bus's power and current are kept by each joint alone; `power` in [budget] limits all together\n",
+        );
     }
     let without: Vec<&str> =
         result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();

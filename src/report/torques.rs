@@ -155,10 +155,12 @@ pub(super) fn driven_text(driven: &Driven, robot: &Robot) -> String {
         }
     }
     if !carries.is_empty() {
-        lines.push(format!(
-            "Actuators carry actuators, at most: {}. These masses are not part of the torques below.",
-            carries.join(", ")
-        ));
+        let counted = if driven.separate {
+            "The description leaves the actuators out: their masses load the joints in the choice of the whole robot, not in the tables of single joints."
+        } else {
+            "The masses of the description are taken to contain the actuators; where they do not, say `actuators = \"separate\"` under [mechanism]."
+        };
+        lines.push(format!("Actuators carry actuators, at most: {}. {counted}", carries.join(", ")));
     }
     lines.iter().map(|line| format!("  {}\n", super::table::wrap(line, 4))).collect()
 }
@@ -177,6 +179,7 @@ pub(super) fn driven_json(driven: &Driven, robot: &Robot) -> Value {
     json!({
         "model": driven.model,
         "rotor_inertia_counted": false,
+        "actuators": if driven.separate { "separate" } else { "included" },
         "notes": driven.notes,
         "torque_per_mass": carried.collect::<Vec<_>>(),
     })

@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::motion::Motion;
+use super::motion::{Course, Motion};
+use super::robot::Joint;
+use super::spline;
 use crate::input::{InputError, Problem, Range, Section, Source};
 use crate::mechanism::torques::{self, Carried, Torques};
 use crate::mechanism::trajectory::{self, Trajectory};
@@ -23,6 +25,24 @@ pub struct Driven {
     /// How much the torque of one of the robot's joints rises per kilogram of another's actuator, over the
     /// samples of their motions; joints by their place in the requirement. In a joint with `count`, of each.
     pub carried: Vec<Carried>,
+    /// Whether the masses of the description leave the actuators out (`actuators = "separate"`), so that
+    /// the actuator that is chosen loads the joints that carry it.
+    pub separate: bool,
+}
+
+impl Driven {
+    /// Lets the joints carry what the description says that they carry, where it leaves the actuators out.
+    pub(super) fn load(&self, joints: &mut [Joint]) {
+        for Carried { carrying, actuator, coefficients } in self.carried.iter().filter(|_| self.separate) {
+            let Joint { motion, carries, .. } = &mut joints[*carrying];
+            let rate = match motion.course {
+                Course::Periodic(period) => spline::periodic(&motion.time, coefficients, period).first,
+                _ => spline::open(&motion.time, coefficients).first,
+            };
+            let torque_per_mass = coefficients.clone();
+            carries.push(super::robot::Carried { joint: *actuator, torque_per_mass, rate, constant: false });
+        }
+    }
 }
 
 /// The section while the joints are read.
@@ -41,6 +61,7 @@ pub(super) struct Known {
     mechanism: Mechanism,
     trajectory: Trajectory,
     torques: Torques,
+    separate: bool,
 }
 
 /// What a joint takes from the mechanism.
@@ -68,6 +89,8 @@ fn read_section(section: &Section, errors: &mut Vec<InputError>) -> Option<Known
     let periodic = section.boolean("periodic").unwrap_or(true);
     let period = section.quantity("period", &units::TIME, Range::Positive);
     let friction = section.boolean("joint_friction").unwrap_or(true);
+    let actuators =
+        section.has("actuators").then(|| section.choice("actuators", &[("included", false), ("separate", true)]));
     let gravity = section.vector("gravity", &units::LINEAR_ACCELERATION);
     let mut complete = true;
     let mut payloads = Vec::new();
@@ -104,7 +127,8 @@ fn read_section(section: &Section, errors: &mut Vec<InputError>) -> Option<Known
         return None;
     }
     let torques = torques::torques(&mechanism, &trajectory, friction);
-    Some(Known { model: model.into_inner(), mechanism, trajectory, torques })
+    let separate = actuators.unwrap_or(Some(false))?;
+    Some(Known { model: model.into_inner(), mechanism, trajectory, torques, separate })
 }
 
 /// Opens a file that a key names; what is wrong in it is its own report.
@@ -206,7 +230,7 @@ fn through_screw(motion: &Motion, travel: f64) -> Motion {
 /// What remains for the robot once its joints are read; `uses` has one entry per joint.
 pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
     let Model::Read(known) = model else { return None };
-    let Known { model, mechanism, trajectory, torques } = *known;
+    let Known { model, mechanism, trajectory, torques, separate } = *known;
     let mut notes = torques::notes(&mechanism, &trajectory, &torques);
     let mut places = vec![None; mechanism.moving().len()];
     for u in uses.iter().flatten() {
@@ -220,7 +244,7 @@ pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
         for (carrying, u) in by(pair.carrying) {
             let travel = u.as_ref().and_then(|u| u.travel).unwrap_or(1.0);
             for (actuator, _) in by(pair.actuator) {
-                let coefficients = pair.coefficients.iter().map(|c| c * travel).collect();
+                let coefficients: Vec<f64> = pair.coefficients.iter().map(|c| c * travel).collect();
                 carried.push(Carried { carrying, actuator, coefficients });
             }
         }
@@ -235,5 +259,5 @@ pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
     if !unused.is_empty() {
         notes.push(format!("joints of the model that no joint of the requirement drives: {}", unused.join(", ")));
     }
-    Some(Driven { model, notes, carried })
+    Some(Driven { model, notes, carried, separate })
 }

@@ -4,6 +4,7 @@
 //! what is not given (acceleration, jerk, torque rate) comes from one declared interpolant, the
 //! cubic [`spline`].
 
+mod carried;
 pub mod design_file;
 pub mod mechanism;
 pub mod motion;

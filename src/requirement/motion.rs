@@ -279,19 +279,51 @@ fn time_weights(time: &[f64], velocity: &[f64], course: Course) -> (Vec<f64>, Ve
 /// Every mistake of the file: columns, units, cells, order of time, too few rows, and a periodic
 /// motion whose last row does not repeat the first.
 pub fn read(source: &Arc<Source>, periodic: bool, period: Option<f64>) -> Result<Motion, InputError> {
-    let mut problems = Vec::new();
-    let motion = read_samples(source, periodic, period, &mut problems);
-    InputError::unless_empty(source, problems)?;
-    Ok(motion.expect("a motion without problems was read"))
+    read_carrying(source, periodic, period, &[]).map(|(motion, _)| motion)
 }
 
-fn columns() -> Vec<Column> {
+/// Name of a column of torque per mass, without the joint's name.
+const TORQUE_PER_MASS: &str = "torque_per_mass_";
+
+/// As [`read`], with what carried actuators ask at each sample: a column `torque_per_mass_NAME [N*m/kg]` for
+/// any of `joints`, with its rate.
+///
+/// # Errors
+/// As [`read`].
+#[expect(clippy::type_complexity, reason = "name, values, rates of each column")]
+pub fn read_carrying(
+    source: &Arc<Source>,
+    periodic: bool,
+    period: Option<f64>,
+    joints: &[String],
+) -> Result<(Motion, Vec<(String, Vec<f64>, Vec<f64>)>), InputError> {
+    let mut problems = Vec::new();
+    let read = read_samples(source, periodic, period, joints, &mut problems);
+    InputError::unless_empty(source, problems)?;
+    let (motion, carried) = read.expect("a motion without problems was read");
+    let with_rate = |(name, mut values): (String, Vec<f64>)| {
+        values.truncate(motion.len());
+        let rate = match motion.course {
+            Course::Periodic(period) => spline::periodic(&motion.time, &values, period),
+            _ => spline::open(&motion.time, &values),
+        };
+        (name, values, rate.first)
+    };
+    let carried = carried.into_iter().map(with_rate).collect();
+    Ok((motion, carried))
+}
+
+/// A column of torque per mass: the joint that is carried, and the values \[N·m/kg\].
+type Named = (String, Vec<f64>);
+
+fn columns(joints: &[String]) -> Vec<Column> {
     let column = |name: &str, kind, required| Column {
         name: name.into(),
         content: Content::Quantity(kind, Range::Any),
         required,
     };
-    vec![
+    let carried = joints.iter().map(|j| column(&format!("{TORQUE_PER_MASS}{j}"), &units::TORQUE_PER_MASS, false));
+    let own = vec![
         column("time", &units::TIME, true),
         column("torque", &units::TORQUE, true),
         column("velocity", &units::SPEED, false),
@@ -299,16 +331,18 @@ fn columns() -> Vec<Column> {
         column("acceleration", &units::ACCELERATION, false),
         column("torque_rate", &units::TORQUE_RATE, false),
         column("jerk", &units::JERK, false),
-    ]
+    ];
+    own.into_iter().chain(carried).collect()
 }
 
 fn read_samples(
     source: &Arc<Source>,
     periodic: bool,
     period: Option<f64>,
+    joints: &[String],
     problems: &mut Vec<Problem>,
-) -> Option<Motion> {
-    let table = Table::read(source, columns(), problems)?;
+) -> Option<(Motion, Vec<Named>)> {
+    let table = Table::read(source, columns(joints), problems)?;
     let mut read = |name: &str| -> Option<Vec<f64>> {
         if !table.has(name) {
             return None;
@@ -342,6 +376,8 @@ fn read_samples(
         torque_rate: read("torque_rate"),
         jerk: read("jerk"),
     };
+    let column = |name: &String| Some((name.clone(), read(&format!("{TORQUE_PER_MASS}{name}"))?));
+    let carried: Vec<(String, Vec<f64>)> = joints.iter().filter_map(column).collect();
     if samples.velocity.is_none() && samples.position.is_none() {
         problems.push(
             Problem::at(0..0, "a motion needs a column `velocity` or `position`", "neither is in the header")
@@ -362,7 +398,7 @@ fn read_samples(
         problems.push(problem);
         return None;
     }
-    Some(Motion::from_samples(samples, course))
+    Some((Motion::from_samples(samples, course), carried))
 }
 
 /// A velocity that is not the rate of the position given beside it: a wrong unit, sign or column.

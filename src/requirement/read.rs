@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::carried::{self, Asked};
 use super::mechanism::{self, Model, Use};
 use super::motion::{self, Motion, Point};
 use super::robot::*;
@@ -76,6 +77,8 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
         let budget = Budget {
             actuator_mass: section.quantity("actuator_mass", &units::MASS, Range::Positive),
             max_distinct_motors: section.count("max_distinct_motors"),
+            power: section.quantity("power", &units::POWER, Range::Positive),
+            current: section.quantity("current", &units::CURRENT, Range::Positive),
         };
         section.finish();
         budget
@@ -85,18 +88,20 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
         root.missing("joint", "a table [[joint]] for each joint");
     }
     let model = mechanism::read(root, motion_errors);
+    let all: Vec<String> = sections.iter().filter_map(|s| s.text("name")).map(|n| n.into_inner()).collect();
     let mut names = HashSet::new();
-    let (mut joints, mut uses) = (Vec::new(), Vec::new());
+    let (mut joints, mut uses, mut carried) = (Vec::new(), Vec::new(), Vec::new());
     let mut complete = true;
     for section in sections {
         let duplicate = section.text("name").filter(|n| !names.insert(n.get_ref().clone()));
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, surroundings, no_springs, &model, motion_errors) {
-            Some((joint, taken)) => {
+        match read_joint(section, surroundings, no_springs, &all, &model, motion_errors) {
+            Some((joint, taken, carries)) => {
                 joints.push(joint);
                 uses.push(taken);
+                carried.push(carries);
             }
             None => complete = false,
         }
@@ -105,6 +110,10 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
         return None;
     }
     let driven = mechanism::driven(model, &uses);
+    if let Some(driven) = &driven {
+        driven.load(&mut joints);
+    }
+    carried::resolve(root, &mut joints, carried)?;
     Some(Robot { name: name?, bus: bus?, ambient: surroundings, budget: budget.unwrap_or_default(), joints, driven })
 }
 
@@ -146,9 +155,10 @@ fn read_joint(
     section: Section,
     ambient: f64,
     no_springs: Option<&str>,
+    joints: &[String],
     model: &Model,
     motion_errors: &mut Vec<InputError>,
-) -> Option<(Joint, Option<Use>)> {
+) -> Option<(Joint, Option<Use>, Vec<Asked>)> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
     let ratio = read_ratio(&section);
@@ -168,11 +178,14 @@ fn read_joint(
         }
         None => GearModel::IDEAL,
     };
-    let (motion, taken) = if section.has("mechanism_joint") {
-        mechanism::read_joint(&section, model).unzip()
+    let others: Vec<String> = joints.iter().filter(|j| name.as_ref() != Some(j)).cloned().collect();
+    let (read, taken) = if section.has("mechanism_joint") {
+        let (motion, taken) = mechanism::read_joint(&section, model).unzip();
+        (motion.map(|m| (m, Vec::new())), taken)
     } else {
-        (read_motion(&section, motion_errors), None)
+        (read_motion(&section, &others, motion_errors), None)
     };
+    let (motion, columns) = read.unzip();
     let objective = read_objective(&section);
     let points = section.has("points");
     let (mut limits, in_limits) = match section.section("limits") {
@@ -210,15 +223,12 @@ fn read_joint(
         drive.finish();
         current
     });
-    for key in ["torque_per_mass", "actuator"] {
-        if section.has(key) {
-            section.note(Problem::at(
-                section.span_of(key),
-                format!("`{key}` is not supported by this version"),
-                "remove it",
-            ));
-        }
+    if section.has("actuator") {
+        let span = section.span_of("actuator");
+        section.note(Problem::at(span, "`actuator` is not supported by this version", "remove it"));
     }
+    let carries = carried::read(&section, columns.unwrap_or_default());
+    let phases = read_phases(&section, count, motion.as_ref());
     section.finish();
     let joint = Joint {
         name: name?,
@@ -229,8 +239,31 @@ fn read_joint(
         objective: objective?,
         limits,
         drive_current,
+        phases,
+        carries: Vec::new(),
     };
-    Some((joint, taken))
+    Some((joint, taken, carries))
+}
+
+/// By how much of the period each of several joints is late.
+fn read_phases(section: &Section, count: u32, motion: Option<&Motion>) -> Vec<f64> {
+    let Some(phases) = section.number_list("phases", Range::Any) else { return Vec::new() };
+    let span = section.span_of("phases");
+    if phases.len() != count as usize {
+        let message = format!("`phases` has {} entries, but `count` is {count}", phases.len());
+        section.note(
+            Problem::at(span, message, "expected one for each of the joints")
+                .help("for example count = 4 and phases = [0, 0.5, 0.5, 0]"),
+        );
+    } else if phases.iter().any(|p| !(0.0..=1.0).contains(p)) {
+        let message = "`phases` are shares of the period";
+        section.note(Problem::at(span, message, "expected numbers from 0 to 1").help("half a period late is 0.5"));
+    } else if motion.is_some_and(|m| !matches!(m.course, motion::Course::Periodic(_))) {
+        let message = "`phases` need a motion that repeats";
+        section
+            .note(Problem::at(span, message, "this joint has none").help("give a periodic `motion`, or remove them"));
+    }
+    phases
 }
 
 fn read_ratio(section: &Section) -> Option<RatioChoice> {
@@ -346,7 +379,12 @@ fn read_gear(section: Section) -> GearModel {
     gear
 }
 
-fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option<Motion> {
+/// The motion, and the columns of torque per mass in its file.
+fn read_motion(
+    section: &Section,
+    joints: &[String],
+    motion_errors: &mut Vec<InputError>,
+) -> Option<(Motion, Vec<carried::Column>)> {
     let periodic = section.boolean("periodic").unwrap_or(true);
     let period = section.quantity("period", &units::TIME, Range::Positive);
     match (section.has("motion"), section.has("points")) {
@@ -365,12 +403,14 @@ fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option
             );
             None
         }
-        (false, true) => read_points(section),
+        (false, true) => Some((read_points(section)?, Vec::new())),
         (true, false) => {
             let file = section.text("motion")?;
             let path = section.source().folder().join(file.get_ref());
             match Source::read(&path) {
-                Ok(source) => motion::read(&source, periodic, period).map_err(|e| motion_errors.push(e)).ok(),
+                Ok(source) => {
+                    motion::read_carrying(&source, periodic, period, joints).map_err(|e| motion_errors.push(e)).ok()
+                }
                 Err(error) => {
                     let first = error.problems.into_iter().next();
                     let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));

@@ -33,7 +33,7 @@ pub struct Bus {
     pub modulation_limit: f64,
     /// Largest current of the drive, phase amplitude (DC ampere for a brushed motor) \[A\].
     pub drive_current: Option<f64>,
-    /// Largest power that the bus delivers to one joint \[W\].
+    /// Largest power that the bus delivers to one joint; [`Budget::power`] is that of all together \[W\].
     pub power: Option<f64>,
     /// Largest current that the bus delivers to one joint \[A\].
     pub current: Option<f64>,
@@ -59,6 +59,39 @@ pub struct Budget {
     pub actuator_mass: Option<f64>,
     /// Number of different motors.
     pub max_distinct_motors: Option<u32>,
+    /// Power that the bus delivers to all joints together at any instant \[W\].
+    pub power: Option<f64>,
+    /// Current that the bus delivers to all joints together at any instant \[A\].
+    pub current: Option<f64>,
+}
+
+impl Robot {
+    /// Power that all joints together may draw at any instant \[W\]: the smaller of the budgets of power
+    /// and of current.
+    pub fn shared_power(&self) -> Option<f64> {
+        let of_current = self.budget.current.map(|i| i * self.bus.voltage);
+        self.budget.power.into_iter().chain(of_current).reduce(f64::min)
+    }
+
+    /// Whether the joints' choices depend on each other: a budget, or actuators that carry actuators.
+    pub fn is_coupled(&self) -> bool {
+        let Budget { actuator_mass, max_distinct_motors, power, current } = self.budget;
+        let budgets = [actuator_mass, power, current].iter().any(Option::is_some) || max_distinct_motors.is_some();
+        budgets || self.joints.iter().any(|j| !j.carries.is_empty())
+    }
+}
+
+/// Another joint's actuator that a joint carries.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Carried {
+    /// Index of the joint whose actuator is carried.
+    pub joint: usize,
+    /// How much the load torque rises per kilogram of one such actuator, at each sample \[N·m/kg\].
+    pub torque_per_mass: Vec<f64>,
+    /// Its rate \[N·m/(kg·s)\].
+    pub rate: Vec<f64>,
+    /// Whether it is the same at every sample.
+    pub constant: bool,
 }
 
 /// One joint, or several alike.
@@ -80,12 +113,18 @@ pub struct Joint {
     pub limits: Limits,
     /// Largest drive current of this joint, in place of the bus's \[A\].
     pub drive_current: Option<f64>,
+    /// By how much of the period each of the `count` joints is late; empty where all move alike.
+    pub phases: Vec<f64>,
+    /// Whose actuators this joint carries.
+    pub carries: Vec<Carried>,
 }
 
 impl Joint {
-    /// Whether another joint asks the same of its actuator: whatever its name, and however many there are.
+    /// Whether another joint, looked at by itself, asks the same of its actuator: whatever its name, however
+    /// many there are, when they move and whatever they carry.
     pub fn asks_the_same(&self, other: &Joint) -> bool {
-        let Joint { name: _, count: _, ratio, gear, motion, objective, limits, drive_current } = self;
+        let Joint { name: _, count: _, ratio, gear, motion, objective, limits, drive_current, phases: _, carries: _ } =
+            self;
         *ratio == other.ratio
             && *gear == other.gear
             && *objective == other.objective

@@ -46,6 +46,8 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         objective: Objective::single(Quantity::Loss),
         limits: Limits::default(),
         drive_current: None,
+        phases: Vec::new(),
+        carries: Vec::new(),
     };
     Robot {
         name: "test".into(),

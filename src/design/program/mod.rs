@@ -26,6 +26,7 @@ use crate::requirement::{Objective, Quantity};
 use super::evaluate::{Prepared, violation};
 
 pub use scan::golden as golden_section;
+pub(in crate::design) use window::minimise;
 
 /// Rows are met to this relative accuracy in the functional.
 const ROW_TOLERANCE: f64 = 1e-10;
@@ -184,7 +185,7 @@ fn relative_excess(raw: f64, bound: f64, size: impl FnOnce() -> f64) -> f64 {
 }
 
 /// `c_w/u + c_0 + c_u u + c_t u²`.
-fn value(c: &[f64; 4], u: f64) -> f64 {
+pub(in crate::design) fn value(c: &[f64; 4], u: f64) -> f64 {
     c[0] / u + c[1] + u * (c[2] + u * c[3])
 }
 
@@ -260,6 +261,18 @@ impl<'a> RatioProgram<'a> {
             None => self.solve_convex(),
             Some(why) => branch::solve(self, why),
         }
+    }
+
+    /// The objective at a ratio, in its own unit.
+    pub(in crate::design) fn objective_at(&self, ratio: f64) -> f64 {
+        objective::Goal::summed(self).value(ratio)
+    }
+
+    /// A polynomial that touches the objective at a ratio and is nowhere above it, up to the mass that steps
+    /// by stages, which is the second number.
+    pub(in crate::design) fn objective_cut(&self, ratio: f64) -> (Laurent, f64) {
+        let goal = objective::Goal::summed(self);
+        (goal.cut(ratio), goal.steps(ratio))
     }
 
     /// Why ratios have to be evaluated one by one, if they have.

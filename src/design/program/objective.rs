@@ -30,6 +30,11 @@ impl<'a> Goal<'a> {
         Goal { program, smooth, squared_peak: objective.sole() == Some(Quantity::PeakCurrent) }
     }
 
+    /// As [`Goal::new`], in the objective's own unit even where that is the peak current: for sums over joints.
+    pub(super) fn summed(program: &'a RatioProgram<'a>) -> Goal<'a> {
+        Goal { squared_peak: false, ..Goal::new(program) }
+    }
+
     /// The polynomial that touches the objective at a ratio and is nowhere above it.
     pub(super) fn cut(&self, ratio: f64) -> Laurent {
         let weight = |quantity| self.program.objective.weight(quantity);

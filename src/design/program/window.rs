@@ -73,7 +73,7 @@ pub(super) fn minimum(row: &Row, low: f64, high: f64) -> f64 {
 }
 
 /// The u in the range at which a convex `c_w/u + c_0 + c_u u + c_t u²` is least.
-pub(super) fn minimise(c: &[f64; 4], low: f64, high: f64) -> f64 {
+pub(in crate::design) fn minimise(c: &[f64; 4], low: f64, high: f64) -> f64 {
     if slope(c, low) >= 0.0 {
         return low;
     }

@@ -1,0 +1,315 @@
+//! A whole robot: the best combination of actuators under what its joints share, proved.
+//!
+//! The one idea: what a joint may be built of is found first, each item with its best ratio and proof
+//! (`menu`); the best combination under mass, number of motors and power at each instant is then found by
+//! branch and bound with prices on what is shared (`search`), complete combinations being solved exactly
+//! (`shared`: a convex program over all ratios at once). What is carried is chosen before what carries it
+//! (`carry`). Nothing is called the best that was not proved: a search that gave up, or a motor that could not
+//! be certified, is said with what is left of the gap.
+
+mod carry;
+mod context;
+mod convex;
+mod menu;
+mod power;
+mod search;
+mod shared;
+mod total;
+
+use crate::catalog::{Catalog, Motor};
+use crate::design::optimize::Design;
+use crate::design::program::GAP_TOLERANCE;
+use crate::requirement::{Course, Robot};
+use context::Context;
+use search::{Answer, Rules};
+pub use total::Total;
+
+/// How a robot's choice is made.
+#[derive(Clone, Copy)]
+pub struct Options<'p> {
+    /// Only designs of which every limit could be checked.
+    pub only_checked: bool,
+    /// How many further combinations are wanted, each different in a motor.
+    pub runner_ups: usize,
+    /// Whether it is also told what the budgets cost.
+    pub budgets: bool,
+    /// Called once for each joint that is done.
+    pub tick: &'p (dyn Fn() + Sync),
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Options { only_checked: false, runner_ups: 3, budgets: true, tick: &|| {} }
+    }
+}
+
+/// One design for each joint.
+#[derive(Debug, Clone)]
+pub struct Combination<'a> {
+    /// In the order of the requirement. Where power is shared the ratio may not be the joint's own best.
+    pub joints: Vec<Design<'a>>,
+    /// The total that is minimised.
+    pub objective: f64,
+    /// The total of these motors is nowhere below this.
+    pub lower_bound: f64,
+    /// Mass of all actuators \[kg\].
+    pub mass: Option<f64>,
+    /// Largest power that all joints draw together \[W\]: at one instant where they share a time base, else
+    /// the sum of their peaks.
+    pub peak_power: f64,
+    /// Change of the total per watt more of shared power, where that is limited.
+    pub power_price: Option<f64>,
+    /// Number of different motors.
+    pub distinct_motors: usize,
+    /// What carried actuators add to each joint's load: for constant torques per mass the torque \[N·m\], for
+    /// others the mass \[kg\].
+    pub carried: Vec<Vec<f64>>,
+}
+
+/// How sure the best combination is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proof {
+    /// No combination is better than this; `None` where nothing is known.
+    pub lower_bound: Option<f64>,
+    /// `(objective − lower bound)/|objective|`.
+    pub gap: Option<f64>,
+    /// Why it is not proved; empty where it is.
+    pub not_proved: Vec<String>,
+    /// Branches looked at.
+    pub branches: usize,
+}
+
+impl Proof {
+    /// Whether no combination can be better.
+    pub fn certified(&self) -> bool {
+        self.not_proved.is_empty()
+    }
+}
+
+/// What another budget would give.
+#[derive(Debug, Clone)]
+pub struct Change<'a> {
+    /// Name of the budget.
+    pub budget: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it would be.
+    pub value: f64,
+    /// The best combination then; `None` where there is none.
+    pub best: Option<Combination<'a>>,
+    /// Whether that was proved.
+    pub certified: bool,
+}
+
+/// What stands in the way where no combination keeps the budgets.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wanting {
+    /// No motor can do these joints, whatever the budgets.
+    Joints(Vec<String>),
+    /// The least mass of all actuators with which it can be done \[kg\].
+    Mass(f64),
+    /// The least number of different motors with which it can be done.
+    Motors(usize),
+    /// The least power at the worst instant with which a combination that was tried can do \[W\], and what the
+    /// best draws that is not limited \[W\].
+    Power(f64, f64),
+}
+
+/// The choice for a whole robot.
+#[derive(Debug)]
+pub struct Choice<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// What is minimised.
+    pub total: Total,
+    /// Best first; each differs from those before it in a motor.
+    pub combinations: Vec<Combination<'a>>,
+    /// How sure the first is.
+    pub proof: Proof,
+    /// What is wanting where there is none: any of these alone, the others as they are.
+    pub wanting: Vec<Wanting>,
+    /// What other budgets would give.
+    pub changes: Vec<Change<'a>>,
+    /// The best total for less and less mass.
+    pub front: Vec<Combination<'a>>,
+    /// Motors left out because their mass, or their gear's, is not known.
+    pub without_mass: Vec<&'a Motor>,
+    /// Names of joints that share a time base, for each time base.
+    pub time_bases: Vec<Vec<String>>,
+    /// Whether power was added up instant by instant over all joints.
+    pub instant_by_instant: bool,
+}
+
+/// Finds the best combination for a robot.
+///
+/// # Errors
+/// Where the joints' objectives cannot be summed up.
+pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) -> Result<Choice<'a>, String> {
+    let mut context = Context::new(robot, catalog, options)?;
+    let budget = &robot.budget;
+    let rules = Rules {
+        mass: budget.actuator_mass,
+        motors: budget.max_distinct_motors.map(|k| k as usize),
+        keep: 1 + options.runner_ups,
+        lightest: false,
+    };
+    let empty: Vec<String> = robot
+        .joints
+        .iter()
+        .zip(&context.certain)
+        .filter(|(_, menu)| menu.as_ref().is_some_and(|m| m.items.is_empty()))
+        .map(|(joint, _)| joint.name.clone())
+        .collect();
+    let nothing = || Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0 };
+    let answer = if empty.is_empty() { solve(&mut context, rules) } else { nothing() };
+    let combinations: Vec<Combination> = answer.found.iter().map(|f| context.combination(f)).collect();
+    let wanting = match (empty.is_empty(), combinations.is_empty()) {
+        (false, _) => vec![Wanting::Joints(empty)],
+        (true, true) => wanting(&mut context, rules),
+        (true, false) => Vec::new(),
+    };
+    let (mut changes, mut front) = (Vec::new(), Vec::new());
+    // Where the search was long once, it is not repeated for each other budget.
+    if options.budgets && !combinations.is_empty() && (context.power.is_none() || answer.solved <= LONG) {
+        changes = other_budgets(&mut context, rules);
+        front = mass_front(&mut context, rules);
+    }
+    let proof = prove(&context, &answer);
+    let mut without: Vec<usize> = context.menus().flat_map(|m| m.without_mass.iter().copied()).collect();
+    without.sort_unstable();
+    without.dedup();
+    let name = |j: &usize| robot.joints[*j].name.clone();
+    let groups = &context.schedule.groups;
+    let timed = |g: &power::Group| !matches!(robot.joints[g.joints[0]].motion.course, Course::Points(_));
+    Ok(Choice {
+        robot,
+        combinations,
+        proof,
+        wanting,
+        changes,
+        front,
+        without_mass: without.into_iter().map(|m| &catalog.motors[m]).collect(),
+        time_bases: groups.iter().map(|g| g.joints.iter().map(name).collect()).collect(),
+        instant_by_instant: groups.len() == 1 && (timed(&groups[0]) || robot.joints.iter().all(|j| j.count == 1)),
+        total: context.total,
+    })
+}
+
+fn solve(context: &mut Context, rules: Rules) -> Answer {
+    let tables = context.tables(rules);
+    search::run(context, &tables, rules)
+}
+
+fn prove(context: &Context, answer: &Answer) -> Proof {
+    let mut not_proved = Vec::new();
+    let best = answer.found.first().map(|f| f.value);
+    let gap = best.filter(|_| answer.lower.is_finite()).map(|best| {
+        let size = best.abs().max(f64::MIN_POSITIVE);
+        ((best - answer.lower) / size).max(0.0)
+    });
+    if !answer.finished {
+        not_proved.push("the search was ended before all combinations were looked at or ruled out".into());
+    } else if gap.is_some_and(|g| g > GAP_TOLERANCE) {
+        not_proved.push("the bounds did not meet".into());
+    }
+    let mut unproved: Vec<usize> = context.menus().flat_map(|m| m.unproved.iter().copied()).collect();
+    unproved.sort_unstable();
+    unproved.dedup();
+    if !unproved.is_empty() {
+        let ids: Vec<&str> = unproved.iter().take(5).map(|m| context.catalog.motors[*m].id.as_str()).collect();
+        let more = if unproved.len() > ids.len() {
+            format!(" and {} more", unproved.len() - ids.len())
+        } else {
+            String::new()
+        };
+        not_proved.push(format!("the best ratios of {}{more} are not certified", ids.join(", ")));
+    }
+    let lower_bound = Some(answer.lower).filter(|l| l.is_finite());
+    Proof { lower_bound, gap, not_proved, branches: answer.nodes }
+}
+
+/// What would have to change, one budget at a time.
+fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
+    let mut wanting = Vec::new();
+    let one = Rules { keep: 1, ..rules };
+    if rules.mass.is_some() {
+        let lightest = search::run(context, &[], Rules { mass: None, lightest: true, ..one });
+        wanting.extend(lightest.found.first().map(|f| Wanting::Mass(f.mass)));
+    }
+    if let Some(limit) = rules.motors {
+        let more = (limit + 1..=context.robot.joints.len())
+            .find(|k| !solve(context, Rules { motors: Some(*k), ..one }).found.is_empty());
+        wanting.extend(more.map(Wanting::Motors));
+    }
+    if let Some(limit) = context.power.take() {
+        let least = context.least_power;
+        let answer = solve(context, one);
+        if let Some(found) = answer.found.first() {
+            let draws = context.combination(found).peak_power;
+            wanting.push(Wanting::Power(least.min(draws), draws));
+        }
+        context.power = Some(limit);
+    }
+    wanting
+}
+
+/// Programs of combinations after which other budgets are not looked at.
+const LONG: usize = 100;
+/// Steps of a budget, as shares of it.
+const STEPS: [f64; 4] = [-0.1, -0.05, 0.05, 0.1];
+
+fn other_budgets<'a>(context: &mut Context<'a>, rules: Rules) -> Vec<Change<'a>> {
+    let one = Rules { keep: 1, ..rules };
+    let mut changes = Vec::new();
+    let mut with = |context: &mut Context<'a>, budget, unit, value: f64, rules: Rules| {
+        let answer = solve(context, rules);
+        let best = answer.found.first().map(|f| context.combination(f));
+        changes.push(Change { budget, unit, value, best, certified: prove(context, &answer).certified() });
+    };
+    if let Some(mass) = rules.mass {
+        for step in STEPS {
+            let value = mass * (1.0 + step);
+            with(context, "actuator_mass", "kg", value, Rules { mass: Some(value), ..one });
+        }
+    }
+    if let Some(motors) = rules.motors {
+        let most = context.robot.joints.len();
+        for k in [motors.saturating_sub(1), motors + 1].into_iter().filter(|k| (1..=most).contains(k)) {
+            with(context, "max_distinct_motors", "1", k as f64, Rules { motors: Some(k), ..one });
+        }
+    }
+    if let Some(power) = context.power {
+        for step in STEPS {
+            context.power = Some(power * (1.0 + step));
+            with(context, "power", "W", power * (1.0 + step), one);
+        }
+        context.power = Some(power);
+    }
+    changes
+}
+
+/// Points of the front of mass and total.
+const FRONT: usize = 12;
+
+/// The best combinations for less and less mass: from the best without a budget of mass to the lightest.
+fn mass_front<'a>(context: &mut Context<'a>, rules: Rules) -> Vec<Combination<'a>> {
+    if rules.mass.is_none() {
+        return Vec::new();
+    }
+    let one = Rules { keep: 1, mass: None, ..rules };
+    let free = solve(context, one);
+    let lightest = search::run(context, &[], Rules { lightest: true, ..one });
+    let (Some(free), Some(lightest)) = (free.found.first(), lightest.found.first()) else { return Vec::new() };
+    let (most, least) = (free.mass, lightest.mass);
+    let mut front = vec![context.combination(free)];
+    for step in (0..FRONT).rev() {
+        let budget = least + (most - least) * step as f64 / FRONT as f64;
+        let answer = solve(context, Rules { mass: Some(budget * (1.0 + 1e-12)), ..one });
+        let Some(found) = answer.found.first() else { continue };
+        let found = context.combination(found);
+        if front.last().is_none_or(|last| found.mass < last.mass) {
+            front.push(found);
+        }
+    }
+    front
+}

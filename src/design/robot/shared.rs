@@ -1,0 +1,449 @@
+//! The best ratios of one combination of motors on one bus: a convex program over all joints at once.
+//!
+//! Each joint brings an interval of u = N² that its own limits leave, and a convex objective; what all draw
+//! together at an instant is a row over all joints. Rows and objective are added as cuts where they are broken.
+//! The bound comes from the multipliers alone: for fixed ones the joints fall apart, and each is minimised
+//! exactly.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+
+use super::convex::{Convex, add, under};
+use super::power::{Profile, Schedule, largest};
+use crate::design::Prepared;
+use crate::design::program::{RatioProgram, minimise, value};
+use crate::requirement::Joint;
+
+/// Rounds of adding cuts.
+const ROUNDS: usize = 40;
+/// A relative gap below this is none.
+const CLOSED: f64 = 1e-6;
+/// Boxes of ratios that are looked at where a program is not convex.
+const BOXES: usize = 300;
+/// The power of all joints is kept to this relative accuracy.
+pub(super) const POWER_TOLERANCE: f64 = 1e-9;
+
+/// One joint of a combination.
+pub(super) struct Part<'p> {
+    pub prepared: &'p Prepared<'p>,
+    pub joint: &'p Joint,
+    pub profile: Profile,
+    /// Ratios that the joint's own limits leave.
+    pub ratios: (f64, f64),
+    /// Its own best ratio, and the objective and its bound there.
+    pub own: f64,
+    pub objective: f64,
+    pub lower: f64,
+    /// Share of the objective in the total.
+    pub scale: f64,
+}
+
+impl Part<'_> {
+    fn moves(&self) -> bool {
+        self.ratios.1 / self.ratios.0 - 1.0 > 1e-12
+    }
+
+    fn program(&self) -> RatioProgram<'_> {
+        RatioProgram::new(self.prepared, &self.joint.objective, self.ratios.0, self.ratios.1)
+    }
+
+    /// The objective's share in the total at a ratio.
+    fn value(&self, ratio: f64) -> f64 {
+        if ratio == self.own { self.scale * self.objective } else { self.scale * self.program().objective_at(ratio) }
+    }
+
+    fn cut(&self, ratio: f64) -> Convex {
+        let (polynomial, _) = self.program().objective_cut(ratio);
+        // The mass by stages is the same all over the interval but at its start.
+        let steps = self.program().objective_cut(self.ratios.1).1;
+        let mut cut = under(&polynomial, self.ratios, ratio);
+        cut[1] += steps;
+        cut.map(|c| c * self.scale)
+    }
+}
+
+/// How much the power at some instants costs.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Price {
+    /// For each row the instant of each group, and its multiplier \[objective/W\].
+    pub rows: Vec<(Vec<usize>, f64)>,
+}
+
+/// What came of a combination.
+#[derive(Debug)]
+pub(super) enum Outcome {
+    Solved(Solved),
+    /// The bus cannot feed it: the least power that it draws at its worst instant, and what shows it.
+    TooMuch {
+        least: f64,
+        price: Price,
+    },
+}
+
+#[derive(Debug)]
+pub(super) struct Solved {
+    pub ratios: Vec<f64>,
+    pub value: f64,
+    pub lower: f64,
+    pub price: Price,
+}
+
+impl Solved {
+    /// Whether value and bound are not one yet.
+    fn is_open(&self) -> bool {
+        self.value == f64::INFINITY || self.value - self.lower > CLOSED * self.value.abs()
+    }
+}
+
+/// A row `Σ convex ≤ bound`, or `≤ z` of an epigraph.
+struct Cut {
+    epigraph: Option<usize>,
+    parts: Vec<(usize, Convex)>,
+    places: Vec<usize>,
+}
+
+struct Program<'p> {
+    parts: &'p [Part<'p>],
+    schedule: &'p Schedule,
+}
+
+/// Solves a combination under a limit on the power of all joints \[W\]. Where a joint's program is not convex
+/// (motor Coulomb friction) the intervals of ratios are divided until the bounds meet.
+pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outcome {
+    let first = match solve_box(parts, schedule, limit) {
+        Outcome::Solved(solved) if solved.is_open() => solved,
+        done => return done,
+    };
+    let whole: Vec<(f64, f64)> = parts.iter().map(|p| p.ratios).collect();
+    let mut open = vec![(first.lower, whole.clone())];
+    let mut best = first;
+    // What was settled with a bound below the best value.
+    let mut settled = f64::INFINITY;
+    for _ in 0..BOXES {
+        let Some(place) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) else { break };
+        if open[place].0 >= best.value - 0.5 * CLOSED * best.value.abs() {
+            break;
+        }
+        let (_, boxed) = open.swap_remove(place);
+        let bent = |j: &usize| parts[*j].prepared.candidate.actuator.has_odd_powers();
+        let width = |j: &usize| boxed[*j].1 / boxed[*j].0;
+        let Some(split) = (0..boxed.len()).filter(bent).max_by(|a, b| width(a).total_cmp(&width(b))) else {
+            settled = settled.min(best.lower);
+            break;
+        };
+        let (a, b) = boxed[split];
+        let middle = (a * b).sqrt();
+        for half in [(a, middle), (middle, b)] {
+            let mut boxed = boxed.clone();
+            boxed[split] = half;
+            for (part, ratios) in parts.iter_mut().zip(&boxed) {
+                part.ratios = *ratios;
+            }
+            if let Outcome::Solved(solved) = solve_box(parts, schedule, limit) {
+                open.push((solved.lower, boxed));
+                if solved.value < best.value {
+                    best = solved;
+                }
+            }
+        }
+    }
+    for (part, ratios) in parts.iter_mut().zip(whole) {
+        part.ratios = ratios;
+    }
+    let left = open.iter().map(|o| o.0).fold(settled, f64::min);
+    if best.value == f64::INFINITY && left == f64::INFINITY {
+        return Outcome::TooMuch { least: limit, price: best.price };
+    }
+    best.lower = left.min(best.value);
+    Outcome::Solved(best)
+}
+
+fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
+    let program = Program { parts, schedule };
+    let own: Vec<f64> = parts.iter().map(|p| p.own.clamp(p.ratios.0, p.ratios.1)).collect();
+    let unmoved = own.iter().zip(parts).all(|(n, p)| *n == p.own);
+    if unmoved && program.power(&own).0 <= limit * (1.0 + POWER_TOLERANCE) {
+        let value = parts.iter().map(|p| p.scale * p.objective).sum();
+        let lower = parts.iter().map(|p| p.scale * p.lower).sum();
+        return Outcome::Solved(Solved { ratios: own, value, lower, price: Price::default() });
+    }
+    let (gentlest, least, price) = program.least_power(&own);
+    let (gentlest_power, _) = program.power(&gentlest);
+    if gentlest_power > limit * (1.0 + POWER_TOLERANCE) {
+        if least > limit * (1.0 - 1e-7) {
+            return Outcome::TooMuch { least, price };
+        }
+        let lower = parts.iter().map(|p| p.scale * p.lower).sum();
+        return Outcome::Solved(Solved { ratios: gentlest, value: f64::INFINITY, lower, price });
+    }
+    program.best(own, &gentlest, limit)
+}
+
+/// What all joints draw at their worst instant at these ratios \[W\].
+pub(super) fn power(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> f64 {
+    Program { parts, schedule }.power(ratios).0
+}
+
+impl Program<'_> {
+    fn power(&self, ratios: &[f64]) -> (f64, Vec<usize>) {
+        let courses: Vec<Vec<f64>> = self.parts.iter().zip(ratios).map(|(p, n)| p.profile.course(*n)).collect();
+        largest(self.schedule, &courses)
+    }
+
+    /// The row of an instant of each group.
+    fn row(&self, places: &[usize], ratios: &[f64], epigraph: Option<usize>) -> Cut {
+        let mut sums: Vec<Option<Convex>> = vec![None; self.parts.len()];
+        for (group, place) in self.schedule.groups.iter().zip(places) {
+            for (j, sample, weight) in &group.instants[*place].parts {
+                let (_, polynomial) = self.parts[*j].profile.at(*sample, ratios[*j]);
+                let convex = under(&polynomial, self.parts[*j].ratios, ratios[*j]);
+                add(sums[*j].get_or_insert([0.0; 4]), &convex, *weight);
+            }
+        }
+        let parts = sums.into_iter().enumerate().filter_map(|(j, sum)| Some((j, sum?))).collect();
+        Cut { epigraph, parts, places: places.to_vec() }
+    }
+
+    /// Ratios of the least peak, a bound below it, and the rows that show the bound.
+    fn least_power(&self, start: &[f64]) -> (Vec<f64>, f64, Price) {
+        let mut ratios = start.to_vec();
+        let (mut best, mut bound, mut price) = ((f64::INFINITY, ratios.clone()), f64::NEG_INFINITY, Price::default());
+        let mut cuts: Vec<Cut> = Vec::new();
+        for _ in 0..ROUNDS {
+            let (power, places) = self.power(&ratios);
+            if power < best.0 {
+                best = (power, ratios.clone());
+            }
+            cuts.push(self.row(&places, &ratios, Some(0)));
+            let Some((next, multipliers)) = self.propose(&cuts, 1, f64::NAN) else { break };
+            let lower = self.bound(&cuts, &multipliers, f64::NAN);
+            if lower > bound {
+                bound = lower;
+                price = prices(&cuts, &multipliers);
+            }
+            if best.0 - bound <= 1e-8 * best.0.abs() || next == ratios {
+                break;
+            }
+            ratios = next;
+        }
+        (best.1, bound.min(best.0), price)
+    }
+
+    fn best(&self, own: Vec<f64>, gentlest: &[f64], limit: f64) -> Outcome {
+        let total = |ratios: &[f64]| self.parts.iter().zip(ratios).map(|(p, n)| p.value(*n)).sum::<f64>();
+        let mut cuts: Vec<Cut> = Vec::new();
+        let free = self.parts.iter().map(|p| p.scale * p.lower).sum::<f64>();
+        let (mut best, mut bound, mut price) = ((total(gentlest), gentlest.to_vec()), free, Price::default());
+        let mut ratios = own;
+        self.add_objective(&mut cuts, gentlest);
+        for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
+            for n in [part.ratios.0, part.ratios.1] {
+                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, part.cut(n))], places: Vec::new() });
+            }
+        }
+        for _ in 0..ROUNDS {
+            let (power, places) = self.power(&ratios);
+            let kept = self.kept(&ratios, power, gentlest, limit);
+            let value = total(&kept);
+            if value < best.0 {
+                best = (value, kept);
+            }
+            if best.0 - bound <= 1e-9 * best.0.abs() {
+                break;
+            }
+            if power > limit {
+                cuts.push(self.row(&places, &ratios, None));
+            }
+            self.add_objective(&mut cuts, &ratios);
+            let Some((next, multipliers)) = self.propose(&cuts, self.parts.len(), limit) else { break };
+            let lower = self.bound(&cuts, &multipliers, limit);
+            if lower > bound {
+                bound = lower;
+                price = prices(&cuts, &multipliers);
+            }
+            if next == ratios {
+                break;
+            }
+            ratios = next;
+        }
+        Outcome::Solved(Solved { ratios: best.1, value: best.0, lower: bound.min(best.0), price })
+    }
+
+    fn add_objective(&self, cuts: &mut Vec<Cut>, ratios: &[f64]) {
+        for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
+            let cut = part.cut(ratios[j]);
+            if !cuts.iter().any(|c| c.epigraph == Some(j) && c.parts[0].1 == cut) {
+                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, cut)], places: Vec::new() });
+            }
+        }
+    }
+
+    /// The ratios themselves where they keep the limit, else the nearest that do on the way to the gentlest.
+    fn kept(&self, ratios: &[f64], power: f64, gentlest: &[f64], limit: f64) -> Vec<f64> {
+        if power <= limit * (1.0 + POWER_TOLERANCE) {
+            return ratios.to_vec();
+        }
+        let at = |share: f64| -> Vec<f64> {
+            let u = ratios.iter().zip(gentlest).map(|(a, b)| (a * a * (1.0 - share) + b * b * share).sqrt());
+            u.zip(self.parts).map(|(n, p)| n.clamp(p.ratios.0, p.ratios.1)).collect()
+        };
+        let (mut bad, mut good) = (0.0, 1.0);
+        for _ in 0..50 {
+            let middle = 0.5 * (bad + good);
+            if self.power(&at(middle)).0 <= limit * (1.0 + POWER_TOLERANCE) { good = middle } else { bad = middle }
+        }
+        if good == 1.0 { gentlest.to_vec() } else { at(good) }
+    }
+
+    /// For multipliers that sum to one over each epigraph: the least value of all joints together.
+    fn bound(&self, cuts: &[Cut], multipliers: &[f64], limit: f64) -> f64 {
+        let epigraphs = cuts.iter().filter_map(|c| c.epigraph).max().map_or(0, |e| e + 1);
+        let mut totals = vec![0.0; epigraphs];
+        for (cut, m) in cuts.iter().zip(multipliers) {
+            if let Some(e) = cut.epigraph {
+                totals[e] += m.max(0.0);
+            }
+        }
+        let mut sums = vec![[0.0; 4]; self.parts.len()];
+        let (mut constant, mut size) = (0.0, 0.0);
+        for (cut, m) in cuts.iter().zip(multipliers) {
+            let share = match cut.epigraph {
+                Some(e) if totals[e] > 0.0 => m.max(0.0) / totals[e],
+                Some(_) => 0.0,
+                None => {
+                    constant -= m.max(0.0) * limit;
+                    m.max(0.0)
+                }
+            };
+            for (j, convex) in &cut.parts {
+                add(&mut sums[*j], convex, share);
+            }
+        }
+        let sole = epigraphs == 1 && cuts.iter().all(|c| c.epigraph.is_some());
+        for (part, sum) in self.parts.iter().zip(&sums) {
+            let (a, b) = (part.ratios.0.powi(2), part.ratios.1.powi(2));
+            let u = minimise(sum, a, b);
+            constant += value(sum, u);
+            size += value(&sum.map(f64::abs), u);
+            // What does not move has no cuts: its objective is what it is.
+            if !sole && !part.moves() {
+                constant += part.scale * part.lower;
+            }
+        }
+        constant - 1e-14 * size
+    }
+
+    /// Solves the program with the cuts so far; gives ratios and the multiplier of each cut.
+    fn propose(&self, cuts: &[Cut], epigraphs: usize, limit: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+        let joints = self.parts.len();
+        let middle: Vec<f64> = self.parts.iter().map(|p| p.ratios.0 * p.ratios.1).collect();
+        let width = 3 * joints + epigraphs;
+        let mut size = 0.0_f64;
+        let scaled = |j: usize, c: &Convex| [c[0] / middle[j], c[1], c[2] * middle[j], c[3] * middle[j] * middle[j]];
+        for cut in cuts.iter().filter(|c| c.epigraph.is_some()) {
+            let here: f64 = cut.parts.iter().map(|(j, c)| scaled(*j, c).iter().map(|x| x.abs()).sum::<f64>()).sum();
+            size = size.max(here);
+        }
+        let reference = if size > 0.0 { size } else { 1.0 };
+        let (mut a, mut b, mut norms): (Vec<Vec<f64>>, Vec<f64>, Vec<f64>) = Default::default();
+        for cut in cuts {
+            let mut line = vec![0.0; width];
+            let mut right = if cut.epigraph.is_some() { 0.0 } else { limit };
+            for (j, convex) in &cut.parts {
+                if !self.parts[*j].moves() {
+                    right -= value(convex, middle[*j]);
+                    continue;
+                }
+                let c = scaled(*j, convex);
+                line[3 * j] = c[2];
+                line[3 * j + 1] = c[0];
+                line[3 * j + 2] = c[3];
+                right -= c[1];
+            }
+            if let Some(e) = cut.epigraph {
+                line[3 * joints + e] = -reference;
+            }
+            let norm = line.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let norm = if norm > 0.0 { norm } else { 1.0 };
+            a.push(line.iter().map(|x| x / norm).collect());
+            b.push(right / norm);
+            norms.push(norm);
+        }
+        let unit = |at: usize, value: f64| {
+            let mut line = vec![0.0; width];
+            line[at] = value;
+            line
+        };
+        for (j, part) in self.parts.iter().enumerate() {
+            let ends = match part.moves() {
+                true => [part.ratios.1.powi(2) / middle[j], -part.ratios.0.powi(2) / middle[j]],
+                // Held between numbers that leave the solver room; no cut reads it.
+                false => [2.0, -0.5],
+            };
+            a.push(unit(3 * j, 1.0));
+            b.push(ends[0]);
+            a.push(unit(3 * j, -1.0));
+            b.push(ends[1]);
+        }
+        let with_cut = |e: usize| cuts.iter().any(|c| c.epigraph == Some(e));
+        // An epigraph without a cut has nothing to rest on.
+        for e in (0..epigraphs).filter(|e| !with_cut(*e)) {
+            a.push(unit(3 * joints + e, -1.0));
+            b.push(0.0);
+        }
+        let mut cones = vec![SupportedConeT::NonnegativeConeT(a.len())];
+        for j in 0..joints {
+            // u w ≥ 1, then t ≥ u².
+            let two = |x: f64, y: f64| {
+                let mut line = unit(3 * j, x);
+                line[3 * j + 1] = y;
+                line
+            };
+            a.extend([two(-1.0, -1.0), two(-1.0, 1.0), vec![0.0; width]]);
+            b.extend([0.0, 0.0, 2.0]);
+            a.extend([unit(3 * j + 2, -1.0), unit(3 * j + 2, -1.0), unit(3 * j, -2.0)]);
+            b.extend([1.0, -1.0, 0.0]);
+            cones.extend([SupportedConeT::SecondOrderConeT(3), SupportedConeT::SecondOrderConeT(3)]);
+        }
+        if a.iter().flatten().chain(&b).any(|x| !x.is_finite()) {
+            return None;
+        }
+        let mut q = vec![0.0; width];
+        q[3 * joints..].fill(1.0);
+        // A breath of weight on what nothing holds keeps the solver's variables in place.
+        q[..3 * joints].iter_mut().for_each(|x| *x = 1e-12);
+        let settings = DefaultSettings {
+            verbose: false,
+            tol_gap_abs: 1e-11,
+            tol_gap_rel: 1e-11,
+            tol_feas: 1e-11,
+            ..DefaultSettings::default()
+        };
+        let matrix = CscMatrix::from(&a);
+        let p = CscMatrix::zeros((width, width));
+        let mut solver = DefaultSolver::new(&p, &q, &matrix, &b, &cones, settings).ok()?;
+        solver.solve();
+        let solution = &solver.solution;
+        let usable = matches!(
+            solution.status,
+            SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress
+        );
+        if !usable || solution.x.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let ratio = |(j, part): (usize, &Part)| match part.moves() {
+            true => (solution.x[3 * j] * middle[j]).max(0.0).sqrt().clamp(part.ratios.0, part.ratios.1),
+            false => part.own,
+        };
+        let ratios = self.parts.iter().enumerate().map(ratio).collect();
+        let multipliers = norms.iter().enumerate().map(|(i, norm)| solution.z[i] * reference / norm).collect();
+        Some((ratios, multipliers))
+    }
+}
+
+fn prices(cuts: &[Cut], multipliers: &[f64]) -> Price {
+    let rows = cuts.iter().zip(multipliers).filter(|(c, m)| !c.places.is_empty() && **m > 0.0);
+    let rows: Vec<(Vec<usize>, f64)> = rows.map(|(c, m)| (c.places.clone(), *m)).collect();
+    let most = rows.iter().map(|r| r.1).fold(0.0, f64::max);
+    Price { rows: rows.into_iter().filter(|r| r.1 > 1e-6 * most).collect() }
+}

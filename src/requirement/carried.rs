@@ -1,0 +1,110 @@
+//! Actuators that carry actuators: `torque_per_mass` of a joint, by name, to indices of joints.
+//!
+//! The one idea: what is carried is decided before what carries it, so names must exist and the relation
+//! must have no cycle. One that does is a mistake in the file, told with the way round.
+
+use toml::Spanned;
+
+use super::robot::{Carried, Joint};
+use crate::input::{Problem, Range, Section};
+use crate::units;
+
+/// A column of torque per mass: joint, values \[N·m/kg\], rates \[N·m/(kg·s)\].
+pub(super) type Column = (String, Vec<f64>, Vec<f64>);
+
+/// What a joint says it carries.
+pub(super) struct Asked {
+    name: Spanned<String>,
+    value: What,
+}
+
+enum What {
+    Constant(f64),
+    Course(Vec<f64>, Vec<f64>),
+}
+
+/// Reads `torque_per_mass` of a joint, beside the columns of its motion.
+pub(super) fn read(section: &Section, columns: Vec<Column>) -> Vec<Asked> {
+    let mut asked = Vec::new();
+    for (name, value) in section.named_quantities("torque_per_mass", &units::TORQUE_PER_MASS, Range::Any) {
+        if columns.iter().any(|(column, ..)| column == name.get_ref()) {
+            let message = format!("torque per mass of `{}` is given twice", name.get_ref());
+            let help = "the motion has a column for it: remove the one or the other";
+            section.note(Problem::at(name.span(), message, "here and in the motion").help(help));
+        }
+        asked.push(Asked { name, value: What::Constant(value) });
+    }
+    let place = section.span_of("motion");
+    asked.extend(columns.into_iter().map(|(name, values, rates)| Asked {
+        name: Spanned::new(place.clone(), name),
+        value: What::Course(values, rates),
+    }));
+    asked
+}
+
+/// Finds the joints that are named, and the cycles.
+pub(super) fn resolve(root: &Section, joints: &mut [Joint], asked: Vec<Vec<Asked>>) -> Option<()> {
+    let names: Vec<String> = joints.iter().map(|j| j.name.clone()).collect();
+    let mut spans = vec![0..0; joints.len()];
+    let mut good = true;
+    for (j, asked) in asked.into_iter().enumerate() {
+        for Asked { name, value } in asked {
+            let Some(joint) = names.iter().position(|n| n == name.get_ref()) else {
+                let message = format!("`torque_per_mass` names a joint `{}`, but there is none", name.get_ref());
+                let others = names.iter().enumerate().filter(|(i, _)| *i != j).map(|(_, n)| n.as_str());
+                root.note(Problem::at(name.span(), message, "not a joint").suggest(name.get_ref(), others));
+                good = false;
+                continue;
+            };
+            if joint == j {
+                let message = format!("joint `{}` carries its own actuator", names[j]);
+                root.note(
+                    Problem::at(name.span(), message, "itself").help(
+                        "name the joints further out; what a joint's own actuator weighs rests on what carries it",
+                    ),
+                );
+                good = false;
+                continue;
+            }
+            spans[j] = name.span();
+            let samples = joints[j].motion.len();
+            let (torque_per_mass, rate, constant) = match value {
+                What::Constant(value) => (vec![value; samples], vec![0.0; samples], true),
+                What::Course(values, rates) => (values, rates, false),
+            };
+            // What the requirement says itself goes before what a description of the robot says.
+            joints[j].carries.retain(|carried| carried.joint != joint);
+            joints[j].carries.push(Carried { joint, torque_per_mass, rate, constant });
+        }
+    }
+    if !good {
+        return None;
+    }
+    if let Some(cycle) = cycle(joints) {
+        let way: Vec<&str> = cycle.iter().chain(cycle.first()).map(|j| names[*j].as_str()).collect();
+        let message = format!("`torque_per_mass` goes round in a circle: {}", way.join(" carries "));
+        let help = "a joint carries the joints further out, never one further in";
+        root.note(Problem::at(spans[cycle[0]].clone(), message, "one of them").help(help));
+        return None;
+    }
+    Some(())
+}
+
+/// The joints of a cycle, in the order in which they carry each other.
+fn cycle(joints: &[Joint]) -> Option<Vec<usize>> {
+    fn walk(joints: &[Joint], at: usize, way: &mut Vec<usize>, done: &mut [bool]) -> Option<Vec<usize>> {
+        if let Some(start) = way.iter().position(|w| *w == at) {
+            return Some(way[start..].to_vec());
+        }
+        if done[at] {
+            return None;
+        }
+        way.push(at);
+        let found = joints[at].carries.iter().find_map(|c| walk(joints, c.joint, way, done));
+        way.pop();
+        done[at] = true;
+        found
+    }
+    let mut done = vec![false; joints.len()];
+    (0..joints.len()).find_map(|j| walk(joints, j, &mut Vec::new(), &mut done))
+}
