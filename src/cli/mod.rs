@@ -1,6 +1,7 @@
 //! The command line: arguments in, library call, report out. No physics.
 
 mod audit;
+mod characterize;
 mod compare;
 mod completions;
 mod explain;
@@ -47,6 +48,8 @@ enum Command {
     Audit(audit::Arguments),
     /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
     Identify(identify::Arguments),
+    /// Raw bench logs of a motor into a catalogue row, with uncertainties
+    Characterize(characterize::Arguments),
     /// A public motor database into catalogue files
     Import(import::Arguments),
     /// Completions for a shell
@@ -213,6 +216,7 @@ pub fn run() -> ExitCode {
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
+        Command::Characterize(arguments) => characterize::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };

@@ -2,6 +2,7 @@
 //! JSON and its CSV from the same facts.
 
 pub mod audit;
+pub mod characterize;
 pub mod compare;
 pub mod explain;
 pub mod file;

@@ -4,6 +4,7 @@
 //! same look: units on the axes, two colours that also differ in grey and to the colour-blind, a bounded
 //! number of points, chosen without chance.
 
+pub mod characterize;
 pub mod residual;
 
 use std::path::Path;
