@@ -212,6 +212,8 @@ fn random_torque_intervals_hold_the_truth() {
     let (least, most) = bounds(inertia.count(), 0.90, 0.98);
     for score in [&inertia, &damping] {
         assert!((least..=most).contains(&score.inside), "{score}, expected {least}…{most}");
+        let (bias, error) = score.bias();
+        assert!(bias.abs() < 3.3 * error, "{score}: biased");
     }
 }
 

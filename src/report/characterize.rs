@@ -35,6 +35,12 @@ pub fn text(bench: &Bench, result: &Characterization, written: &[String]) -> Str
         if logs == 1 { "log" } else { "logs" },
         number(bench.declared.ratio)
     );
+    for log in bench.logs.iter().filter(|l| !l.remarks.is_empty()) {
+        out.push_str(&format!("{}\n", wrap(&format!("{}: {}", log.name, log.remarks.join("; ")), 2)));
+    }
+    if bench.logs.iter().any(|l| !l.remarks.is_empty()) {
+        out.push('\n');
+    }
     let rows: Vec<Vec<String>> = result
         .outcomes
         .iter()

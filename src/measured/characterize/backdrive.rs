@@ -4,8 +4,8 @@
 
 use super::estimate::{Estimate, pool};
 use super::line::{Line, points};
-use super::stall::{SMALL, between_logs};
-use super::{Chart, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
+use super::stall::{SMALL, between_logs, line_band};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::report::{handy::with_error, number};
 
@@ -117,16 +117,20 @@ impl Test for Backdrive {
             x: "motor speed [rad/s]".into(),
             y: "voltage, q axis [V]".into(),
             curves: vec![
-                (
+                Curve::new(
                     Role::Measured,
+                    "measured, zero taken off",
                     used.iter()
                         .flat_map(|(s, l)| l.points.iter().map(move |p| (p.0, s * (p.1 - l.zero().value))))
                         .collect(),
                 ),
-                (Role::Bound, ends.iter().map(|w| (*w, w * k.interval().0)).collect()),
-                (Role::Bound, ends.iter().map(|w| (*w, w * k.interval().1)).collect()),
-                (Role::Fit, ends.iter().map(|w| (*w, w * k.value)).collect()),
+                Curve::new(
+                    Role::Fit,
+                    format!("K_B = {}", with_error(k.value, Some(k.half_width()), "V*s/rad")),
+                    ends.iter().map(|w| (*w, w * k.value)).collect(),
+                ),
             ],
+            band: line_band(&k, lowest, largest),
             ..Chart::default()
         });
         Some(outcome)

@@ -7,7 +7,7 @@
 use super::backdrive::motor_speed;
 use super::estimate::{Estimate, Fit, least_squares};
 use super::line::{mean, points, steps, trimmed};
-use super::{Chart, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, find, logs_of};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, find, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::report::number;
 
@@ -223,7 +223,7 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
     };
     let b = line.as_ref().map_or(0.0, |l| l.coefficients[1]);
     let straight = grid(&|w| found.coefficients[0] * w.signum() + b * w);
-    let mut curves = vec![(Role::Measured, zeroed)];
+    let mut curves = vec![Curve::new(Role::Measured, "means over steps, zero taken off", zeroed)];
     match flat {
         Some((knee, fit)) => {
             let peak = with_constant(fit.estimate(1));
@@ -252,10 +252,13 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
                 unit: "N*m",
                 remark: format!("at the knee, {} rad/s", number(knee)),
             });
-            curves.push((Role::Bound, straight));
-            curves.push((Role::Fit, grid(&|w| fit.coefficients[0] * w.signum() + fit.coefficients[1] * eddy(w, knee))));
+            curves.push(Curve::new(Role::Stand, "Coulomb + viscous, as the row has it", straight));
+            let bent = grid(&|w| fit.coefficients[0] * w.signum() + fit.coefficients[1] * eddy(w, knee));
+            curves.push(Curve::new(Role::Fit, "Coulomb + drag with a knee", bent));
         }
-        None => curves.push((Role::Fit, straight)),
+        None => {
+            curves.push(Curve::new(Role::Fit, if line.is_some() { "Coulomb + viscous" } else { "Coulomb" }, straight))
+        }
     }
     outcome.charts.push(Chart {
         x: "motor speed [rad/s]".into(),

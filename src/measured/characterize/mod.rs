@@ -101,8 +101,26 @@ pub enum Role {
     Curve,
     /// What was fitted.
     Fit,
-    /// Edges of the interval of 95 % of the fit.
-    Bound,
+    /// What stands for the fit where it has no room: the row's line.
+    Stand,
+}
+
+/// Points that belong together.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    /// How it is to be drawn.
+    pub role: Role,
+    /// What it is.
+    pub name: String,
+    /// The points.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    /// A curve with its name.
+    pub fn new(role: Role, name: impl Into<String>, points: Vec<(f64, f64)>) -> Curve {
+        Curve { role, name: name.into(), points }
+    }
 }
 
 /// A picture as data.
@@ -119,7 +137,9 @@ pub struct Chart {
     /// Ordinate in decades.
     pub log_y: bool,
     /// The curves, the lowest first.
-    pub curves: Vec<(Role, Vec<(f64, f64)>)>,
+    pub curves: Vec<Curve>,
+    /// Interval of 95 % of the fit: abscissa, lower and upper end.
+    pub band: Vec<(f64, f64, f64)>,
     /// Abscissae of the ends of the band that was used.
     pub marks: Vec<f64>,
 }

@@ -16,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use self::spectra::{Record, Spectra, band, gain_fit, response};
 use super::estimate::{Combination, Estimate, combine, pool, rotor_inertia};
 use super::stall::between_logs;
-use super::{Chart, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Log};
 use crate::measured::simulate::{Unknown, minimise};
 use crate::report::number;
@@ -509,15 +509,22 @@ fn judge(outcome: &mut Outcome, log: &Log, identified: &Identified) {
 fn charts(outcome: &mut Outcome, found: &[(&Log, Identified)]) {
     let (mut gain, mut coherence) = (Vec::new(), Vec::new());
     let mut marks = Vec::new();
-    for (_, i) in found {
+    for (log, i) in found {
         let shown = |p: &&(f64, f64, f64)| p.0 > 0.0 && p.0 < 4.0 * i.band.high;
-        gain.push((Role::Curve, i.response.iter().filter(shown).map(|p| (p.0, p.1)).collect::<Vec<_>>()));
-        coherence.push((Role::Curve, i.response.iter().filter(shown).map(|p| (p.0, p.2)).collect::<Vec<_>>()));
+        let measured =
+            |of: fn(&(f64, f64, f64)) -> (f64, f64)| i.response.iter().filter(shown).map(of).collect::<Vec<_>>();
+        gain.push(Curve::new(Role::Curve, log.name.clone(), measured(|p| (p.0, p.1))));
+        coherence.push(Curve::new(Role::Curve, log.name.clone(), measured(|p| (p.0, p.2))));
         let fit = |f: f64| {
             let omega = std::f64::consts::TAU * f;
             (i.result.inertia.value * omega).hypot(i.result.damping.value).recip()
         };
-        gain.push((Role::Fit, i.response.iter().filter(shown).map(|p| (p.0, fit(p.0))).collect()));
+        let points = i.response.iter().filter(shown).map(|p| (p.0, fit(p.0))).collect();
+        gain.push(Curve::new(
+            Role::Fit,
+            format!("1/(J s + B), VAF {} %", number((10.0 * i.vaf.1).round() / 10.0)),
+            points,
+        ));
         marks = vec![i.band.low, i.band.high];
     }
     if found.is_empty() {

@@ -5,7 +5,7 @@
 
 use super::estimate::{Estimate, pool};
 use super::line::{Line, TRIM, mean, steps, trimmed};
-use super::{Chart, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::identify::artefacts::usual_gains;
 use crate::report::{handy::with_error, number};
@@ -125,7 +125,9 @@ impl Test for Stall {
             warmth(&mut outcome, log);
         }
         outcome.findings.push(between_logs(pooled.count, pooled.between, k.value));
-        if bench.declared.ratio != 1.0 {
+        // A torque that was measured at the motor has no gear in it.
+        let at_motor = |log: &&Log| log.remarks.iter().any(|r| r.starts_with("`torque` was measured at the motor"));
+        if bench.declared.ratio != 1.0 && !logs_of(bench, BenchKind::Stall).iter().all(at_motor) {
             outcome.findings.push(Finding::new(
                 "gear",
                 Weight::Warning,
@@ -152,20 +154,33 @@ impl Test for Stall {
             x: "current, q axis [A]".into(),
             y: "torque at the motor, each log's zero taken off [N*m]".into(),
             curves: vec![
-                (
+                Curve::new(
                     Role::Measured,
+                    "means over steps",
                     used.iter()
                         .flat_map(|(s, l)| l.points.iter().map(move |p| (p.0, s * (p.1 - l.zero().value))))
                         .collect(),
                 ),
-                (Role::Bound, ends.iter().map(|i| (*i, i * k.interval().0)).collect()),
-                (Role::Bound, ends.iter().map(|i| (*i, i * k.interval().1)).collect()),
-                (Role::Fit, ends.iter().map(|i| (*i, i * k.value)).collect()),
+                Curve::new(
+                    Role::Fit,
+                    format!("K_T = {}", with_error(k.value, Some(k.half_width()), "N*m/A")),
+                    ends.iter().map(|i| (*i, i * k.value)).collect(),
+                ),
             ],
+            band: line_band(&k, lowest, largest),
             ..Chart::default()
         });
         Some(outcome)
     }
+}
+
+/// Interval of 95 % of a line through zero.
+pub fn line_band(slope: &Estimate, from: f64, to: f64) -> Vec<(f64, f64, f64)> {
+    let half = slope.half_width();
+    (0..=40)
+        .map(|k| from + (to - from) * f64::from(k) / 40.0)
+        .map(|x| (x, x * slope.value - half * x.abs(), x * slope.value + half * x.abs()))
+        .collect()
 }
 
 /// How much the logs differ.

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::estimate::Estimate;
-use super::{Chart, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, find, logs_of};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, find, logs_of};
 use crate::actuator::thermal::COPPER;
 use crate::catalog::REFERENCE_TEMPERATURE;
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
@@ -247,10 +247,18 @@ impl Test for ThermalStep {
             x: "time [s]".into(),
             y: "winding and housing [degC]".into(),
             curves: vec![
-                (Role::Measured, measured(&heating.winding)),
-                (Role::Measured, measured(&heating.housing)),
-                (Role::Fit, heating.time.iter().zip(&model).map(|(t, m)| (*t, celsius(m.0))).collect()),
-                (Role::Fit, heating.time.iter().zip(&model).map(|(t, m)| (*t, celsius(m.1))).collect()),
+                Curve::new(Role::Measured, "winding", measured(&heating.winding)),
+                Curve::new(Role::Measured, "housing", measured(&heating.housing)),
+                Curve::new(
+                    Role::Fit,
+                    "two nodes",
+                    heating.time.iter().zip(&model).map(|(t, m)| (*t, celsius(m.0))).collect(),
+                ),
+                Curve::new(
+                    Role::Fit,
+                    "two nodes",
+                    heating.time.iter().zip(&model).map(|(t, m)| (*t, celsius(m.1))).collect(),
+                ),
             ],
             ..Chart::default()
         });

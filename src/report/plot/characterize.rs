@@ -1,36 +1,64 @@
-//! The tests of a motor as pictures: torque on current, gain and coherence, drag, temperature, each with its fit.
+//! The tests of a motor as pictures: torque on current with the interval of its slope, gain and coherence with the
+//! fit (Urs et al., figure 5), drag on speed, temperature in time.
 
-use super::{Figure, Group, Mark, Panel, Series, Tone, thinned};
+use super::{Along, Axis, Dash, Figure, Group, Mark, Panel, Rule, Series, Shape, Tone, thinned};
 use crate::measured::Bench;
 use crate::measured::characterize::{Characterization, Chart, Role};
 
-/// Dots of one curve.
-const DOTS: usize = 600;
+/// Points of one curve.
+const POINTS: usize = 600;
 
 /// One group for each test that has something to show.
 pub fn figure(bench: &Bench, result: &Characterization) -> Figure {
     let groups = result.outcomes.iter().filter(|o| !o.charts.is_empty()).map(|outcome| Group {
         title: format!("{}: {}", bench.name, outcome.test.replace('_', " ")),
-        legend: vec![(Tone::Light, "measured".into()), (Tone::Dark, "fitted; thin: interval of 95 %".into())],
+        own_legends: true,
         panels: outcome.charts.iter().map(panel).collect(),
+        ..Group::default()
     });
-    Figure { groups: groups.collect(), columns: 2 }
+    Figure {
+        title: format!("{}: characterised", bench.name),
+        groups: groups.collect(),
+        columns: 2,
+        panel: (520.0, 340.0),
+        ..Figure::default()
+    }
 }
 
 fn panel(chart: &Chart) -> Panel {
-    let place = |value: f64, log: bool| if log { value.log10() } else { value };
-    let series = chart.curves.iter().map(|(role, points)| Series {
-        tone: if matches!(role, Role::Measured | Role::Curve) { Tone::Light } else { Tone::Dark },
-        mark: if *role == Role::Measured { Mark::Dots } else { Mark::Line },
-        points: thinned(points.len(), DOTS)
-            .map(|k| (place(points[k].0, chart.log_x), place(points[k].1, chart.log_y)))
-            .collect(),
-    });
+    let axis = |label: &str, log: bool| if log { Axis::log(label) } else { Axis::linear(label) };
+    let mut series = Vec::new();
+    if !chart.band.is_empty() {
+        series.push(Series::band(Tone::Sky, chart.band.iter().copied()).named("interval of 95 %"));
+    }
+    let mut measured = 0;
+    for curve in &chart.curves {
+        let points = thinned(curve.points.len(), POINTS).map(|k| curve.points[k]).collect();
+        // What was measured differs by colour and by shape or dash; what was fitted is black and solid.
+        let (tone, mark) = match curve.role {
+            Role::Measured => {
+                ([Tone::Orange, Tone::Blue, Tone::Green][measured % 3], Mark::Points(Shape::nth(measured)))
+            }
+            Role::Curve => (Tone::SERIES[(measured + 1) % 6], Mark::Thin(Dash::nth(measured))),
+            Role::Fit => (Tone::Black, Mark::Line(Dash::Solid)),
+            Role::Stand => (Tone::Grey, Mark::Line(Dash::Dashed)),
+        };
+        measured += usize::from(matches!(curve.role, Role::Measured | Role::Curve));
+        series.push(Series::new(tone, mark, points).named(curve.name.clone()));
+    }
+    let rule = |at: &f64| Rule {
+        along: Along::X,
+        at: *at,
+        tone: Tone::Grey,
+        dash: Dash::Dotted,
+        text: "band of the fit".into(),
+    };
     Panel {
-        x: chart.x.clone(),
-        y: chart.y.clone(),
-        lines: chart.marks.iter().map(|x| place(*x, chart.log_x)).collect(),
-        series: series.collect(),
+        x: axis(&chart.x, chart.log_x),
+        y: axis(&chart.y, chart.log_y),
+        rules: chart.marks.iter().map(rule).collect(),
+        series,
         empty: "nothing to draw".into(),
+        ..Panel::default()
     }
 }

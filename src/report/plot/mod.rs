@@ -1,114 +1,392 @@
 //! Pictures: a figure is panels of series over two axes, drawn as SVG; a PNG is that SVG, rendered.
 //!
-//! The one idea: what is drawn is data ([`Figure`]), and one place draws it, so that every picture has the
-//! same look: units on the axes, two colours that also differ in grey and to the colour-blind, a bounded
-//! number of points, chosen without chance.
+//! The one idea: what is drawn is data ([`Figure`]), and one place draws it (`draw`), so that every picture
+//! has the same look, and a page can show the same data in another way: units on the axes, tones that
+//! the colour-blind can tell apart and that come each with a dash or a shape of its own so that grey
+//! print can be read, labels that do not cover each other, a bounded number of points, chosen without chance.
+//! A picture of its own is one file beside this one, which makes a [`Figure`].
 
+mod axis;
 pub mod characterize;
+mod draw;
+mod labels;
+mod pen;
 pub mod residual;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+pub use axis::{Axis, Scale, Ticks, ticks};
+pub use draw::{Layout, svg, svg_and_layout};
+pub use labels::{Placed, Rect, Wanted, overlap, place};
+pub use pen::{escaped, text_width};
 
 use super::file;
 
-/// Width of a panel \[px\].
-const WIDTH: u32 = 420;
-/// Height of a panel \[px\].
-const HEIGHT: u32 = 300;
-/// Height of the title of a group of panels \[px\].
-const TITLE: u32 = 56;
 /// Pixels of a PNG for each pixel of the SVG.
 const PNG_SCALE: f32 = 1.5;
-/// Latin and Greek letters of DejaVu Sans (free; its licence lies beside it), so that a PNG looks the same
-/// everywhere.
-const FONT: &[u8] = include_bytes!("font/DejaVuSans-subset.ttf");
 
-/// The two looks that a series can have: light and dark in grey, orange and blue in colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The colours, of the palette of Okabe and Ito: the colour-blind can tell them apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Tone {
-    /// What was: light.
-    Light,
-    /// What is: dark.
-    Dark,
+    /// The first choice, and what is.
+    Blue,
+    /// What was; light in grey.
+    Orange,
+    /// Bluish green.
+    Green,
+    /// Vermilion: what must not be.
+    Vermilion,
+    /// Reddish purple.
+    Purple,
+    /// Sky blue; light in grey.
+    Sky,
+    /// Yellow; very light in grey: for areas.
+    Yellow,
+    /// Black.
+    Black,
+    /// Grey: the background of the story.
+    Grey,
 }
 
 impl Tone {
-    /// Orange and blue of the palette of Okabe and Ito.
-    fn colour(self) -> RGBColor {
+    /// Those that tell series apart, in the order in which they are taken.
+    pub const SERIES: [Tone; 7] =
+        [Tone::Blue, Tone::Orange, Tone::Green, Tone::Vermilion, Tone::Purple, Tone::Sky, Tone::Black];
+
+    /// The k-th series' tone; they repeat.
+    pub fn nth(k: usize) -> Tone {
+        Tone::SERIES[k % Tone::SERIES.len()]
+    }
+
+    /// Of dots and areas, `#rrggbb`.
+    pub fn colour(self) -> &'static str {
         match self {
-            Tone::Light => RGBColor(230, 159, 0),
-            Tone::Dark => RGBColor(0, 114, 178),
+            Tone::Blue => "#0072b2",
+            Tone::Orange => "#e69f00",
+            Tone::Green => "#009e73",
+            Tone::Vermilion => "#d55e00",
+            Tone::Purple => "#cc79a7",
+            Tone::Sky => "#56b4e9",
+            Tone::Yellow => "#f0e442",
+            Tone::Black => "#000000",
+            Tone::Grey => "#888888",
         }
     }
 
-    /// For lines over dots of the same tone.
-    fn line(self) -> RGBColor {
+    /// Of outlines, and of lines over dots of the same tone: darker.
+    pub fn dark(self) -> &'static str {
         match self {
-            Tone::Light => RGBColor(140, 80, 0),
-            Tone::Dark => RGBColor(0, 40, 80),
+            Tone::Blue => "#002850",
+            Tone::Orange => "#8c5000",
+            Tone::Green => "#00503a",
+            Tone::Vermilion => "#7a3600",
+            Tone::Purple => "#7a3a60",
+            Tone::Sky => "#1f5f8b",
+            Tone::Yellow => "#807600",
+            Tone::Black => "#000000",
+            Tone::Grey => "#555555",
         }
+    }
+}
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Dash {
+    /// Not at all.
+    #[default]
+    Solid,
+    /// Into dashes.
+    Dashed,
+    /// Into dots.
+    Dotted,
+    /// Into dashes and dots.
+    DashDot,
+    /// Into long dashes.
+    Long,
+    /// Into long dashes with two dots.
+    DashDotDot,
+}
+
+impl Dash {
+    /// Those that tell series apart, in the order in which they are taken.
+    pub const SERIES: [Dash; 6] =
+        [Dash::Solid, Dash::Dashed, Dash::DashDot, Dash::Dotted, Dash::Long, Dash::DashDotDot];
+
+    /// The k-th series' dash; they repeat with another period than [`Tone::nth`].
+    pub fn nth(k: usize) -> Dash {
+        Dash::SERIES[k % Dash::SERIES.len()]
+    }
+
+    /// Lengths of strokes and gaps \[px\]; empty for a solid line.
+    pub fn pattern(self) -> &'static str {
+        match self {
+            Dash::Solid => "",
+            Dash::Dashed => "7 4",
+            Dash::Dotted => "2 3",
+            Dash::DashDot => "8 3 2 3",
+            Dash::Long => "14 5",
+            Dash::DashDotDot => "12 3 2 3 2 3",
+        }
+    }
+
+    fn attribute(self) -> String {
+        match self.pattern() {
+            "" => String::new(),
+            pattern => format!(" stroke-dasharray=\"{pattern}\""),
+        }
+    }
+}
+
+/// The shape of a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Shape {
+    /// ●
+    #[default]
+    Circle,
+    /// ■
+    Square,
+    /// ▲
+    Triangle,
+    /// ◆
+    Diamond,
+    /// ▼
+    Down,
+    /// ×
+    Cross,
+    /// +
+    Plus,
+    /// ◀
+    Left,
+}
+
+impl Shape {
+    /// Those that tell series apart, in the order in which they are taken.
+    pub const SERIES: [Shape; 8] = [
+        Shape::Circle,
+        Shape::Square,
+        Shape::Triangle,
+        Shape::Diamond,
+        Shape::Down,
+        Shape::Cross,
+        Shape::Plus,
+        Shape::Left,
+    ];
+
+    /// The k-th series' shape; they repeat with another period than [`Tone::nth`].
+    pub fn nth(k: usize) -> Shape {
+        Shape::SERIES[k % Shape::SERIES.len()]
     }
 }
 
 /// How a series is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Mark {
-    /// A dot for each point.
+    /// A small dot for each point, half seen through: for clouds.
     Dots,
-    /// A line through the points, dashed where light.
-    Line,
+    /// A shape for each point.
+    Points(Shape),
+    /// A line through the points, with a break at a point that is not finite.
+    Line(Dash),
+    /// A thin line: the background of the story.
+    Thin(Dash),
     /// A bar from zero for each point.
     Bars,
+    /// The area from the points up to [`Series::upper`].
+    Band,
 }
 
 /// Points that are drawn alike.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Light or dark.
+    /// What the legend says; empty for a series that is not in it. Series of one name share a line.
+    pub name: String,
+    /// Colour.
     pub tone: Tone,
     /// How.
     pub mark: Mark,
     /// Abscissa and ordinate; points that are not finite are left out.
     pub points: Vec<(f64, f64)>,
+    /// Upper ordinate of each point of a band; else empty.
+    pub upper: Vec<f64>,
+    /// The id of the thing (a motor, a log) that each point belongs to, or one for all; may be empty. What has
+    /// the same id is the same thing in every panel and table.
+    pub ids: Vec<String>,
+    /// What is said of each point where a pointer rests on it; may be empty.
+    pub notes: Vec<String>,
+    /// Text that stands along the line, at its end; empty for none.
+    pub along: String,
+}
+
+impl Series {
+    /// A series without names.
+    pub fn new(tone: Tone, mark: Mark, points: Vec<(f64, f64)>) -> Series {
+        Series {
+            name: String::new(),
+            tone,
+            mark,
+            points,
+            upper: Vec::new(),
+            ids: Vec::new(),
+            notes: Vec::new(),
+            along: String::new(),
+        }
+    }
+
+    /// A band between two ordinates for each abscissa: (x, lower, upper).
+    pub fn band(tone: Tone, edges: impl IntoIterator<Item = (f64, f64, f64)>) -> Series {
+        let (points, upper) = edges.into_iter().map(|(x, low, high)| ((x, low), high)).unzip();
+        Series { upper, ..Series::new(tone, Mark::Band, points) }
+    }
+
+    /// With an entry in the legend.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Series {
+        self.name = name.into();
+        self
+    }
+
+    /// With the ids of the things that the points belong to.
+    #[must_use]
+    pub fn of(mut self, ids: Vec<String>) -> Series {
+        self.ids = ids;
+        self
+    }
+
+    /// With what is said of each point.
+    #[must_use]
+    pub fn noted(mut self, notes: Vec<String>) -> Series {
+        self.notes = notes;
+        self
+    }
+
+    /// With a text along the line.
+    #[must_use]
+    pub fn along(mut self, text: impl Into<String>) -> Series {
+        self.along = text.into();
+        self
+    }
+
+    /// The id of the k-th point.
+    pub fn id(&self, k: usize) -> Option<&str> {
+        if self.ids.len() == 1 { self.ids.first() } else { self.ids.get(k) }.map(String::as_str)
+    }
+
+    /// What is said of the k-th point: its note, else its id.
+    pub fn note(&self, k: usize) -> &str {
+        self.notes.get(k).map(String::as_str).or(self.id(k)).unwrap_or("")
+    }
+}
+
+/// A point with its name beside it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Label {
+    /// The point.
+    pub at: (f64, f64),
+    /// Its name.
+    pub text: String,
+    /// Whether the point gets a ring and the text is bold: it was chosen.
+    pub chosen: bool,
+}
+
+/// Which axis something is at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Along {
+    /// At an abscissa: upright.
+    X,
+    /// At an ordinate: lying.
+    Y,
+}
+
+/// A straight line across the panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rule {
+    /// Upright or lying.
+    pub along: Along,
+    /// Where.
+    pub at: f64,
+    /// Colour.
+    pub tone: Tone,
+    /// How it is broken.
+    pub dash: Dash,
+    /// What it is; may be empty.
+    pub text: String,
+}
+
+/// A stripe across the panel: a window, or what is forbidden.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stripe {
+    /// From and to on this axis.
+    pub along: Along,
+    /// From.
+    pub from: f64,
+    /// To.
+    pub to: f64,
+    /// Colour, drawn very light.
+    pub tone: Tone,
+    /// What the legend says; may be empty.
+    pub name: String,
 }
 
 /// Two axes and what is drawn over them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Panel {
-    /// Abscissa, with its unit.
-    pub x: String,
-    /// Ordinate, with its unit.
-    pub y: String,
-    /// Abscissae of vertical lines.
-    pub lines: Vec<f64>,
+    /// Title; may be empty.
+    pub title: String,
+    /// Abscissa.
+    pub x: Axis,
+    /// Ordinate.
+    pub y: Axis,
+    /// Stripes, the lowest of all.
+    pub stripes: Vec<Stripe>,
+    /// Straight lines.
+    pub rules: Vec<Rule>,
     /// What is drawn, first the lowest.
     pub series: Vec<Series>,
+    /// Named points, the most important first.
+    pub labels: Vec<Label>,
     /// What is said where there is nothing to draw.
     pub empty: String,
 }
 
 /// Panels under a title.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Group {
     /// Title.
     pub title: String,
-    /// What light and dark mean.
-    pub legend: Vec<(Tone, String)>,
+    /// What has to be known to read it; wrapped.
+    pub caption: String,
+    /// Whether each panel has a legend of its own, instead of one for all.
+    pub own_legends: bool,
     /// The panels, row by row.
     pub panels: Vec<Panel>,
 }
 
 /// A figure: groups of panels, one below the other.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
+    /// What it is, for those who do not see it; the groups' titles where empty.
+    pub title: String,
+    /// What is to be seen, for those who do not see it.
+    pub description: String,
     /// The groups.
     pub groups: Vec<Group>,
     /// Panels in a row.
     pub columns: usize,
+    /// Width and height of a panel, axes included \[px\].
+    pub panel: (f64, f64),
+}
+
+impl Default for Figure {
+    fn default() -> Figure {
+        Figure {
+            title: String::new(),
+            description: String::new(),
+            groups: Vec::new(),
+            columns: 1,
+            panel: (420.0, 300.0),
+        }
+    }
 }
 
 /// At most `most` of `count` indices, evenly spread.
@@ -152,38 +430,10 @@ impl Format {
 /// In words, where it cannot be drawn or written.
 pub fn write(figure: &Figure, path: &Path) -> Result<(), String> {
     let bytes = match Format::of(path)? {
-        Format::Svg => svg(figure)?.into_bytes(),
+        Format::Svg => svg(figure).into_bytes(),
         Format::Png => png(figure)?,
     };
     file::write_whole(path, &bytes)
-}
-
-/// A figure as SVG.
-///
-/// # Errors
-/// In words, where it cannot be drawn.
-pub fn svg(figure: &Figure) -> Result<String, String> {
-    let columns = figure.columns.max(1);
-    let rows: Vec<usize> = figure.groups.iter().map(|g| g.panels.len().div_ceil(columns)).collect();
-    let heights: Vec<u32> = rows.iter().map(|r| TITLE + HEIGHT * u32::try_from(*r).unwrap_or(1)).collect();
-    let size = (WIDTH * u32::try_from(columns).unwrap_or(1), heights.iter().sum::<u32>().max(1));
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        root.fill(&WHITE).map_err(cannot)?;
-        let mut top = 0;
-        for ((group, height), rows) in figure.groups.iter().zip(&heights).zip(&rows) {
-            let area = root.clone().shrink((0, top), (size.0, *height));
-            top += *height as i32;
-            let (title, body) = area.split_vertically(TITLE);
-            draw_title(&title, group).map_err(cannot)?;
-            for (panel, area) in group.panels.iter().zip(body.split_evenly((*rows, columns))) {
-                draw_panel(&area, panel).map_err(cannot)?;
-            }
-        }
-        root.present().map_err(cannot)?;
-    }
-    Ok(text)
 }
 
 /// A figure as PNG.
@@ -192,123 +442,15 @@ pub fn svg(figure: &Figure) -> Result<String, String> {
 /// In words, where it cannot be drawn.
 pub fn png(figure: &Figure) -> Result<Vec<u8>, String> {
     use resvg::{tiny_skia, usvg};
-    let text = svg(figure)?;
+    let cannot = |error: &dyn std::fmt::Display| format!("cannot draw the picture: {error}");
+    let text = svg(figure);
     let mut fonts = usvg::fontdb::Database::new();
-    fonts.load_font_data(FONT.to_vec());
+    fonts.load_font_data(pen::FONT.to_vec());
     fonts.set_sans_serif_family("DejaVu Sans");
     let options = usvg::Options { fontdb: Arc::new(fonts), font_family: "DejaVu Sans".into(), ..Default::default() };
-    let tree = usvg::Tree::from_str(&text, &options).map_err(cannot)?;
+    let tree = usvg::Tree::from_str(&text, &options).map_err(|e| cannot(&e))?;
     let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or("the picture has no size")?;
     let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE), &mut pixels.as_mut());
-    pixels.encode_png().map_err(cannot)
-}
-
-fn cannot(error: impl std::fmt::Display) -> String {
-    format!("cannot draw the picture: {error}")
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type DrawResult = Result<(), Box<dyn std::error::Error>>;
-
-fn draw_title(area: &Area, group: &Group) -> DrawResult {
-    let style = ("sans-serif", 17).into_text_style(area);
-    area.draw(&Text::new(group.title.clone(), (14, 8), style))?;
-    let style = ("sans-serif", 13).into_text_style(area);
-    for (k, (tone, meaning)) in group.legend.iter().enumerate() {
-        let x = 22 + 330 * i32::try_from(k).unwrap_or(0);
-        area.draw(&Circle::new((x, 43), 4, tone.colour().filled()))?;
-        let dashes: &[(i32, i32)] = if *tone == Tone::Light { &[(9, 15), (18, 24), (27, 33)] } else { &[(9, 33)] };
-        for (from, to) in dashes {
-            area.draw(&PathElement::new(vec![(x + from, 43), (x + to, 43)], tone.line().stroke_width(2)))?;
-        }
-        area.draw(&Text::new(meaning.clone(), (x + 40, 36), style.clone()))?;
-    }
-    Ok(())
-}
-
-/// The interval of finite values with a margin.
-fn interval(values: impl Iterator<Item = f64>, with_zero: bool) -> Option<(f64, f64)> {
-    let start = if with_zero { (0.0, 0.0) } else { (f64::INFINITY, f64::NEG_INFINITY) };
-    let (low, high) = values.filter(|v| v.is_finite()).fold(start, |(l, h), v| (l.min(v), h.max(v)));
-    (high > low).then(|| {
-        let margin = 0.04 * (high - low);
-        (if with_zero && low == 0.0 { 0.0 } else { low - margin }, high + margin)
-    })
-}
-
-fn draw_panel(area: &Area, panel: &Panel) -> DrawResult {
-    let points = || panel.series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
-    let bars = panel.series.iter().any(|s| s.mark == Mark::Bars);
-    let (Some(x), Some(y)) = (interval(points().map(|p| p.0), false), interval(points().map(|p| p.1), bars)) else {
-        let (width, height) = area.dim_in_pixel();
-        let style = ("sans-serif", 13).into_text_style(area).color(&RGBColor(90, 90, 90));
-        let centre = style.pos(Pos::new(HPos::Center, VPos::Center));
-        let at = (width as i32 / 2, height as i32 / 2);
-        area.draw(&Text::new(format!("{}: {}", panel.x, panel.empty), at, centre))?;
-        return Ok(());
-    };
-    let (x_step, y_step) = ((x.1 - x.0) / 6.0, (y.1 - y.0) / 6.0);
-    let mut chart = ChartBuilder::on(area)
-        .margin_right(16)
-        .margin_top(6)
-        .margin_bottom(4)
-        .margin_left(4)
-        .x_label_area_size(44)
-        .y_label_area_size(64)
-        .build_cartesian_2d(x.0..x.1, y.0..y.1)?;
-    chart
-        .configure_mesh()
-        .x_labels(7)
-        .y_labels(7)
-        .max_light_lines(0)
-        .bold_line_style(RGBColor(225, 225, 225))
-        .axis_style(RGBColor(90, 90, 90))
-        .x_desc(panel.x.as_str())
-        .y_desc(panel.y.as_str())
-        .label_style(("sans-serif", 12))
-        .axis_desc_style(("sans-serif", 13))
-        .x_label_formatter(&|v| tick(*v, x_step))
-        .y_label_formatter(&|v| tick(*v, y_step))
-        .draw()?;
-    for line in &panel.lines {
-        let style = RGBColor(120, 120, 120).stroke_width(1);
-        chart.draw_series(std::iter::once(PathElement::new(vec![(*line, y.0), (*line, y.1)], style)))?;
-    }
-    for series in &panel.series {
-        let finite = series.points.iter().copied().filter(|p| p.0.is_finite() && p.1.is_finite());
-        let (colour, line) = (series.tone.colour(), series.tone.line());
-        match (series.mark, series.tone) {
-            (Mark::Dots, _) => {
-                chart.draw_series(finite.map(|p| Circle::new(p, 2, colour.mix(0.55).filled())))?;
-            }
-            (Mark::Line, Tone::Light) => {
-                chart.draw_series(DashedLineSeries::new(finite, 6, 4, line.stroke_width(2)))?;
-            }
-            (Mark::Line, Tone::Dark) => {
-                chart.draw_series(LineSeries::new(finite, line.stroke_width(2)))?;
-            }
-            (Mark::Bars, tone) => {
-                let width = if tone == Tone::Light { 3 } else { 2 };
-                let style = if tone == Tone::Light { colour } else { line };
-                chart.draw_series(
-                    finite.map(|(x, y)| PathElement::new(vec![(x, 0.0), (x, y)], style.stroke_width(width))),
-                )?;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The text of a tick: as many digits as steps of this size need.
-fn tick(value: f64, step: f64) -> String {
-    if value.abs() < 1e-6 * step {
-        return "0".into();
-    }
-    if !(1e-3..1e5).contains(&step) {
-        return format!("{value:.1e}");
-    }
-    let digits = (1.0 - step.log10().floor()).clamp(0.0, 6.0) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+    pixels.encode_png().map_err(|e| cannot(&e))
 }

@@ -1,6 +1,6 @@
 //! What the model leaves, before and after, against everything that it may depend on.
 
-use super::{Figure, Group, Mark, Panel, Series, Tone, thinned};
+use super::{Along, Axis, Dash, Figure, Group, Mark, Panel, Rule, Series, Tone, thinned};
 use crate::measured::Bench;
 use crate::measured::identify::{Report, Target};
 
@@ -13,9 +13,12 @@ const TURN_BINS: usize = 120;
 /// Highest order of the position spectrum.
 const ORDERS: usize = 100;
 
+const BEFORE: &str = "before: as declared, artefacts taken out";
+const AFTER: &str = "after: refitted, with the effects found";
+
 /// One group of panels for each equation.
 pub fn figure(bench: &Bench, reports: &[Report]) -> Figure {
-    Figure { groups: reports.iter().map(|r| group(bench, r)).collect(), columns: 3 }
+    Figure { groups: reports.iter().map(|r| group(bench, r)).collect(), columns: 3, ..Figure::default() }
 }
 
 fn group(bench: &Bench, report: &Report) -> Group {
@@ -32,10 +35,10 @@ fn group(bench: &Bench, report: &Report) -> Group {
     let current: Vec<f64> = p.current.iter().map(|i| gain * i).collect();
     let panel = |x: &str, values: &[f64], bins: usize| Panel {
         x: x.into(),
-        y: y.clone(),
-        lines: Vec::new(),
+        y: y.as_str().into(),
         series: series(report, values, bins),
         empty: "not in these logs, or constant".into(),
+        ..Panel::default()
     };
     let (speed, position) = if turns {
         ("motor speed [rad/s]", "motor position in its turn [rad]")
@@ -43,7 +46,8 @@ fn group(bench: &Bench, report: &Report) -> Group {
         ("speed [m/s]", "position [m]")
     };
     let mut in_time = panel("time, logs one after the other [s]", &time, BINS);
-    in_time.lines = lines;
+    let meet = |at: f64| Rule { along: Along::X, at, tone: Tone::Grey, dash: Dash::Solid, text: String::new() };
+    in_time.rules = lines.into_iter().map(meet).collect();
     let panels = vec![
         panel(speed, &p.speed, BINS),
         panel(position, &angle, if turns { TURN_BINS } else { BINS }),
@@ -54,11 +58,8 @@ fn group(bench: &Bench, report: &Report) -> Group {
     ];
     Group {
         title: format!("{}: what the model leaves of the {}", bench.name, quantity(report)),
-        legend: vec![
-            (Tone::Light, "before: as declared, artefacts taken out".into()),
-            (Tone::Dark, "after: refitted, with the effects found".into()),
-        ],
         panels,
+        ..Group::default()
     }
 }
 
@@ -108,12 +109,13 @@ fn series(report: &Report, x: &[f64], bins: usize) -> Vec<Series> {
         return Vec::new();
     }
     let mut all = Vec::new();
-    for (tone, y) in [(Tone::Light, &p.before), (Tone::Dark, &p.after)] {
+    let looks = [(BEFORE, Tone::Orange, Dash::Dashed, &p.before), (AFTER, Tone::Blue, Dash::Solid, &p.after)];
+    for (name, tone, _, y) in looks {
         let points = thinned(x.len(), DOTS).map(|k| (x[k], y[k])).collect();
-        all.push(Series { tone, mark: Mark::Dots, points });
+        all.push(Series::new(tone, Mark::Dots, points).named(name));
     }
-    for (tone, y) in [(Tone::Light, &p.before), (Tone::Dark, &p.after)] {
-        all.push(Series { tone, mark: Mark::Line, points: means(&order, x, y, bins) });
+    for (name, tone, dash, y) in looks {
+        all.push(Series::new(tone, Mark::Line(dash), means(&order, x, y, bins)).named(name));
     }
     all
 }
@@ -135,7 +137,7 @@ fn spectrum(report: &Report, turns: bool) -> Panel {
     let p = &report.pictures;
     let mut panel = Panel {
         x: "order: periods in a turn of the motor".into(),
-        y: format!("amplitude of the residual [{}]", report.unit),
+        y: Axis::linear(format!("amplitude of the residual [{}]", report.unit)),
         empty: "the logs do not turn far enough".into(),
         ..Panel::default()
     };
@@ -157,12 +159,11 @@ fn spectrum(report: &Report, turns: bool) -> Panel {
         }
         if count >= 50.0 { 2.0 * f64::hypot(a, b) / count } else { f64::NAN }
     };
-    panel.series = [(Tone::Light, &p.before), (Tone::Dark, &p.after)]
+    panel.series = [(BEFORE, Tone::Orange, &p.before), (AFTER, Tone::Blue, &p.after)]
         .into_iter()
-        .map(|(tone, y)| Series {
-            tone,
-            mark: Mark::Bars,
-            points: (1..=ORDERS).map(|h| (h as f64, amplitude(y, h))).collect(),
+        .map(|(name, tone, y)| {
+            let points = (1..=ORDERS).map(|h| (h as f64, amplitude(y, h))).collect();
+            Series::new(tone, Mark::Bars, points).named(name)
         })
         .collect();
     panel
