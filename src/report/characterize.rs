@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use super::handy::with_error;
 use super::number;
 use super::table::{table, wrap};
+use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, Winding, word};
 use crate::catalog::import::{cell, head, safe};
 use crate::catalog::{FIELDS, Motor, Printed, SourceKind, read_motors};
@@ -119,6 +120,25 @@ pub fn row_csv(row: &Row) -> Result<String, String> {
     if !row.missing.is_empty() {
         return Err(format!("the row is not complete and was not written: it needs {}", row.missing.join(", ")));
     }
+    let text = row_text_csv(row, &[]);
+    // What is written is what every other command accepts.
+    let unread = |why: String| format!("the row cannot be read back and was not written: {why}");
+    let first = motor(&text).map_err(unread)?;
+    let explained: Vec<AuditFinding> =
+        audit_motor(&first).into_iter().filter(|f| BOTH_MEASURED.contains(&f.code)).collect();
+    if explained.is_empty() {
+        return Ok(text);
+    }
+    let text = row_text_csv(row, &explained);
+    motor(&text).map_err(unread)?;
+    Ok(text)
+}
+
+/// What the audit finds between two numbers that were both measured here: known, and said in the note.
+const BOTH_MEASURED: &[&str] = &["back-emf", "rotor-inertia"];
+
+/// The row's text; what the audit finds in it is accepted and its note says what.
+fn row_text_csv(row: &Row, accepted: &[AuditFinding]) -> String {
     let brushed = row.commutation == Commutation::Brushed;
     let mut header: Vec<String> = Vec::new();
     let mut cells: Vec<String> = Vec::new();
@@ -151,14 +171,13 @@ pub fn row_csv(row: &Row) -> Result<String, String> {
     }
     add("source".into(), safe(&row.source));
     add("source_kind".into(), word(SourceKind::NAMES, &SourceKind::Measured).into());
-    add("note".into(), safe(&row.note));
+    let codes: Vec<&str> = accepted.iter().map(|f| f.code).collect();
+    add("audit_accept".into(), codes.join(";"));
+    let found: Vec<String> = accepted.iter().map(|f| format!("both measured: {}", f.message)).collect();
+    let note: Vec<&str> = [row.note.as_str()].into_iter().chain(found.iter().map(String::as_str)).collect();
+    add("note".into(), safe(&note.join("; ")));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let text = super::csv_text(&header, [cells]);
-    // What is written is what every other command accepts.
-    match motor(&text) {
-        Ok(_) => Ok(text),
-        Err(why) => Err(format!("the row cannot be read back and was not written: {why}")),
-    }
+    super::csv_text(&header, [cells])
 }
 
 /// So many significant digits: more than a measurement says.
