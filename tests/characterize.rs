@@ -127,6 +127,33 @@ fn real_stall_logs() {
     assert!(k.half_width() > 0.002 && k.half_width() < 0.010, "{}", k.half_width());
 }
 
+/// The real drag test: one machine drives in one direction and the other in the other, which is found out; one
+/// direction alone shows the drag that flattens.
+#[test]
+fn real_drag_log() {
+    let Some(bench) = ri50(&[("drag", "drag")], "") else { return };
+    let both = characterize(&bench).unwrap();
+    assert!(warned(&both, "direction", "same in both directions"));
+    assert!(find(&both.outcomes, "coulomb_friction").is_none());
+    let mut one = bench.clone();
+    let log = &mut one.logs[0];
+    let speed = log.channels[&Channel::OutputVelocity].clone();
+    let kept: Vec<usize> = (0..log.len()).filter(|k| speed[*k] > 5.0).collect();
+    log.time = kept.iter().map(|k| log.time[*k]).collect();
+    for values in log.channels.values_mut() {
+        *values = kept.iter().map(|k| values[*k]).collect();
+    }
+    let result = characterize(&one).unwrap();
+    let outcome = &result.outcomes[0];
+    let form = outcome.findings.iter().find(|f| f.check == "friction_form");
+    assert!(form.is_some_and(|f| f.text.contains("the drag flattens")), "{:?}", outcome.findings);
+    // Neither rest nor the other direction: the zero of the sensor counts as Coulomb friction, and that is said.
+    assert!(warned(&result, "zero", "turn both ways"));
+    // The README of the set has 0.053 N·m at 116 rad/s, from all speeds of both machines.
+    let peak = find(&result.outcomes, "eddy_drag.torque").unwrap();
+    assert!(peak.value > 0.03 && peak.value < 0.08, "{peak:?}");
+}
+
 /// Repeats of a chance of 95 %: how many of `n` must and may be inside for a test that fails by chance once in a
 /// thousand (binomial).
 fn bounds(n: u64, least: f64, most: f64) -> (u64, u64) {

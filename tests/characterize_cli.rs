@@ -169,7 +169,8 @@ fn wrong_inputs_are_named() {
     let lines: Vec<&str> = good.lines().collect();
     let nan = good.replacen("0.08,-4.02", "0.08,abc", 1);
     let unsorted = [&lines[..3], &[lines[10]], &lines[3..]].concat().join("\n");
-    let cases: &[(&str, &[(&str, &str)], &str)] = &[
+    type Case<'a> = (&'a str, &'a [(&'a str, &'a str)], &'a str);
+    let cases: &[Case] = &[
         ("typo in a key", &[("resistance_tolerance", "resistance_tolerence")], &good),
         ("typo in a table", &[("[terminals]", "[terminal]")], &good),
         ("missing unit", &[("\"4 mohm\"", "\"4\"")], &good),

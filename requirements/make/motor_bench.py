@@ -69,7 +69,7 @@ def random_torque(log, inertia, damping, seed):
         at = first + sample * fine
         late = speeds[at - round(LATE / h)] + r.gauss(0, 0.03)
         command = torques[at + 16] / 0.79  # the drive needs 4 ms
-        rows.append((f"{sample / RATE:.3f}", f"{command:.3f}", f"{torques[at] + 0.03 + r.gauss(0, 0.02):.3f}", f"{late:.2f}"))
+        rows.append((f"{sample / RATE:.3f}", f"{command:.3f}", f"{(torques[at - 1] + torques[at]) / 2 + 0.03 + r.gauss(0, 0.02):.3f}", f"{late:.2f}"))
     write(log, "t_s,cmd_a,tau_nm,omega_radps", rows)
 
 
@@ -87,13 +87,13 @@ def drag():
 
 
 def thermal():
-    """DC of 4 A between two terminals for 20 minutes, then 10 minutes of cooling."""
+    """DC of 3 A between two terminals for 20 minutes, then 10 minutes of cooling."""
     r = random.Random(50)
     c_w, c_h = TAU_W / R_WH, TAU_H / R_HA
     winding = housing = AMBIENT
     rows, dt = [], 0.05
     for k in range(int(1800 / dt)):
-        current = 4.0 if k * dt < 1200 else 0.0
+        current = 3.0 if k * dt < 1200 else 0.0
         if k % int(5 / dt) == 0:
             rows.append((f"{k * dt:.0f}", f"{current:.2f}", f"{winding + r.gauss(0, 0.15):.1f}", f"{housing + r.gauss(0, 0.15):.1f}"))
         heat = R_LL * (1 + COPPER * (winding - AMBIENT)) * current ** 2

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
 
-use super::handy::with_error;
+use super::handy::handy;
 use super::number;
 use super::table::{table, wrap};
 use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
@@ -21,9 +21,16 @@ fn share(relative: f64) -> String {
     if relative.is_finite() { format!("{} %", number((1000.0 * relative).round() / 10.0)) } else { "–".into() }
 }
 
-/// A number with its ± of 95 %.
+/// A number with its ± of 95 %: as many digits as two of the ± need.
 fn value(e: &Estimate, unit: &'static str) -> String {
-    with_error(e.value, Some(e.half_width()), unit)
+    let half = e.half_width();
+    let (scaled, unit) = handy(e.value, unit);
+    let half = if e.value == 0.0 { half } else { half * scaled / e.value };
+    if !(half.is_finite() && half > 0.0) {
+        return format!("{} {unit}", number(scaled));
+    }
+    let digits = (1.0 - half.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{scaled:.digits$} ± {half:.digits$} {unit}")
 }
 
 /// For people.
@@ -48,10 +55,10 @@ pub fn text(bench: &Bench, result: &Characterization, written: &[String]) -> Str
         .flat_map(|o| o.quantities.iter().map(move |q| (o, q)))
         .map(|(o, q)| {
             let e = &q.estimate;
-            vec![q.name.into(), value(e, q.unit), share(e.relative()), o.test.into(), q.remark.clone()]
+            vec![q.name.into(), value(e, q.unit), share(e.relative()), o.test.into()]
         })
         .collect();
-    out.push_str(&table(&["quantity", ">value", ">±", "test", "remark"], &rows));
+    out.push_str(&table(&["quantity", ">value", ">±", "test"], &rows));
     for outcome in &result.outcomes {
         out.push_str(&section(outcome));
     }
@@ -70,6 +77,9 @@ fn section(outcome: &Outcome) -> String {
     let mut out = format!("\n{}\n", outcome.test);
     for method in &outcome.method {
         out.push_str(&format!("  {}\n", wrap(method, 2)));
+    }
+    for q in outcome.quantities.iter().filter(|q| !q.remark.is_empty()) {
+        out.push_str(&format!("  {}\n", wrap(&format!("{}: {}", q.name, q.remark), 4)));
     }
     for log in &outcome.logs {
         let values: Vec<String> =

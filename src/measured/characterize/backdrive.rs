@@ -107,7 +107,7 @@ impl Test for Backdrive {
             unit: "V*s/rad",
             remark: format!(
                 "q axis (line-to-line rms); {} of line-to-line peak",
-                with_error(k.value * 2.0_f64.sqrt(), Some(k.half_width() * 2.0_f64.sqrt()), "V*s/rad")
+                with_error(k.value * 2.0_f64.sqrt(), None, "V*s/rad")
             ),
         });
         let largest = used.iter().map(|(_, l)| l.largest()).fold(0.0, f64::max);
@@ -126,7 +126,7 @@ impl Test for Backdrive {
                 ),
                 Curve::new(
                     Role::Fit,
-                    format!("K_B = {}", with_error(k.value, Some(k.half_width()), "V*s/rad")),
+                    format!("K_B = {}", with_error(k.value, None, "V*s/rad")),
                     ends.iter().map(|w| (*w, w * k.value)).collect(),
                 ),
             ],

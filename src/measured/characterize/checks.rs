@@ -1,9 +1,14 @@
 //! What only several tests together can say. Each check is one entry of [`CHECKS`].
 
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
 use super::estimate::{Combination, combine, discrepancy, motor_constant, motor_constant_slopes};
 use super::{Finding, Outcome, Weight, find};
 use crate::measured::bench::{Bench, Use};
 use crate::report::number;
+
+/// Weight and words of what a check finds.
+pub type Examine = fn(&Bench, &[Outcome]) -> Option<(Weight, String)>;
 
 /// A check: its code, what it compares, and what it finds; nothing where the bench has not what it needs.
 pub struct Check {
@@ -12,7 +17,7 @@ pub struct Check {
     /// What it compares.
     pub compares: &'static str,
     /// Examines.
-    pub run: fn(&Bench, &[Outcome]) -> Option<(Weight, String)>,
+    pub run: Examine,
 }
 
 /// Every check.
@@ -31,19 +36,16 @@ pub fn run(bench: &Bench, outcomes: &[Outcome]) -> Vec<Finding> {
         .collect()
 }
 
-/// Factors by which a wrong convention of current or voltage would put K_T off K_B.
+/// What a wrong convention of current or voltage makes of K_T/K_B.
 const CONVENTIONS: &[(f64, &str)] = &[
-    (
-        0.816_497,
-        "√(2/3): the current may be of the phase's amplitude, or the voltage of the phase's peak, read as q axis",
-    ),
-    (1.224_745, "√(3/2): the current may be on the q axis already, or the voltage too"),
-    (1.732_051, "√3: the current may be rms, or the voltage the phase's, read as q axis"),
-    (0.577_350, "1/√3: the current may be on the q axis and declared rms, or the voltage the phase's rms"),
-    (1.414_214, "√2: amplitude and rms may be exchanged"),
-    (0.707_107, "1/√2: amplitude and rms may be exchanged"),
-    (0.740_480, "0.74: the current may be the DC ampere of block commutation"),
-    (1.350_475, "1.35: the current may be declared DC and be on the q axis"),
+    (1.224_745, "√(3/2): a current of phase amplitude, or a voltage of the phase's peak, may be taken for q axis"),
+    (0.816_497, "√(2/3): a q-axis current may be taken for phase amplitude"),
+    (1.732_051, "√3: an rms current, or the phase's rms voltage, may be taken for q axis"),
+    (0.577_350, "1/√3: a q-axis current may be taken for rms"),
+    (SQRT_2, "√2: an rms current may be taken for amplitude, or an rms voltage for peak"),
+    (FRAC_1_SQRT_2, "1/√2: an amplitude of current may be taken for rms, or a peak voltage for rms"),
+    (1.350_475, "1.35: the DC ampere of block commutation may be taken for q axis"),
+    (0.740_480, "0.74: a q-axis current may be taken for the DC ampere of block commutation"),
 ];
 
 fn torque_against_back_emf(_: &Bench, outcomes: &[Outcome]) -> Option<(Weight, String)> {
@@ -84,8 +86,8 @@ fn motor_constants(_: &Bench, outcomes: &[Outcome]) -> Option<(Weight, String)> 
             "√(K_T K_B/R) = {} N*m/W^0.5 (± {} by root sum square, {} by linear sum); mechanical, K_T/√R, {}; electrical, \
              K_B/√R, {}; {} % apart",
             number(both.value),
-            number(combine(Combination::RootSumSquare, &parts)),
-            number(combine(Combination::Linear, &parts)),
+            format_args!("{:.1e}", combine(Combination::RootSumSquare, &parts)),
+            format_args!("{:.1e}", combine(Combination::Linear, &parts)),
             number(mechanical),
             number(electrical),
             number((1000.0 * apart).round() / 10.0)

@@ -113,6 +113,22 @@ fn zeros(all: &[Point], logs: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
+/// Whether the torque depends on speed but not on its direction.
+fn even(all: &[Point], zeros: &[Vec<f64>]) -> bool {
+    let way = |sign: f64| all.iter().filter(|p| direction(p.speed) == sign).count();
+    if way(1.0) < 3 || way(-1.0) < 3 {
+        return false;
+    }
+    let torque: Vec<f64> = all.iter().map(|p| p.torque).collect();
+    let squares = |of: fn(f64) -> f64| {
+        let mut columns: Vec<Vec<f64>> =
+            vec![all.iter().map(|p| of(direction(p.speed))).collect(), all.iter().map(|p| of(p.speed)).collect()];
+        columns.extend(zeros.iter().cloned());
+        least_squares(&columns, &torque).map_or(f64::INFINITY, |f| f.squares())
+    };
+    squares(f64::abs) < 0.25 * squares(|x| x)
+}
+
 /// Whether one parameter more is worth it.
 fn better(simple: &Fit, rich: &Fit) -> bool {
     let freedom = simple.freedom - 1.0;
@@ -129,6 +145,15 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
         return;
     }
     let zero_columns = zeros(&all, logs);
+    if even(&all, &zero_columns) {
+        outcome.findings.push(Finding::new(
+            "direction",
+            Weight::Warning,
+            "the torque is the same in both directions, but drag brakes: a sensor without sign, or one machine drives one \
+             way and the other the other way; take one direction (and standstill) with `select`. Nothing is fitted",
+        ));
+        return;
+    }
     let zero_known = !zero_columns.is_empty();
     // Friction brakes: what the sensor calls negative is turned.
     let centre = if zero_known { all.iter().map(|p| p.torque).sum::<f64>() / all.len() as f64 } else { 0.0 };
@@ -149,7 +174,7 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
     };
     let speeds: Vec<f64> = all.iter().map(|p| p.speed).collect();
     let coulomb = least_squares(&columns(&[]), &torque);
-    let viscous = least_squares(&columns(&[speeds.clone()]), &torque);
+    let viscous = least_squares(&columns(std::slice::from_ref(&speeds)), &torque);
     let Some(coulomb) = coulomb else {
         let text = "too few speeds, or none but standstill: nothing can be fitted";
         outcome.findings.push(Finding::new("points", Weight::Warning, text));
@@ -268,13 +293,11 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
     });
 }
 
+/// Direction, more columns, and zeros.
+type Columns<'a> = dyn Fn(&[Vec<f64>]) -> Vec<Vec<f64>> + 'a;
+
 /// The knee that fits best, and its fit.
-fn flattening(
-    columns: &dyn Fn(&[Vec<f64>]) -> Vec<Vec<f64>>,
-    speeds: &[f64],
-    torque: &[f64],
-    fastest: f64,
-) -> Option<(f64, Fit)> {
+fn flattening(columns: &Columns, speeds: &[f64], torque: &[f64], fastest: f64) -> Option<(f64, Fit)> {
     let with = |knee: f64| {
         let column: Vec<f64> = speeds.iter().map(|w| eddy(*w, knee)).collect();
         let mut fit = least_squares(&columns(&[column]), torque)?;

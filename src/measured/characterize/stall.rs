@@ -8,6 +8,7 @@ use super::line::{Line, TRIM, mean, steps, trimmed};
 use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::identify::artefacts::usual_gains;
+use crate::measured::signals;
 use crate::report::{handy::with_error, number};
 
 /// The test.
@@ -121,9 +122,7 @@ impl Test for Stall {
         let k = pooled.estimate;
         straightness(&mut outcome, &used);
         zeros(&mut outcome, &used, k.value);
-        for (log, _) in &lines {
-            warmth(&mut outcome, log);
-        }
+        warmth(&mut outcome, &lines);
         outcome.findings.push(between_logs(pooled.count, pooled.between, k.value));
         // A torque that was measured at the motor has no gear in it.
         let at_motor = |log: &&Log| log.remarks.iter().any(|r| r.starts_with("`torque` was measured at the motor"));
@@ -143,7 +142,7 @@ impl Test for Stall {
             unit: "N*m/A",
             remark: format!(
                 "q axis; {} per ampere of phase amplitude",
-                with_error(k.value * 1.5_f64.sqrt(), Some(k.half_width() * 1.5_f64.sqrt()), "N*m/A")
+                with_error(k.value * 1.5_f64.sqrt(), None, "N*m/A")
             ),
         });
         let largest = used.iter().map(|(_, l)| l.largest()).fold(0.0, f64::max);
@@ -152,7 +151,7 @@ impl Test for Stall {
         let ends = [lowest, largest];
         outcome.charts.push(Chart {
             x: "current, q axis [A]".into(),
-            y: "torque at the motor, each log's zero taken off [N*m]".into(),
+            y: "torque, zero taken off [N*m]".into(),
             curves: vec![
                 Curve::new(
                     Role::Measured,
@@ -163,7 +162,7 @@ impl Test for Stall {
                 ),
                 Curve::new(
                     Role::Fit,
-                    format!("K_T = {}", with_error(k.value, Some(k.half_width()), "N*m/A")),
+                    format!("K_T = {}", with_error(k.value, None, "N*m/A")),
                     ends.iter().map(|i| (*i, i * k.value)).collect(),
                 ),
             ],
@@ -282,26 +281,36 @@ fn zeros(outcome: &mut Outcome, used: &[(f64, &Line)], slope: f64) {
 }
 
 /// Magnets lose torque when they warm.
-fn warmth(outcome: &mut Outcome, log: &Log) {
-    let Some(winding) = log.channel(Channel::WindingTemperature) else { return };
-    let (Some(low), Some(high)) = (
-        crate::measured::signals::quantile(winding.to_vec(), 0.01),
-        crate::measured::signals::quantile(winding.to_vec(), 0.99),
-    ) else {
+fn warmth(outcome: &mut Outcome, logs: &[(&Log, Line)]) {
+    let warmed: Vec<(f64, f64)> = logs
+        .iter()
+        .filter_map(|(log, _)| {
+            let winding = log.channel(Channel::WindingTemperature)?;
+            let at = |share| signals::quantile(winding.to_vec(), share);
+            let (low, high) = (at(0.01)?, at(0.99)?);
+            Some((high - low, high))
+        })
+        .collect();
+    let Some(rise) = warmed.iter().map(|w| w.0).reduce(f64::max) else {
+        let text = "no winding temperature in the logs: whether the magnets warmed is not known";
+        outcome.findings.push(Finding::new("temperature", Weight::Note, text));
         return;
     };
-    let rise = high - low;
-    if rise > 15.0 {
-        outcome.findings.push(Finding::new(
-            "temperature",
-            if rise > 40.0 { Weight::Warning } else { Weight::Note },
-            format!(
-                "{}: the winding warmed by {} K (to {} degC); neodymium magnets lose about 0.1 % of K_T per kelvin of \
-                 their own",
-                log.name,
-                number(rise.round()),
-                number((high - 273.15).round())
-            ),
-        ));
+    let hottest = warmed.iter().map(|w| w.1).fold(0.0, f64::max);
+    let weight = match rise {
+        r if r > 40.0 => Weight::Warning,
+        r if r > 15.0 => Weight::Note,
+        _ => Weight::Good,
+    };
+    let mut text = format!(
+        "the winding warmed by up to {} K within a log (to {} degC)",
+        number(rise.round()),
+        number((hottest - 273.15).round())
+    );
+    if weight != Weight::Good {
+        text.push_str(
+            "; magnets lose K_T when they warm, neodymium about 0.1 % per kelvin of their own: pause between steps",
+        );
     }
+    outcome.findings.push(Finding::new("temperature", weight, text));
 }

@@ -86,9 +86,12 @@ impl Test for Terminals {
                     } else {
                         "a poor contact, or a damaged winding"
                     };
-                    (Weight::Warning, format!("the three pairs differ by {} %: {why}", number(100.0 * spread)))
+                    (
+                        Weight::Warning,
+                        format!("the three pairs differ by {} %: {why}", number((1e3 * spread).round() / 10.0)),
+                    )
                 } else {
-                    (Weight::Good, format!("the three pairs agree within {} %", number(100.0 * spread)))
+                    (Weight::Good, format!("the three pairs agree within {} %", number((1e3 * spread).round() / 10.0)))
                 };
                 outcome.findings.push(Finding::new("phases_alike", weight, format!("{name}: {text}")));
             }

@@ -8,21 +8,15 @@ use crate::measured::characterize::{Characterization, Chart, Role};
 /// Points of one curve.
 const POINTS: usize = 600;
 
-/// One group for each test that has something to show.
+/// One panel for each thing that a test has to show.
 pub fn figure(bench: &Bench, result: &Characterization) -> Figure {
-    let groups = result.outcomes.iter().filter(|o| !o.charts.is_empty()).map(|outcome| Group {
-        title: format!("{}: {}", bench.name, outcome.test.replace('_', " ")),
-        own_legends: true,
-        panels: outcome.charts.iter().map(panel).collect(),
-        ..Group::default()
-    });
-    Figure {
-        title: format!("{}: characterised", bench.name),
-        groups: groups.collect(),
-        columns: 2,
-        panel: (520.0, 340.0),
-        ..Figure::default()
-    }
+    let panels = result
+        .outcomes
+        .iter()
+        .flat_map(|o| o.charts.iter().map(|chart| Panel { title: o.test.replace('_', " "), ..panel(chart) }));
+    let title = format!("{}: characterised", bench.name);
+    let group = Group { title: title.clone(), own_legends: true, panels: panels.collect(), ..Group::default() };
+    Figure { title, groups: vec![group], columns: 2, panel: (520.0, 340.0), ..Figure::default() }
 }
 
 fn panel(chart: &Chart) -> Panel {

@@ -208,7 +208,7 @@ pub fn band(response: &[(f64, f64, f64)], command: bool) -> Result<Band, String>
     for level in levels {
         let (mut best, mut start) = (0..0, None);
         for k in 1..=last {
-            let high = k < last && smooth[k] >= *level;
+            let high = k < last && smooth.get(k).is_some_and(|c| c >= level);
             match (high, start) {
                 (true, None) => start = Some(k),
                 (false, Some(s)) => {
