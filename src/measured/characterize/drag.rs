@@ -309,5 +309,7 @@ fn flattening(columns: &Columns, speeds: &[f64], torque: &[f64], fastest: f64) -
     (0..=120)
         .map(|k| 0.1 * fastest * 100.0_f64.powf(f64::from(k) / 120.0))
         .filter_map(with)
+        // Far above its knee the form falls: a negative one would pass for a rise.
+        .filter(|(_, fit)| fit.coefficients[1] > 0.0)
         .min_by(|a, b| a.1.squares().total_cmp(&b.1.squares()))
 }

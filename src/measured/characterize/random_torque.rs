@@ -124,8 +124,13 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
         };
         (middle, Instrument::Torque)
     };
+    if !(result.inertia.value > 0.0 && result.inertia.value.is_finite() && result.damping.value.is_finite()) {
+        return Err("the inertia does not come out positive: torque and speed are not those of one machine".into());
+    }
     let shifted = record.with_lag(lag);
-    let (refined, vaf_refined) = refine(&shifted, gain);
+    // From the fit with the instrument: of a noisy gain the damping may come out as nothing, and a machine without
+    // damping drifts away.
+    let (refined, vaf_refined) = refine(&shifted, (result.inertia.value, result.damping.value.max(gain.1)));
     let vaf_result = vaf(&shifted, result.inertia.value, result.damping.value);
     let h = response(&spectra);
     let inside: Vec<f64> = h.iter().filter(|p| band.holds(p.0)).map(|p| p.2).collect();
@@ -144,16 +149,11 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
     })
 }
 
-/// The middle of a bracket: anywhere in it with the same likelihood (GUM 4.3.7), besides what both ends scatter.
+/// The middle of a bracket. Noise on one channel alone puts the truth at one end of it, so the interval reaches
+/// beyond both ends by what they scatter: it holds the truth at least as often as it says.
 fn between(a: Estimate, b: Estimate) -> Estimate {
     let half = 0.5 * (a.value - b.value).abs();
-    let scatter = Estimate {
-        value: 0.0,
-        standard_uncertainty: 0.5 * (a.standard_uncertainty + b.standard_uncertainty),
-        freedom: a.freedom.min(b.freedom),
-    };
-    let inside = Estimate { value: 0.0, standard_uncertainty: half / 3.0_f64.sqrt(), freedom: f64::INFINITY };
-    Estimate::combined(0.5 * (a.value + b.value), &[(1.0, scatter), (1.0, inside)])
+    Estimate::stated(0.5 * (a.value + b.value), half + a.half_width().max(b.half_width()))
 }
 
 /// Solves `T = J Ω̇ + B Ω`, with a late Ω, over the bins of the band and all windows with an instrument. `j` and `b`
