@@ -249,7 +249,7 @@ fn random_torque_intervals_hold_the_truth() {
 #[ignore = "slow: the score, not a check"]
 fn random_torque_score() {
     let repeats: u64 = std::env::var("GEARWISE_SEEDS").ok().and_then(|s| s.parse().ok()).unwrap_or(25);
-    for command in [true, false] {
+    for command in [false, true] {
         let (mut all_inertia, mut all_damping) = (Score::default(), Score::default());
         for (index, test) in grid(command).iter().enumerate() {
             let (mut inertia, mut damping) = (Score::default(), Score::default());
