@@ -17,8 +17,8 @@
 //!   sample, effects, limits as Laurent polynomials in the ratio.
 //! * [`design`]: evaluation of one design, the sweep, the ratio program with its certificate, the
 //!   ranking over a catalogue.
-//! * [`measured`]: bench files and logs; which effect the declared model lacks.
 //! * [`rules`]: design rules as data, rules files, the lock of the rows a design uses.
+//! * [`measured`]: bench files and logs; which effect the declared model lacks; the catalogue row that they make.
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
 //! * [`cli`]: one file for each command.
 //!

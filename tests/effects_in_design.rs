@@ -558,7 +558,9 @@ fn reports_make_a_fitted_motor() {
         fixture_inertia: 0.0,
         effects: vec![("eddy_drag".into(), vec![0.01, 100.0])],
     };
-    let bench = Bench { name: "bench".into(), path: "bench.toml".into(), catalog, declared, logs: Vec::new() };
+    let readings = gearwise::measured::bench::Readings::default();
+    let bench =
+        Bench { name: "bench".into(), path: "bench.toml".into(), catalog, declared, logs: Vec::new(), readings };
     let found = |name, instances: Vec<Vec<f64>>| {
         let effect = gearwise::actuator::effects::effect(name).unwrap();
         Found {

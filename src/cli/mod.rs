@@ -1,6 +1,7 @@
 //! The command line: arguments in, library call, report out. No physics.
 
 mod audit;
+mod characterize;
 mod check;
 mod compare;
 mod completions;
@@ -57,6 +58,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Joint torques of a robot (URDF or MJCF) along a trajectory, as motions for a requirement
     Torques(torques::Arguments),
+    /// Raw bench logs of a motor into a catalogue row, with uncertainties
+    Characterize(characterize::Arguments),
     /// A public motor database into catalogue files
     Import(import::Arguments),
     /// Completions for a shell
@@ -236,6 +239,7 @@ pub fn run() -> ExitCode {
         Command::Rule(arguments) => rule::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
         Command::Torques(arguments) => torques::run(arguments),
+        Command::Characterize(arguments) => characterize::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };

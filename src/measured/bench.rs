@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crate::catalog::{Catalog, Motor};
+use crate::catalog::convention::{Commutation, Winding};
+use crate::catalog::{Catalog, Motor, Sheet};
 use crate::requirement::GearModel;
 
 /// What kind of test a log records.
@@ -90,6 +91,8 @@ pub enum Channel {
     BusCurrent,
     /// Goal of a position servo at the output \[rad\].
     Goal,
+    /// What the driving machine was told, in whatever unit: only its course counts.
+    Command,
     /// Temperature of the winding \[K\].
     WindingTemperature,
     /// Temperature of the housing (or magnets) \[K\].
@@ -142,6 +145,8 @@ pub struct Log {
     pub load: KnownLoad,
     /// The servo's controller, where it is declared.
     pub controller: Option<Controller>,
+    /// Whether the rotor was in its place; tests of inertia are also done without it.
+    pub rotor: bool,
     /// Time \[s\], increasing; row number for a steady table without time.
     pub time: Vec<f64>,
     /// The channels that the log has.
@@ -203,4 +208,66 @@ pub struct Bench {
     pub declared: Declared,
     /// The logs, in the order of the file.
     pub logs: Vec<Log>,
+    /// What was read off instruments rather than recorded, and what is known of the motor beside it.
+    pub readings: Readings,
+}
+
+/// Readings of a motor that need no log.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Readings {
+    /// What is known beforehand of the motor whose row is made.
+    pub motor: KnownMotor,
+    /// Between the terminals.
+    pub terminals: Option<TerminalReadings>,
+    /// Of the rotor alone.
+    pub rotor: Option<RotorReadings>,
+    /// Ambient temperature of the tests \[K\].
+    pub ambient: Option<f64>,
+}
+
+/// What the bench file says of the motor: identity, and numbers that the tests do not give.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct KnownMotor {
+    /// Id of the row.
+    pub id: Option<String>,
+    /// Who makes it.
+    pub manufacturer: Option<String>,
+    /// What its maker calls it.
+    pub model: Option<String>,
+    /// Brushless or brushed, where said.
+    pub commutation: Option<Commutation>,
+    /// Pole pairs.
+    pub pole_pairs: Option<u32>,
+    /// Numbers of the sheet; currents on the q axis.
+    pub sheet: Sheet,
+}
+
+/// Readings between the terminals, with their ± (95 %).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TerminalReadings {
+    /// How the windings are connected, where it was seen.
+    pub winding: Option<Winding>,
+    /// Resistance of each pair of terminals \[Ω\].
+    pub resistance: Vec<f64>,
+    /// The instrument's ± of a resistance \[Ω\].
+    pub resistance_tolerance: Option<f64>,
+    /// Inductance of each pair of terminals \[H\].
+    pub inductance: Vec<f64>,
+    /// The instrument's ± of an inductance \[H\].
+    pub inductance_tolerance: Option<f64>,
+    /// Temperature of the winding then \[K\].
+    pub temperature: Option<f64>,
+}
+
+/// Mass and radii of the rotor, with their ± (95 %).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RotorReadings {
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Its ± \[kg\].
+    pub mass_tolerance: f64,
+    /// Radius of the thin ring \[m\].
+    pub radius: f64,
+    /// Its ± \[m\].
+    pub radius_tolerance: f64,
 }

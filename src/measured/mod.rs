@@ -4,6 +4,7 @@
 //! arrays over time and a declared model, and never a file.
 
 pub mod bench;
+pub mod characterize;
 pub mod fitted;
 pub mod read;
 

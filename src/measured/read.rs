@@ -5,6 +5,7 @@
 
 mod actuator;
 mod columns;
+mod readings;
 mod table;
 
 use std::collections::BTreeMap;
@@ -12,16 +13,19 @@ use std::ops::Range as Span;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use self::actuator::Frame;
+use self::actuator::{Frame, Purpose};
 use self::columns::{Column, Target};
 use self::table::{Condition, Rows, Wanted};
 use super::bench::*;
 use crate::catalog::Catalog;
+use crate::catalog::convention::Commutation;
 use crate::input::{Form, InputError, Problem, Range, Section, Source};
 use crate::units;
 
 /// Standard gravity \[m/s²\].
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
+
+const ROTORS: &[(&str, bool)] = &[("installed", true), ("removed", false)];
 
 const USES: &[(&str, Use)] = &[("fit", Use::Fit), ("held_out", Use::HeldOut)];
 
@@ -30,7 +34,7 @@ const USES: &[(&str, Use)] = &[("fit", Use::Fit), ("held_out", Use::HeldOut)];
 /// # Errors
 /// All mistakes of the bench file, then those of its catalogue and of its logs.
 pub fn read(path: &Path) -> Result<Bench, Vec<InputError>> {
-    read_file(path, None)
+    read_file(path, None, false)
 }
 
 /// The same with another catalogue in place of the one that the bench file names.
@@ -38,13 +42,22 @@ pub fn read(path: &Path) -> Result<Bench, Vec<InputError>> {
 /// # Errors
 /// As of [`read`].
 pub fn read_with(path: &Path, catalog: Catalog) -> Result<Bench, Vec<InputError>> {
-    read_file(path, Some(catalog))
+    read_file(path, Some(catalog), false)
 }
 
-fn read_file(path: &Path, catalog: Option<Catalog>) -> Result<Bench, Vec<InputError>> {
+/// A bench file from which a row is made: the motor needs no row yet, conventions are not assumed, and readings
+/// alone are enough. With a catalogue in place of the one that the file names, where given.
+///
+/// # Errors
+/// As of [`read`].
+pub fn read_for_row(path: &Path, catalog: Option<Catalog>) -> Result<Bench, Vec<InputError>> {
+    read_file(path, catalog, true)
+}
+
+fn read_file(path: &Path, catalog: Option<Catalog>, for_row: bool) -> Result<Bench, Vec<InputError>> {
     let source = Source::read(path).map_err(|e| vec![e])?;
     let mut others = Vec::new();
-    let bench = Form::read(&source, |root| read_bench(root, path, &source, catalog, &mut others));
+    let bench = Form::read(&source, |root| read_bench(root, path, &source, catalog, for_row, &mut others));
     match bench {
         Ok(bench) if others.is_empty() => Ok(bench),
         Ok(_) => Err(others),
@@ -68,6 +81,7 @@ struct Plan {
     kind: BenchKind,
     load: KnownLoad,
     controller: Option<Controller>,
+    rotor: bool,
     select: Vec<Condition>,
     columns: Vec<Column>,
 }
@@ -86,6 +100,7 @@ fn read_bench(
     path: &Path,
     source: &Arc<Source>,
     catalog: Option<Catalog>,
+    for_row: bool,
     others: &mut Vec<InputError>,
 ) -> Option<Bench> {
     let name =
@@ -93,8 +108,12 @@ fn read_bench(
     let catalog = read_catalog(root, source, catalog, others);
     let kind = root.choice("kind", BenchKind::NAMES);
     let linear = kind == Some(BenchKind::Linear);
+    let readings = readings::read(root);
+    let commutation = readings.motor.commutation.unwrap_or(Commutation::Brushless);
+    let purpose = if for_row { Purpose::Characterize(commutation) } else { Purpose::Identify };
     let actuator = match root.section("actuator") {
-        Some(section) => actuator::read(section, catalog.as_ref(), linear),
+        Some(section) => actuator::read(section, catalog.as_ref(), linear, purpose),
+        None if for_row && !root.has("actuator") => Some(actuator::without_row(commutation)),
         None => {
             if !root.has("actuator") {
                 root.missing("actuator", "{ motor = \"t-motor-ri50\", ratio = 7.5 }");
@@ -111,17 +130,18 @@ fn read_bench(
     let known = actuator_known && complete;
     let common = Common { kind, load: load.unwrap_or_default(), controller, columns, frame: &frame };
     let sections = root.sections("log");
-    if sections.is_empty() && !root.has("log") {
+    let enough = for_row && (readings.terminals.is_some() || readings.rotor.is_some());
+    if sections.is_empty() && !root.has("log") && !enough {
         root.missing("log", "a table [[log]] with file = \"run1.csv\" for each log");
     }
     let count = sections.len();
     let plans: Vec<Plan> = sections.into_iter().filter_map(|section| read_plan(section, &common, known)).collect();
-    let complete = plans.len() == count && count > 0;
+    let complete = plans.len() == count && (count > 0 || enough);
     let logs = read_logs(root, plans, &frame, others)?;
     if !complete || !others.is_empty() {
         return None;
     }
-    Some(Bench { name: name?, path: path.to_path_buf(), catalog: catalog?, declared: declared?, logs })
+    Some(Bench { name: name?, path: path.to_path_buf(), catalog: catalog?, declared: declared?, logs, readings })
 }
 
 fn read_catalog(
@@ -224,6 +244,11 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
         section.section("columns").map_or((Vec::new(), true), |table| columns::read(table, common.frame));
     let columns = columns::merge(&common.columns, own);
     let select = read_select(&section);
+    let rotor = if section.has("rotor") { section.choice("rotor", ROTORS) } else { Some(true) };
+    let columns = columns
+        .into_iter()
+        .map(|c| if kind == Some(BenchKind::ThermalStep) { c.heating(common.frame) } else { c })
+        .collect::<Vec<_>>();
     let span = section.span();
     if let Some(kind) = kind {
         check_kind(&section, kind, common.frame, known);
@@ -234,7 +259,7 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
         }
     }
     let mut plan = None;
-    if let (Some(file), Some(usage), Some(kind), Some(select)) = (file, usage, kind, select) {
+    if let (Some(file), Some(usage), Some(kind), Some(select), Some(rotor)) = (file, usage, kind, select, rotor) {
         let path = section.source().folder().join(file.get_ref());
         match table::probe(&path) {
             Ok(()) => {
@@ -242,7 +267,8 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
                 let controller = controller.or(common.controller);
                 let file_span = file.span();
                 let file = file.into_inner();
-                plan = Some(Plan { file, path, file_span, span, usage, kind, load, controller, select, columns });
+                plan =
+                    Some(Plan { file, path, file_span, span, usage, kind, load, controller, rotor, select, columns });
             }
             Err((message, help)) => {
                 let mut problem =
@@ -260,11 +286,14 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
 fn check_kind(section: &Section, kind: BenchKind, frame: &Frame, known: bool) {
     let span = if section.has("kind") { section.span_of("kind") } else { section.span() };
     if matches!(kind, BenchKind::Terminals | BenchKind::Rotor) {
-        section.note(Problem::at(
-            span,
-            format!("a log cannot be of kind `{}`: that is a reading, not a recording", kind.name()),
-            "expected a kind with a log",
-        ));
+        section.note(
+            Problem::at(
+                span,
+                format!("a log cannot be of kind `{}`: that is a reading, not a recording", kind.name()),
+                "expected a kind with a log",
+            )
+            .help(format!("it is a table of the bench file: [{}]", kind.name())),
+        );
     } else if known && frame.linear.is_some() != (kind == BenchKind::Linear) {
         let (message, help) = if frame.linear.is_some() {
             (format!("kind `{}` is of an actuator that turns", kind.name()), "this axis is linear: kind = \"linear\"")
@@ -323,7 +352,8 @@ fn lacking(
     let any = |channels: &[Channel]| channels.iter().any(|c| has(Target::Channel(*c)));
     let linear = frame.linear.is_some();
     // A steady table lists points, not instants.
-    let time = (kind == BenchKind::SteadyTable || has(Target::Time), "`time`");
+    let table = kind == BenchKind::SteadyTable || (frame.characterize && kind == BenchKind::Backdrive);
+    let time = (table || has(Target::Time), "`time`");
     let drive = (
         any(&[Current]) || (!linear && any(&[Voltage, Duty])),
         if linear { "`force`, or the column that `force_gain` is for" } else { "`current`, `voltage` or `duty`" },
@@ -436,6 +466,7 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
         usage: plan.usage,
         load: plan.load,
         controller: plan.controller,
+        rotor: plan.rotor,
         time: rows.time,
         channels: rows.channels,
         remarks,

@@ -12,19 +12,8 @@ use crate::actuator::effects::{EFFECTS, Effect, Shape};
 use crate::catalog::convention::{Commutation, Winding, word};
 use crate::catalog::{FIELDS, Motor};
 use crate::measured::Bench;
+use crate::measured::characterize::row::REDUNDANT;
 use crate::measured::identify::{Parameter, Report};
-
-/// Columns of a sheet that only repeat others: the fit would contradict them.
-const REDUNDANT: &[&str] = &[
-    "speed_constant",
-    "motor_constant",
-    "responsiveness_metric",
-    "torque_specific_inertia",
-    "stall_torque",
-    "no_load_speed",
-    "no_load_current",
-    "mechanical_time_constant",
-];
 
 /// A fitted number and its standard error, SI.
 #[derive(Debug, Clone, Copy)]

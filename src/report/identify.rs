@@ -192,6 +192,7 @@ fn channel_name(channel: Channel) -> &'static str {
         Channel::Goal => "goal",
         Channel::WindingTemperature => "winding temperature",
         Channel::HousingTemperature => "housing temperature",
+        Channel::Command => "command",
     }
 }
 

@@ -74,7 +74,7 @@ fn file_name(maker: &str) -> String {
 }
 
 /// The shortest text that reads back as the same number.
-fn cell(value: Option<f64>) -> String {
+pub(crate) fn cell(value: Option<f64>) -> String {
     match value {
         Some(v) if v != 0.0 && !(1e-4..1e7).contains(&v.abs()) => format!("{v:e}"),
         Some(v) => v.to_string(),
@@ -83,13 +83,13 @@ fn cell(value: Option<f64>) -> String {
 }
 
 /// Text that can stand in a cell of any program: one line, and nothing that a spreadsheet runs.
-fn safe(text: &str) -> String {
+pub(crate) fn safe(text: &str) -> String {
     let text = text.replace(|c: char| c.is_control(), " ");
     let text = text.trim();
     if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text.into() }
 }
 
-fn head(name: &str, kind: &units::Kind) -> String {
+pub(crate) fn head(name: &str, kind: &units::Kind) -> String {
     if kind.needs_unit() { format!("{name} [{}]", kind.si) } else { name.into() }
 }
 

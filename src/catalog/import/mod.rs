@@ -6,6 +6,7 @@
 //! one line in [`IMPORTERS`].
 
 pub mod files;
+pub(crate) use files::{cell, head, safe};
 pub mod mgdb;
 
 use std::path::Path;

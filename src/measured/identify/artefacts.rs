@@ -254,35 +254,40 @@ fn gains(balance: &Balance) -> Vec<f64> {
             (error.is_finite() && slope.abs() > 6.0 * error && total[(0, 0)] > 0.0).then_some((slope, error))
         })
         .collect();
-    let known: Vec<f64> = slopes.iter().flatten().map(|s| s.0).collect();
-    if known.is_empty() {
-        return gains;
-    }
-    // Signs: each log's own.
+    let known: Vec<(f64, f64)> = slopes.iter().flatten().copied().collect();
+    let mut found = usual_gains(&known, Some(declared)).into_iter();
     for (gain, slope) in gains.iter_mut().zip(&slopes) {
-        if slope.is_some_and(|s| s.0 < 0.0) {
-            *gain = -1.0;
+        if slope.is_some() {
+            *gain = found.next().unwrap_or(1.0);
         }
     }
-    let sizes: Vec<f64> = known.iter().map(|s| s.abs()).collect();
+    gains
+}
+
+/// What each log's slope (with its standard error) is to be multiplied with to be the usual one: −1 for a wrong
+/// sign, another factor where it is far from the others beyond its error and their spread, else 1. The usual slope
+/// is the median; of two the one that is nearer to what is declared, and without that neither is.
+pub fn usual_gains(slopes: &[(f64, f64)], declared: Option<f64>) -> Vec<f64> {
+    // Signs: each log's own.
+    let mut gains: Vec<f64> = slopes.iter().map(|s| if s.0 < 0.0 { -1.0 } else { 1.0 }).collect();
+    let sizes: Vec<f64> = slopes.iter().map(|s| s.0.abs()).collect();
     if sizes.len() < 2 {
         return gains;
     }
-    // The usual slope: the median; of two logs the one nearer to what is declared.
-    let usual = if sizes.len() == 2 {
-        let off = |s: f64| (s / declared).ln().abs();
-        if off(sizes[0]) <= off(sizes[1]) { sizes[0] } else { sizes[1] }
-    } else {
-        signals::median(sizes.clone()).unwrap_or(declared)
+    let usual = match (sizes.as_slice(), declared) {
+        ([a, b], Some(declared)) => {
+            let off = |s: f64| (s / declared).ln().abs();
+            if off(*a) <= off(*b) { *a } else { *b }
+        }
+        (&[_, _], None) => return gains,
+        _ => signals::median(sizes.clone()).unwrap_or(sizes[0]),
     };
     let spread = signals::median(sizes.iter().map(|s| (s / usual - 1.0).abs()).collect());
     let threshold = GAIN.max(3.0 * 1.48 * spread.filter(|_| sizes.len() > 3).unwrap_or(0.0));
-    for (gain, slope) in gains.iter_mut().zip(&slopes) {
-        if let Some((slope, error)) = slope {
-            let relative = slope.abs() / usual;
-            if (relative - 1.0).abs() > threshold && (slope.abs() - usual).abs() > 6.0 * error {
-                *gain /= relative;
-            }
+    for (gain, (slope, error)) in gains.iter_mut().zip(slopes) {
+        let relative = slope.abs() / usual;
+        if (relative - 1.0).abs() > threshold && (slope.abs() - usual).abs() > 6.0 * error {
+            *gain /= relative;
         }
     }
     gains

@@ -6,7 +6,7 @@
 //! against explanations without a name (a drift, any function of speed, of current, of position). What is
 //! left and still depends on something is reported as such.
 
-mod artefacts;
+pub mod artefacts;
 pub mod balance;
 mod candidates;
 pub mod regression;

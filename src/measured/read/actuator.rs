@@ -34,8 +34,10 @@ pub struct Frame {
     pub ratio: f64,
     /// Whether the motor has brushes.
     pub commutation: Commutation,
-    /// The convention of the motor's row.
-    pub current: CurrentConvention,
+    /// The convention of the motor's row; `None` where there is no row, and the columns must say theirs.
+    pub current: Option<CurrentConvention>,
+    /// The row is looked for: a convention that is not said is not assumed, and a table needs no time.
+    pub characterize: bool,
 }
 
 impl Frame {
@@ -46,15 +48,25 @@ impl Frame {
             force_gain: 1.0,
             ratio: 1.0,
             commutation: Commutation::Brushed,
-            current: CurrentConvention::QAxis,
+            current: Some(CurrentConvention::QAxis),
+            characterize: false,
         }
     }
 }
 
+/// For what a bench file is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// The declared model is compared with the logs: it must be there.
+    Identify,
+    /// A row is made from the logs: there may be none yet. How a motor without a row commutates.
+    Characterize(Commutation),
+}
+
 /// Reads the table `actuator`.
-pub fn read(section: Section, catalog: Option<&Catalog>, linear: bool) -> Option<(Declared, Frame)> {
+pub fn read(section: Section, catalog: Option<&Catalog>, linear: bool, purpose: Purpose) -> Option<(Declared, Frame)> {
     let linear = linear || section.has("mass") || section.has("force_gain");
-    let read = if linear { read_linear(&section) } else { read_rotary(&section, catalog) };
+    let read = if linear { read_linear(&section) } else { read_rotary(&section, catalog, purpose) };
     section.finish();
     read
 }
@@ -117,8 +129,29 @@ fn read_force_gain(section: &Section) -> Option<(Drive, f64)> {
     None
 }
 
-fn read_rotary(section: &Section, catalog: Option<&Catalog>) -> Option<(Declared, Frame)> {
-    let motor = section.required_text("motor", "\"t-motor-ri50\"").and_then(|id| find_motor(section, &id, catalog));
+/// A motor that has no row yet, alone on the bench.
+pub fn without_row(commutation: Commutation) -> (Declared, Frame) {
+    let declared = Declared {
+        motor: None,
+        ratio: 1.0,
+        gear: GearModel::IDEAL,
+        mass: None,
+        force_gain: 1.0,
+        viscous_friction: None,
+        coulomb_friction: None,
+        fixture_inertia: 0.0,
+        effects: Vec::new(),
+    };
+    (declared, Frame { commutation, current: None, characterize: true, ..Frame::unknown(false) })
+}
+
+fn read_rotary(section: &Section, catalog: Option<&Catalog>, purpose: Purpose) -> Option<(Declared, Frame)> {
+    let nameless = matches!(purpose, Purpose::Characterize(_)) && !section.has("motor");
+    let motor = if nameless {
+        None
+    } else {
+        section.required_text("motor", "\"t-motor-ri50\"").and_then(|id| find_motor(section, &id, catalog))
+    };
     // `gear` is the id of a gear of the catalogue, or a table of its numbers.
     let table = if section.is_table("gear") { section.section("gear") } else { None };
     let gear = if table.is_none() { section.text("gear").map(|id| find_gear(section, &id, catalog)) } else { None };
@@ -167,25 +200,22 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>) -> Option<(Declared
     let given: Vec<String> = effects.iter().map(|(name, _)| name.clone()).collect();
     let own = motor.iter().flat_map(|m| &m.effects).filter(|e| !given.iter().any(|name| name == e.name()));
     effects.extend(own.map(|e| (e.name().to_string(), e.values.clone())));
-    let (motor, ratio) = (motor?, ratio?);
+    let ratio = ratio?;
+    if motor.is_none() && !nameless {
+        return None;
+    }
+    let (declared, frame) = without_row(match purpose {
+        Purpose::Characterize(commutation) => commutation,
+        Purpose::Identify => Commutation::Brushless,
+    });
     let frame = Frame {
-        linear: None,
-        force_gain: 1.0,
         ratio,
-        commutation: motor.conventions.commutation,
-        current: motor.conventions.current,
+        commutation: motor.map_or(frame.commutation, |m| m.conventions.commutation),
+        current: motor.map(|m| m.conventions.current),
+        characterize: matches!(purpose, Purpose::Characterize(_)),
+        ..frame
     };
-    let declared = Declared {
-        motor: Some(motor.clone()),
-        ratio,
-        gear,
-        mass: None,
-        force_gain: 1.0,
-        viscous_friction: None,
-        coulomb_friction: None,
-        fixture_inertia,
-        effects,
-    };
+    let declared = Declared { motor: motor.cloned(), ratio, gear, fixture_inertia, effects, ..declared };
     Some((declared, frame))
 }
 

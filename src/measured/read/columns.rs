@@ -35,8 +35,22 @@ pub struct Column {
     pub offset: f64,
     /// Cells are signed words of so many bits that were logged as unsigned.
     pub bits: Option<u32>,
+    /// What ampere means in it, for a current.
+    pub convention: Option<CurrentConvention>,
     /// What was assumed.
     pub remarks: Vec<String>,
+}
+
+impl Column {
+    /// A current as it heats rather than as it makes torque: DC between two terminals differs.
+    pub fn heating(mut self, frame: &Frame) -> Column {
+        if let Some(convention) = self.convention {
+            let factor = convention.heating_current(frame.commutation) / convention.torque_current(frame.commutation);
+            self.gain *= factor;
+            self.offset *= factor;
+        }
+        self
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,6 +75,7 @@ enum Quantity {
     Supply,
     BusCurrent,
     Goal,
+    Command,
     WindingTemperature,
     HousingTemperature,
 }
@@ -83,6 +98,7 @@ const KEYS: &[(&str, Quantity, Option<Side>)] = &[
     ("supply", Quantity::Supply, None),
     ("bus_current", Quantity::BusCurrent, None),
     ("goal", Quantity::Goal, None),
+    ("command", Quantity::Command, None),
     ("temperature", Quantity::WindingTemperature, None),
     ("winding_temperature", Quantity::WindingTemperature, None),
     ("motor_temperature", Quantity::WindingTemperature, None),
@@ -94,7 +110,7 @@ impl Quantity {
     fn kind(self, linear: bool) -> &'static Kind {
         match self {
             Quantity::Time => &units::TIME,
-            Quantity::Current | Quantity::BusCurrent => &units::CURRENT,
+            Quantity::Current | Quantity::BusCurrent | Quantity::Command => &units::CURRENT,
             Quantity::Voltage | Quantity::Supply => &units::VOLTAGE,
             Quantity::Position | Quantity::Goal if linear => &units::LENGTH,
             Quantity::Position | Quantity::Goal => &units::ANGLE,
@@ -166,7 +182,8 @@ fn read_column(
     let linear = frame.linear.is_some();
     let kind = quantity.kind(linear);
     let name = section.required_text("name", &format!("\"{key}\""));
-    let unit = read_unit(&section, key, kind);
+    let unit =
+        if quantity == Quantity::Command { read_command_unit(&section, key) } else { read_unit(&section, key, kind) };
     let sign = section.number("sign", Range::Any).unwrap_or(1.0);
     if sign.abs() != 1.0 {
         section.note(
@@ -192,6 +209,13 @@ fn read_column(
     }
     let mut remarks = Vec::new();
     let placed = place(&section, key, quantity, side, frame, &mut remarks);
+    let said = if quantity == Quantity::Current && section.has("convention") {
+        section.text("convention").and_then(|t| {
+            CurrentConvention::NAMES.iter().find(|(name, _)| name == t.get_ref()).map(|(_, convention)| *convention)
+        })
+    } else {
+        None
+    };
     section.finish();
     let (target, factor) = placed?;
     let (name, unit) = (name?, unit?);
@@ -199,7 +223,32 @@ fn read_column(
     let gain = unit.scale() * scale * sign * factor;
     let span = name.span();
     let name = name.into_inner().trim().to_string();
-    Some(Column { target, key, name, span, gain, offset: zero * sign * factor, bits, remarks })
+    let convention = (quantity == Quantity::Current).then(|| said.or(frame.current)).flatten();
+    Some(Column { target, key, name, span, gain, offset: zero * sign * factor, bits, convention, remarks })
+}
+
+/// What drives the other machine may be a current, a torque, a voltage or a duty cycle: only its course counts.
+fn read_command_unit(section: &Section, key: &str) -> Option<units::Unit> {
+    if !section.has("unit") {
+        return units::unit_of("1", &units::RATIO).ok();
+    }
+    let text = section.text("unit")?;
+    let kinds = [&units::CURRENT, &units::TORQUE, &units::VOLTAGE, &units::RATIO];
+    let unit = kinds.iter().find_map(|kind| units::unit_of(text.get_ref(), kind).ok());
+    if unit.is_none() {
+        section.note(
+            Problem::at(
+                text.span(),
+                format!(
+                    "`unit` of `{key}`: `{}` is neither a current, a torque, a voltage nor a number",
+                    text.get_ref()
+                ),
+                "expected the unit of what was commanded",
+            )
+            .help("for example unit = \"A\""),
+        );
+    }
+    unit
 }
 
 fn read_unit(section: &Section, key: &str, kind: &'static Kind) -> Option<units::Unit> {
@@ -255,8 +304,9 @@ fn place(
     }
     match quantity {
         Quantity::Time => Some((Target::Time, 1.0)),
-        Quantity::Current => Some((Target::Channel(Channel::Current), current_factor(section, frame, remarks))),
-        Quantity::Voltage => Some((Target::Channel(Channel::Voltage), voltage_factor(section, frame, remarks))),
+        Quantity::Current => Some((Target::Channel(Channel::Current), current_factor(section, frame, remarks)?)),
+        Quantity::Voltage => Some((Target::Channel(Channel::Voltage), voltage_factor(section, frame, remarks)?)),
+        Quantity::Command => channel(Channel::Command),
         Quantity::Position if motor => channel(Channel::MotorPosition),
         Quantity::Position => channel(Channel::OutputPosition),
         Quantity::Velocity if motor => channel(Channel::MotorVelocity),
@@ -317,6 +367,7 @@ fn place_linear(
         Quantity::Supply => Channel::Supply,
         Quantity::BusCurrent => Channel::BusCurrent,
         Quantity::Goal => Channel::Goal,
+        Quantity::Command => Channel::Command,
         Quantity::WindingTemperature => Channel::WindingTemperature,
         Quantity::HousingTemperature => Channel::HousingTemperature,
     };
@@ -371,20 +422,43 @@ fn read_side(
     Some(said.unwrap_or(Side::Output))
 }
 
-fn current_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> f64 {
+fn current_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> Option<f64> {
     let said = section.choice("convention", CurrentConvention::NAMES);
-    let convention = said.unwrap_or(frame.current);
-    if said.is_none() && frame.commutation == Commutation::Brushless {
+    if frame.commutation == Commutation::Brushed {
+        return Some(1.0);
+    }
+    let Some(convention) = said.or(frame.current) else {
+        unsaid(section, "current", CurrentConvention::NAMES.iter().map(|(name, _)| *name));
+        return None;
+    };
+    if said.is_none() {
         let word = word(CurrentConvention::NAMES, &convention);
         remarks.push(format!("`current` names no convention and is taken as that of the motor's row, {word}"));
     }
-    convention.torque_current(frame.commutation)
+    Some(convention.torque_current(frame.commutation))
 }
 
-fn voltage_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> f64 {
+fn voltage_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> Option<f64> {
     let said = section.choice("convention", BackEmfConvention::NAMES);
     if said.is_none() && frame.commutation == Commutation::Brushless {
+        if frame.characterize {
+            unsaid(section, "voltage", BackEmfConvention::NAMES.iter().map(|(name, _)| *name));
+            return None;
+        }
         remarks.push("`voltage` names no convention and is taken on the q axis".to_string());
     }
-    said.unwrap_or(BackEmfConvention::QAxis).back_emf_constant(frame.commutation)
+    Some(said.unwrap_or(BackEmfConvention::QAxis).back_emf_constant(frame.commutation))
+}
+
+/// A row depends on the convention: it is not guessed.
+fn unsaid(section: &Section, key: &str, names: impl Iterator<Item = &'static str>) {
+    if section.has("convention") {
+        // What stands there is noted already.
+        return;
+    }
+    let names: Vec<&str> = names.collect();
+    section.note(
+        Problem::at(section.span(), format!("the column of `{key}` has no convention"), "`convention` is missing")
+            .help(format!("one of {}: the row's constants depend on it", names.join(", "))),
+    );
 }

@@ -7,6 +7,7 @@
 //! A picture of its own is one file beside this one, which makes a [`Figure`].
 
 mod axis;
+pub mod characterize;
 pub mod design;
 mod draw;
 mod labels;

@@ -1,0 +1,70 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CatalogChoice, Done, Failure, Output};
+use crate::measured::{characterize, read};
+use crate::report::plot::{self, Format, characterize as pictures};
+use crate::report::{characterize as report, file};
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Exit status 1 if a row was to be written and is not complete.\n\nExamples:\n  gearwise characterize requirements/bench/motor_on_bench.toml\n  gearwise characterize bench.toml --write my_motor.csv --plot bench.svg\n  gearwise audit my_motor.csv\n  gearwise optimize robot.toml --catalog my_motor.csv"
+)]
+pub struct Arguments {
+    /// Bench file (TOML): [motor], [terminals], [rotor] and the logs of stall, backdrive, random_torque, drag, thermal_step
+    bench: PathBuf,
+    /// Write the catalogue row, whole or not at all
+    #[arg(long, value_name = "FILE.csv")]
+    write: Option<PathBuf>,
+    /// Draw torque on current, gain and coherence, drag and temperature with their fits
+    #[arg(long, value_name = "FILE.svg|FILE.png")]
+    plot: Option<PathBuf>,
+    #[command(flatten)]
+    catalog: CatalogChoice,
+    #[command(flatten)]
+    output: Output,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    if let Some(path) = &arguments.plot {
+        Format::of(path).map_err(Failure::Argument)?;
+    }
+    if let Some(path) = &arguments.write
+        && path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("csv"))
+    {
+        return Err(Failure::Argument(format!("`--write {}`: a catalogue's name ends in .csv", path.display())));
+    }
+    let catalog = match arguments.catalog.catalog.as_slice() {
+        [] => None,
+        paths => Some(super::catalog(paths)?),
+    };
+    let bench = read::read_for_row(&arguments.bench, catalog)?;
+    let result = characterize::characterize(&bench)
+        .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
+    let mut written = Vec::new();
+    let mut satisfied = true;
+    if let Some(path) = &arguments.plot {
+        plot::write(&pictures::figure(&bench, &result), path).map_err(Failure::Argument)?;
+        written.push(format!("The tests are drawn in {}.", path.display()));
+    }
+    if let Some(path) = &arguments.write {
+        match report::row_csv(&result.row) {
+            Ok(text) => {
+                file::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
+                written.push(format!("The row is in {}.", path.display()));
+            }
+            Err(why) => {
+                eprintln!("warning: {why}");
+                satisfied = false;
+            }
+        }
+    }
+    let text = arguments.output.choose(
+        || report::text(&bench, &result, &written),
+        || report::json(&bench, &result),
+        || report::csv(&result),
+    );
+    Ok(Done { text, satisfied })
+}

@@ -1,0 +1,551 @@
+//! Inertia and damping at the output: random torque in, speed out, `Ω/T = 1/(J s + B)`.
+//!
+//! The one idea: noise on the torque sensor makes H1 too small (J too large, by 1 + 1/SNR), noise on the speed makes
+//! H2 too large. The command of the driving machine knows neither noise: as instrument it gives J without bias.
+//! Where the log has no command, H1 and H2 bracket the truth and the bracket is in the ±.
+//!
+//! In order: lag between the channels, H1 by Welch's method with its coherence and the band that it allows, first
+//! order fitted to the gain, refined on the variance accounted for in time (free zero and initial speed), and the
+//! equation `T = J Ω̇ + B Ω` over windows of time with instruments, which gives the number and its interval: windows
+//! are the independent pieces.
+
+mod spectra;
+
+use nalgebra::{DMatrix, DVector};
+
+use self::spectra::{Record, Spectra, band, gain_fit, response};
+use super::estimate::{Combination, Estimate, combine, pool, rotor_inertia};
+use super::stall::between_logs;
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
+use crate::measured::bench::{Bench, BenchKind, Log};
+use crate::measured::simulate::{Unknown, minimise};
+use crate::report::number;
+
+pub use self::spectra::Band;
+
+/// The test.
+pub struct RandomTorque;
+
+/// Lags that are looked for \[s\].
+const LARGEST_LAG: f64 = 0.05;
+/// Power of half-overlapping Hann windows is correlated by 1/36 from one to the next.
+const OVERLAP: f64 = 1.0 + 2.0 / 36.0;
+
+/// What stands for the noise-free signals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instrument {
+    /// The command of the driving machine: no bias.
+    Command,
+    /// The measured torque, as H1: J is too large by the noise of the torque sensor.
+    Torque,
+    /// The measured speed, as H2: J is too small by the noise of the speed.
+    Velocity,
+}
+
+/// Inertia, damping and lag with one instrument.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstOrder {
+    /// Inertia \[kg·m²\].
+    pub inertia: Estimate,
+    /// Viscous damping \[N·m·s/rad\].
+    pub damping: Estimate,
+    /// How late the velocity is behind the torque \[s\].
+    pub lag: Estimate,
+}
+
+/// What one log says, at the output.
+#[derive(Debug, Clone)]
+pub struct Identified {
+    /// The answer.
+    pub result: FirstOrder,
+    /// First order fitted to the gain of H1: J and B.
+    pub gain: (f64, f64),
+    /// Refined on the variance accounted for: J and B.
+    pub refined: (f64, f64),
+    /// With torque and with velocity as instrument: the bracket.
+    pub bracket: [FirstOrder; 2],
+    /// Whether the command was the instrument.
+    pub instrument: Instrument,
+    /// Variance accounted for by the refined fit, and by the answer \[%\].
+    pub vaf: (f64, f64),
+    /// The band.
+    pub band: Band,
+    /// Mean coherence in the band.
+    pub coherence: f64,
+    /// Frequency \[Hz\], gain of H1 \[rad/s per N·m\], coherence.
+    pub response: Vec<(f64, f64, f64)>,
+    /// Sampling rate \[Hz\], length of a window \[s\], number of windows.
+    pub welch: (f64, f64, usize),
+    /// The torque had to be turned.
+    pub turned: bool,
+}
+
+/// Inertia and damping of one log. `ratio` brings a velocity of the motor to the output.
+///
+/// # Errors
+/// In words, why the log says nothing.
+pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
+    let mut record = Record::of(log, ratio)?;
+    let turned = record.align();
+    let mut spectra = Spectra::new(&record);
+    let h = response(&spectra);
+    let band = band(&h, record.command.is_some())?;
+    let gain = gain_fit(&h, &band);
+    let (mut j, mut b) = gain;
+    let mut lag = 0.0;
+    let start = if record.command.is_some() { Instrument::Command } else { Instrument::Torque };
+    // The lag first: rounds until it stays.
+    for _ in 0..8 {
+        let solved = solve(&spectra, &band, start, j, b)?;
+        (j, b) = (solved.inertia.value.abs(), solved.damping.value);
+        let step = solved.lag.value.clamp(-0.2 / band.high, 0.2 / band.high);
+        lag += step;
+        if lag.abs() > LARGEST_LAG {
+            return Err(format!("no lag within {} ms makes it first order", number(1e3 * LARGEST_LAG)));
+        }
+        spectra = Spectra::new(&record.with_lag(lag));
+        if step.abs() < 1e-3 * record.step {
+            break;
+        }
+    }
+    let with_lag = |mut f: FirstOrder| {
+        f.lag.value += lag;
+        f
+    };
+    let upper = with_lag(solve(&spectra, &band, Instrument::Torque, j, b)?);
+    let lower = with_lag(solve(&spectra, &band, Instrument::Velocity, j, b)?);
+    let (result, instrument) = if record.command.is_some() {
+        (with_lag(solve(&spectra, &band, Instrument::Command, j, b)?), Instrument::Command)
+    } else {
+        let middle = FirstOrder {
+            inertia: between(upper.inertia, lower.inertia),
+            damping: between(upper.damping, lower.damping),
+            lag: between(upper.lag, lower.lag),
+        };
+        (middle, Instrument::Torque)
+    };
+    if !(result.inertia.value > 0.0 && result.inertia.value.is_finite() && result.damping.value.is_finite()) {
+        return Err("the inertia does not come out positive: torque and speed are not those of one machine".into());
+    }
+    let shifted = record.with_lag(lag);
+    // From the fit with the instrument: of a noisy gain the damping may come out as nothing, and a machine without
+    // damping drifts away.
+    let (refined, vaf_refined) = refine(&shifted, (result.inertia.value, result.damping.value.max(gain.1)));
+    let vaf_result = vaf(&shifted, result.inertia.value, result.damping.value);
+    let h = response(&spectra);
+    let inside: Vec<f64> = h.iter().filter(|p| band.holds(p.0)).map(|p| p.2).collect();
+    Ok(Identified {
+        result,
+        gain,
+        refined,
+        bracket: [upper, lower],
+        instrument,
+        vaf: (vaf_refined, vaf_result),
+        coherence: inside.iter().sum::<f64>() / inside.len().max(1) as f64,
+        response: h,
+        welch: (1.0 / record.step, spectra.length as f64 * record.step, spectra.count()),
+        band,
+        turned,
+    })
+}
+
+/// The middle of a bracket. Noise on one channel alone puts the truth at one end of it, so the interval reaches
+/// beyond both ends by what they scatter: it holds the truth at least as often as it says.
+fn between(a: Estimate, b: Estimate) -> Estimate {
+    let half = 0.5 * (a.value - b.value).abs();
+    Estimate::stated(0.5 * (a.value + b.value), half + a.half_width().max(b.half_width()))
+}
+
+/// Solves `T = J Ω̇ + B Ω`, with a late Ω, over the bins of the band and all windows with an instrument. `j` and `b`
+/// are from the round before. The interval is the sandwich with windows as what is independent.
+fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64) -> Result<FirstOrder, String> {
+    let bins: Vec<usize> = (2..s.frequencies.len()).filter(|k| band.holds(s.frequencies[*k])).collect();
+    let (mut slope, mut right) = (DMatrix::<f64>::zeros(3, 3), DVector::<f64>::zeros(3));
+    let mut parts: Vec<(DMatrix<f64>, DVector<f64>)> = Vec::new();
+    for w in 0..s.count() {
+        let (mut a, mut y) = (DMatrix::<f64>::zeros(3, 3), DVector::<f64>::zeros(3));
+        for &k in &bins {
+            let omega = std::f64::consts::TAU * s.frequencies[k];
+            let i_omega = num(0.0, omega);
+            let (t, v, d) = (s.torque[w][k], s.velocity[w][k], s.derivative[w][k]);
+            let regressors = [d, v, i_omega * (d * j + v * b)];
+            let source = match instrument {
+                Instrument::Command => s.command[w].get(k).copied(),
+                Instrument::Torque => Some(t),
+                Instrument::Velocity => None,
+            };
+            let instruments = match source {
+                Some(r) => {
+                    let speed = r / num(b, omega * j);
+                    [i_omega * speed, speed, i_omega * r]
+                }
+                None => regressors,
+            };
+            for (row, z) in instruments.iter().enumerate() {
+                y[row] += (z.conj() * t).re;
+                for (column, x) in regressors.iter().enumerate() {
+                    a[(row, column)] += (z.conj() * x).re;
+                }
+            }
+        }
+        slope += &a;
+        right += &y;
+        parts.push((a, y));
+    }
+    let inverse = slope.try_inverse().ok_or("inertia, damping and lag cannot be told apart in this band")?;
+    let x = &inverse * right;
+    let mut scatter = DMatrix::<f64>::zeros(3, 3);
+    for (a, y) in &parts {
+        let score = y - a * &x;
+        scatter += &score * score.transpose();
+    }
+    let count = parts.len() as f64;
+    if count < 6.0 {
+        return Err("it is too short: fewer than six windows".into());
+    }
+    let covariance = &inverse * scatter * inverse.transpose() * (OVERLAP * count / (count - 3.0));
+    let of = |k: usize| Estimate {
+        value: x[k],
+        standard_uncertainty: covariance[(k, k)].max(0.0).sqrt(),
+        freedom: count - 3.0,
+    };
+    Ok(FirstOrder { inertia: of(0), damping: of(1), lag: of(2) })
+}
+
+fn num(re: f64, im: f64) -> spectra::Complex {
+    spectra::Complex::new(re, im)
+}
+
+/// Speed of a first-order machine under a torque that runs straight between samples, exactly.
+fn simulate(torque: &[f64], step: f64, j: f64, b: f64, zero: f64, start: f64) -> Vec<f64> {
+    let x = b * step / j;
+    // Integrals of the exponential over a step, with their series where it is short.
+    let decay = (-x).exp();
+    let (one, two) = if x.abs() < 1e-4 {
+        (1.0 - x / 2.0 + x * x / 6.0, 0.5 - x / 6.0 + x * x / 24.0)
+    } else {
+        let one = (1.0 - decay) / x;
+        (one, (1.0 - one) / x)
+    };
+    let gain = step / j;
+    let mut speed = start;
+    let mut out = Vec::with_capacity(torque.len());
+    out.push(speed);
+    for w in torque.windows(2) {
+        speed = decay * speed + gain * ((one - two) * (w[0] - zero) + two * (w[1] - zero));
+        out.push(speed);
+    }
+    out
+}
+
+/// Variance accounted for \[%\].
+fn accounted(measured: &[f64], left: &[f64]) -> f64 {
+    let variance = |values: &[f64]| {
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+    };
+    100.0 * (1.0 - variance(left) / variance(measured))
+}
+
+/// J and B with the largest variance accounted for, with a free zero of the torque and initial speed; and that
+/// variance.
+fn refine(record: &Record, start: (f64, f64)) -> ((f64, f64), f64) {
+    let size = record.torque.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let speed = record.velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let (j, b) = start;
+    let unknown = |start: f64, scale: f64, lower: f64, upper: f64| Unknown { start, scale, lower, upper };
+    let unknowns = [
+        unknown(j, j, 0.1 * j, 10.0 * j),
+        unknown(b, b.max(1e-3 * j), 0.0, f64::INFINITY),
+        unknown(0.0, 0.01 * size, -size, size),
+        unknown(record.velocity[0], 0.1 * speed, -3.0 * speed, 3.0 * speed),
+    ];
+    let left = |_: usize, p: &[f64]| -> Vec<f64> {
+        let model = simulate(&record.torque, record.step, p[0], p[1], p[2], p[3]);
+        model.iter().zip(&record.velocity).map(|(a, b)| a - b).collect()
+    };
+    let fitted = minimise(1, &left, &unknowns, 25, 1e-8);
+    let vaf = accounted(&record.velocity, &left(0, &fitted.values));
+    ((fitted.values[0], fitted.values[1]), vaf)
+}
+
+/// Variance accounted for with J and B held, zero and initial speed free.
+fn vaf(record: &Record, j: f64, b: f64) -> f64 {
+    // Both enter linearly: three runs and a line.
+    let zeros = vec![0.0; record.torque.len()];
+    let forced = simulate(&record.torque, record.step, j, b, 0.0, 0.0);
+    let by_zero = simulate(&zeros, record.step, j, b, -1.0, 0.0);
+    let by_start = simulate(&zeros, record.step, j, b, 0.0, 1.0);
+    let left: Vec<f64> = record.velocity.iter().zip(&forced).map(|(v, f)| v - f).collect();
+    match super::estimate::least_squares(&[by_zero, by_start], &left) {
+        Some(fit) => accounted(&record.velocity, &fit.residuals),
+        None => accounted(&record.velocity, &left),
+    }
+}
+
+impl Test for RandomTorque {
+    fn name(&self) -> &'static str {
+        "random_torque"
+    }
+
+    fn run(&self, bench: &Bench, _: &[Outcome]) -> Option<Outcome> {
+        let logs = logs_of(bench, BenchKind::RandomTorque);
+        if logs.is_empty() {
+            return None;
+        }
+        let ratio = bench.declared.ratio;
+        let mut outcome = Outcome::default();
+        let mut found: Vec<(&Log, Identified)> = Vec::new();
+        for log in logs {
+            match identify(log, ratio) {
+                Ok(identified) => {
+                    outcome.logs.push(entry(log, &identified));
+                    judge(&mut outcome, log, &identified);
+                    found.push((log, identified));
+                }
+                Err(why) => {
+                    outcome.findings.push(Finding::new(
+                        "excitation",
+                        Weight::Warning,
+                        format!("{}: left out: {why}", log.name),
+                    ));
+                    let remarks = vec![format!("left out: {why}")];
+                    outcome.logs.push(PerLog { log: log.name.clone(), used: false, values: Vec::new(), remarks });
+                }
+            }
+        }
+        if let Some((_, first)) = found.first() {
+            outcome.method.push(format!(
+                "H1 by Welch's method: Hann windows of {} s, half overlapping ({} windows at {} Hz), after the lag between \
+                 the channels; first order fitted to its gain in the band, refined on the variance accounted for",
+                number(first.welch.1),
+                first.welch.2,
+                number(first.welch.0)
+            ));
+            outcome.method.push(match first.instrument {
+                Instrument::Command => "the row's number: T = J dΩ/dt + B Ω over the same windows with the command as \
+                                        instrument, so that noise of torque sensor and encoder does not bias it"
+                    .into(),
+                _ => "no command in the log: the row's number is the middle of H1 (J too large by the noise of the torque \
+                      sensor) and H2 (too small by that of the speed), and the bracket is in the ±"
+                    .to_string(),
+            });
+        }
+        let of = |rotor: bool| {
+            let values: Vec<Estimate> =
+                found.iter().filter(|(l, _)| l.rotor == rotor).map(|(_, i)| i.result.inertia).collect();
+            pool(&values)
+        };
+        let (with, without) = (of(true), of(false));
+        for (pooled, name, remark) in [
+            (with, "output_inertia_with_rotor", "J_r, at the output"),
+            (without, "output_inertia_without_rotor", "J_nr, at the output"),
+        ] {
+            let Some(pooled) = pooled else { continue };
+            let mut finding = between_logs(pooled.count, pooled.between, pooled.estimate.value);
+            finding.text = format!("{}: {}", &remark[..remark.find(',').unwrap_or(0)], finding.text);
+            outcome.findings.push(finding);
+            outcome.quantities.push(Quantity {
+                name,
+                estimate: pooled.estimate,
+                unit: "kg*m^2",
+                remark: remark.into(),
+            });
+        }
+        if let Some(with) = with {
+            rotor(&mut outcome, bench, with.estimate, without.map(|p| p.estimate));
+        }
+        charts(&mut outcome, &found);
+        Some(outcome)
+    }
+}
+
+/// The rotor's inertia from those at the output.
+fn rotor(outcome: &mut Outcome, bench: &Bench, with: Estimate, without: Option<Estimate>) {
+    let ratio = bench.declared.ratio;
+    let k = 1.0 / (ratio * ratio);
+    let (estimate, remark) = match without {
+        Some(without) => {
+            let linear = combine(Combination::Linear, &[(k, with.half_width()), (k, without.half_width())]);
+            outcome.method.push(format!(
+                "J_m = (J_r − J_nr)/N² with N = {}; ± by root sum square (in the row), by linear sum {} kg*m^2",
+                number(ratio),
+                number(linear)
+            ));
+            (rotor_inertia(with, without, ratio), "(J_r − J_nr)/N²")
+        }
+        None => {
+            let (fixture, gear) = (bench.declared.fixture_inertia, bench.declared.gear.inertia);
+            if fixture == 0.0 {
+                outcome.findings.push(Finding::new(
+                    "without_rotor",
+                    Weight::Warning,
+                    "no log without the rotor (rotor = \"removed\") and no fixture_inertia: couplings, bearings and gear \
+                     count as rotor, J_m is an upper bound",
+                ));
+            }
+            let value = k * (with.value - fixture) - gear;
+            (Estimate::combined(value, &[(k, with)]), "J_r/N² less what is declared of fixture and gear")
+        }
+    };
+    if estimate.value <= estimate.half_width() {
+        outcome.findings.push(Finding::new(
+            "rotor_inertia",
+            Weight::Warning,
+            "the rotor's inertia cannot be told from zero: a lighter fixture, or a gear, would show it; it is not in the row",
+        ));
+        return;
+    }
+    outcome.quantities.push(Quantity { name: "rotor_inertia", estimate, unit: "kg*m^2", remark: remark.into() });
+}
+
+fn entry(log: &Log, i: &Identified) -> PerLog {
+    let mut remarks = vec![
+        format!("rotor {}", if log.rotor { "installed" } else { "removed" }),
+        format!("band {} to {} Hz: {}", number(i.band.low), number(i.band.high), i.band.why),
+        format!(
+            "J by gain of H1 {}, refined on VAF {} ({} %), H1 {} and H2 {} kg*m^2",
+            number(i.gain.0),
+            number(i.refined.0),
+            number((10.0 * i.vaf.0).round() / 10.0),
+            number(i.bracket[0].inertia.value),
+            number(i.bracket[1].inertia.value)
+        ),
+    ];
+    if i.turned {
+        remarks.push("torque and speed have opposite signs: turned".into());
+    }
+    PerLog {
+        log: log.name.clone(),
+        used: true,
+        values: vec![
+            ("output_inertia", i.result.inertia, "kg*m^2"),
+            ("output_damping", i.result.damping, "N*m*s/rad"),
+            ("lag", i.result.lag, "s"),
+        ],
+        remarks,
+    }
+}
+
+type LogCheck = (&'static str, fn(&Identified) -> (Weight, String));
+
+/// What is looked at in every log.
+const LOG_CHECKS: &[LogCheck] = &[
+    ("lag", |i| {
+        let lag = i.result.lag;
+        if lag.value.abs() > lag.half_width() && lag.value.abs() > 2e-4 {
+            let late = if lag.value > 0.0 { "velocity" } else { "torque" };
+            let ms = number(1e3 * lag.value.abs());
+            (Weight::Note, format!("the {late} is {ms} ms late; it is taken out (left in, it passes for damping)"))
+        } else {
+            (Weight::Good, "torque and velocity come at the same time".into())
+        }
+    }),
+    ("coherence", |i| {
+        let text = format!("mean coherence in the band {}", number((1e3 * i.coherence).round() / 1e3));
+        if i.coherence < 0.8 {
+            (Weight::Warning, format!("{text}: low; more torque, a stiffer coupling or a finer sensor would help"))
+        } else {
+            (Weight::Good, text)
+        }
+    }),
+    ("excitation", |i| {
+        let ratio = i.band.high / i.band.low;
+        let text = format!("the band spans a factor of {} in frequency", number(ratio.round()));
+        if ratio < 5.0 {
+            (Weight::Warning, format!("{text}: too narrow to tell inertia from damping; excite over a decade"))
+        } else {
+            (Weight::Good, text)
+        }
+    }),
+    ("corner", |i| {
+        let corner = i.result.damping.value / (std::f64::consts::TAU * i.result.inertia.value);
+        let text = format!("the corner B/(2π J) is at {} Hz", number(corner));
+        if i.result.damping.value <= i.result.damping.half_width() {
+            (Weight::Note, "the damping cannot be told from zero here; a drag test shows friction better".into())
+        } else if corner > i.band.high {
+            (
+                Weight::Warning,
+                format!("{text}, above the band: damping rules, the inertia rests on the phase; excite higher"),
+            )
+        } else if corner < i.band.low {
+            (Weight::Note, format!("{text}, below the band: inertia rules; the damping rests on the phase alone"))
+        } else {
+            (Weight::Good, format!("{text}, within the band"))
+        }
+    }),
+    ("vaf", |i| {
+        let text = format!("variance accounted for {} %", number((10.0 * i.vaf.1).round() / 10.0));
+        let weight = if i.vaf.1 < 80.0 { Weight::Warning } else { Weight::Good };
+        let why = if i.vaf.1 < 80.0 {
+            ": first order does not tell it (friction, compliance, drift of the zero)"
+        } else {
+            ""
+        };
+        (weight, format!("{text}{why}"))
+    }),
+    ("noise_bias", |i| {
+        let [h1, h2] = [i.bracket[0].inertia.value, i.bracket[1].inertia.value];
+        let share = 100.0 * (h1 / h2 - 1.0);
+        let text = format!("H1 and H2 differ by {} % in inertia", number((10.0 * share).round() / 10.0));
+        if share.abs() > 5.0 && i.instrument != Instrument::Command {
+            let text = format!("{text}: noise; log the command of the driving machine, which is free of it");
+            (Weight::Warning, text)
+        } else if share.abs() > 5.0 {
+            (Weight::Note, format!("{text}: noise, which the command as instrument keeps out of the result"))
+        } else {
+            (Weight::Good, text)
+        }
+    }),
+];
+
+fn judge(outcome: &mut Outcome, log: &Log, identified: &Identified) {
+    for (check, examine) in LOG_CHECKS {
+        let (weight, text) = examine(identified);
+        outcome.findings.push(Finding::new(check, weight, format!("{}: {text}", log.name)));
+    }
+}
+
+fn charts(outcome: &mut Outcome, found: &[(&Log, Identified)]) {
+    let (mut gain, mut coherence) = (Vec::new(), Vec::new());
+    let mut marks = Vec::new();
+    for (log, i) in found {
+        let shown = |p: &&(f64, f64, f64)| p.0 > 0.0 && p.0 < 4.0 * i.band.high;
+        let measured =
+            |of: fn(&(f64, f64, f64)) -> (f64, f64)| i.response.iter().filter(shown).map(of).collect::<Vec<_>>();
+        gain.push(Curve::new(Role::Curve, log.name.clone(), measured(|p| (p.0, p.1))));
+        coherence.push(Curve::new(Role::Curve, log.name.clone(), measured(|p| (p.0, p.2))));
+        let fit = |f: f64| {
+            let omega = std::f64::consts::TAU * f;
+            (i.result.inertia.value * omega).hypot(i.result.damping.value).recip()
+        };
+        let points = i.response.iter().filter(shown).map(|p| (p.0, fit(p.0))).collect();
+        gain.push(Curve::new(
+            Role::Fit,
+            format!("1/(J s + B), VAF {} %", number((10.0 * i.vaf.1).round() / 10.0)),
+            points,
+        ));
+        marks = vec![i.band.low, i.band.high];
+    }
+    if found.is_empty() {
+        return;
+    }
+    let x = "frequency [Hz]".to_string();
+    outcome.charts.push(Chart {
+        x: x.clone(),
+        y: "gain of speed on torque [rad/s per N*m]".into(),
+        log_x: true,
+        log_y: true,
+        curves: gain,
+        marks: marks.clone(),
+        ..Chart::default()
+    });
+    outcome.charts.push(Chart {
+        x,
+        y: "coherence [1]".into(),
+        log_x: true,
+        curves: coherence,
+        marks,
+        ..Chart::default()
+    });
+}

@@ -1,0 +1,293 @@
+//! What a bench says of a motor: the story for people, the same as JSON, and the catalogue row.
+
+use std::sync::Arc;
+
+use serde_json::{Map, Value, json};
+
+use super::handy::handy;
+use super::number;
+use super::table::{table, wrap};
+use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
+use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, Winding, word};
+use crate::catalog::import::{cell, head, safe};
+use crate::catalog::{FIELDS, Motor, Printed, SourceKind, read_motors};
+use crate::input::Source;
+use crate::measured::Bench;
+use crate::measured::characterize::estimate::Estimate;
+use crate::measured::characterize::row::Row;
+use crate::measured::characterize::{Characterization, Finding, Outcome, Weight};
+
+fn share(relative: f64) -> String {
+    if relative.is_finite() { format!("{} %", number((1000.0 * relative).round() / 10.0)) } else { "–".into() }
+}
+
+/// A number with its ± of 95 %: as many digits as two of the ± need.
+fn value(e: &Estimate, unit: &'static str) -> String {
+    let half = e.half_width();
+    let (scaled, unit) = handy(e.value, unit);
+    let half = if e.value == 0.0 { half } else { half * scaled / e.value };
+    if !(half.is_finite() && half > 0.0) {
+        return format!("{} {unit}", number(scaled));
+    }
+    let digits = (1.0 - half.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{scaled:.digits$} ± {half:.digits$} {unit}")
+}
+
+/// For people.
+pub fn text(bench: &Bench, result: &Characterization, written: &[String]) -> String {
+    let logs = bench.logs.len();
+    let mut out = format!(
+        "{}: {} {}, N = {}; ± are 95 %, motor side, q axis\n\n",
+        bench.name,
+        logs,
+        if logs == 1 { "log" } else { "logs" },
+        number(bench.declared.ratio)
+    );
+    for log in bench.logs.iter().filter(|l| !l.remarks.is_empty()) {
+        out.push_str(&format!("{}\n", wrap(&format!("{}: {}", log.name, log.remarks.join("; ")), 2)));
+    }
+    if bench.logs.iter().any(|l| !l.remarks.is_empty()) {
+        out.push('\n');
+    }
+    let rows: Vec<Vec<String>> = result
+        .outcomes
+        .iter()
+        .flat_map(|o| o.quantities.iter().map(move |q| (o, q)))
+        .map(|(o, q)| {
+            let e = &q.estimate;
+            vec![q.name.into(), value(e, q.unit), share(e.relative()), o.test.into()]
+        })
+        .collect();
+    out.push_str(&table(&["quantity", ">value", ">±", "test"], &rows));
+    for outcome in &result.outcomes {
+        out.push_str(&section(outcome));
+    }
+    if !result.findings.is_empty() {
+        out.push_str("\nAll tests together\n");
+        out.push_str(&findings(&result.findings));
+    }
+    out.push_str(&row_text(&result.row));
+    for line in written {
+        out.push_str(&format!("{line}\n"));
+    }
+    out
+}
+
+fn section(outcome: &Outcome) -> String {
+    let mut out = format!("\n{}\n", outcome.test);
+    for method in &outcome.method {
+        out.push_str(&format!("  {}\n", wrap(method, 2)));
+    }
+    for q in outcome.quantities.iter().filter(|q| !q.remark.is_empty()) {
+        out.push_str(&format!("  {}\n", wrap(&format!("{}: {}", q.name, q.remark), 4)));
+    }
+    for log in &outcome.logs {
+        let values: Vec<String> =
+            log.values.iter().map(|(name, e, unit)| format!("{name} {}", value(e, unit))).collect();
+        let mut parts = values;
+        parts.extend(log.remarks.iter().cloned());
+        let mark = if log.used { "" } else { " (not used)" };
+        out.push_str(&format!("  {}\n", wrap(&format!("{}{mark}: {}", log.log, parts.join("; ")), 4)));
+    }
+    out.push_str(&findings(&outcome.findings));
+    out
+}
+
+fn findings(findings: &[Finding]) -> String {
+    let mark = |weight: Weight| match weight {
+        Weight::Good => "ok     ",
+        Weight::Note => "note   ",
+        Weight::Warning => "WARNING",
+    };
+    findings.iter().map(|f| format!("  {} {}\n", mark(f.weight), wrap(&f.text, 10))).collect()
+}
+
+fn row_text(row: &Row) -> String {
+    let mut out = format!("\nCatalogue row `{}`\n", row.id);
+    for (name, from) in &row.taken {
+        out.push_str(&format!("  {name}: not measured, {from}\n"));
+    }
+    if row.missing.is_empty() {
+        out.push_str("  complete: `audit`, `rank`, `compare`, `sweep` and `optimize --catalog` read it\n");
+    } else {
+        out.push_str(&format!("  not complete: a catalogue row needs {}\n", row.missing.join(", ")));
+    }
+    let useful = ["rotor_inertia", "mass", "inductance", "peak_current", "continuous_current"];
+    let unknown: Vec<&str> =
+        FIELDS.iter().filter(|f| useful.contains(&f.name) && (f.get)(&row.sheet).is_none()).map(|f| f.name).collect();
+    if !unknown.is_empty() {
+        let text = format!("unknown, which limits what can be checked: {}", unknown.join(", "));
+        out.push_str(&format!("  {}\n", wrap(&text, 2)));
+    }
+    out
+}
+
+/// The row as a catalogue file.
+///
+/// # Errors
+/// In words, where the row is not complete or the catalogue's reader does not accept it.
+pub fn row_csv(row: &Row) -> Result<String, String> {
+    if !row.missing.is_empty() {
+        return Err(format!("the row is not complete and was not written: it needs {}", row.missing.join(", ")));
+    }
+    let text = row_text_csv(row, &[]);
+    // What is written is what every other command accepts.
+    let unread = |why: String| format!("the row cannot be read back and was not written: {why}");
+    let first = motor(&text).map_err(unread)?;
+    let explained: Vec<AuditFinding> =
+        audit_motor(&first).into_iter().filter(|f| BOTH_MEASURED.contains(&f.code)).collect();
+    if explained.is_empty() {
+        return Ok(text);
+    }
+    let text = row_text_csv(row, &explained);
+    motor(&text).map_err(unread)?;
+    Ok(text)
+}
+
+/// What the audit finds between two numbers that were both measured here: known, and said in the note.
+const BOTH_MEASURED: &[&str] = &["back-emf", "rotor-inertia"];
+
+/// The row's text; what the audit finds in it is accepted and its note says what.
+fn row_text_csv(row: &Row, accepted: &[AuditFinding]) -> String {
+    let brushed = row.commutation == Commutation::Brushed;
+    let mut header: Vec<String> = Vec::new();
+    let mut cells: Vec<String> = Vec::new();
+    let mut add = |name: String, text: String| {
+        if !text.is_empty() {
+            header.push(name);
+            cells.push(text);
+        }
+    };
+    let current = if brushed { CurrentConvention::Dc } else { CurrentConvention::QAxis };
+    add("id".into(), row.id.clone());
+    add("manufacturer".into(), safe(&row.manufacturer));
+    add("model".into(), safe(&row.model));
+    add("commutation".into(), word(Commutation::NAMES, &row.commutation).into());
+    add("winding".into(), row.winding.map_or("", |w| word(Winding::NAMES, &w)).into());
+    add("terminals".into(), word(Terminals::NAMES, &Terminals::QAxis).into());
+    add("current".into(), word(CurrentConvention::NAMES, &current).into());
+    if row.sheet.back_emf_constant.is_some() {
+        add("back_emf_convention".into(), word(BackEmfConvention::NAMES, &BackEmfConvention::QAxis).into());
+    }
+    if let (Some(poles), false) = (row.pole_pairs, brushed) {
+        add("pole_pairs".into(), poles.to_string());
+    }
+    for field in FIELDS {
+        let Some(Printed { value, tolerance }) = (field.get)(&row.sheet) else { continue };
+        add(head(field.name, field.kind), cell(Some(rounded(value, 7))));
+        if let Some(tolerance) = tolerance {
+            add(head(&format!("{}_tolerance", field.name), field.kind), cell(Some(rounded(tolerance, 3))));
+        }
+    }
+    add("source".into(), safe(&row.source));
+    add("source_kind".into(), word(SourceKind::NAMES, &SourceKind::Measured).into());
+    let codes: Vec<&str> = accepted.iter().map(|f| f.code).collect();
+    add("audit_accept".into(), codes.join(";"));
+    let found: Vec<String> = accepted.iter().map(|f| format!("both measured: {}", f.message)).collect();
+    let note: Vec<&str> = [row.note.as_str()].into_iter().chain(found.iter().map(String::as_str)).collect();
+    add("note".into(), safe(&note.join("; ")));
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    super::csv_text(&header, [cells])
+}
+
+/// So many significant digits: more than a measurement says.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+/// The motor of a row's text.
+fn motor(text: &str) -> Result<Motor, String> {
+    let source = Arc::new(Source::new("row.csv", text));
+    match read_motors(&source) {
+        Ok(mut motors) if motors.len() == 1 => Ok(motors.remove(0)),
+        Ok(_) => Err("it is not one row".into()),
+        Err(error) => Err(error.problems.first().map_or_else(String::new, |p| p.message.clone())),
+    }
+}
+
+/// The row as CSV for `--csv`: nothing where it is not complete.
+pub fn csv(result: &Characterization) -> String {
+    row_csv(&result.row).unwrap_or_default()
+}
+
+/// A unit as part of a key: `kg*m^2` → `kgm2`.
+fn key_unit(unit: &str) -> String {
+    unit.replace('/', "_per_").replace(['*', '^', '(', ')'], "").replace("1_per_", "per_").to_lowercase()
+}
+
+fn estimate_json(e: &Estimate, unit: &str) -> Value {
+    let finite = |x: f64| x.is_finite().then_some(x);
+    let (low, high) = e.interval();
+    json!({
+        "value": e.value, "unit": unit, "standard_uncertainty": finite(e.standard_uncertainty),
+        "degrees_of_freedom": finite(e.freedom), "low_95": finite(low), "high_95": finite(high),
+    })
+}
+
+fn findings_json(findings: &[Finding]) -> Vec<Value> {
+    findings.iter().map(|f| json!({ "check": f.check, "weight": f.weight.word(), "text": f.text })).collect()
+}
+
+/// For programs.
+pub fn json(bench: &Bench, result: &Characterization) -> Value {
+    let tests: Vec<Value> = result
+        .outcomes
+        .iter()
+        .map(|o| {
+            let quantities: Vec<Value> = o
+                .quantities
+                .iter()
+                .map(|q| {
+                    let mut value = estimate_json(&q.estimate, q.unit);
+                    if let Some(object) = value.as_object_mut() {
+                        object.shift_insert(0, "name".into(), q.name.into());
+                        object.insert("remark".into(), q.remark.clone().into());
+                    }
+                    value
+                })
+                .collect();
+            let logs: Vec<Value> = o
+                .logs
+                .iter()
+                .map(|l| {
+                    let values: Map<String, Value> =
+                        l.values.iter().map(|(name, e, unit)| ((*name).to_string(), estimate_json(e, unit))).collect();
+                    json!({ "log": l.log, "used": l.used, "values": values, "remarks": l.remarks })
+                })
+                .collect();
+            json!({
+                "test": o.test, "method": o.method, "quantities": quantities, "logs": logs,
+                "findings": findings_json(&o.findings),
+            })
+        })
+        .collect();
+    let row = &result.row;
+    let mut sheet = Map::new();
+    for field in FIELDS {
+        if let Some(printed) = (field.get)(&row.sheet) {
+            let unit = key_unit(field.kind.si);
+            sheet.insert(format!("{}_{unit}", field.name), printed.value.into());
+            if let Some(tolerance) = printed.tolerance {
+                sheet.insert(format!("{}_tolerance_{unit}", field.name), tolerance.into());
+            }
+        }
+    }
+    json!({
+        "bench": bench.name,
+        "ratio": bench.declared.ratio,
+        "tests": tests,
+        "findings": findings_json(&result.findings),
+        "row": {
+            "id": row.id, "manufacturer": row.manufacturer, "model": row.model,
+            "commutation": word(Commutation::NAMES, &row.commutation),
+            "winding": row.winding.map(|w| word(Winding::NAMES, &w)),
+            "pole_pairs": row.pole_pairs, "complete": row.missing.is_empty(), "missing": row.missing,
+            "measured": row.measured,
+            "taken": row.taken.iter().map(|(name, from)| json!({ "column": name, "from": from })).collect::<Vec<_>>(),
+            "numbers": sheet, "source": row.source, "note": row.note,
+        },
+        "logs": bench.logs.iter().map(|l| json!({
+            "log": l.name, "kind": l.kind.name(), "sha256": l.hash, "rows": l.len(), "remarks": l.remarks,
+        })).collect::<Vec<_>>(),
+    })
+}
