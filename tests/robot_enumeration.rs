@@ -6,6 +6,8 @@
 
 mod common;
 
+use std::f64::consts::TAU;
+
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -361,10 +363,10 @@ fn draw(index: u64) -> Case {
     let stages = !geared && !power && chance(0.4);
     let joint = |j: usize| {
         let period = if chance(0.85) { 1.0 } else { 1.7 };
-        let (a, b, c) = (within(2.0, 12.0), within(0.0, 6.28), within(-6.0, 6.0));
-        let (speed, turn) = (within(1.0, 6.0), within(0.0, 6.28));
+        let (a, b, c) = (within(2.0, 12.0), within(0.0, TAU), within(-6.0, 6.0));
+        let (speed, turn) = (within(1.0, 6.0), within(0.0, TAU));
         let time: Vec<f64> = (0..SAMPLES).map(|k| period * k as f64 / SAMPLES as f64).collect();
-        let w = 6.283_185_307_179_586 / period;
+        let w = TAU / period;
         let samples = Samples {
             torque: time.iter().map(|t| a * (w * t + b).sin() + c).collect(),
             velocity: Some(time.iter().map(|t| speed * (w * t + turn).sin() + 0.013).collect()),
