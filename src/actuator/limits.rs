@@ -211,7 +211,7 @@ impl Candidate<'_> {
     }
 
     /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is.
-    fn peak_current(&self) -> Option<(f64, &'static str)> {
+    pub fn peak_current(&self) -> Option<(f64, &'static str)> {
         let amplitude = match self.motor.conventions.commutation {
             Commutation::Brushless => CurrentConvention::PhaseAmplitude,
             Commutation::Brushed => CurrentConvention::Dc,
@@ -285,7 +285,7 @@ impl Candidate<'_> {
 
     /// Rms current that heats the winding to its limit in steady state \[A\]; zero where ambient is
     /// too hot already.
-    fn thermal_current(&self) -> Option<(f64, &'static str)> {
+    pub fn thermal_current(&self) -> Option<(f64, &'static str)> {
         let (limit, owner) = self.winding_temperature()?;
         let motor = self.motor;
         let squared = thermal::allowed_current_squared(

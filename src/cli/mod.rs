@@ -1,9 +1,11 @@
 //! The command line: arguments in, library call, report out. No physics.
 
 mod audit;
+mod chosen;
 mod compare;
 mod completions;
 mod explain;
+mod export;
 mod identify;
 mod import;
 mod optimize;
@@ -47,6 +49,8 @@ enum Command {
     Audit(audit::Arguments),
     /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
     Identify(identify::Arguments),
+    /// A chosen design for a simulator: MJCF, URDF, JSON
+    Export(export::Arguments),
     /// A public motor database into catalogue files
     Import(import::Arguments),
     /// Completions for a shell
@@ -213,6 +217,7 @@ pub fn run() -> ExitCode {
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
+        Command::Export(arguments) => export::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };

@@ -13,6 +13,7 @@ pub mod program;
 pub mod prune;
 pub mod remake;
 pub mod robust;
+pub mod simulated;
 pub mod spring;
 pub mod sweep;
 

@@ -4,6 +4,7 @@
 pub mod audit;
 pub mod compare;
 pub mod explain;
+pub mod export;
 pub mod file;
 pub mod fitted;
 pub mod forward;
