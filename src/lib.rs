@@ -4,7 +4,7 @@
 //! rooms below it:
 //!
 //! ```text
-//! files ─► catalog, requirement ─► actuator (the model) ─► design ─► report ◄─ cli
+//! files ─► catalog, requirement ─► actuator (the model) ─► design ─► rules ─► report ◄─ cli
 //! ```
 //!
 //! * [`units`]: quantities at the edges; inside everything is SI.
@@ -17,6 +17,7 @@
 //! * [`design`]: evaluation of one design, the sweep, the ratio program with its certificate, the
 //!   ranking over a catalogue.
 //! * [`measured`]: bench files and logs; which effect the declared model lacks.
+//! * [`rules`]: design rules as data, rules files, the lock of the rows a design uses.
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
 //! * [`cli`]: one file for each command.
 //!
@@ -38,4 +39,5 @@ pub mod input;
 pub mod measured;
 pub mod report;
 pub mod requirement;
+pub mod rules;
 pub mod units;

@@ -47,6 +47,18 @@ pub enum Class {
     ReverseConvex,
 }
 
+impl Class {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Class::Fixed => "all ratios or none",
+            Class::UpperBound => "all ratios up to one",
+            Class::Convex => "one interval of ratios, convex in N²",
+            Class::ReverseConvex => "up to two intervals of ratios: the complement of a convex set",
+        }
+    }
+}
+
 /// What is compared with the limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Demand {
@@ -123,6 +135,11 @@ enum Prepared {
 }
 
 impl Limit {
+    /// Whether the demand has the requirement's safety factor in it.
+    pub fn has_safety(&self) -> bool {
+        self.formula.contains("safety")
+    }
+
     /// Whether the limit applies to a candidate, and how.
     pub fn check(&'static self, candidate: &Candidate) -> Check {
         match (self.prepare)(candidate) {

@@ -11,7 +11,7 @@ use crate::requirement;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Exit status 1 if the design is not feasible.\n\nExamples:\n  gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee\n  gearwise explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint hip\n  gearwise explain tq-robodrive-ilm-85x26@planetary-apex-af042-20 robot.toml"
+    before_help = "Examples:\n  gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee\n  gearwise explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint hip\n  gearwise explain tq-robodrive-ilm-85x26@planetary-apex-af042-20 robot.toml\n\nExit status 1 if the design is not feasible."
 )]
 pub struct Arguments {
     /// Motor id, with `@RATIO` or `@GEAR` for a certain design; else the best ratio

@@ -7,24 +7,27 @@ use super::chosen::Chosen;
 use super::{CatalogChoice, Done, Failure};
 use crate::actuator::Load;
 use crate::catalog::{Gear, Motor};
+use crate::design::evaluate::FEASIBILITY_TOLERANCE;
+use crate::design::examine::examine;
 use crate::design::explain::explain;
 use crate::design::simulated::{LeftOut, SimulatedJoint};
-use crate::design::{continuous_candidate, geared_candidate, load_through};
-use crate::report::export::{self as report, Exported, Format, Origin, patch};
+use crate::design::{Evaluation, Unusable, continuous_candidate, geared_candidate, load_through};
+use crate::input::Source;
+use crate::report::export::{self as report, Exported, Format, NamedFile, Origin, patch};
 use crate::report::file;
-use crate::requirement::{self, Joint, Robot};
+use crate::requirement::{self, DesignFile, Joint, Robot};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Exit status 1 if a design is not feasible; it is exported all the same.\n\nExamples:\n  gearwise export t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee --to mjcf\n  gearwise export t-motor-u8-lee requirements/quadruped_mini_cheetah.toml --joint knee --to json\n  gearwise export t-motor-ri50@9 robot.toml --joint knee --into model.xml --map 'knee=*_knee' --out with_motors.xml"
+    before_help = "Examples:\n  gearwise export design.toml --to urdf --out robot.urdf\n  gearwise export t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee --to mjcf\n  gearwise export t-motor-u8-lee requirements/quadruped_mini_cheetah.toml --joint knee --to json\n  gearwise export t-motor-ri50@9 robot.toml --joint knee --into model.xml --map 'knee=*_knee' --out with_motors.xml\n\nExit status 1 if a design is not feasible; it is exported all the same."
 )]
 pub struct Arguments {
-    /// Motor id, with `@RATIO` or `@GEAR` for a certain design; else the best ratio
+    /// Design file (TOML); or a motor's id, with `@RATIO` or `@GEAR`, else at its best ratio
     design: String,
-    /// Requirement file (TOML)
-    requirement: PathBuf,
-    /// Joint; may be left out where the requirement has only one
+    /// Requirement file (TOML), where no design file names it
+    requirement: Option<PathBuf>,
+    /// Joint: of a design file all, unless one is named; may be left out where the requirement has only one
     #[arg(long, value_name = "NAME")]
     joint: Option<String>,
     /// Format: MuJoCo, URDF, or all facts in SI
@@ -55,59 +58,109 @@ enum To {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let robot = requirement::read(&arguments.requirement)?;
+    match &arguments.requirement {
+        Some(path) => one_motor(arguments, path),
+        None => design_file(arguments),
+    }
+}
+
+/// A motor at a joint of a requirement.
+fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
+    let source = Source::read(path).map_err(|e| vec![e])?;
+    let robot = requirement::read_source(&source)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
-    let joints = vec![exported(&robot, joint, motor, gear, ratio)?];
-    finish(arguments, &origin(&robot, &arguments.requirement)?, &joints)
+    let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| cannot(motor, &why))?;
+    let spring = match story.spring {
+        Some(Ok(spring)) => Some((spring.stiffness, spring.rest_angle.unwrap_or(0.0))),
+        _ => None,
+    };
+    let joints = [exported(&robot, joint, motor, gear, &story.evaluation, &story.unchecked, spring)?];
+    finish(arguments, &origin(&robot, &source, None), &joints)
 }
 
-/// The design of one joint, looked at and made ready for a simulator.
+/// The joints of a design file.
+fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
+    let path = Path::new(&arguments.design);
+    if !path.exists() && path.extension().is_none_or(|e| e != "toml") {
+        return Err(Failure::Argument(format!(
+            "`{0}` is no design file; a motor needs its requirement: gearwise export {0} robot.toml --joint NAME",
+            arguments.design
+        )));
+    }
+    let design = DesignFile::read(path)?;
+    let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
+    let catalog = super::catalog(paths)?;
+    let choices = design.choices(&catalog).map_err(|e| vec![e])?;
+    let only = match &arguments.joint {
+        Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),
+        None => None,
+    };
+    let mut joints = Vec::new();
+    for choice in choices.iter().filter(|c| only.is_none_or(|only| only.name == c.joint.name)) {
+        let examined = examine(&design.robot, choice).map_err(|why| cannot(choice.motor, &why))?;
+        let spring = choice.design.spring.map(|s| (s.stiffness, s.rest_angle));
+        joints.push(exported(
+            &design.robot,
+            choice.joint,
+            choice.motor,
+            choice.gear,
+            &examined.evaluation,
+            &examined.unchecked,
+            spring,
+        )?);
+    }
+    finish(arguments, &origin(&design.robot, &design.requirement, Some(&design.source)), &joints)
+}
+
+fn cannot(motor: &Motor, why: &Unusable) -> Failure {
+    Failure::Argument(format!("{} cannot be exported: {}", motor.id, why.reason()))
+}
+
+/// The design of one joint, made ready for a simulator.
 fn exported<'a>(
-    robot: &'a Robot,
+    robot: &Robot,
     joint: &'a Joint,
     motor: &'a Motor,
     gear: Option<&'a Gear>,
-    ratio: Option<f64>,
+    evaluation: &Evaluation,
+    unchecked: &[(&'static str, &'static str)],
+    spring: Option<(f64, f64)>,
 ) -> Result<Exported<'a>, Failure> {
-    let cannot =
-        |why: crate::design::Unusable| Failure::Argument(format!("{} cannot be exported: {}", motor.id, why.reason()));
-    let story = explain(robot, joint, motor, gear, ratio).map_err(cannot)?;
     let own = gear.and_then(|g| load_through(joint, g));
     let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
     let candidate = match gear {
         Some(gear) => geared_candidate(robot, joint, &load, motor, gear),
         None => continuous_candidate(robot, joint, &load, motor),
     };
-    let mut simulated = SimulatedJoint::new(&candidate.map_err(cannot)?, story.evaluation.ratio);
-    if let Some(Ok(spring)) = &story.spring {
+    let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, evaluation.ratio);
+    if let Some((stiffness, rest_angle)) = spring.filter(|(stiffness, _)| *stiffness > 0.0) {
         let number = crate::report::number;
-        let rest = spring.rest_angle.map_or_else(String::new, |q| format!(" with its rest at {} rad", number(q)));
         simulated.left_out.push(LeftOut {
-            what: format!("parallel spring of {} N*m/rad{rest}", number(spring.stiffness)),
+            what: format!("parallel spring of {} N*m/rad with its rest at {} rad", number(stiffness), number(rest_angle)),
             why: "it belongs to the joint, not to the actuator: give the joint this stiffness and rest angle".into(),
         });
     }
-    let broken = story.evaluation.margins.iter();
-    let broken = broken.filter(|m| m.margin < -crate::design::evaluate::FEASIBILITY_TOLERANCE).map(|m| m.limit);
+    let broken = evaluation.margins.iter().filter(|m| m.margin < -FEASIBILITY_TOLERANCE).map(|m| m.limit);
     Ok(Exported {
         joint: &joint.name,
         motor,
         gear,
         simulated,
         broken: broken.collect(),
-        unchecked: story.unchecked.iter().map(|(limit, _)| *limit).collect(),
+        unchecked: unchecked.iter().map(|(limit, _)| *limit).collect(),
     })
 }
 
-fn origin(robot: &Robot, path: &Path) -> Result<Origin, Failure> {
-    let bytes = std::fs::read(path)
-        .map_err(|error| Failure::Argument(format!("cannot read `{}`: {error}", path.display())))?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-    let file = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    Ok(Origin { robot: robot.name.clone(), file, sha256 })
+fn origin(robot: &Robot, requirement: &Source, design: Option<&Source>) -> Origin {
+    let file = |source: &Source| {
+        let name = Path::new(source.name()).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let sha256 = Sha256::digest(source.text().as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
+        NamedFile { name, sha256 }
+    };
+    Origin { robot: robot.name.clone(), requirement: file(requirement), design: design.map(file) }
 }
 
 /// Warns, makes the text and puts it where it belongs.

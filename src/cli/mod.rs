@@ -1,15 +1,19 @@
 //! The command line: arguments in, library call, report out. No physics.
 
 mod audit;
+mod check;
 mod chosen;
 mod compare;
 mod completions;
+mod docs;
 mod explain;
 mod export;
 mod identify;
 mod import;
+mod man;
 mod optimize;
 mod rank;
+mod rule;
 mod sweep;
 
 use std::io::{IsTerminal, Write};
@@ -24,7 +28,13 @@ use crate::requirement::{RatioChoice, Robot};
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
 #[derive(Debug, Parser)]
-#[command(name = "gearwise", version, max_term_width = 100, propagate_version = true)]
+#[command(
+    name = "gearwise",
+    version,
+    max_term_width = 100,
+    propagate_version = true,
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee"
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -47,14 +57,33 @@ enum Command {
     Compare(compare::Arguments),
     /// Are the rows of a catalogue self-consistent, and what would explain a mismatch
     Audit(audit::Arguments),
+    /// Design rules on a chosen design, for CI: table, JSON, JUnit, SARIF, GitHub annotations
+    Check(check::Arguments),
+    /// What a design rule does, why, and how to mend what it finds
+    Rule(rule::Arguments),
     /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
     Identify(identify::Arguments),
     /// A chosen design for a simulator: MJCF, URDF, JSON
     Export(export::Arguments),
     /// A public motor database into catalogue files
     Import(import::Arguments),
+    /// Manual pages of all commands
+    Man(man::Arguments),
+    /// The pages of docs/ that are made from the program
+    #[command(hide = true)]
+    Docs(docs::Arguments),
     /// Completions for a shell
     Completions(completions::Arguments),
+}
+
+/// The whole command line, for manual, completions and documentation.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
+/// The pages of `docs/` that are made from the program: name and text.
+pub fn pages() -> Vec<(&'static str, String)> {
+    docs::pages()
 }
 
 /// In which form a result is printed.
@@ -216,9 +245,13 @@ pub fn run() -> ExitCode {
         Command::Rank(arguments) => rank::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Rule(arguments) => rule::run(arguments),
         Command::Identify(arguments) => identify::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Import(arguments) => import::run(arguments),
+        Command::Man(arguments) => man::run(arguments, command()),
+        Command::Docs(arguments) => docs::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };
     match result {

@@ -1,12 +1,14 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Output};
-use crate::design::optimize::{Options, optimize_with};
+use crate::design::optimize::{Options, RobotResult, optimize_with};
 use crate::design::pareto::fronts;
 use crate::design::robust::robust;
 use crate::input::nearest;
+use crate::report::design_file::{self, way};
+use crate::report::file::write_whole;
 use crate::report::optimize as report;
 use crate::report::{pareto, robust as robust_report};
 use crate::requirement::{self, Quantity};
@@ -14,7 +16,7 @@ use crate::requirement::{self, Quantity};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
     /// Requirement file (TOML)
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
+    /// Write the first choices as a design file, for `check` and `export`
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["pareto", "robust"])]
+    write_design: Option<PathBuf>,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
@@ -92,8 +97,25 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let result = optimize_with(&robot, &catalog, options);
     bar.finish_and_clear();
+    if let Some(path) = &arguments.write_design {
+        write_design(&result, arguments, path)?;
+    }
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
     let text =
         arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));
     Ok(Done { text, satisfied: result.satisfied() })
+}
+
+/// Writes the first choices, with the ways from there to requirement and catalogue.
+fn write_design(result: &RobotResult, arguments: &Arguments, path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let catalog: Vec<PathBuf> = arguments.catalog.catalog.iter().map(|p| way(folder, p)).collect();
+    match design_file::toml(result, &way(folder, &arguments.requirement), &catalog) {
+        Ok(text) => write_whole(path, text.as_bytes()).map_err(Failure::Argument),
+        // Not satisfied is said by the table and the exit status; here only why there is no file.
+        Err(joints) => {
+            eprintln!("no design written: no motor can do {}", joints.join(", "));
+            Ok(())
+        }
+    }
 }

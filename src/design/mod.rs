@@ -6,6 +6,7 @@
 
 pub mod agreement;
 pub mod evaluate;
+pub mod examine;
 pub mod explain;
 pub mod optimize;
 pub mod pareto;

@@ -189,6 +189,26 @@ impl<'a> Section<'a> {
         Some(texts)
     }
 
+    /// Every key of a table of texts with its text, in the order of their names; empty if the key is not there.
+    pub fn entries(&self, key: &'static str) -> Vec<(Spanned<String>, Spanned<String>)> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let Some(table) = value.get_ref().as_table() else {
+            self.wrong_type(value, key, "a table");
+            return Vec::new();
+        };
+        let mut entries = Vec::new();
+        for (name, item) in table.iter() {
+            match item.get_ref().as_str() {
+                Some(text) => entries.push((
+                    Spanned::new(name.span(), name.get_ref().to_string()),
+                    Spanned::new(item.span(), text.to_string()),
+                )),
+                None => self.wrong_type(item, name.get_ref(), "a string in quotes"),
+            }
+        }
+        entries
+    }
+
     /// `true` or `false`, if the key is there.
     pub fn boolean(&self, key: &'static str) -> Option<bool> {
         let value = self.value(key)?;

@@ -7,9 +7,11 @@
 
 pub mod csv;
 mod form;
+mod locate;
 mod source;
 
 pub use form::{Form, Section};
+pub use locate::{Step, locate};
 pub use source::{InputError, MAX_FILE_BYTES, Problem, Source};
 
 /// What values a number may have.

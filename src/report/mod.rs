@@ -2,7 +2,9 @@
 //! JSON and its CSV from the same facts.
 
 pub mod audit;
+pub mod check;
 pub mod compare;
+pub mod design_file;
 pub mod explain;
 pub mod export;
 pub mod file;
@@ -12,12 +14,14 @@ pub mod handy;
 pub mod identify;
 pub mod import;
 pub mod optimize;
+pub mod pages;
 pub mod pareto;
 pub mod plot;
 mod prune;
 pub mod rank;
 pub mod remake;
 pub mod robust;
+pub mod rules;
 pub mod spring;
 pub mod sweep;
 pub mod table;

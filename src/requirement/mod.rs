@@ -4,11 +4,13 @@
 //! what is not given (acceleration, jerk, torque rate) comes from one declared interpolant, the
 //! cubic [`spline`].
 
+pub mod design_file;
 pub mod motion;
 mod read;
 mod robot;
 pub mod spline;
 
+pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, Reduction};
 pub use motion::{Course, Motion, Point, Samples};
 pub use read::{read, read_source, read_without_springs};
 pub use robot::*;

@@ -285,7 +285,8 @@ pub fn read(source: &Arc<Source>, periodic: bool, period: Option<f64>) -> Result
     Ok(motion.expect("a motion without problems was read"))
 }
 
-fn columns() -> Vec<Column> {
+/// The columns that a motion may have.
+pub fn columns() -> Vec<Column> {
     let column = |name: &str, kind, required| Column {
         name: name.into(),
         content: Content::Quantity(kind, Range::Any),

@@ -35,9 +35,18 @@ pub struct Exported<'a> {
 pub struct Origin {
     /// Name of the robot.
     pub robot: String,
-    /// The requirement file's name, without its folder.
-    pub file: String,
-    /// SHA-256 of the requirement file.
+    /// The requirement.
+    pub requirement: NamedFile,
+    /// The design file, where there is one.
+    pub design: Option<NamedFile>,
+}
+
+/// A file that an export was made from.
+#[derive(Debug)]
+pub struct NamedFile {
+    /// Its name, without its folder.
+    pub name: String,
+    /// SHA-256 of its text.
     pub sha256: String,
 }
 
@@ -102,8 +111,10 @@ pub fn json(origin: &Origin, joints: &[Exported]) -> Value {
     json!({
         "gearwise": env!("CARGO_PKG_VERSION"),
         "robot": origin.robot,
-        "requirement": origin.file,
-        "requirement_sha256": origin.sha256,
+        "requirement": origin.requirement.name,
+        "requirement_sha256": origin.requirement.sha256,
+        "design": origin.design.as_ref().map(|d| &d.name),
+        "design_sha256": origin.design.as_ref().map(|d| &d.sha256),
         "joints": joints.iter().map(one).collect::<Vec<_>>(),
     })
 }
@@ -115,8 +126,9 @@ pub const MARK: &str = " gearwise export";
 fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Exported) -> Vec<String>) -> Vec<String> {
     let mut lines = vec![
         format!("{MARK}, gearwise {}", env!("CARGO_PKG_VERSION")),
-        format!("requirement {} (robot {}), SHA-256 {}", origin.file, origin.robot, origin.sha256),
+        format!("requirement {} (robot {}), SHA-256 {}", origin.requirement.name, origin.robot, origin.requirement.sha256),
     ];
+    lines.extend(origin.design.iter().map(|d| format!("design {}, SHA-256 {}", d.name, d.sha256)));
     for e in joints {
         let s = &e.simulated;
         let through = e.gear.map_or_else(String::new, |g| format!(" with {}", g.id));

@@ -1,0 +1,97 @@
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+
+use super::{CatalogChoice, Done, Failure};
+use crate::input::Source;
+use crate::report::check::{github, json, junit, sarif, text};
+use crate::report::{file, json_text};
+use crate::requirement::DesignFile;
+use crate::rules::file::{RulesFile, read};
+use crate::rules::lock::{Lock, path_of};
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Examples:\n  gearwise check requirements/quadruped_mini_cheetah.design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock\n\nExit status 1 if a rule with severity `error` is broken."
+)]
+pub struct Arguments {
+    /// Design file (TOML)
+    design: PathBuf,
+    /// Rules file, in place of the one that the design names
+    #[arg(long, value_name = "FILE")]
+    rules: Option<PathBuf>,
+    /// Warnings fail the check too
+    #[arg(long)]
+    strict: bool,
+    #[command(flatten)]
+    catalog: CatalogChoice,
+    /// Print JSON (SI units, the unit beside the value)
+    #[arg(long, conflicts_with = "github")]
+    json: bool,
+    /// Print annotations for GitHub Actions
+    #[arg(long)]
+    github: bool,
+    /// Write JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Write SARIF 2.1.0; places are relative to the folder the program runs in
+    #[arg(long, value_name = "FILE")]
+    sarif: Option<PathBuf>,
+    /// Write the lock of the catalogue rows beside the design where there is none; one that is there is always compared
+    #[arg(long)]
+    lock: bool,
+    /// Write the lock anew
+    #[arg(long)]
+    update_lock: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let design = DesignFile::read(&arguments.design)?;
+    let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
+    let catalog = super::catalog(paths)?;
+    let rules = match arguments.rules.as_ref().or(design.rules.as_ref()) {
+        Some(path) => read(path).map_err(|e| vec![e])?,
+        None => RulesFile::default(),
+    };
+    let lock_path = path_of(&arguments.design);
+    let written = write_lock(arguments, &lock_path, &design, &catalog)?;
+    let lock = match &written {
+        Some(text) => Some(Arc::new(Source::new(lock_path.display().to_string(), text.clone()))),
+        None if lock_path.exists() => Some(Source::read(&lock_path).map_err(|e| vec![e])?),
+        None => None,
+    };
+    let report = crate::rules::check(&design, &catalog, &rules, lock.as_ref(), &lock_path)?;
+    let root = std::env::current_dir().unwrap_or_default();
+    let write = |path: &Option<PathBuf>, text: &dyn Fn() -> String| match path {
+        Some(path) => file::write_whole(path, text().as_bytes()).map_err(Failure::Argument),
+        None => Ok(()),
+    };
+    write(&arguments.junit, &|| junit::text(&report, arguments.strict))?;
+    write(&arguments.sarif, &|| json_text(&sarif::json(&report, &root)))?;
+    if let Some(text) = written {
+        file::write_whole(&lock_path, text.as_bytes()).map_err(Failure::Argument)?;
+        eprintln!("wrote {}", lock_path.display());
+    }
+    let text = match (arguments.json, arguments.github) {
+        (true, _) => json_text(&json::json(&report, arguments.strict)),
+        (_, true) => github::text(&report, &root),
+        _ => text::text(&report, arguments.strict),
+    };
+    Ok(Done { text, satisfied: report.passes(arguments.strict) })
+}
+
+/// The text of a lock that is to be written: where one is asked for anew, or asked for and not there.
+fn write_lock(
+    arguments: &Arguments,
+    path: &Path,
+    design: &DesignFile,
+    catalog: &crate::catalog::Catalog,
+) -> Result<Option<String>, Failure> {
+    if !arguments.update_lock && !(arguments.lock && !path.exists()) {
+        return Ok(None);
+    }
+    let choices = design.choices(catalog).map_err(|e| vec![e])?;
+    Ok(Some(Lock::of(design, &choices).to_toml()))
+}

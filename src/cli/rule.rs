@@ -1,0 +1,40 @@
+use clap::Args;
+
+use super::{Done, Failure};
+use crate::input::nearest;
+use crate::report::{json_text, rules as report};
+use crate::rules::{RULES, rule};
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Examples:\n  gearwise rule\n  gearwise rule GW106\n  gearwise rule voltage-headroom\n  gearwise rule --measures"
+)]
+pub struct Arguments {
+    /// Code or name of a rule; without one all are listed
+    rule: Option<String>,
+    /// What rules of your own can measure
+    #[arg(long, conflicts_with_all = ["rule", "json"])]
+    measures: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let text = match &arguments.rule {
+        _ if arguments.measures => report::measure_list(),
+        None if arguments.json => json_text(&RULES.iter().map(|r| report::json(r)).collect()),
+        None => report::list(),
+        Some(name) => {
+            let found = rule(name).ok_or_else(|| {
+                let names = RULES.iter().flat_map(|r| [r.name, r.code]);
+                let help = nearest(name, names)
+                    .map_or_else(|| "`gearwise rule` lists them".to_string(), |n| format!("did you mean `{n}`?"));
+                Failure::Argument(format!("there is no rule `{name}`; {help}"))
+            })?;
+            if arguments.json { json_text(&report::json(found)) } else { report::text(found) }
+        }
+    };
+    Ok(Done { text, satisfied: true })
+}

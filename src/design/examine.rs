@@ -1,0 +1,146 @@
+//! A design that was chosen already, looked at with the limits that sweep and ratio program use: how it
+//! stands against each, and what else a reviewer asks of it.
+
+use super::program::{Outcome, RatioProgram};
+use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
+use crate::actuator::Load;
+use crate::actuator::limits::{LIMITS, hottest};
+use crate::requirement::{Choice, Course, Joint, Motion, RatioChoice, Robot};
+
+/// What is known of a chosen design. SI.
+#[derive(Debug, Clone)]
+pub struct Examined {
+    /// The design at its ratio, the costlier figures too.
+    pub evaluation: Evaluation,
+    /// Limits that could not be checked, and why.
+    pub unchecked: Vec<(&'static str, &'static str)>,
+    /// Steady winding temperature \[K\], where it can be told (`Some(None)`: it runs away).
+    pub winding_temperature: Option<Option<f64>>,
+    /// Highest winding temperature that motor and requirement allow \[K\].
+    pub hottest: Option<f64>,
+    /// Longest time that the current needs for its jumps at a reversal \[s\].
+    pub reversal_time: Option<f64>,
+    /// The best ratio of the same motor and its objective; `None` where the gear fixes the ratio or no ratio
+    /// keeps the limits.
+    pub best: Option<(f64, f64)>,
+    /// Inertia of the load about the joint \[kg·m²\], as stated or as the motion shows it.
+    pub load_inertia: Option<f64>,
+    /// Whether the load's inertia is an estimate from the motion.
+    pub load_inertia_estimated: bool,
+}
+
+impl Examined {
+    /// `1 − demand/limit` of a limit, where it was checked.
+    pub fn margin(&self, limit: &str) -> Option<f64> {
+        self.evaluation.margins.iter().find(|m| m.limit == limit).map(|m| m.margin)
+    }
+
+    /// What is left of a limit over the bare demand, without the requirement's safety factor.
+    pub fn reserve(&self, joint: &Joint, limit: &str) -> Option<f64> {
+        let has_safety = LIMITS.iter().any(|l| l.name == limit && l.has_safety());
+        let factor = if has_safety { joint.limits.safety } else { 1.0 };
+        self.margin(limit).map(|margin| 1.0 - (1.0 - margin) / factor)
+    }
+}
+
+/// Evaluates a chosen design with every limit of the model.
+///
+/// # Errors
+/// Why motor and gear are no candidate.
+pub fn examine(robot: &Robot, choice: &Choice) -> Result<Examined, Unusable> {
+    let mut joint = choice.joint.clone();
+    if let Some(spring) = choice.design.spring
+        && let Some(moved) = joint.motion.with_spring(spring.stiffness, spring.rest_angle)
+    {
+        joint.motion = moved;
+    }
+    let (motor, ratio) = (choice.motor, choice.ratio);
+    let own = choice.gear.and_then(|gear| load_through(&joint, gear));
+    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
+    let prepared = Prepared::new(match choice.gear {
+        Some(gear) => geared_candidate(robot, &joint, &load, motor, gear)?,
+        None => continuous_candidate(robot, &joint, &load, motor)?,
+    });
+    let best = match (&joint.ratio, choice.gear) {
+        (RatioChoice::Continuous { min, max }, None) => {
+            match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
+                Outcome::Optimal(optimum) => Some((optimum.ratio, optimum.objective)),
+                _ => None,
+            }
+        }
+        _ => None,
+    };
+    let estimated = choice.design.load_inertia.is_none();
+    Ok(Examined {
+        evaluation: prepared.at_in_full(ratio),
+        winding_temperature: prepared.winding_temperature(ratio),
+        hottest: hottest(motor, &joint).map(|(kelvin, _)| kelvin),
+        reversal_time: prepared.reversal_time(ratio),
+        best,
+        // A spring's torque follows the position, not the acceleration: the bare motion tells.
+        load_inertia: choice.design.load_inertia.or_else(|| apparent_inertia(&choice.joint.motion)),
+        load_inertia_estimated: estimated,
+        unchecked: prepared.unchecked,
+    })
+}
+
+/// Share of the torque's variance that inertia and gravity must explain before an inertia is read off a motion.
+const EXPLAINED: f64 = 0.9;
+
+/// Largest relative standard error of an inertia that is read off a motion.
+const UNCERTAIN: f64 = 0.1;
+
+/// Inertia of the load \[kg·m²\] that a motion shows: the slope of torque over acceleration, with gravity
+/// (a constant, sine and cosine of the position) and viscous drag beside it. `None` for operating points, and
+/// where that explains less than nine tenths of the torque: then other forces rule, and the slope would be
+/// noise.
+pub fn apparent_inertia(motion: &Motion) -> Option<f64> {
+    if matches!(motion.course, Course::Points(_)) {
+        return None;
+    }
+    let mut columns = vec![vec![1.0; motion.len()], motion.acceleration.clone(), motion.velocity.clone()];
+    if let Some(position) = &motion.position {
+        columns.push(position.iter().map(|q| q.sin()).collect());
+        columns.push(position.iter().map(|q| q.cos()).collect());
+    }
+    let matrix = nalgebra::DMatrix::from_fn(motion.len(), columns.len(), |k, j| columns[j][k]);
+    let torque = nalgebra::DVector::from_column_slice(&motion.torque);
+    let solution = matrix.clone().svd(true, true).solve(&torque, 1e-9).ok()?;
+    let left = (&torque - &matrix * &solution).norm_squared();
+    let all = torque.add_scalar(-torque.mean()).norm_squared();
+    if all <= 0.0 || left > (1.0 - EXPLAINED) * all {
+        return None;
+    }
+    // Where gravity and inertia go alike, neither is known: its standard error says so.
+    let freedom = motion.len().checked_sub(columns.len()).filter(|n| *n > 0)?;
+    let covariance = (matrix.transpose() * &matrix).try_inverse()?;
+    let error = (left / freedom as f64 * covariance[(1, 1)]).max(0.0).sqrt();
+    (solution[1] > 0.0 && error <= UNCERTAIN * solution[1]).then_some(solution[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::requirement::Samples;
+
+    fn pendulum(push: f64) -> Motion {
+        let time: Vec<f64> = (0..=200).map(|k| f64::from(k) / 200.0).collect();
+        let turn = std::f64::consts::TAU;
+        let position: Vec<f64> = time.iter().map(|t| 0.4 * (turn * t).sin()).collect();
+        let velocity = time.iter().map(|t| 0.4 * turn * (turn * t).cos()).collect();
+        let acceleration: Vec<f64> = position.iter().map(|q| -turn * turn * q).collect();
+        let kick = |t: f64| push * f64::from(t > 0.2 && t < 0.4);
+        let torque = (0..time.len()).map(|k| 0.3 * acceleration[k] + 8.0 * position[k].sin() + kick(time[k])).collect();
+        let samples = Samples { time, torque, velocity, position: Some(position), ..Samples::default() };
+        Motion::from_samples(samples, Course::Periodic(1.0))
+    }
+
+    #[test]
+    fn a_pendulum_shows_its_inertia_and_a_pushed_one_does_not() {
+        // Sine of the position and acceleration are nearly collinear here: what is left between them is the
+        // third harmonic, which is enough without noise.
+        let inertia = apparent_inertia(&pendulum(0.0)).unwrap();
+        assert!((inertia - 0.3).abs() < 0.01, "{inertia}");
+        assert_eq!(apparent_inertia(&pendulum(60.0)), None);
+    }
+}

@@ -1,0 +1,110 @@
+//! A check as SARIF 2.1.0, for code scanning: every rule with its help, every finding with its place, and a
+//! fingerprint that stays the same while lines and numbers move.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+use sha2::{Digest, Sha256};
+
+use super::relative;
+use crate::rules::{Applied, Finding, Location, Report, Severity};
+
+/// Where the form is described.
+const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
+
+/// SARIF's word for a severity.
+fn level(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Note => "note",
+        Severity::Off => "none",
+    }
+}
+
+/// A file as a URI: relative to the root where it lies below, percent-encoded.
+fn uri(file: &str, root: &Path) -> (String, bool) {
+    let file = relative(file, root);
+    let mut encoded = String::new();
+    for byte in file.bytes() {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                encoded.push(char::from(byte))
+            }
+            _ => encoded.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    let drive = file.as_bytes().get(1) == Some(&b':');
+    match (file.starts_with('/'), drive) {
+        (true, _) => (format!("file://{encoded}"), false),
+        (_, true) => (format!("file:///{encoded}"), false),
+        _ => (encoded, true),
+    }
+}
+
+fn physical(place: &Location, root: &Path) -> Value {
+    let (uri, below) = uri(&place.file, root);
+    let mut artifact = Map::new();
+    artifact.insert("uri".into(), uri.into());
+    if below {
+        artifact.insert("uriBaseId".into(), "%SRCROOT%".into());
+    }
+    json!({
+        "artifactLocation": artifact,
+        "region": { "startLine": place.line, "startColumn": place.column, "endLine": place.end_line, "endColumn": place.end_column },
+    })
+}
+
+fn rule(rule: &Applied) -> Value {
+    json!({
+        "id": rule.code, "name": rule.name,
+        "shortDescription": { "text": rule.summary }, "fullDescription": { "text": rule.help },
+        "help": { "text": rule.help },
+        "defaultConfiguration": { "level": level(rule.severity), "enabled": rule.severity != Severity::Off },
+    })
+}
+
+fn result(report: &Report, finding: &Finding, root: &Path) -> Value {
+    let rule = report.rule_of(finding);
+    let joint = finding.joint.as_ref().map_or_else(String::new, |j| format!("{j}: "));
+    let help = finding.help.as_ref().map_or_else(String::new, |h| format!(". {h}"));
+    let reason = finding.reason.as_ref().map_or_else(String::new, |r| format!(" (rules file: {r})"));
+    let (design, _) = uri(report.facts.design.source.name(), root);
+    let fingerprint = Sha256::digest(format!("{design}\n{}", finding.identity(rule)));
+    let fingerprint: String = fingerprint.iter().map(|byte| format!("{byte:02x}")).collect();
+    let mut result = json!({
+        "ruleId": rule.code, "ruleIndex": finding.rule, "level": level(finding.severity),
+        "message": { "text": format!("{joint}{}{reason}{help}", finding.message) },
+        "locations": [{ "physicalLocation": physical(&finding.location, root) }],
+        "partialFingerprints": { "gearwiseFinding/v1": fingerprint },
+        "properties": { "joint": finding.joint, "subject": finding.subject, "value": finding.value, "bound": finding.bound },
+    });
+    let Value::Object(object) = &mut result else { return result };
+    if let Some(asked) = &finding.asked {
+        let related =
+            json!([{ "id": 1, "message": { "text": "asked for here" }, "physicalLocation": physical(asked, root) }]);
+        object.insert("relatedLocations".into(), related);
+    }
+    if let Some(why) = &finding.allowed {
+        let suppressions = json!([{ "kind": "external", "status": "accepted", "justification": why }]);
+        object.insert("suppressions".into(), suppressions);
+    }
+    result
+}
+
+/// The log with one run. `root` is the folder that relative places start from: that of the repository.
+pub fn json(report: &Report, root: &Path) -> Value {
+    json!({
+        "$schema": SCHEMA,
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "gearwise", "semanticVersion": env!("CARGO_PKG_VERSION"), "version": env!("CARGO_PKG_VERSION"),
+                "rules": report.rules.iter().map(rule).collect::<Vec<_>>(),
+            } },
+            "columnKind": "unicodeCodePoints",
+            "originalUriBaseIds": { "%SRCROOT%": { "description": { "text": "the folder in which gearwise ran: the root of the repository" } } },
+            "results": report.findings.iter().map(|f| result(report, f, root)).collect::<Vec<_>>(),
+        }],
+    })
+}

@@ -1,0 +1,156 @@
+//! A check for people.
+
+use crate::report::table::{table, wrap};
+use crate::report::{number, optional};
+use crate::rules::lock::LockState;
+use crate::rules::{Finding, Location, Report, Severity, Test, rule};
+
+/// A place as editors open it.
+fn place(location: &Location) -> String {
+    format!("{}:{}:{}", printable(&location.file), location.line, location.column)
+}
+
+/// Names of files and catalogues cannot drive the terminal.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+/// The report.
+pub fn text(report: &Report, strict: bool) -> String {
+    let design = report.facts.design;
+    let actuators: u32 = design.robot.joints.iter().map(|j| j.count).sum();
+    let mut out = format!(
+        "{}: {} joints, {actuators} actuators, {} rules\n\n",
+        printable(&design.robot.name),
+        design.joints.len(),
+        report.rules.iter().filter(|r| r.severity != Severity::Off).count()
+    );
+    out.push_str(&joints(report));
+    let (allowed, open): (Vec<&Finding>, Vec<&Finding>) = report.findings.iter().partition(|f| f.allowed.is_some());
+    for severity in [Severity::Error, Severity::Warning, Severity::Note] {
+        for finding in open.iter().filter(|f| f.severity == severity) {
+            out.push_str(&format!("\n{}", story(report, finding)));
+        }
+    }
+    if !allowed.is_empty() {
+        out.push_str("\nAllowed by the rules file:\n");
+        for finding in &allowed {
+            let rule = report.rule_of(finding);
+            let line = format!("{}{} {}: {}", of(finding), rule.code, rule.name, printable(&finding.message));
+            out.push_str(&format!("  {}\n", wrap(&line, 4)));
+            out.push_str(&format!(
+                "    {}\n",
+                wrap(&format!("because {}", finding.allowed.as_deref().unwrap_or("")), 6)
+            ));
+        }
+    }
+    let skipped = not_judged(report);
+    if !skipped.is_empty() {
+        let line =
+            format!("Not judged, because what they measure is not known or not asked for: {}", skipped.join("; "));
+        out.push_str(&format!("\n{}\n", wrap(&line, 2)));
+    }
+    out.push_str(&format!("\n{}\n", summary(report, strict)));
+    out
+}
+
+fn of(finding: &Finding) -> String {
+    finding.joint.as_ref().map_or_else(String::new, |joint| format!("{}: ", printable(joint)))
+}
+
+fn joints(report: &Report) -> String {
+    let rows: Vec<Vec<String>> = report
+        .facts
+        .joints
+        .iter()
+        .map(|facts| {
+            let choice = &facts.choice;
+            let mut row = vec![
+                printable(&choice.joint.name),
+                choice.joint.count.to_string(),
+                printable(&choice.motor.id),
+                choice.gear.map_or_else(|| "–".into(), |g| printable(&g.id)),
+                number(choice.ratio),
+            ];
+            match &facts.examined {
+                Ok(examined) => {
+                    let e = &examined.evaluation;
+                    let tightest = e.tightest();
+                    row.extend([
+                        tightest.map_or_else(|| "–".into(), |m| m.limit.to_string()),
+                        tightest.map_or_else(
+                            || "–".into(),
+                            |m| format!("{} %", number((1000.0 * m.margin).round() / 10.0)),
+                        ),
+                        number(e.loss),
+                        optional(e.mass),
+                    ]);
+                }
+                Err(_) => row.extend(["not evaluated".into(), "–".into(), "–".into(), "–".into()]),
+            }
+            row
+        })
+        .collect();
+    table(&["joint", ">count", "motor", "gear", ">N", "tightest", ">margin", ">loss [W]", ">mass [kg]"], &rows)
+}
+
+fn story(report: &Report, finding: &Finding) -> String {
+    let rule = report.rule_of(finding);
+    let head = format!("{} {} {}", finding.severity.name(), rule.code, rule.name);
+    let head = if rule.code == rule.name { format!("{} {}", finding.severity.name(), rule.name) } else { head };
+    let mut out = format!("{}: {head}\n", place(&finding.location));
+    out.push_str(&format!("  {}\n", wrap(&format!("{}{}", of(finding), printable(&finding.message)), 2)));
+    if let Some(asked) = &finding.asked {
+        out.push_str(&format!("  asked for in {}\n", place(asked)));
+    }
+    if let Some(reason) = &finding.reason {
+        out.push_str(&format!("  {}\n", wrap(&format!("reason of the rules file: {}", printable(reason)), 2)));
+    }
+    let mend = finding.help.clone().or_else(|| crate::rules::rule(&rule.code).map(|r| r.mend.to_string()));
+    if let Some(mend) = mend {
+        out.push_str(&format!("  {}\n", wrap(&format!("→ {}", printable(&mend)), 4)));
+    }
+    out
+}
+
+/// Rules with bounds that could be judged nowhere or not at some joints.
+fn not_judged(report: &Report) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (index, applied) in report.rules.iter().enumerate() {
+        let bounds = rule(&applied.code).is_none_or(|r| matches!(r.test, Test::Bounds { .. }));
+        let of_rule = || report.judged.iter().filter(move |j| j.rule == index);
+        let skipped: Vec<&str> =
+            of_rule().filter(|j| j.skipped.is_some()).map(|j| j.joint.as_deref().unwrap_or("robot")).collect();
+        if bounds && !skipped.is_empty() {
+            let all = skipped.len() == of_rule().count();
+            let joints = if all { "all joints".to_string() } else { skipped.join(", ") };
+            lines.push(format!("{} {} ({joints})", applied.code, applied.name));
+        }
+    }
+    lines
+}
+
+fn summary(report: &Report, strict: bool) -> String {
+    let count = |severity, word: &str| {
+        let n = report.count(severity);
+        format!("{n} {word}{}", if n == 1 { "" } else { "s" })
+    };
+    let allowed = report.findings.iter().filter(|f| f.allowed.is_some()).count();
+    let verdict = match (report.passes(strict), report.passes(false)) {
+        (true, _) => "passes",
+        (false, true) => "does not pass (--strict: warnings count)",
+        (false, false) => "does not pass",
+    };
+    let lock = match &report.facts.lock {
+        LockState::Missing(_) => "no lock".to_string(),
+        LockState::Compared { differences, .. } if differences.is_empty() => "rows as locked".to_string(),
+        LockState::Compared { .. } => "rows differ from the lock".to_string(),
+    };
+    format!(
+        "{}: {verdict}; {}, {}, {}, {allowed} allowed; {lock}",
+        printable(&crate::rules::clean(report.facts.design.source.name())),
+        count(Severity::Error, "error"),
+        count(Severity::Warning, "warning"),
+        count(Severity::Note, "note"),
+    )
+}

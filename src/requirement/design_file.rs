@@ -1,0 +1,416 @@
+//! Design files: which motor at which ratio was chosen for each joint of a requirement.
+//!
+//! The one idea: reading needs no catalogue. [`DesignFile::read`] takes the file, its requirement and its fitted
+//! actuators and checks all that they say of each other; [`DesignFile::choices`] then looks motors and gears up.
+//! Every part of a joint keeps its place, so that whoever judges or exports a design can point at it.
+
+use std::collections::HashMap;
+use std::ops::Range as Span;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::robot::{Joint, RatioChoice, Robot};
+use crate::catalog::{Catalog, Gear, Motor, matches_pattern, read_fitted};
+use crate::input::{Form, InputError, Problem, Range, Section, Source, nearest};
+use crate::report::number;
+use crate::units;
+
+/// A ratio may leave the requirement's range by this share: what rounding leaves of a ratio at its end.
+const AT_THE_END: f64 = 1e-9;
+
+/// A design file with the requirement that it answers.
+#[derive(Debug, Clone)]
+pub struct DesignFile {
+    /// The file.
+    pub source: Arc<Source>,
+    /// The requirement's file.
+    pub requirement: Arc<Source>,
+    /// Where the requirement is named.
+    pub requirement_span: Span<usize>,
+    /// What the requirement says.
+    pub robot: Robot,
+    /// Catalogue files and folders that the design takes its rows from; empty for the built-in ones.
+    pub catalog: Vec<PathBuf>,
+    /// The rules that the design is checked by.
+    pub rules: Option<PathBuf>,
+    /// What was chosen, in the order of the requirement's joints, one for each.
+    pub joints: Vec<JointDesign>,
+}
+
+/// What was chosen for one joint.
+#[derive(Debug, Clone)]
+pub struct JointDesign {
+    /// Name of the joint.
+    pub name: String,
+    /// The motor.
+    pub motor: MotorName,
+    /// The ratio, or the gear that has it.
+    pub reduction: Reduction,
+    /// The spring parallel to the actuator, where there is one.
+    pub spring: Option<FixedSpring>,
+    /// Inertia of the load about the joint \[kg·m²\], where it is said.
+    pub load_inertia: Option<f64>,
+    /// Where the table stands.
+    pub span: Span<usize>,
+    /// Where the motor is named.
+    pub motor_span: Span<usize>,
+    /// Where ratio or gear stands.
+    pub reduction_span: Span<usize>,
+}
+
+/// How a design names a motor.
+#[derive(Debug, Clone)]
+pub enum MotorName {
+    /// Id of the catalogue.
+    Catalog(String),
+    /// A fitted actuator's file, read already.
+    Fitted {
+        /// As written in the design.
+        file: String,
+        /// Its row.
+        motor: Box<Motor>,
+    },
+}
+
+/// How a design gives its ratio.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reduction {
+    /// A number, with the gear that the requirement describes.
+    Ratio(f64),
+    /// Id of a gear of the catalogue.
+    Gear(String),
+}
+
+/// A spring that was chosen: it pulls the joint towards its rest angle with `k (q_0 − q)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedSpring {
+    /// Stiffness \[N·m/rad\], k.
+    pub stiffness: f64,
+    /// Rest angle \[rad\], q_0.
+    pub rest_angle: f64,
+}
+
+/// One joint's choice with everything looked up.
+#[derive(Debug, Clone, Copy)]
+pub struct Choice<'a> {
+    /// As the file has it.
+    pub design: &'a JointDesign,
+    /// The joint of the requirement.
+    pub joint: &'a Joint,
+    /// The motor.
+    pub motor: &'a Motor,
+    /// The gear, where it is one of the catalogue.
+    pub gear: Option<&'a Gear>,
+    /// The ratio, N.
+    pub ratio: f64,
+}
+
+impl DesignFile {
+    /// Reads a design, its requirement, and the fitted actuators that it names.
+    ///
+    /// # Errors
+    /// All mistakes of the design file, then all of the files that it names.
+    pub fn read(path: &Path) -> Result<DesignFile, Vec<InputError>> {
+        DesignFile::read_source(&Source::read(path).map_err(|e| vec![e])?)
+    }
+
+    /// As [`DesignFile::read`], from a source; other files are looked for beside it.
+    ///
+    /// # Errors
+    /// As [`DesignFile::read`].
+    pub fn read_source(source: &Arc<Source>) -> Result<DesignFile, Vec<InputError>> {
+        let mut others = Vec::new();
+        let read = Form::read(source, |root| read_design(root, &mut others));
+        match read {
+            Ok(design) if others.is_empty() => Ok(design),
+            Ok(_) => Err(others),
+            Err(error) => {
+                let mut errors = vec![error];
+                // A file that failed only because of those it names says nothing of its own.
+                errors.retain(|e| others.is_empty() || e.problems.iter().any(|p| p.span.is_some()));
+                errors.extend(others);
+                Err(errors)
+            }
+        }
+    }
+
+    /// Looks up motors and gears.
+    ///
+    /// # Errors
+    /// Motors and gears that the catalogue does not have, and gears that the requirement does not allow.
+    pub fn choices<'a>(&'a self, catalog: &'a Catalog) -> Result<Vec<Choice<'a>>, InputError> {
+        let (mut choices, mut problems) = (Vec::new(), Vec::new());
+        for (design, joint) in self.joints.iter().zip(&self.robot.joints) {
+            match look_up(design, joint, catalog) {
+                Ok(choice) => choices.push(choice),
+                Err(found) => problems.extend(found),
+            }
+        }
+        InputError::unless_empty(&self.source, problems)?;
+        Ok(choices)
+    }
+}
+
+fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) -> Result<Choice<'a>, Vec<Problem>> {
+    let mut problems = Vec::new();
+    let motor = match &design.motor {
+        MotorName::Fitted { motor, .. } => Some(&**motor),
+        MotorName::Catalog(id) => catalog
+            .motor(id)
+            .map_err(|near| {
+                let problem =
+                    Problem::at(design.motor_span.clone(), format!("there is no motor `{id}`"), "not in the catalogue");
+                problems.push(problem.help(near.map_or_else(
+                    || "`gearwise rank` lists the motors; `catalog = [\"motors.csv\"]` adds others".to_string(),
+                    |near| format!("did you mean `{near}`?"),
+                )));
+            })
+            .ok(),
+    };
+    let at = |message: String, label: String| Problem::at(design.reduction_span.clone(), message, label);
+    let mut gear = None;
+    let ratio = match &design.reduction {
+        Reduction::Ratio(ratio) => Some(*ratio),
+        Reduction::Gear(id) => {
+            gear = catalog.gears.iter().find(|g| &g.id == id);
+            if gear.is_none() {
+                let near = nearest(id, catalog.gears.iter().map(|g| g.id.as_str()));
+                problems.push(at(format!("there is no gear `{id}`"), "not in the catalogue".into()).help(
+                    near.map_or_else(
+                        || "ids begin with the kind, as in planetary-*, strain-wave-*".to_string(),
+                        |near| format!("did you mean `{near}`?"),
+                    ),
+                ));
+            }
+            gear.map(|g| g.ratio)
+        }
+    };
+    if let (Some(gear), Some(ratio)) = (gear, ratio) {
+        match &joint.ratio {
+            RatioChoice::Continuous { min, max } if !within(ratio, *min, *max) => problems.push(at(
+                format!("gear `{}` has a ratio of {}, outside the requirement's range", gear.id, number(ratio)),
+                format!("joint `{}` asks for {} to {}", joint.name, number(*min), number(*max)),
+            )),
+            RatioChoice::Catalog { patterns, .. } if !patterns.iter().any(|p| matches_pattern(p, &gear.id)) => {
+                problems.push(at(
+                    format!("the requirement does not allow the gear `{}`", gear.id),
+                    format!("joint `{}` allows {}", joint.name, patterns.join(", ")),
+                ));
+            }
+            _ => {}
+        }
+    }
+    match (motor, ratio) {
+        (Some(motor), Some(ratio)) if problems.is_empty() => Ok(Choice { design, joint, motor, gear, ratio }),
+        _ => Err(problems),
+    }
+}
+
+fn within(ratio: f64, min: f64, max: f64) -> bool {
+    (min * (1.0 - AT_THE_END)..=max * (1.0 + AT_THE_END)).contains(&ratio)
+}
+
+fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFile> {
+    let folder = root.source().folder().to_path_buf();
+    let requirement = root.required_text("requirement", "\"robot.toml\"");
+    let requirement_span = root.span_of("requirement");
+    let robot = requirement.as_ref().and_then(|file| {
+        let source = open(root, &folder, file.get_ref(), file.span(), "requirement")?;
+        super::read_source(&source).map_err(|errors| others.extend(errors)).ok().map(|robot| (source, robot))
+    });
+    let catalog: Vec<PathBuf> = if root.has("catalog") {
+        let paths = root.texts("catalog").unwrap_or_default();
+        let missing = paths.iter().filter(|p| !folder.join(p.get_ref()).exists());
+        for path in missing {
+            let message = format!("catalogue `{}`: there is no such file", path.get_ref());
+            root.note(Problem::at(path.span(), message, "paths are relative to this file"));
+        }
+        paths.iter().map(|p| folder.join(p.get_ref())).collect()
+    } else {
+        Vec::new()
+    };
+    let rules = root.text("rules").map(|file| folder.join(file.get_ref()));
+    let sections = root.sections("joint");
+    if sections.is_empty() && !root.has("joint") {
+        root.missing("joint", "a table [[joint]] for each joint of the requirement");
+    }
+    let mut found: HashMap<String, JointDesign> = HashMap::new();
+    let (mut seen, mut complete) = (HashMap::new(), true);
+    for section in sections {
+        let span = section.span();
+        let joint = read_joint(&section, robot.as_ref().map(|(_, robot)| robot), &folder, others);
+        if let Some(name) = section.text("name") {
+            if let Some(first) = seen.insert(name.get_ref().clone(), span) {
+                let line = section.source().position(first.start).0;
+                let message = format!("the joint `{}` stands twice in this design", name.get_ref());
+                root.note(
+                    Problem::at(name.span(), message, format!("first in line {line}")).help("remove one of the two"),
+                );
+            }
+        }
+        section.finish();
+        match joint {
+            Some(joint) => {
+                found.insert(joint.name.clone(), joint);
+            }
+            None => complete = false,
+        }
+    }
+    let (requirement, robot) = robot?;
+    let missing: Vec<&str> = robot.joints.iter().map(|j| j.name.as_str()).filter(|n| !seen.contains_key(*n)).collect();
+    if !missing.is_empty() && root.has("joint") {
+        let (joints, these) = if missing.len() == 1 { ("joint", "it") } else { ("joints", "each of them") };
+        root.note(
+            Problem::at(
+                requirement_span.clone(),
+                format!("the design has nothing for the {joints} `{}` of the requirement", missing.join("`, `")),
+                "asked for here",
+            )
+            .help(format!("add a table [[joint]] with name, motor and ratio for {these}")),
+        );
+    }
+    if !complete || !missing.is_empty() {
+        return None;
+    }
+    let joints = robot.joints.iter().map(|j| found.remove(&j.name)).collect::<Option<Vec<_>>>()?;
+    Some(DesignFile { source: root.source().clone(), requirement, requirement_span, robot, catalog, rules, joints })
+}
+
+/// Opens a file that the design names; where that fails, the problem stands at the name.
+fn open(root: &Section, folder: &Path, file: &str, span: Span<usize>, what: &str) -> Option<Arc<Source>> {
+    match Source::read(&folder.join(file)) {
+        Ok(source) => Some(source),
+        Err(error) => {
+            let first = error.problems.into_iter().next();
+            let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
+            let mut problem = Problem::at(span, format!("{what} `{file}`: {message}"), "named here");
+            problem.help = help;
+            root.note(problem);
+            None
+        }
+    }
+}
+
+fn read_joint(
+    section: &Section,
+    robot: Option<&Robot>,
+    folder: &Path,
+    others: &mut Vec<InputError>,
+) -> Option<JointDesign> {
+    let name = section.required_text("name", "\"knee\"");
+    let joint = name.as_ref().zip(robot).and_then(|(name, robot)| {
+        let joint = robot.joints.iter().find(|j| &j.name == name.get_ref());
+        if joint.is_none() {
+            let names: Vec<&str> = robot.joints.iter().map(|j| j.name.as_str()).collect();
+            let message = format!("the requirement has no joint `{}`", name.get_ref());
+            section.note(Problem::at(name.span(), message, "not a joint of the robot").suggest(name.get_ref(), names));
+        }
+        joint
+    });
+    let motor = match (section.has("motor"), section.has("actuator")) {
+        (true, true) => {
+            let span = section.span_of("actuator");
+            let message = "a joint has `motor` or `actuator` (a fitted one, which has its motor), not both";
+            section.note(Problem::at(span, message, "remove one of the two"));
+            None
+        }
+        (false, false) => {
+            section.missing("motor", "\"t-motor-ri50\"");
+            None
+        }
+        (true, false) => {
+            section.required_text("motor", "\"t-motor-ri50\"").map(|id| MotorName::Catalog(id.into_inner()))
+        }
+        (false, true) => section.required_text("actuator", "\"fitted.toml\"").and_then(|file| {
+            let source = open(section, folder, file.get_ref(), file.span(), "fitted actuator")?;
+            let motor = read_fitted(&source).map_err(|error| others.push(error)).ok()?;
+            Some(MotorName::Fitted { file: file.into_inner(), motor: Box::new(motor) })
+        }),
+    };
+    let motor_span = section.span_of(if section.has("motor") { "motor" } else { "actuator" });
+    let reduction = read_reduction(section, joint);
+    let reduction_span = section.span_of(if section.has("ratio") { "ratio" } else { "gear" });
+    let spring = section.section("spring").map(|table| {
+        let spring = read_spring(&table, joint);
+        table.finish();
+        spring
+    });
+    let load_inertia = section.quantity("load_inertia", &units::INERTIA, Range::Positive);
+    let spring = match spring {
+        Some(None) => return None,
+        Some(spring) => spring,
+        None => None,
+    };
+    Some(JointDesign {
+        name: name?.into_inner(),
+        motor: motor?,
+        reduction: reduction?,
+        spring,
+        load_inertia,
+        span: section.span(),
+        motor_span,
+        reduction_span,
+    })
+}
+
+fn read_reduction(section: &Section, joint: Option<&Joint>) -> Option<Reduction> {
+    match (section.has("ratio"), section.has("gear")) {
+        (true, true) => {
+            let span = section.span_of("gear");
+            let message = "a joint has `ratio` or `gear` (which has its ratio), not both";
+            section.note(Problem::at(span, message, "remove one of the two"));
+            None
+        }
+        (false, false) => {
+            section.missing("ratio", "9.0, or gear = \"planetary-…\" of the catalogue");
+            None
+        }
+        (false, true) => section.required_text("gear", "\"planetary-…\"").map(|id| Reduction::Gear(id.into_inner())),
+        (true, false) => {
+            let ratio = section.number("ratio", Range::Positive)?;
+            match joint.map(|j| &j.ratio) {
+                Some(RatioChoice::Catalog { patterns, .. }) => {
+                    let message = "the requirement takes the gears of this joint from the catalogue";
+                    section.note(
+                        Problem::at(section.span_of("ratio"), message, "expected `gear`")
+                            .help(format!("write gear = \"…\" with one that matches {}", patterns.join(", "))),
+                    );
+                    return None;
+                }
+                Some(RatioChoice::Continuous { min, max }) if !within(ratio, *min, *max) => {
+                    let message = format!("a ratio of {} is outside the requirement's range", number(ratio));
+                    let label = format!("expected {} to {}", number(*min), number(*max));
+                    section.note(Problem::at(section.span_of("ratio"), message, label));
+                    return None;
+                }
+                _ => {}
+            }
+            Some(Reduction::Ratio(ratio))
+        }
+    }
+}
+
+fn read_spring(table: &Section, joint: Option<&Joint>) -> Option<FixedSpring> {
+    let stiffness = table.required_quantity("stiffness", &units::STIFFNESS, Range::NonNegative);
+    let rest_angle = table.required_quantity("rest_angle", &units::ANGLE, Range::Any);
+    let spring = FixedSpring { stiffness: stiffness?, rest_angle: rest_angle? };
+    if joint.is_some_and(|j| j.motion.position.is_none()) {
+        let message = "a spring needs the position, but the joint's motion has none";
+        table.note(Problem::at(table.span(), message, "asked for here"));
+        return None;
+    }
+    // A requirement that lets no spring be chosen does not forbid one that is there.
+    let Some(asked) = joint.and_then(|j| j.limits.spring) else { return Some(spring) };
+    let mut inside = true;
+    let mut outside = |key, value: f64, [least, most]: [f64; 2], unit: &str| {
+        if !(least - 1e-9 * least.abs()..=most + 1e-9 * most.abs()).contains(&value) {
+            let message = format!("`{key}` of [spring] is outside the requirement's range");
+            let label = format!("expected {} to {} {unit}", number(least), number(most));
+            table.note(Problem::at(table.span_of(key), message, label));
+            inside = false;
+        }
+    };
+    outside("stiffness", spring.stiffness, asked.stiffness, "N*m/rad");
+    outside("rest_angle", spring.rest_angle, asked.rest_angle, "rad");
+    inside.then_some(spring)
+}

@@ -1,0 +1,83 @@
+//! Rules about the robot as a whole, and about the rules file.
+
+use crate::report::number;
+use crate::rules::facts::RobotFacts;
+use crate::rules::place::Place;
+use crate::rules::rule::{Remark, Rule, Severity, Test};
+
+pub(super) const MASS_BUDGET: Rule = Rule {
+    code: "GW040",
+    name: "mass-budget",
+    summary: "all actuators together stay within the mass budget",
+    severity: Severity::Error,
+    what: "Adds up the mass of motor and gear over all joints, each as often as the robot has it, and compares it with `actuator_mass` of the requirement's [budget].",
+    why: "The motions were computed with a robot of a certain mass; heavier actuators make every torque too small.",
+    example: "Twelve actuators of 520 g with a budget of 6 kg.",
+    mend: "Lighter actuators where loss costs least (`optimize --pareto loss,mass`), or a new budget and new motions.",
+    test: Test::Robot(mass_budget),
+};
+
+fn mass_budget(facts: &RobotFacts) -> Vec<Remark> {
+    let Some(budget) = facts.design.robot.budget.actuator_mass else { return Vec::new() };
+    let asked = Some(Place::RobotKey(&["budget", "actuator_mass"]));
+    match facts.total(|e| e.evaluation.mass) {
+        Some(mass) if mass > budget * (1.0 + 1e-9) => {
+            let message = format!("all actuators weigh {} kg, the budget is {} kg", number(mass), number(budget));
+            let remark = Remark::new(message, "mass", Place::Design);
+            vec![Remark { asked, value: Some(mass), bound: Some(budget), ..remark }]
+        }
+        Some(_) => Vec::new(),
+        None => {
+            let message = "the mass budget cannot be checked: the mass of a motor or gear is not known";
+            vec![Remark { asked, bound: Some(budget), ..Remark::new(message, "mass", Place::Design) }]
+        }
+    }
+}
+
+pub(super) const DISTINCT_MOTORS: Rule = Rule {
+    code: "GW041",
+    name: "distinct-motors",
+    summary: "no more different motors than allowed",
+    severity: Severity::Error,
+    what: "Counts the different motors of the design and compares with `max_distinct_motors` of the requirement's [budget].",
+    why: "Each further type is a further part to buy, to stock, to wind and to tune.",
+    example: "Three motors where two are allowed.",
+    mend: "Use one of the others again: `optimize` lists what each would cost at the joint.",
+    test: Test::Robot(|facts| {
+        let Some(most) = facts.design.robot.budget.max_distinct_motors else { return Vec::new() };
+        let motors = facts.motors();
+        if motors.len() <= most as usize {
+            return Vec::new();
+        }
+        let message = format!("{} different motors, {most} are allowed: {}", motors.len(), motors.join(", "));
+        let asked = Some(Place::RobotKey(&["budget", "max_distinct_motors"]));
+        let (value, bound) = (Some(motors.len() as f64), Some(f64::from(most)));
+        vec![Remark { asked, value, bound, ..Remark::new(message, "motors", Place::Design) }]
+    }),
+};
+
+/// An exception that excepts nothing.
+pub const UNUSED_ALLOW: Rule = Rule {
+    code: "GW301",
+    name: "unused-allow",
+    summary: "every exception of the rules file excepts something",
+    severity: Severity::Warning,
+    what: "Reports an [[allow]] of the rules file that met no finding.",
+    why: "An exception that outlives its reason hides the next finding of that rule.",
+    example: "[[allow]] of voltage-headroom at the knee after the bus went from 24 V to 48 V.",
+    mend: "Remove it.",
+    test: Test::RulesFile,
+};
+
+/// A pattern of joints that matches none.
+pub const SELECTS_NOTHING: Rule = Rule {
+    code: "GW302",
+    name: "selects-nothing",
+    summary: "every pattern of joints in the rules file matches a joint",
+    severity: Severity::Warning,
+    what: "Reports a pattern in `joints` of the rules file that matches no joint of the robot.",
+    why: "A rule for a joint that is not there (a typo, a joint renamed) checks nothing, silently.",
+    example: "joints = [\"kneee*\"] for a robot whose joint is called `knee`.",
+    mend: "Correct the pattern; `*` stands for any run of characters.",
+    test: Test::RulesFile,
+};
