@@ -20,7 +20,7 @@ use crate::requirement::{self, DesignFile, Joint, Robot};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise export design.toml --to urdf --out robot.urdf\n  gearwise export t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee --to mjcf\n  gearwise export t-motor-u8-lee requirements/quadruped_mini_cheetah.toml --joint knee --to json\n  gearwise export t-motor-ri50@9 robot.toml --joint knee --into model.xml --map 'knee=*_knee' --out with_motors.xml\n\nExit status 1 if a design is not feasible; it is exported all the same."
+    before_help = "Examples:\n  gearwise export requirements/designs/quadruped_mini_cheetah/design.toml --to mjcf\n  gearwise export design.toml --into robot.urdf --out with_limits.urdf\n  gearwise export t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee --to mjcf\n  gearwise export t-motor-u8-lee requirements/quadruped_mini_cheetah.toml --joint knee --to json\n  gearwise export t-motor-ri50@9 robot.toml --joint knee --into model.xml --map 'knee=*_knee' --out with_motors.xml\n\nExit status 1 if a design is not feasible; it is exported all the same."
 )]
 pub struct Arguments {
     /// Design file (TOML); or a motor's id, with `@RATIO` or `@GEAR`, else at its best ratio
