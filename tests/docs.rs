@@ -41,7 +41,10 @@ fn links_between_pages_lead_somewhere() {
             let target = target.unwrap_or_else(|| panic!("{}: {link}", path.display()));
             let slug = |h: &str| {
                 let kept = h.trim_start_matches('#').trim().to_lowercase();
-                kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_')).collect::<String>().replace(' ', "-")
+                kept.chars()
+                    .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'))
+                    .collect::<String>()
+                    .replace(' ', "-")
             };
             let found = anchor.is_empty() || target.lines().filter(|l| l.starts_with('#')).any(|l| slug(l) == anchor);
             assert!(found, "{}: {link}", path.display());
@@ -60,7 +63,8 @@ fn known(text: &str, arguments: &[&str]) -> Vec<(String, BTreeSet<String>)> {
         let path = entry.unwrap().path();
         std::fs::copy(&path, folder.path().join("motions").join(path.file_name().unwrap())).unwrap();
     }
-    let output = Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(folder.path()).output().unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(folder.path()).output().unwrap();
     let message = String::from_utf8(output.stderr).unwrap();
     let mut found = Vec::new();
     for part in message.split("error: ").filter(|p| p.starts_with("unknown key")) {
@@ -77,7 +81,8 @@ fn known(text: &str, arguments: &[&str]) -> Vec<(String, BTreeSet<String>)> {
 fn compare(tables: &[Table], known: &[(String, BTreeSet<String>)]) {
     for table in tables {
         let documented: BTreeSet<String> = table.keys.iter().map(|(key, ..)| (*key).to_string()).collect();
-        let (_, read) = known.iter().find(|(path, _)| path == table.path).unwrap_or_else(|| panic!("{} {known:?}", table.path));
+        let (_, read) =
+            known.iter().find(|(path, _)| path == table.path).unwrap_or_else(|| panic!("{} {known:?}", table.path));
         assert_eq!(&documented, read, "{}: documented on the left, read on the right", table.path);
     }
     for (path, keys) in known {

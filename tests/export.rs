@@ -76,15 +76,19 @@ fn the_numbers_are_those_on_paper() {
         assert_eq!(low, -high);
     }
     assert_relative_eq!(range(&document, "joint", "actuatorfrcrange")[1], 18.0, max_relative = 1e-12);
-    for said in ["velocity limit 33.94 rad/s (by the voltage without load)", "gear efficiency 0.8, backwards 0.75", "14.4 N*m reach"] {
+    for said in [
+        "velocity limit 33.94 rad/s (by the voltage without load)",
+        "gear efficiency 0.8, backwards 0.75",
+        "14.4 N*m reach",
+    ] {
         assert!(mjcf.contains(said), "{said}:\n{mjcf}");
     }
 
     let urdf = run("urdf");
     let document = Document::parse(&urdf).unwrap();
     assert_relative_eq!(attribute(&document, "limit", "effort"), 18.0, max_relative = 1e-12);
-    // 48/√2 V over 0.1 V·s/rad, over ten; the motor's 500 rad/s allow more.
-    assert_relative_eq!(attribute(&document, "limit", "velocity"), 48.0 / 2.0_f64.sqrt(), max_relative = 1e-12);
+    // 48/√2 V over 0.1 V·s/rad, over ten; the motor's 500 rad/s allow more. Twelve digits are written.
+    assert_relative_eq!(attribute(&document, "limit", "velocity"), 48.0 / 2.0_f64.sqrt(), max_relative = 1e-11);
     assert_relative_eq!(attribute(&document, "dynamics", "damping"), 1e-2, max_relative = 1e-12);
     assert_relative_eq!(attribute(&document, "dynamics", "friction"), 0.1, max_relative = 1e-12);
     let inside = |tag: &str| document.descendants().find(|n| n.tag_name().name() == tag).unwrap();
@@ -96,7 +100,8 @@ fn the_numbers_are_those_on_paper() {
 
     let json: Value = serde_json::from_str(&run("json")).unwrap();
     let joint = &json["joints"][0];
-    let is = |key: &str, expected: f64| assert_relative_eq!(joint[key].as_f64().unwrap(), expected, max_relative = 1e-12);
+    let is =
+        |key: &str, expected: f64| assert_relative_eq!(joint[key].as_f64().unwrap(), expected, max_relative = 1e-12);
     is("armature_kgm2", 3e-3);
     is("damping_nms_per_rad", 1e-2);
     is("friction_loss_nm", 0.1);
@@ -145,7 +150,11 @@ fn effects_go_where_they_say_or_into_the_comments() {
     let document = Document::parse(&text).unwrap();
     assert_relative_eq!(attribute(&document, "joint", "frictionloss"), 0.2, max_relative = 1e-12);
     assert_relative_eq!(attribute(&document, "joint", "damping"), 1e-2, max_relative = 1e-12);
-    for said in ["left out: stribeck_friction: c_s exp", "a stiffness of 1000 N*m/rad between motor and output", "fitted from run.csv, SHA-256 00ff"] {
+    for said in [
+        "left out: stribeck_friction: c_s exp",
+        "a stiffness of 1000 N*m/rad between motor and output",
+        "fitted from run.csv, SHA-256 00ff",
+    ] {
         assert!(text.contains(said), "{said}:\n{text}");
     }
 }
@@ -167,7 +176,9 @@ fn names_are_escaped_and_comments_end_where_they_should() {
 #[test]
 fn the_same_input_gives_the_same_bytes() {
     for to in ["mjcf", "urdf", "json"] {
-        let run = |threads| gearwise(&["export", "t-motor-ri50", ROBOT, "--joint", "knee", "--to", to, "--threads", threads]).stdout;
+        let run = |threads| {
+            gearwise(&["export", "t-motor-ri50", ROBOT, "--joint", "knee", "--to", to, "--threads", threads]).stdout
+        };
         assert!(!run("1").is_empty());
         assert_eq!(run("1"), run("3"));
     }
@@ -202,11 +213,14 @@ fn a_model_is_patched_where_it_should_and_stays_as_it_is_elsewhere() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
     let document = Document::parse(&text).unwrap();
-    let joint = |name: &str| document.descendants().find(|n| n.has_tag_name("joint") && n.attribute("name") == Some(name)).unwrap();
+    let joint = |name: &str| {
+        document.descendants().find(|n| n.has_tag_name("joint") && n.attribute("name") == Some(name)).unwrap()
+    };
     for name in ["left_knee", "right_knee"] {
         assert_eq!(joint(name).attribute("armature"), Some("0.003"), "{text}");
         assert_eq!(joint(name).attribute("damping"), Some("0.01"));
-        let motors: Vec<_> = document.descendants().filter(|n| n.has_tag_name("motor") && n.attribute("joint") == Some(name)).collect();
+        let motors: Vec<_> =
+            document.descendants().filter(|n| n.has_tag_name("motor") && n.attribute("joint") == Some(name)).collect();
         assert_eq!(motors.len(), 1, "{text}");
         assert_eq!(motors[0].attribute("gear"), Some("10"));
     }
@@ -278,4 +292,42 @@ fn an_output_file_says_what_was_written() {
     let output = gearwise(&[&arguments[..], &["--out", out.to_str().unwrap()]].concat());
     assert_eq!(std::fs::read_to_string(&out).unwrap(), plain);
     assert!(stdout(&output).starts_with("knee: t-motor-ri50 at N = 9, armature "), "{}", stdout(&output));
+}
+
+#[test]
+fn a_design_file_exports_all_its_joints() {
+    let folder = tempfile::tempdir().unwrap();
+    let [motors, _] = worked_example(folder.path(), "j");
+    let motion =
+        "time [s],torque [N*m],velocity [rad/s],position [rad]\n0,1,0,0\n1,1,1,0.5\n2,1,0,1\n3,1,-1,0.5\n4,1,0,0\n";
+    write(folder.path(), "swing.csv", motion);
+    let joint = |name: &str, more: &str| {
+        format!("[[joint]]\nname = \"{name}\"\nratio = {{ min = 3, max = 30 }}\nmotion = \"swing.csv\"\n{more}")
+    };
+    let spring = "spring = { stiffness = [\"0 N*m/rad\", \"9 N*m/rad\"], rest_angle = [\"-1 rad\", \"1 rad\"] }\n";
+    let robot = format!("name = \"x\"\nbus = {{ voltage = \"48 V\" }}\n{}{}", joint("hip", spring), joint("knee", ""));
+    write(folder.path(), "robot.toml", &robot);
+    let design = format!(
+        "requirement = \"robot.toml\"\ncatalog = [{}]\n[[joint]]\nname = \"hip\"\nmotor = \"m\"\nratio = 6.0\n\
+         spring = {{ stiffness = \"4 N*m/rad\", rest_angle = \"0.5 rad\" }}\n[[joint]]\nname = \"knee\"\nmotor = \"m\"\nratio = 9.0\n",
+        toml::Value::String(motors)
+    );
+    let design = write(folder.path(), "design.toml", &design);
+    let output = gearwise(&["export", &design, "--to", "json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let armature = |k: usize| json["joints"][k]["armature_kgm2"].as_f64().unwrap();
+    assert_relative_eq!(armature(0), 36.0 * 2e-5, max_relative = 1e-12);
+    assert_relative_eq!(armature(1), 81.0 * 2e-5, max_relative = 1e-12);
+    assert_eq!(json["design"], "design.toml");
+    assert!(
+        json["joints"][0]["left_out"].to_string().contains("parallel spring of 4 N*m/rad with its rest at 0.5 rad")
+    );
+    let one = stdout(&gearwise(&["export", &design, "--to", "mjcf", "--joint", "knee"]));
+    assert!(one.contains("knee_actuator") && !one.contains("hip_actuator"));
+    // A joint that is not there, a motor where a design is expected.
+    let wrong = gearwise(&["export", &design, "--to", "mjcf", "--joint", "kneee"]);
+    assert!(wrong.status.code() == Some(2) && stderr(&wrong).contains("did you mean `knee`?"));
+    let wrong = gearwise(&["export", "m@9", "--to", "mjcf"]);
+    assert!(wrong.status.code() == Some(2) && stderr(&wrong).contains("a motor needs its requirement"));
 }

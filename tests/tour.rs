@@ -33,7 +33,11 @@ fn commands(page: &str) -> Vec<Shown> {
             }
             (Some("console"), None) => match line.strip_prefix("$ ") {
                 Some(command) => found.push(Shown { command: command.into(), output: Vec::new() }),
-                None => found.last_mut().unwrap_or_else(|| panic!("output before a command: {line}")).output.push(line.trim_end().into()),
+                None => found
+                    .last_mut()
+                    .unwrap_or_else(|| panic!("output before a command: {line}"))
+                    .output
+                    .push(line.trim_end().into()),
             },
             (Some("text"), None) => found.last_mut().unwrap().output.push(line.trim_end().into()),
             (Some(_), None) => {}
@@ -51,9 +55,12 @@ fn compare(shown: &[String], printed: &str) -> Result<(), String> {
         if part.is_empty() {
             continue;
         }
-        let here = |start: usize| printed[start..].iter().zip(part).all(|(p, s)| p == s) && start + part.len() <= printed.len();
+        let here = |start: usize| {
+            printed[start..].iter().zip(part).all(|(p, s)| p == s) && start + part.len() <= printed.len()
+        };
         let start = if index == 0 { Some(0).filter(|s| here(*s)) } else { (at..printed.len()).find(|s| here(*s)) };
-        let start = start.ok_or_else(|| format!("not printed:\n{}\n\nprinted:\n{}", part.join("\n"), printed.join("\n")))?;
+        let start =
+            start.ok_or_else(|| format!("not printed:\n{}\n\nprinted:\n{}", part.join("\n"), printed.join("\n")))?;
         at = start + part.len();
     }
     Ok(())
@@ -76,14 +83,20 @@ fn every_command_of_the_documentation_prints_what_is_shown() {
             let all = words(&shown.command);
             let arguments = match all.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
                 ["gearwise", ..] => &all[1..],
-                ["cargo", "run", ..] => &all[all.iter().position(|w| w == "--").expect("cargo run … -- arguments") + 1..],
+                ["cargo", "run", ..] => {
+                    &all[all.iter().position(|w| w == "--").expect("cargo run … -- arguments") + 1..]
+                }
                 _ => continue,
             };
             let expected = shown.command.split("# exit status ").nth(1).map_or(0, |s| s.trim().parse().unwrap());
             let output = workspace.run(arguments);
             let said = String::from_utf8_lossy(&output.stderr);
             if output.status.code() != Some(expected) {
-                wrong.push(format!("{page}: $ {}\nexit status {:?}, {expected} expected\n{said}", shown.command, output.status.code()));
+                wrong.push(format!(
+                    "{page}: $ {}\nexit status {:?}, {expected} expected\n{said}",
+                    shown.command,
+                    output.status.code()
+                ));
                 continue;
             }
             ran += 1;

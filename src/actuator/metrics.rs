@@ -228,7 +228,10 @@ pub fn metric(name: &str) -> Option<&'static Metric> {
 impl Metric {
     /// The monomial that it is, as in `J_m R / (K_T K_B)`.
     pub fn formula(&self) -> String {
+        // A root of everything is written once.
+        let root = self.exponents.iter().all(|(_, e)| e.abs() == 0.5);
         let power = |(parameter, exponent): &(Parameter, f64)| match exponent.abs() {
+            _ if root => parameter.symbol().to_string(),
             1.0 => parameter.symbol().to_string(),
             0.5 => format!("√{}", parameter.symbol()),
             2.0 => format!("{}²", parameter.symbol()),
@@ -239,11 +242,12 @@ impl Metric {
             factors.collect::<Vec<_>>()
         };
         let (above, below) = (part(true), part(false));
-        match below.len() {
+        let formula = match below.len() {
             0 => above.join(" "),
             1 => format!("{}/{}", above.join(" "), below[0]),
             _ => format!("{}/({})", above.join(" "), below.join(" ")),
-        }
+        };
+        if root { format!("√({formula})") } else { formula }
     }
 
     /// The metric of a motor, with `default_tolerance` (relative) in place of every missing ±;

@@ -34,8 +34,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     super::check_gears(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
-    let story = explain(&robot, joint, motor, gear, ratio)
-        .map_err(|why| Failure::Argument(format!("{} cannot be explained at this joint: {}", motor.id, why.reason())))?;
+    let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| {
+        Failure::Argument(format!("{} cannot be explained at this joint: {}", motor.id, why.reason()))
+    })?;
     let text = if arguments.json { crate::report::json_text(&report::json(&story)) } else { report::text(&story) };
     Ok(Done { text, satisfied: story.evaluation.feasible })
 }

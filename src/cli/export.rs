@@ -139,7 +139,11 @@ fn exported<'a>(
     if let Some((stiffness, rest_angle)) = spring.filter(|(stiffness, _)| *stiffness > 0.0) {
         let number = crate::report::number;
         simulated.left_out.push(LeftOut {
-            what: format!("parallel spring of {} N*m/rad with its rest at {} rad", number(stiffness), number(rest_angle)),
+            what: format!(
+                "parallel spring of {} N*m/rad with its rest at {} rad",
+                number(stiffness),
+                number(rest_angle)
+            ),
             why: "it belongs to the joint, not to the actuator: give the joint this stiffness and rest angle".into(),
         });
     }
@@ -220,8 +224,10 @@ fn names(map: &[String], joints: &[Exported]) -> Result<Vec<(String, String)>, F
         };
         if joints.iter().all(|e| e.joint != joint) {
             let known = joints.iter().map(|e| e.joint);
-            let help = crate::input::nearest(joint, known.clone())
-                .map_or_else(|| format!("there are: {}", known.collect::<Vec<_>>().join(", ")), |n| format!("did you mean `{n}`?"));
+            let help = crate::input::nearest(joint, known.clone()).map_or_else(
+                || format!("there are: {}", known.collect::<Vec<_>>().join(", ")),
+                |n| format!("did you mean `{n}`?"),
+            );
             return Err(Failure::Argument(format!("`--map {text}`: the design has no joint `{joint}`; {help}")));
         }
         Ok((joint.to_string(), pattern.to_string()))

@@ -80,8 +80,7 @@ impl SimulatedJoint {
             backdrive_efficiency: candidate.gear.backdrive_efficiency,
             left_out: Vec::new(),
         };
-        joint.speed_at_motor_torque =
-            joint.motor_torque.map(|torque| speed_at_torque(candidate, torque.value) / ratio);
+        joint.speed_at_motor_torque = joint.motor_torque.map(|torque| speed_at_torque(candidate, torque.value) / ratio);
         for effect in EFFECTS {
             let declared = effect.declared(motor);
             let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
@@ -91,7 +90,7 @@ impl SimulatedJoint {
         }
         for (name, value) in [("viscous friction", joint.damping), ("Coulomb friction", joint.friction_loss)] {
             if value.is_none() {
-                joint.leave_out(name, "the motor's is not known; the simulator takes none");
+                joint.leave_out(name, "the motor's is not known; nothing is written");
             }
         }
         joint.leave_out_the_gear(candidate);
@@ -137,11 +136,8 @@ impl SimulatedJoint {
     fn leave_out_the_gear(&mut self, candidate: &Candidate) {
         let number = crate::report::number;
         if self.efficiency != 1.0 || self.backdrive_efficiency != 1.0 {
-            let what = format!(
-                "gear efficiency {}, backwards {}",
-                number(self.efficiency),
-                number(self.backdrive_efficiency)
-            );
+            let what =
+                format!("gear efficiency {}, backwards {}", number(self.efficiency), number(self.backdrive_efficiency));
             let loss = self.effort().map_or_else(String::new, |effort| {
                 format!(
                     ": of {} N*m at most {} N*m reach a load that the motor drives",
@@ -172,12 +168,15 @@ impl SimulatedJoint {
     fn leave_out_the_drive(&mut self, candidate: &Candidate) {
         let number = crate::report::number;
         let motor = candidate.motor;
-        let peak = self.speed_at_motor_torque.map_or_else(String::new, |speed| {
-            format!("; the largest torque can be had up to {} rad/s", number(speed))
-        });
+        let peak = self
+            .speed_at_motor_torque
+            .map_or_else(String::new, |speed| format!("; the largest torque can be had up to {} rad/s", number(speed)));
         self.leave_out(
             "torque that falls with speed",
-            format!("the voltage ends all torque at {} rad/s{peak}", number(candidate.voltage() / motor.back_emf_constant / self.ratio)),
+            format!(
+                "the voltage ends all torque at {} rad/s{peak}",
+                number(candidate.voltage() / motor.back_emf_constant / self.ratio)
+            ),
         );
         match motor.inductance {
             Some(inductance) => self.leave_out(

@@ -72,7 +72,7 @@ pub fn element(tag: &str, attributes: &[(&'static str, String)]) -> String {
 pub fn text(origin: &Origin, joints: &[Exported]) -> String {
     let mut out = header(origin, joints);
     out.push_str("\n<!-- include this file, and give each joint its class, as in <joint name=\"knee\" class=\"knee_actuator\"/>;\n");
-    out.push_str("     or let `gearwise export` write into the model with `into` -->\n");
+    out.push_str("     or let `gearwise export` write into the model, with its option `into` -->\n");
     out.push_str("<mujoco>\n  <default>\n");
     for e in joints {
         out.push_str(&format!("    <default class=\"{}\">\n", escape(&class(e.joint))));

@@ -126,7 +126,10 @@ pub const MARK: &str = " gearwise export";
 fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Exported) -> Vec<String>) -> Vec<String> {
     let mut lines = vec![
         format!("{MARK}, gearwise {}", env!("CARGO_PKG_VERSION")),
-        format!("requirement {} (robot {}), SHA-256 {}", origin.requirement.name, origin.robot, origin.requirement.sha256),
+        format!(
+            "requirement {} (robot {}), SHA-256 {}",
+            origin.requirement.name, origin.robot, origin.requirement.sha256
+        ),
     ];
     lines.extend(origin.design.iter().map(|d| format!("design {}, SHA-256 {}", d.name, d.sha256)));
     for e in joints {

@@ -137,7 +137,8 @@ pub fn patch(text: &str, origin: &Origin, joints: &[Exported], names: &Names) ->
         let found: Vec<Node> = own.iter().filter(meant).copied().collect();
         if found.is_empty() {
             let all: Vec<&str> = own.iter().filter_map(|n| n.attribute("name")).collect();
-            let near = nearest(patterns[0], all.iter().copied()).map_or_else(String::new, |n| format!(" (`{n}` is near)"));
+            let near =
+                nearest(patterns[0], all.iter().copied()).map_or_else(String::new, |n| format!(" (`{n}` is near)"));
             let shown = all.iter().take(12).copied().collect::<Vec<_>>().join(", ");
             return Err(format!(
                 "no joint matches `{}`{near}; its joints: {shown}; say which are meant with `--map {}=PATTERN`",

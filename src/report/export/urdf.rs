@@ -28,7 +28,7 @@ fn remarks(e: &Exported) -> Vec<String> {
     let s = &e.simulated;
     let number = crate::report::number;
     let mut lines = vec![format!(
-        "left out: armature {} kg*m^2 = N^2 (J_m + J_g): URDF has none; Drake reads the rotor's from the transmission",
+        "left out: armature {} kg*m^2 = N^2 (J_m + J_g): URDF has none; Drake reads J_m + J_g and N from the transmission",
         digits(s.armature)
     )];
     lines.extend(s.effort().map(|b| format!("effort by the {}, {} N*m", b.owner, number(b.value))));
@@ -69,7 +69,7 @@ pub fn transmission(e: &Exported, joint: &str, indent: &str) -> String {
 pub fn text(origin: &Origin, joints: &[Exported]) -> String {
     let mut out = header(origin, joints);
     out.push_str("\n<!-- copy limit and dynamics into the joint of the same name, or let `gearwise export` write\n");
-    out.push_str("     into the model with `into`; links, axes and ranges of angle are the model's -->\n");
+    out.push_str("     into the model, with its option `into`; links, axes and ranges of angle are the model's -->\n");
     out.push_str(&format!("<robot name=\"{}\" xmlns:drake=\"{DRAKE}\">\n", escape(&origin.robot)));
     for e in joints {
         out.push_str(&format!("  <joint name=\"{}\" type=\"revolute\">\n", escape(e.joint)));

@@ -63,9 +63,11 @@ fn one(effect: &dyn Effect) -> String {
         effect.name(),
         effect.equation()
     );
-    let rows = effect.parameters().iter().enumerate().map(|(k, p)| {
-        vec![code(p.name), code(p.symbol), code(p.kind.si), believed(effect, k)]
-    });
+    let rows = effect
+        .parameters()
+        .iter()
+        .enumerate()
+        .map(|(k, p)| vec![code(p.name), code(p.symbol), code(p.kind.si), believed(effect, k)]);
     out.push_str(&table(&["parameter", "symbol", "SI unit", "believed"], rows));
     out
 }
@@ -83,7 +85,9 @@ fn believed(effect: &dyn Effect, index: usize) -> String {
         values[index] = value;
         effect.plausible(&values, &SCALE)
     };
-    let of = |why: String| why.split_once("more than ").and_then(|(_, of)| of.split_once(" (")).map(|(of, _)| of.to_string());
+    let of = |why: String| {
+        why.split_once("more than ").and_then(|(_, of)| of.split_once(" (")).map(|(of, _)| of.to_string())
+    };
     let above = match with(-1e-9) {
         Err(why) if why.contains("negative") => "above zero",
         _ => "either sign",

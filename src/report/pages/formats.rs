@@ -7,8 +7,8 @@ use crate::catalog::convention::{
     BLOCK, BackEmfConvention, Commutation, CurrentConvention, Modulation, SpeedConstantConvention, Terminals, Winding,
 };
 use crate::catalog::{FIELDS, GearKind, SourceKind, gear_columns, motor_columns};
-use crate::input::csv::{Column, Content};
 use crate::input::Range;
+use crate::input::csv::{Column, Content};
 use crate::measured::BenchKind;
 use crate::requirement::motion;
 
@@ -60,7 +60,11 @@ pub const REQUIREMENT: &[Table] = &[
             ("name", "text", "name of the joint; required"),
             ("count", "whole number", "how many joints like this; 1 unless said"),
             ("ratio", "table", "a continuous ratio; this or `gears`"),
-            ("gears", "list of patterns", "gears of the catalogue by id, `*` for any run of characters; this or `ratio`"),
+            (
+                "gears",
+                "list of patterns",
+                "gears of the catalogue by id, `*` for any run of characters; this or `ratio`",
+            ),
             ("gear", "table", "the gear that goes with a continuous ratio; ideal unless said"),
             ("motion", "file", "CSV file beside this one; this or `points`"),
             ("points", "list of tables", "operating points, each for itself; this or `motion`"),
@@ -91,7 +95,11 @@ pub const REQUIREMENT: &[Table] = &[
             ("peak_torque", "torque", "largest, at the output"),
             ("continuous_torque", "torque", "for ever, at the output"),
             ("max_input_speed", "speed", "largest, at the input"),
-            ("efficiency_covers", "`load`", "`load_and_gear` needs gears of the catalogue, and stands in the joint there"),
+            (
+                "efficiency_covers",
+                "`load`",
+                "`load_and_gear` needs gears of the catalogue, and stands in the joint there",
+            ),
         ],
     },
     Table {
@@ -270,7 +278,11 @@ pub const FITTED: &[Table] = &[
         path: "",
         keys: &[
             ("gearwise", "text", "version that fitted it; required"),
-            ("motor", "table", "the columns of a motor catalogue, values with their units; `…_tolerance` too; required"),
+            (
+                "motor",
+                "table",
+                "the columns of a motor catalogue, values with their units; `…_tolerance` too; required",
+            ),
             ("gear", "table", "numbers of the gear on the bench"),
             ("effects", "table of tables", "what was found, by name; `[[effects.cogging]]` for several orders"),
             ("covariance", "table", "of the fitted numbers"),
@@ -336,15 +348,29 @@ pub fn text() -> String {
     out.push_str("\n## Motion (CSV)\n\nWhat the joint does, at the output, without the actuator's own rotor; torque × velocity > 0 means that the motor drives. Time increases; the last row repeats the first of a periodic motion. `velocity` or `position` must be there; what is missing comes from a cubic spline.\n\n");
     out.push_str(&columns(&motion::columns(), |name| motion_about(name).into()));
     out.push_str("\n## Motor catalogue (CSV)\n\nOne row for each motor, as its sheet prints it; the row says in which conventions, and the reader converts to the power-invariant q axis. Blank is unknown, not zero. Every numeric column may have a `…_tolerance` beside it, in a unit of the same kind or in `%`.\n\n");
-    let motor: Vec<Column> = motor_columns().into_iter().filter(|c| !matches!(c.content, Content::Tolerance(_))).collect();
+    let motor: Vec<Column> =
+        motor_columns().into_iter().filter(|c| !matches!(c.content, Content::Tolerance(_))).collect();
     out.push_str(&columns(&motor, motor_about));
     out.push_str(&conventions());
     out.push_str("\n## Gear catalogue (CSV)\n\nTorques, backlash and stiffness at the output; inertia and speed at the input.\n\n");
     out.push_str(&columns(&gear_columns(), gear_about));
-    section(&mut out, "Fitted actuator (TOML)", "Written by `identify --write`; stands wherever a catalogue file may stand.", FITTED);
+    section(
+        &mut out,
+        "Fitted actuator (TOML)",
+        "Written by `identify --write`; stands wherever a catalogue file may stand.",
+        FITTED,
+    );
     let names: Vec<String> = EFFECTS.iter().map(|e| format!("`{}`", e.name())).collect();
-    out.push_str(&format!("\nTables of `[effects]`: {}; their parameters are on the page of [effects](effects.md).\n", names.join(", ")));
-    section(&mut out, "Design (TOML)", "What was chosen: for `check` and `export`; `optimize --write-design` makes one.", DESIGN);
+    out.push_str(&format!(
+        "\nTables of `[effects]`: {}; their parameters are on the page of [effects](effects.md).\n",
+        names.join(", ")
+    ));
+    section(
+        &mut out,
+        "Design (TOML)",
+        "What was chosen: for `check` and `export`; `optimize --write-design` makes one.",
+        DESIGN,
+    );
     section(&mut out, "Bench (TOML)", "For `identify`.", BENCH);
     tables(&mut out, BENCH_MORE);
     let kinds: Vec<String> = BenchKind::NAMES.iter().map(|(name, _)| format!("`{name}`")).collect();
@@ -426,7 +452,9 @@ fn motor_about(name: &str) -> String {
         "commutation" => format!("{}; brushless unless said", choices(Commutation::NAMES)),
         "winding" => format!("{}; needed where `terminals` is `winding`", choices(Winding::NAMES)),
         "back_emf_convention" => format!("needed with `back_emf_constant`: {}", choices(BackEmfConvention::NAMES)),
-        "speed_constant_convention" => format!("needed with `speed_constant`: {}", choices(SpeedConstantConvention::NAMES)),
+        "speed_constant_convention" => {
+            format!("needed with `speed_constant`: {}", choices(SpeedConstantConvention::NAMES))
+        }
         "note" => "what the reader of the row should know".into(),
         "audit_accept" => "codes of audit findings that the note explains".into(),
         "pole_pairs" => "p".into(),
@@ -463,21 +491,16 @@ fn conventions() -> String {
         number(BLOCK)
     );
     let currents = CurrentConvention::NAMES.iter().map(|(name, c)| {
-        vec![
-            code(name),
-            number(c.torque_constant(b)),
-            number(c.torque_current(b)),
-            number(c.heating_current(b)),
-        ]
+        vec![code(name), number(c.torque_constant(b)), number(c.torque_current(b)), number(c.heating_current(b))]
     });
     out.push_str(&table(&["`current`", "torque constant", "peak current", "continuous current"], currents));
     out.push('\n');
     let emf = BackEmfConvention::NAMES.iter().map(|(name, c)| vec![code(name), number(c.back_emf_constant(b))]);
     out.push_str(&table(&["`back_emf_convention`", "back-EMF constant"], emf));
     out.push('\n');
-    let speed = SpeedConstantConvention::NAMES.iter().map(|(name, c)| {
-        vec![code(name), format!("{}/Kv", number(c.back_emf_constant(b)))]
-    });
+    let speed = SpeedConstantConvention::NAMES
+        .iter()
+        .map(|(name, c)| vec![code(name), format!("{}/Kv", number(c.back_emf_constant(b)))]);
     out.push_str(&table(&["`speed_constant_convention`", "back-EMF constant"], speed));
     out.push('\n');
     let terminals = Terminals::NAMES.iter().map(|(name, t)| {

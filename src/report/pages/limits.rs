@@ -17,7 +17,7 @@ pub fn text() -> String {
     let rows = LIMITS.iter().map(|limit| {
         let needs = missing.iter().filter(|(name, _)| *name == limit.name).map(|(_, why)| *why);
         let needs: Vec<&str> = needs.collect();
-        let needs = if needs.is_empty() { "always, or only where a bound is given".into() } else { needs.join("; ") };
+        let needs = if needs.is_empty() { "what it compares is not given".into() } else { needs.join("; ") };
         vec![
             format!("`{}`", limit.name),
             format!("`{}`", limit.formula),
@@ -39,7 +39,8 @@ pub fn text() -> String {
 fn missing() -> Vec<(&'static str, &'static str)> {
     const BARE: &str = "b,q_axis,q_axis,1,,0.1,1e-5,,,,,,";
     const FULL: &str = "f,q_axis,q_axis,1,1e-3,0.1,1e-5,1,7,5,20,400,2";
-    const GEAR: &str = "id,kind,ratio,efficiency,inertia [kg*m^2],source,source_kind\ng,planetary,9,0.9,1e-6,s,derived\n";
+    const GEAR: &str =
+        "id,kind,ratio,efficiency,inertia [kg*m^2],source,source_kind\ng,planetary,9,0.9,1e-6,s,derived\n";
     let mut found: Vec<(&'static str, &'static str)> = Vec::new();
     for (row, duration) in [(BARE, ", duration = \"1 s\""), (FULL, "")] {
         let motors = format!(
@@ -61,7 +62,9 @@ fn missing() -> Vec<(&'static str, &'static str)> {
         };
         let joint = &robot.joints[0];
         let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
-        let Ok(candidate) = geared_candidate(&robot, joint, &load, &catalog.motors[0], &catalog.gears[0]) else { continue };
+        let Ok(candidate) = geared_candidate(&robot, joint, &load, &catalog.motors[0], &catalog.gears[0]) else {
+            continue;
+        };
         let unknown = |limit: &'static Limit| match limit.check(&candidate) {
             Check::Unknown(why) => Some((limit.name, why)),
             _ => None,

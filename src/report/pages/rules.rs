@@ -9,11 +9,23 @@ pub fn text() -> String {
          and findings allowed with a reason in a rules file; `gearwise rule CODE` prints one of these.\n\n"
     );
     let rows = RULES.iter().map(|r| {
-        vec![format!("[{}](#{})", r.code, r.code.to_lowercase()), r.name.into(), r.severity.name().into(), r.summary.into()]
+        vec![
+            format!("[{}](#{})", r.code, r.code.to_lowercase()),
+            r.name.into(),
+            r.severity.name().into(),
+            r.summary.into(),
+        ]
     });
     out.push_str(&table(&["code", "name", "severity", "asks that"], rows));
     for rule in RULES {
-        out.push_str(&format!("\n## {}\n\n**{}** ({}): {}\n\n{}\n", rule.code, rule.name, rule.severity.name(), rule.summary, rule.what));
+        out.push_str(&format!(
+            "\n## {}\n\n**{}** ({}): {}\n\n{}\n",
+            rule.code,
+            rule.name,
+            rule.severity.name(),
+            rule.summary,
+            rule.what
+        ));
         if let Test::Bounds { measures: names, min, max } = &rule.test {
             let show = |value: f64| measure(names[0]).map_or_else(|| value.to_string(), |m| m.show(value));
             let ends = [min.map(|v| format!("min = {}", show(v))), max.map(|v| format!("max = {}", show(v)))];
