@@ -89,7 +89,8 @@ fn write_lock(
     design: &DesignFile,
     catalog: &crate::catalog::Catalog,
 ) -> Result<Option<String>, Failure> {
-    if !arguments.update_lock && !(arguments.lock && !path.exists()) {
+    let missing = arguments.lock && !path.exists();
+    if !arguments.update_lock && !missing {
         return Ok(None);
     }
     let choices = design.choices(catalog).map_err(|e| vec![e])?;

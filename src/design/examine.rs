@@ -127,11 +127,12 @@ mod tests {
         let time: Vec<f64> = (0..=200).map(|k| f64::from(k) / 200.0).collect();
         let turn = std::f64::consts::TAU;
         let position: Vec<f64> = time.iter().map(|t| 0.4 * (turn * t).sin()).collect();
-        let velocity = time.iter().map(|t| 0.4 * turn * (turn * t).cos()).collect();
+        let velocity: Vec<f64> = time.iter().map(|t| 0.4 * turn * (turn * t).cos()).collect();
         let acceleration: Vec<f64> = position.iter().map(|q| -turn * turn * q).collect();
         let kick = |t: f64| push * f64::from(t > 0.2 && t < 0.4);
         let torque = (0..time.len()).map(|k| 0.3 * acceleration[k] + 8.0 * position[k].sin() + kick(time[k])).collect();
-        let samples = Samples { time, torque, velocity, position: Some(position), ..Samples::default() };
+        let samples =
+            Samples { time, torque, velocity: Some(velocity), position: Some(position), ..Samples::default() };
         Motion::from_samples(samples, Course::Periodic(1.0))
     }
 

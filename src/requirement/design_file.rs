@@ -239,14 +239,12 @@ fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFil
     for section in sections {
         let span = section.span();
         let joint = read_joint(&section, robot.as_ref().map(|(_, robot)| robot), &folder, others);
-        if let Some(name) = section.text("name") {
-            if let Some(first) = seen.insert(name.get_ref().clone(), span) {
-                let line = section.source().position(first.start).0;
-                let message = format!("the joint `{}` stands twice in this design", name.get_ref());
-                root.note(
-                    Problem::at(name.span(), message, format!("first in line {line}")).help("remove one of the two"),
-                );
-            }
+        if let Some(name) = section.text("name")
+            && let Some(first) = seen.insert(name.get_ref().clone(), span)
+        {
+            let line = section.source().position(first.start).0;
+            let message = format!("the joint `{}` stands twice in this design", name.get_ref());
+            root.note(Problem::at(name.span(), message, format!("first in line {line}")).help("remove one of the two"));
         }
         section.finish();
         match joint {

@@ -7,6 +7,7 @@ use super::facts::{JointFacts, RobotFacts};
 use super::place::Place;
 use crate::actuator::limits::LIMITS;
 use crate::actuator::metrics::METRICS;
+use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::Examined;
 use crate::units::{self, Kind};
 
@@ -70,6 +71,13 @@ impl Measure {
             Value::Reserve(limit) => examined.reserve(facts.choice.joint, limit),
             Value::Metric(_) | Value::Robot(_) => None,
         }
+    }
+
+    /// Whether it is the reserve of a limit that is exceeded.
+    pub fn is_exceeded(&self, facts: &JointFacts) -> bool {
+        let Value::Reserve(limit) = self.value else { return false };
+        let margin = facts.examined.as_ref().ok().and_then(|e| e.margin(limit));
+        margin.is_some_and(|margin| margin < -FEASIBILITY_TOLERANCE)
     }
 
     /// Its value for the robot, SI; `None` where unknown.

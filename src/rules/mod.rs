@@ -231,7 +231,8 @@ impl Checker<'_> {
                     bounds.min = tuning.min.or(bounds.min);
                     bounds.max = tuning.max.or(bounds.max);
                 }
-                within(&named, &bounds, |m| m.at(joint))
+                // A limit that is exceeded is an error already; its reserve has nothing to add.
+                within(&named, &bounds, |m| m.at(joint).filter(|_| !m.is_exceeded(joint)))
             }
             Test::Joint(look) => Ok(look(joint)),
             Test::Robot(_) | Test::RulesFile => return,

@@ -65,7 +65,7 @@ pub const UNUSED_ALLOW: Rule = Rule {
     what: "Reports an [[allow]] of the rules file that met no finding.",
     why: "An exception that outlives its reason hides the next finding of that rule.",
     example: "[[allow]] of voltage-headroom at the knee after the bus went from 24 V to 48 V.",
-    mend: "Remove it.",
+    mend: "Remove it, or correct its `joints` or `subject`.",
     test: Test::RulesFile,
 };
 
