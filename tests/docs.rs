@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 
 use common::repository;
-use gearwise::report::pages::formats::{BENCH, BENCH_MORE, DESIGN, FITTED, REQUIREMENT, Table};
+use gearwise::report::pages::formats::{BENCH, BENCH_MORE, DESIGN, FITTED, REQUIREMENT, RULES, Table};
 
 #[test]
 fn the_committed_pages_are_what_the_program_makes() {
@@ -118,6 +118,16 @@ fn designs_are_documented() {
         "{NO}\nrequirement = \"robot.toml\"\n[[joint]]\nname = \"hip\"\nmotor = \"t-motor-ri50\"\nratio = 9.0\n{NO}\n"
     );
     compare(DESIGN, &known(&text, &["check", "file.toml"]));
+}
+
+#[test]
+fn rules_files_are_documented() {
+    let text = format!(
+        "{NO}\n[[rule]]\nname = \"own\"\nmeasure = \"loss\"\nmax = \"1 W\"\nreason = \"x\"\n{NO}\n\
+         [[allow]]\nrule = \"voltage-headroom\"\nreason = \"x\"\n{NO}\n"
+    );
+    let design = repository("requirements/designs/quadruped_mini_cheetah/design.toml");
+    compare(RULES, &known(&text, &["check", design.to_str().unwrap(), "--rules", "file.toml"]));
 }
 
 #[test]

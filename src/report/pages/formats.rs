@@ -337,6 +337,39 @@ pub const DESIGN: &[Table] = &[
     },
 ];
 
+/// Rules files.
+pub const RULES: &[Table] = &[
+    Table {
+        path: "",
+        keys: &[
+            ("rule", "list of tables", "rules that are moved, and rules of your own"),
+            ("allow", "list of tables", "findings that are all right"),
+        ],
+    },
+    Table {
+        path: "[[rule]]",
+        keys: &[
+            ("rule", "code or name", "a rule of the [list](rules.md) to be moved; this, or `name` and `measure`"),
+            ("name", "text", "of a rule of your own"),
+            ("measure", "name", "what a rule of your own bounds; see [measures](rules.md#measures)"),
+            ("min", "number or quantity", "least value"),
+            ("max", "number or quantity", "largest value"),
+            ("severity", "`error`, `warning`, `note`, `off`", "how much it weighs"),
+            ("joints", "list of patterns", "at which joints; all unless said"),
+            ("reason", "text", "why, for whoever reads it next; required"),
+        ],
+    },
+    Table {
+        path: "[[allow]]",
+        keys: &[
+            ("rule", "code or name", "what may be broken; required"),
+            ("joints", "list of patterns", "at which joints; all unless said"),
+            ("subject", "text", "only this limit, measure or finding"),
+            ("reason", "text", "why it is all right; required"),
+        ],
+    },
+];
+
 /// The page of file formats.
 pub fn text() -> String {
     let mut out = format!(
@@ -371,6 +404,7 @@ pub fn text() -> String {
         "What was chosen: for `check` and `export`; `optimize --write-design` makes one.",
         DESIGN,
     );
+    section(&mut out, "Rules (TOML)", "For `check`; a design names it.", RULES);
     section(&mut out, "Bench (TOML)", "For `identify`.", BENCH);
     tables(&mut out, BENCH_MORE);
     let kinds: Vec<String> = BenchKind::NAMES.iter().map(|(name, _)| format!("`{name}`")).collect();
