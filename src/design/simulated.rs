@@ -211,7 +211,7 @@ fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
     bounds.into_iter().flatten().min_by(|a, b| a.value.total_cmp(&b.value))
 }
 
-/// Largest torque at the motor: of its row, of the current of motor and drive, of the gear's output over N.
+/// Largest torque at the motor: of its row, of the current of motor, drive and voltage, of the gear's output over N.
 /// No safety factor: it is the limit itself.
 fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     let actuator = &candidate.actuator;
@@ -222,7 +222,10 @@ fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     });
     let torque = candidate.motor.peak_torque.map(|t| Bound { value: shortfall.left_of_torque(t, 1.0), owner: "motor" });
     let gear = candidate.gear.peak_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
-    least([current, torque, gear])
+    // At standstill the voltage drives no more than V/R.
+    let stall = shortfall.left_of_current(candidate.voltage() / candidate.motor.resistance, 1.0);
+    let voltage = Some(Bound { value: actuator.torque_constant * stall, owner: "voltage at standstill" });
+    least([current, torque, gear, voltage])
 }
 
 /// Torque at the motor that can be held for ever, by current, torque, temperature or gear.
