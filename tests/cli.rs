@@ -321,11 +321,3 @@ fn tables_fit_where_there_is_no_terminal() {
         }
     }
 }
-
-#[test]
-fn the_readme_shows_what_the_program_prints() {
-    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
-    let shown = readme.split("```text\n…\n").nth(1).unwrap().split("\n```").next().unwrap();
-    let printed = stdout(&gearwise(&["optimize", "requirements/quadruped_mini_cheetah.toml", "--top", "2"]));
-    assert!(printed.contains(shown), "README shows something else than:\n{printed}");
-}

@@ -338,6 +338,26 @@ pub struct Note {
     pub how: String,
 }
 
+/// How an effect enters the limits, in words: where nothing stands in its way.
+pub fn how_it_enters(effect: &dyn Effect) -> String {
+    match (effect.name(), effect.enters()) {
+        ("torque_constant_temperature", _) => {
+            "enters as the torque constant at the highest allowed winding temperature".into()
+        }
+        ("torque_constant_saturation", _) => {
+            "enters current and heat at every instant (voltage and power take the straight line)".into()
+        }
+        ("cogging" | "gear_ripple" | "torque_ripple", _) => {
+            "enters peak torque and current by its amplitude and heat by its mean square (not voltage and power)".into()
+        }
+        ("inverter_dead_time", _) => "lowers the voltage that may be had".into(),
+        (_, Enters::NotAtAll(why)) => format!("does not enter the limits: {why}"),
+        (_, Enters::Evaluated) => format!("is {}", Enters::Evaluated.words()),
+        // Whether N* is proved is for all effects together to say.
+        (_, enters) => enters.words().split(';').next().unwrap_or_default().into(),
+    }
+}
+
 /// How everything that was fitted for a motor enters the limits at a joint; empty for a catalogue row.
 pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
     let listed = matches!(joint.ratio, RatioChoice::Catalog { .. });
@@ -358,22 +378,7 @@ pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
             ("torque_constant_temperature", _) if hottest.is_none() => {
                 "does not enter the limits: no highest temperature is known".into()
             }
-            ("torque_constant_temperature", _) => {
-                "enters as the torque constant at the highest allowed winding temperature".into()
-            }
-            ("torque_constant_saturation", _) => {
-                "enters current and heat at every instant (voltage and power take the straight line)"
-                    .into()
-            }
-            ("cogging" | "gear_ripple" | "torque_ripple", _) => {
-                "enters peak torque and current by its amplitude and heat by its mean square (not voltage and power)"
-                    .into()
-            }
-            ("inverter_dead_time", _) => "lowers the voltage that may be had".into(),
-            (_, Enters::NotAtAll(why)) => format!("does not enter the limits: {why}"),
-            (_, Enters::Evaluated) => format!("is {}", Enters::Evaluated.words()),
-            // Whether N* is proved is for all effects together to say.
-            (_, enters) => enters.words().split(';').next().unwrap_or_default().into(),
+            _ => how_it_enters(fitted.effect),
         };
         add(name, how);
     }

@@ -47,6 +47,18 @@ pub enum Class {
     ReverseConvex,
 }
 
+impl Class {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Class::Fixed => "all ratios or none",
+            Class::UpperBound => "all ratios up to one",
+            Class::Convex => "one interval of ratios, convex in N²",
+            Class::ReverseConvex => "up to two intervals of ratios: the complement of a convex set",
+        }
+    }
+}
+
 /// What is compared with the limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Demand {
@@ -216,7 +228,7 @@ impl Candidate<'_> {
     }
 
     /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is.
-    fn peak_current(&self) -> Option<(f64, &'static str)> {
+    pub fn peak_current(&self) -> Option<(f64, &'static str)> {
         let amplitude = match self.motor.conventions.commutation {
             Commutation::Brushless => CurrentConvention::PhaseAmplitude,
             Commutation::Brushed => CurrentConvention::Dc,
@@ -290,7 +302,7 @@ impl Candidate<'_> {
 
     /// Rms current that heats the winding to its limit in steady state \[A\]; zero where ambient is
     /// too hot already.
-    fn thermal_current(&self) -> Option<(f64, &'static str)> {
+    pub fn thermal_current(&self) -> Option<(f64, &'static str)> {
         let (limit, owner) = self.winding_temperature()?;
         let motor = self.motor;
         let squared = thermal::allowed_current_squared(

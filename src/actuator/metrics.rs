@@ -27,6 +27,20 @@ pub enum Parameter {
 }
 
 impl Parameter {
+    /// Its symbol.
+    fn symbol(self) -> &'static str {
+        match self {
+            Parameter::Resistance => "R",
+            Parameter::Inductance => "L",
+            Parameter::TorqueConstant => "K_T",
+            Parameter::BackEmfConstant => "K_B",
+            Parameter::RotorInertia => "J_m",
+            Parameter::Mass => "m",
+            Parameter::ThermalResistance => "R_th",
+            Parameter::GapRadius => "r_g",
+        }
+    }
+
     /// Value on the q axis \[SI\], and its relative tolerance, where they are known.
     fn of(self, motor: &Motor) -> Option<(f64, Option<f64>)> {
         let with = |value: f64, printed: Option<Printed>| Some((value, printed.and_then(|p| p.relative_tolerance())));
@@ -212,6 +226,30 @@ pub fn metric(name: &str) -> Option<&'static Metric> {
 }
 
 impl Metric {
+    /// The monomial that it is, as in `J_m R / (K_T K_B)`.
+    pub fn formula(&self) -> String {
+        // A root of everything is written once.
+        let root = self.exponents.iter().all(|(_, e)| e.abs() == 0.5);
+        let power = |(parameter, exponent): &(Parameter, f64)| match exponent.abs() {
+            _ if root => parameter.symbol().to_string(),
+            1.0 => parameter.symbol().to_string(),
+            0.5 => format!("√{}", parameter.symbol()),
+            2.0 => format!("{}²", parameter.symbol()),
+            other => format!("{}^{other}", parameter.symbol()),
+        };
+        let part = |above: bool| {
+            let factors = self.exponents.iter().filter(|(_, e)| (*e > 0.0) == above).map(power);
+            factors.collect::<Vec<_>>()
+        };
+        let (above, below) = (part(true), part(false));
+        let formula = match below.len() {
+            0 => above.join(" "),
+            1 => format!("{}/{}", above.join(" "), below[0]),
+            _ => format!("{}/({})", above.join(" "), below.join(" ")),
+        };
+        if root { format!("√({formula})") } else { formula }
+    }
+
     /// The metric of a motor, with `default_tolerance` (relative) in place of every missing ±;
     /// `None` where a parameter is unknown.
     pub fn of_with_tolerance(&self, motor: &Motor, default_tolerance: Option<f64>) -> Option<Estimate> {

@@ -66,17 +66,18 @@ pub struct Conventions {
 }
 
 macro_rules! sheet {
-    ($($(#[$doc:meta])* $name:ident: $kind:ident, $range:ident;)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident: $kind:ident, $range:ident;)*) => {
         /// Everything a row can say in numbers; `None` is unknown, never zero.
         #[derive(Debug, Clone, Default, PartialEq)]
         pub struct Sheet {
-            $($(#[$doc])* pub $name: Option<Printed>,)*
+            $($(#[doc = $doc])* pub $name: Option<Printed>,)*
         }
 
         /// The numeric columns of a motor catalogue.
         pub const FIELDS: &[Field] = &[
             $(Field {
                 name: stringify!($name),
+                about: concat!($($doc),*),
                 kind: &units::$kind,
                 range: Range::$range,
                 get: |sheet| sheet.$name,
@@ -90,6 +91,8 @@ macro_rules! sheet {
 pub struct Field {
     /// Column name.
     pub name: &'static str,
+    /// What it is, as its documentation says.
+    pub about: &'static str,
     /// What it measures.
     pub kind: &'static Kind,
     /// What values it may have.

@@ -9,7 +9,7 @@ use crate::report::audit as report;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Exit status 1 if a row contradicts itself and its note does not say why.\n\nExamples:\n  gearwise audit\n  gearwise audit my_motors.csv"
+    before_help = "Examples:\n  gearwise audit\n  gearwise audit my_motors.csv\n\nExit status 1 if a row contradicts itself and its note does not say why."
 )]
 pub struct Arguments {
     /// Catalogue files or folders; the built-in catalogue if none is given

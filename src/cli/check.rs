@@ -14,7 +14,7 @@ use crate::rules::lock::{Lock, path_of};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Exit status 1 if a rule with severity `error` is broken.\n\nExamples:\n  gearwise check requirements/designs/quadruped_mini_cheetah/design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock"
+    before_help = "Examples:\n  gearwise check requirements/designs/quadruped_mini_cheetah/design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock\n\nExit status 1 if a rule with severity `error` is broken."
 )]
 pub struct Arguments {
     /// Design file (TOML)

@@ -5,7 +5,7 @@ use super::{Done, Failure};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
-#[command(before_help = "Example:\n  gearwise completions bash > ~/.local/share/bash-completion/completions/gearwise")]
+#[command(before_help = "Examples:\n  gearwise completions bash > ~/.local/share/bash-completion/completions/gearwise")]
 pub struct Arguments {
     /// Which shell
     shell: Shell,

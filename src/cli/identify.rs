@@ -14,7 +14,7 @@ use crate::units;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Structure that no known effect explains is an answer, not a failure: exit status 0.\n\nExamples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --requirement robot.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json"
+    before_help = "Examples:\n  gearwise identify requirements/bench/leg_actuator.toml\n  gearwise identify bench.toml --plot residual.svg --write fitted.toml\n  gearwise identify bench.toml --requirement robot.toml\n  gearwise identify bench.toml --band \"40 Hz\" --json\n\nStructure that no known effect explains is an answer, not a failure: exit status 0."
 )]
 pub struct Arguments {
     /// Bench file (TOML)

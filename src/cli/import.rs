@@ -10,7 +10,7 @@ use crate::report::import::{self as report, Written};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Rows that cannot be taken, and everything that is assumed of the others, are listed: in the table by reason, with --rows, --json and --csv row by row.\n\nExamples:\n  gearwise import mgdb ../MGDB --out my_catalog\n  gearwise import mgdb ../MGDB --out my_catalog --force --rows\n  gearwise optimize robot.toml --catalog my_catalog"
+    before_help = "Examples:\n  gearwise import mgdb ../MGDB --out my_catalog\n  gearwise import mgdb ../MGDB --out my_catalog --force --rows\n  gearwise optimize robot.toml --catalog my_catalog\n\nRows that cannot be taken, and everything that is assumed of the others, are listed: in the table by reason, with --rows, --json and --csv row by row."
 )]
 pub struct Arguments {
     /// Which database

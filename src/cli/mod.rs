@@ -3,11 +3,15 @@
 mod audit;
 mod characterize;
 mod check;
+mod chosen;
 mod compare;
 mod completions;
+mod docs;
 mod explain;
+mod export;
 mod identify;
 mod import;
+mod man;
 mod optimize;
 mod rank;
 mod rule;
@@ -27,7 +31,13 @@ use crate::requirement::{RatioChoice, Robot};
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
 #[derive(Debug, Parser)]
-#[command(name = "gearwise", version, max_term_width = 100, propagate_version = true)]
+#[command(
+    name = "gearwise",
+    version,
+    max_term_width = 100,
+    propagate_version = true,
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee"
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -60,10 +70,27 @@ enum Command {
     Torques(torques::Arguments),
     /// Raw bench logs of a motor into a catalogue row, with uncertainties
     Characterize(characterize::Arguments),
+    /// A chosen design for a simulator: MJCF, URDF, JSON
+    Export(export::Arguments),
     /// A public motor database into catalogue files
     Import(import::Arguments),
+    /// Manual pages of all commands
+    Man(man::Arguments),
+    /// The pages of docs/ that are made from the program
+    #[command(hide = true)]
+    Docs(docs::Arguments),
     /// Completions for a shell
     Completions(completions::Arguments),
+}
+
+/// The whole command line, for manual, completions and documentation.
+pub fn command() -> clap::Command {
+    Cli::command()
+}
+
+/// The pages of `docs/` that are made from the program: name and text.
+pub fn pages() -> Vec<(&'static str, String)> {
+    docs::pages()
 }
 
 /// In which form a result is printed.
@@ -240,7 +267,10 @@ pub fn run() -> ExitCode {
         Command::Identify(arguments) => identify::run(arguments),
         Command::Torques(arguments) => torques::run(arguments),
         Command::Characterize(arguments) => characterize::run(arguments),
+        Command::Export(arguments) => export::run(arguments),
         Command::Import(arguments) => import::run(arguments),
+        Command::Man(arguments) => man::run(arguments, command()),
+        Command::Docs(arguments) => docs::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
     };
     match result {

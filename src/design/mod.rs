@@ -15,6 +15,7 @@ pub mod prune;
 pub mod remake;
 pub mod robot;
 pub mod robust;
+pub mod simulated;
 pub mod spring;
 pub mod sweep;
 

@@ -316,7 +316,8 @@ pub fn read_carrying(
 /// A column of torque per mass: the joint that is carried, and the values \[N·m/kg\].
 type Named = (String, Vec<f64>);
 
-fn columns(joints: &[String]) -> Vec<Column> {
+/// The columns that a motion may have, with those for actuators of `joints` that are carried.
+pub fn columns(joints: &[String]) -> Vec<Column> {
     let column = |name: &str, kind, required| Column {
         name: name.into(),
         content: Content::Quantity(kind, Range::Any),

@@ -1,0 +1,58 @@
+//! A joint and a design as they are named on the command line.
+
+use super::{Failure, find_motor};
+use crate::catalog::{Catalog, Gear, Motor};
+use crate::input::nearest;
+use crate::requirement::{Joint, RatioChoice, Robot};
+
+/// A motor, with the gear or the ratio that was named after `@`.
+pub struct Chosen<'c> {
+    /// The motor.
+    pub motor: &'c Motor,
+    /// The gear of the catalogue.
+    pub gear: Option<&'c Gear>,
+    /// The ratio.
+    pub ratio: Option<f64>,
+}
+
+/// The joint of a name; the only one where none is named.
+pub fn joint<'r>(robot: &'r Robot, name: Option<&str>) -> Result<&'r Joint, Failure> {
+    let names: Vec<&str> = robot.joints.iter().map(|j| j.name.as_str()).collect();
+    match name {
+        Some(name) => robot.joints.iter().find(|j| j.name == name).ok_or_else(|| {
+            let help = nearest(name, names.iter().copied())
+                .map_or_else(|| format!("there are: {}", names.join(", ")), |n| format!("did you mean `{n}`?"));
+            Failure::Argument(format!("there is no joint `{name}`; {help}"))
+        }),
+        None if robot.joints.len() == 1 => Ok(&robot.joints[0]),
+        None => Err(Failure::Argument(format!("which joint? `--joint` is one of {}", names.join(", ")))),
+    }
+}
+
+/// The design `MOTOR`, `MOTOR@RATIO` or `MOTOR@GEAR` at a joint.
+pub fn design<'c>(text: &str, joint: &Joint, catalog: &'c Catalog) -> Result<Chosen<'c>, Failure> {
+    let (id, place) = text.split_once('@').map_or((text, None), |(id, place)| (id, Some(place)));
+    let motor = find_motor(catalog, id)?;
+    let mut gear = None;
+    let mut ratio = None;
+    match place.map(|p| (p, p.parse::<f64>())) {
+        None => {}
+        Some((_, Ok(number))) if (1e-6..=1e6).contains(&number) => ratio = Some(number),
+        Some((text, Ok(_))) => {
+            return Err(Failure::Argument(format!("`{text}` is not a ratio: expected a number from 1e-6 to 1e6")));
+        }
+        Some((name, Err(_))) => {
+            let ids = catalog.gears.iter().map(|g| g.id.as_str());
+            let found = catalog.gears.iter().find(|g| g.id == name);
+            let help = nearest(name, ids).map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+            gear = Some(found.ok_or_else(|| {
+                Failure::Argument(format!("`{name}` is neither a ratio nor a gear of the catalogue{help}"))
+            })?);
+        }
+    }
+    if gear.is_none() && matches!(joint.ratio, RatioChoice::Catalog { .. }) {
+        let message = format!("joint `{}` takes gears of the catalogue: name one, as in {id}@GEAR", joint.name);
+        return Err(Failure::Argument(message));
+    }
+    Ok(Chosen { motor, gear, ratio })
+}

@@ -1,0 +1,236 @@
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use sha2::{Digest, Sha256};
+
+use super::chosen::Chosen;
+use super::{CatalogChoice, Done, Failure};
+use crate::actuator::Load;
+use crate::catalog::{Gear, Motor};
+use crate::design::evaluate::FEASIBILITY_TOLERANCE;
+use crate::design::examine::examine;
+use crate::design::explain::explain;
+use crate::design::simulated::{LeftOut, SimulatedJoint};
+use crate::design::{Evaluation, Unusable, continuous_candidate, geared_candidate, load_through};
+use crate::input::Source;
+use crate::report::export::{self as report, Exported, Format, NamedFile, Origin, patch};
+use crate::report::file;
+use crate::requirement::{self, DesignFile, Joint, Robot};
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Examples:\n  gearwise export requirements/designs/quadruped_mini_cheetah/design.toml --to mjcf\n  gearwise export design.toml --into robot.urdf --out with_limits.urdf\n  gearwise export t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee --to mjcf\n  gearwise export t-motor-u8-lee requirements/quadruped_mini_cheetah.toml --joint knee --to json\n  gearwise export t-motor-ri50@9 robot.toml --joint knee --into model.xml --map 'knee=*_knee' --out with_motors.xml\n\nExit status 1 if a design is not feasible; it is exported all the same."
+)]
+pub struct Arguments {
+    /// Design file (TOML); or a motor's id, with `@RATIO` or `@GEAR`, else at its best ratio
+    design: String,
+    /// Requirement file (TOML), where no design file names it
+    requirement: Option<PathBuf>,
+    /// Joint: of a design file all, unless one is named; may be left out where the requirement has only one
+    #[arg(long, value_name = "NAME")]
+    joint: Option<String>,
+    /// Format: MuJoCo, URDF, or all facts in SI
+    #[arg(long, value_name = "FORMAT", required_unless_present = "into")]
+    to: Option<To>,
+    /// Write into this model, MJCF or URDF by its root; the result goes to `--out` or stdout
+    #[arg(long, value_name = "MODEL", conflicts_with = "to")]
+    into: Option<PathBuf>,
+    /// Which joints of the model a joint of the design is, `*` for any run of characters; else those of its name
+    #[arg(long, value_name = "JOINT=PATTERN", requires = "into", num_args = 1..)]
+    map: Vec<String>,
+    /// Write to this file instead of stdout
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    catalog: CatalogChoice,
+}
+
+/// Formats by the words of `--to`.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum To {
+    /// MuJoCo's XML: default classes and motors, to be included in a model
+    Mjcf,
+    /// Limits, friction and transmissions
+    Urdf,
+    /// All facts in SI, the unit in the key
+    Json,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    match &arguments.requirement {
+        Some(path) => one_motor(arguments, path),
+        None => design_file(arguments),
+    }
+}
+
+/// A motor at a joint of a requirement.
+fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
+    let source = Source::read(path).map_err(|e| vec![e])?;
+    let robot = requirement::read_source(&source)?;
+    let catalog = super::motors(&arguments.catalog.catalog)?;
+    super::check_gears(&robot, &catalog)?;
+    let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
+    let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
+    let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| cannot(motor, &why))?;
+    let spring = match story.spring {
+        Some(Ok(spring)) => Some((spring.stiffness, spring.rest_angle.unwrap_or(0.0))),
+        _ => None,
+    };
+    let joints = [exported(&robot, joint, motor, gear, &story.evaluation, &story.unchecked, spring)?];
+    finish(arguments, &origin(&robot, &source, None), &joints)
+}
+
+/// The joints of a design file.
+fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
+    let path = Path::new(&arguments.design);
+    if !path.exists() && path.extension().is_none_or(|e| e != "toml") {
+        return Err(Failure::Argument(format!(
+            "`{0}` is no design file; a motor needs its requirement: gearwise export {0} robot.toml --joint NAME",
+            arguments.design
+        )));
+    }
+    let design = DesignFile::read(path)?;
+    let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
+    let catalog = super::catalog(paths)?;
+    let choices = design.choices(&catalog).map_err(|e| vec![e])?;
+    let only = match &arguments.joint {
+        Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),
+        None => None,
+    };
+    let mut joints = Vec::new();
+    for choice in choices.iter().filter(|c| only.is_none_or(|only| only.name == c.joint.name)) {
+        let examined = examine(&design.robot, choice).map_err(|why| cannot(choice.motor, &why))?;
+        let spring = choice.design.spring.map(|s| (s.stiffness, s.rest_angle));
+        joints.push(exported(
+            &design.robot,
+            choice.joint,
+            choice.motor,
+            choice.gear,
+            &examined.evaluation,
+            &examined.unchecked,
+            spring,
+        )?);
+    }
+    finish(arguments, &origin(&design.robot, &design.requirement, Some(&design.source)), &joints)
+}
+
+fn cannot(motor: &Motor, why: &Unusable) -> Failure {
+    Failure::Argument(format!("{} cannot be exported: {}", motor.id, why.reason()))
+}
+
+/// The design of one joint, made ready for a simulator.
+fn exported<'a>(
+    robot: &Robot,
+    joint: &'a Joint,
+    motor: &'a Motor,
+    gear: Option<&'a Gear>,
+    evaluation: &Evaluation,
+    unchecked: &[(&'static str, &'static str)],
+    spring: Option<(f64, f64)>,
+) -> Result<Exported<'a>, Failure> {
+    let own = gear.and_then(|g| load_through(joint, g));
+    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
+    let candidate = match gear {
+        Some(gear) => geared_candidate(robot, joint, &load, motor, gear),
+        None => continuous_candidate(robot, joint, &load, motor),
+    };
+    let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, evaluation.ratio);
+    if let Some((stiffness, rest_angle)) = spring.filter(|(stiffness, _)| *stiffness > 0.0) {
+        let number = crate::report::number;
+        simulated.left_out.push(LeftOut {
+            what: format!(
+                "parallel spring of {} N*m/rad with its rest at {} rad",
+                number(stiffness),
+                number(rest_angle)
+            ),
+            why: "it belongs to the joint, not to the actuator: give the joint this stiffness and rest angle".into(),
+        });
+    }
+    let broken = evaluation.margins.iter().filter(|m| m.margin < -FEASIBILITY_TOLERANCE).map(|m| m.limit);
+    Ok(Exported {
+        joint: &joint.name,
+        motor,
+        gear,
+        simulated,
+        broken: broken.collect(),
+        unchecked: unchecked.iter().map(|(limit, _)| *limit).collect(),
+    })
+}
+
+fn origin(robot: &Robot, requirement: &Source, design: Option<&Source>) -> Origin {
+    let file = |source: &Source| {
+        let name = Path::new(source.name()).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        let sha256 = Sha256::digest(source.text().as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
+        NamedFile { name, sha256 }
+    };
+    Origin { robot: robot.name.clone(), requirement: file(requirement), design: design.map(file) }
+}
+
+/// Warns, makes the text and puts it where it belongs.
+fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result<Done, Failure> {
+    let mut said = Vec::new();
+    let text = match (&arguments.into, arguments.to) {
+        (Some(model), _) => {
+            let names = names(&arguments.map, joints)?;
+            let shown = model.display();
+            let old = std::fs::read_to_string(model)
+                .map_err(|error| Failure::Argument(format!("cannot read `{shown}`: {error}")))?;
+            let patched = patch::patch(&old, origin, joints, &names)
+                .map_err(|why| Failure::Argument(format!("`{shown}`: {why}")))?;
+            for remark in &patched.remarks {
+                eprintln!("warning: {remark}");
+            }
+            said.extend(patched.written.iter().map(|(joint, names)| format!("{joint}: {}", names.join(", "))));
+            patched.text
+        }
+        (None, Some(To::Mjcf)) => report::text(Format::Mjcf, origin, joints),
+        (None, Some(To::Urdf)) => report::text(Format::Urdf, origin, joints),
+        (None, Some(To::Json) | None) => report::text(Format::Json, origin, joints),
+    };
+    for joint in joints.iter().filter(|j| !j.broken.is_empty()) {
+        eprintln!(
+            "warning: joint `{}`: {} at N = {} is not feasible, it breaks {}; exported all the same",
+            joint.joint,
+            joint.motor.id,
+            crate::report::number(joint.simulated.ratio),
+            joint.broken.join(", ")
+        );
+    }
+    let satisfied = joints.iter().all(|j| j.broken.is_empty());
+    let Some(out) = &arguments.out else { return Ok(Done { text, satisfied }) };
+    file::write_whole(out, text.as_bytes()).map_err(Failure::Argument)?;
+    said.extend(joints.iter().map(|j| {
+        let number = crate::report::number;
+        let s = &j.simulated;
+        format!(
+            "{}: {} at N = {}, armature {} kg*m^2, effort {} N*m, velocity {} rad/s",
+            j.joint,
+            j.motor.id,
+            number(s.ratio),
+            number(s.armature),
+            crate::report::optional(s.effort().map(|b| b.value)),
+            number(s.speed.value)
+        )
+    }));
+    Ok(Done { text: format!("{}\nwritten to {}\n", said.join("\n"), out.display()), satisfied })
+}
+
+/// `--map JOINT=PATTERN`, with the joints checked.
+fn names(map: &[String], joints: &[Exported]) -> Result<Vec<(String, String)>, Failure> {
+    let one = |text: &String| {
+        let Some((joint, pattern)) = text.split_once('=').filter(|(j, p)| !j.is_empty() && !p.is_empty()) else {
+            return Err(Failure::Argument(format!("`--map {text}`: expected JOINT=PATTERN, as in knee=*_knee")));
+        };
+        if joints.iter().all(|e| e.joint != joint) {
+            let known = joints.iter().map(|e| e.joint);
+            let help = crate::input::nearest(joint, known.clone()).map_or_else(
+                || format!("there are: {}", known.collect::<Vec<_>>().join(", ")),
+                |n| format!("did you mean `{n}`?"),
+            );
+            return Err(Failure::Argument(format!("`--map {text}`: the design has no joint `{joint}`; {help}")));
+        }
+        Ok((joint.to_string(), pattern.to_string()))
+    };
+    map.iter().map(one).collect()
+}

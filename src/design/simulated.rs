@@ -1,0 +1,261 @@
+//! A chosen design as a simulator has it: what the actuator is at its joint, in numbers at the output.
+//!
+//! The one idea: the electromagnetic torque `K_T i` is what a simulator's actuator commands. It turns, times N,
+//! the armature `N² (J_m + J_g)` against damping, friction loss and the load. Everything of the model that has
+//! no place in that equation is listed with the reason, never dropped.
+
+use crate::actuator::effects::{EFFECTS, Effect, SimulatorField};
+use crate::actuator::limits::Candidate;
+
+/// A largest value and whose limit it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bound {
+    /// The value, SI.
+    pub value: f64,
+    /// Whose limit it is.
+    pub owner: &'static str,
+}
+
+/// Something that the simulator's joint does not say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeftOut {
+    /// What.
+    pub what: String,
+    /// Why, or where it would have to go.
+    pub why: String,
+}
+
+/// An actuator at its joint. SI; at the output unless said.
+#[derive(Debug, Clone)]
+pub struct SimulatedJoint {
+    /// Ratio, N.
+    pub ratio: f64,
+    /// Rotor inertia \[kg·m²\] at the motor, J_m.
+    pub rotor_inertia: f64,
+    /// The gear's inertia at its input \[kg·m²\], J_g.
+    pub gear_inertia: f64,
+    /// Reflected inertia \[kg·m²\], `N² (J_m + J_g)`.
+    pub armature: f64,
+    /// Viscous friction \[N·m·s/rad\], `N² b`; `None` where the motor's is not known.
+    pub damping: Option<f64>,
+    /// Coulomb friction \[N·m\], `N c`; `None` where the motor's is not known.
+    pub friction_loss: Option<f64>,
+    /// Largest electromagnetic torque \[N·m\] at the motor that motor, drive and gear allow.
+    pub motor_torque: Option<Bound>,
+    /// Torque at the motor that can be held for ever \[N·m\].
+    pub continuous_motor_torque: Option<Bound>,
+    /// Largest speed \[rad/s\] that motor, gear and voltage allow.
+    pub speed: Bound,
+    /// Speed up to which the voltage suffices for the largest torque \[rad/s\]; `None` where no largest torque
+    /// is known.
+    pub speed_at_motor_torque: Option<f64>,
+    /// Torque constant \[N·m/A\] on the q axis.
+    pub torque_constant: f64,
+    /// Gear efficiency when the motor drives, η.
+    pub efficiency: f64,
+    /// Gear efficiency when the load drives, η_b.
+    pub backdrive_efficiency: f64,
+    /// What has no place at a simulator's joint.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl SimulatedJoint {
+    /// The actuator of a candidate at a ratio.
+    pub fn new(candidate: &Candidate, ratio: f64) -> SimulatedJoint {
+        let motor = candidate.motor;
+        let rotor_inertia = motor.rotor_inertia.unwrap_or(candidate.actuator.inertia);
+        let mut joint = SimulatedJoint {
+            ratio,
+            rotor_inertia,
+            gear_inertia: candidate.actuator.inertia - rotor_inertia,
+            armature: ratio * ratio * candidate.actuator.inertia,
+            damping: None,
+            friction_loss: None,
+            motor_torque: peak_torque(candidate, ratio),
+            continuous_motor_torque: continuous_torque(candidate, ratio),
+            speed: largest_speed(candidate, ratio),
+            speed_at_motor_torque: None,
+            torque_constant: candidate.actuator.torque_constant,
+            efficiency: candidate.gear.efficiency,
+            backdrive_efficiency: candidate.gear.backdrive_efficiency,
+            left_out: Vec::new(),
+        };
+        joint.speed_at_motor_torque = joint.motor_torque.map(|torque| speed_at_torque(candidate, torque.value) / ratio);
+        for effect in EFFECTS {
+            let declared = effect.declared(motor);
+            let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
+            for values in declared.into_iter().chain(fitted) {
+                joint.add(*effect, &values);
+            }
+        }
+        for (name, value) in [("viscous friction", joint.damping), ("Coulomb friction", joint.friction_loss)] {
+            if value.is_none() {
+                joint.leave_out(name, "the motor's is not known; nothing is written");
+            }
+        }
+        joint.leave_out_the_gear(candidate);
+        joint.leave_out_the_drive(candidate);
+        joint
+    }
+
+    /// Largest torque at the output \[N·m\] before the gear's loss, `N T`.
+    pub fn effort(&self) -> Option<Bound> {
+        self.motor_torque.map(|b| Bound { value: b.value * self.ratio, ..b })
+    }
+
+    /// Torque at the output that can be held for ever \[N·m\], before the gear's loss.
+    pub fn continuous_effort(&self) -> Option<Bound> {
+        self.continuous_motor_torque.map(|b| Bound { value: b.value * self.ratio, ..b })
+    }
+
+    fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
+        self.left_out.push(LeftOut { what: what.into(), why: why.into() });
+    }
+
+    /// Puts an effect where it says that a simulator keeps it.
+    fn add(&mut self, effect: &dyn Effect, values: &[f64]) {
+        match effect.export(values, self.ratio) {
+            SimulatorField::Damping(value) => *self.damping.get_or_insert(0.0) += value,
+            SimulatorField::FrictionLoss(value) => *self.friction_loss.get_or_insert(0.0) += value,
+            SimulatorField::Stiffness(value) => self.leave_out(
+                told(effect, values),
+                format!(
+                    "a stiffness of {} N*m/rad between motor and output needs a body for the rotor and a joint of its own",
+                    crate::report::number(value)
+                ),
+            ),
+            SimulatorField::Nowhere if effect.name() == "load_dependent_friction" => {
+                self.leave_out(told(effect, values), "it is the gear's efficiency, see there");
+            }
+            SimulatorField::Nowhere => {
+                self.leave_out(told(effect, values), "a simulator's joint has no such term");
+            }
+        }
+    }
+
+    fn leave_out_the_gear(&mut self, candidate: &Candidate) {
+        let number = crate::report::number;
+        if self.efficiency != 1.0 || self.backdrive_efficiency != 1.0 {
+            let what =
+                format!("gear efficiency {}, backwards {}", number(self.efficiency), number(self.backdrive_efficiency));
+            let loss = self.effort().map_or_else(String::new, |effort| {
+                format!(
+                    ": of {} N*m at most {} N*m reach a load that the motor drives",
+                    number(effort.value),
+                    number(effort.value * self.efficiency)
+                )
+            });
+            self.leave_out(what, format!("a joint has no loss in proportion to the load{loss}"));
+        }
+        let Some(gear) = candidate.catalog_gear else { return };
+        if let Some(backlash) = gear.backlash {
+            self.leave_out(
+                format!("backlash {} rad", number(backlash)),
+                "a joint has no play; a second joint with that range in series would have it",
+            );
+        }
+        if let Some(stiffness) = gear.stiffness {
+            self.leave_out(
+                format!("gear stiffness {} N*m/rad", number(stiffness)),
+                "it needs a body for the rotor and a joint of its own",
+            );
+        }
+        if gear.inertia.is_none() {
+            self.leave_out("gear inertia", "the catalogue does not say it; the armature is the rotor's alone");
+        }
+    }
+
+    fn leave_out_the_drive(&mut self, candidate: &Candidate) {
+        let number = crate::report::number;
+        let motor = candidate.motor;
+        let peak = self
+            .speed_at_motor_torque
+            .map_or_else(String::new, |speed| format!("; the largest torque can be had up to {} rad/s", number(speed)));
+        self.leave_out(
+            "torque that falls with speed",
+            format!(
+                "the voltage ends all torque at {} rad/s{peak}",
+                number(candidate.voltage() / motor.back_emf_constant / self.ratio)
+            ),
+        );
+        match motor.inductance {
+            Some(inductance) => self.leave_out(
+                format!("electrical time constant {} ms", number(1e3 * inductance / motor.resistance)),
+                "the command is the torque itself: the drive's current loop is taken as ideal",
+            ),
+            None => self.leave_out("electrical time constant", "the motor's inductance is not known"),
+        }
+        if self.motor_torque.is_none() {
+            self.leave_out("largest torque", "neither motor nor drive nor gear says one");
+        }
+        match self.continuous_effort() {
+            Some(bound) => self.leave_out(
+                "heating",
+                format!("{} N*m can be held for ever (by the {})", number(bound.value), bound.owner),
+            ),
+            None => self.leave_out("heating", "what can be held for ever is not known"),
+        }
+    }
+}
+
+/// An effect with its values, as people read it.
+fn told(effect: &dyn Effect, values: &[f64]) -> String {
+    let parts = effect.parameters().iter().zip(values).map(|(p, v)| {
+        let unit = if p.kind.si == "1" { String::new() } else { format!(" {}", p.kind.si) };
+        format!("{} = {}{unit}", p.symbol, crate::report::number(*v))
+    });
+    format!("{}: {} with {}", effect.name(), effect.equation(), parts.collect::<Vec<_>>().join(", "))
+}
+
+fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
+    bounds.into_iter().flatten().min_by(|a, b| a.value.total_cmp(&b.value))
+}
+
+/// Largest torque at the motor: of its row, of the current of motor, drive and voltage, of the gear's output over N.
+/// No safety factor: it is the limit itself.
+fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
+    let actuator = &candidate.actuator;
+    let shortfall = &actuator.shortfall;
+    let current = candidate.peak_current().map(|(current, owner)| Bound {
+        value: actuator.torque_constant * shortfall.left_of_current(current, 1.0),
+        owner,
+    });
+    let torque = candidate.motor.peak_torque.map(|t| Bound { value: shortfall.left_of_torque(t, 1.0), owner: "motor" });
+    let gear = candidate.gear.peak_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
+    // At standstill the voltage drives no more than V/R.
+    let stall = shortfall.left_of_current(candidate.voltage() / candidate.motor.resistance, 1.0);
+    let voltage = Some(Bound { value: actuator.torque_constant * stall, owner: "voltage at standstill" });
+    least([current, torque, gear, voltage])
+}
+
+/// Torque at the motor that can be held for ever, by current, torque, temperature or gear.
+fn continuous_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
+    let per_ampere = 1.0 / candidate.actuator.rms_current_per_torque();
+    let current = candidate.motor.continuous_current.map(|i| Bound { value: i * per_ampere, owner: "motor" });
+    let torque = candidate.motor.continuous_torque.map(|t| Bound { value: t, owner: "motor" });
+    let heat = candidate.thermal_current().map(|(i, _)| Bound { value: i * per_ampere, owner: "winding temperature" });
+    let gear = candidate.gear.continuous_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
+    least([current, torque, heat, gear])
+}
+
+/// Largest speed at the output: the voltage's without load, the motor's, the gear's.
+fn largest_speed(candidate: &Candidate, ratio: f64) -> Bound {
+    let voltage =
+        Bound { value: candidate.voltage() / candidate.motor.back_emf_constant / ratio, owner: "voltage without load" };
+    let motor = candidate.motor.max_speed.map(|s| Bound { value: s / ratio, owner: "motor" });
+    let gear = candidate.gear.max_input_speed.map(|s| Bound { value: s / ratio, owner: "gear" });
+    least([motor, gear]).filter(|b| b.value < voltage.value).unwrap_or(voltage)
+}
+
+/// Motor speed up to which the voltage suffices for a torque, steady state \[rad/s\]:
+/// `(R i + K_B ω)² + (p L i ω)² = V²`, solved for ω ≥ 0; zero where not even standstill has the voltage.
+fn speed_at_torque(candidate: &Candidate, torque: f64) -> f64 {
+    let current = candidate.actuator.shortfall.peak_current(torque);
+    let motor = candidate.motor;
+    let drop = motor.resistance * current;
+    let (inductance, pole_pairs) = motor.inductance_and_poles().unwrap_or((0.0, 0.0));
+    let a = motor.back_emf_constant.powi(2) + (pole_pairs * inductance * current).powi(2);
+    let half_b = motor.back_emf_constant * drop;
+    let c = drop * drop - candidate.voltage().powi(2);
+    if c >= 0.0 { 0.0 } else { -c / (half_b + (half_b * half_b - a * c).sqrt()) }
+}

@@ -1,0 +1,91 @@
+//! MuJoCo's XML: a default class with armature, damping, friction loss and limits, and a motor for each joint.
+//!
+//! The command of the motor is the electromagnetic torque at the motor's shaft \[N·m\], `K_T i`; `gear` is N.
+//! `actuatorfrcrange` limits what reaches the joint whichever kind of actuator drives it.
+
+use super::{Exported, Origin, comment, comment_lines, digits, escape, range};
+
+/// The class that a joint's attributes stand in.
+pub fn class(joint: &str) -> String {
+    format!("{joint}_actuator")
+}
+
+/// Attributes of the joint with their values, in order.
+pub fn joint_attributes(e: &Exported) -> Vec<(&'static str, String)> {
+    let s = &e.simulated;
+    let mut attributes = vec![("armature", digits(s.armature))];
+    attributes.extend(s.damping.map(|d| ("damping", digits(d))));
+    attributes.extend(s.friction_loss.map(|f| ("frictionloss", digits(f))));
+    if let Some(effort) = s.effort() {
+        attributes.push(("actuatorfrclimited", "true".into()));
+        attributes.push(("actuatorfrcrange", range(effort.value)));
+    }
+    attributes
+}
+
+/// Attributes of the motor with their values, in order.
+pub fn motor_attributes(e: &Exported) -> Vec<(&'static str, String)> {
+    let mut attributes = vec![("gear", digits(e.simulated.ratio))];
+    if let Some(torque) = e.simulated.motor_torque {
+        attributes.push(("ctrllimited", "true".into()));
+        attributes.push(("ctrlrange", range(torque.value)));
+        attributes.push(("forcelimited", "true".into()));
+        attributes.push(("forcerange", range(torque.value)));
+    }
+    attributes
+}
+
+/// What MJCF has no attribute for, and what its numbers mean.
+fn remarks(e: &Exported) -> Vec<String> {
+    let s = &e.simulated;
+    let number = crate::report::number;
+    let mut lines = Vec::new();
+    if let (Some(torque), Some(effort)) = (s.motor_torque, s.effort()) {
+        lines.push(format!(
+            "ctrl is torque at the motor [N*m], K_T i with K_T = {} N*m/A (q axis); by the {} at most {} N*m, {} N*m at the output",
+            number(s.torque_constant),
+            torque.owner,
+            number(torque.value),
+            number(effort.value)
+        ));
+    }
+    lines.push(format!(
+        "left out: velocity limit {} rad/s (by the {}): MJCF has none",
+        number(s.speed.value),
+        s.speed.owner
+    ));
+    lines
+}
+
+/// The comment with provenance and what is left out.
+pub fn header(origin: &Origin, joints: &[Exported]) -> String {
+    comment(&comment_lines(origin, joints, remarks))
+}
+
+/// An element of a tag with attributes.
+pub fn element(tag: &str, attributes: &[(&'static str, String)]) -> String {
+    let attributes = attributes.iter().map(|(name, value)| format!(" {name}=\"{}\"", escape(value)));
+    format!("<{tag}{}/>", attributes.collect::<String>())
+}
+
+/// A file to be included in a model: its joints take the class, `<joint name="knee" class="knee_actuator" …/>`.
+pub fn text(origin: &Origin, joints: &[Exported]) -> String {
+    let mut out = header(origin, joints);
+    out.push_str("\n<!-- include this file, and give each joint its class, as in <joint name=\"knee\" class=\"knee_actuator\"/>;\n");
+    out.push_str("     or let `gearwise export` write into the model, with its option `into` -->\n");
+    out.push_str("<mujoco>\n  <default>\n");
+    for e in joints {
+        out.push_str(&format!("    <default class=\"{}\">\n", escape(&class(e.joint))));
+        out.push_str(&format!("      {}\n", element("joint", &joint_attributes(e))));
+        out.push_str(&format!("      {}\n", element("motor", &motor_attributes(e))));
+        out.push_str("    </default>\n");
+    }
+    out.push_str("  </default>\n  <actuator>\n");
+    for e in joints {
+        let name = e.joint.to_string();
+        let attributes = [("name", name.clone()), ("class", class(e.joint)), ("joint", name)];
+        out.push_str(&format!("    {}\n", element("motor", &attributes)));
+    }
+    out.push_str("  </actuator>\n</mujoco>\n");
+    out
+}

@@ -1,0 +1,210 @@
+//! Designs handed over to a simulator: MJCF, URDF, JSON.
+//!
+//! The one idea: all three say the same facts of [`SimulatedJoint`], and what a format has no place for stands
+//! in its comments. XML is written as text, because its comments are for people; a model that is there already
+//! is changed attribute by attribute ([`patch`]) and stays otherwise as its author wrote it.
+
+pub mod mjcf;
+pub mod patch;
+pub mod urdf;
+
+use serde_json::{Value, json};
+
+use crate::catalog::{Gear, Motor};
+use crate::design::simulated::SimulatedJoint;
+
+/// A design of one joint, with where it comes from.
+#[derive(Debug)]
+pub struct Exported<'a> {
+    /// The joint's name.
+    pub joint: &'a str,
+    /// The motor.
+    pub motor: &'a Motor,
+    /// The gear of the catalogue, where it is one.
+    pub gear: Option<&'a Gear>,
+    /// What a simulator is told.
+    pub simulated: SimulatedJoint,
+    /// Limits that the design breaks; empty where it keeps all that could be checked.
+    pub broken: Vec<&'static str>,
+    /// Limits that could not be checked.
+    pub unchecked: Vec<&'static str>,
+}
+
+/// Where an export comes from: the same for all its joints.
+#[derive(Debug)]
+pub struct Origin {
+    /// Name of the robot.
+    pub robot: String,
+    /// The requirement.
+    pub requirement: NamedFile,
+    /// The design file, where there is one.
+    pub design: Option<NamedFile>,
+}
+
+/// A file that an export was made from.
+#[derive(Debug)]
+pub struct NamedFile {
+    /// Its name, without its folder.
+    pub name: String,
+    /// SHA-256 of its text.
+    pub sha256: String,
+}
+
+/// Format of an export.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// MuJoCo's XML.
+    Mjcf,
+    /// The Unified Robot Description Format.
+    Urdf,
+    /// All facts in SI.
+    Json,
+}
+
+/// The text of an export.
+pub fn text(format: Format, origin: &Origin, joints: &[Exported]) -> String {
+    match format {
+        Format::Mjcf => mjcf::text(origin, joints),
+        Format::Urdf => urdf::text(origin, joints),
+        Format::Json => super::json_text(&json(origin, joints)),
+    }
+}
+
+/// All facts, SI, the unit in the key; what is not known is null.
+pub fn json(origin: &Origin, joints: &[Exported]) -> Value {
+    let bound = |b: Option<crate::design::simulated::Bound>| (b.map(|b| b.value), b.map(|b| b.owner));
+    let one = |e: &Exported| {
+        let s = &e.simulated;
+        let (effort, effort_by) = bound(s.effort());
+        let (continuous, continuous_by) = bound(s.continuous_effort());
+        json!({
+            "joint": e.joint,
+            "motor": e.motor.id,
+            "motor_source": e.motor.source,
+            "gear": e.gear.map(|g| &g.id),
+            "ratio": s.ratio,
+            "feasible": e.broken.is_empty(),
+            "broken": e.broken,
+            "unchecked": e.unchecked,
+            "rotor_inertia_kgm2": s.rotor_inertia,
+            "gear_inertia_kgm2": s.gear_inertia,
+            "armature_kgm2": s.armature,
+            "damping_nms_per_rad": s.damping,
+            "friction_loss_nm": s.friction_loss,
+            "effort_nm": effort,
+            "effort_by": effort_by,
+            "continuous_effort_nm": continuous,
+            "continuous_effort_by": continuous_by,
+            "motor_torque_nm": s.motor_torque.map(|b| b.value),
+            "torque_constant_nm_per_a": s.torque_constant,
+            "velocity_rad_per_s": s.speed.value,
+            "velocity_by": s.speed.owner,
+            "velocity_at_effort_rad_per_s": s.speed_at_motor_torque,
+            "gear_efficiency": s.efficiency,
+            "gear_backdrive_efficiency": s.backdrive_efficiency,
+            "fitted_from": e.motor.fit.as_ref().map(|fit| fit.provenance.iter().map(|log| json!({
+                "log": log.log, "sha256": log.sha256, "use": log.usage,
+            })).collect::<Vec<_>>()),
+            "left_out": s.left_out.iter().map(|l| json!({"what": l.what, "why": l.why})).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "gearwise": env!("CARGO_PKG_VERSION"),
+        "robot": origin.robot,
+        "requirement": origin.requirement.name,
+        "requirement_sha256": origin.requirement.sha256,
+        "design": origin.design.as_ref().map(|d| &d.name),
+        "design_sha256": origin.design.as_ref().map(|d| &d.sha256),
+        "joints": joints.iter().map(one).collect::<Vec<_>>(),
+    })
+}
+
+/// First words of a comment that the program wrote: a patch replaces it.
+pub const MARK: &str = " gearwise export";
+
+/// The provenance and what is left out, as lines of a comment.
+fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Exported) -> Vec<String>) -> Vec<String> {
+    let mut lines = vec![
+        format!("{MARK}, gearwise {}", env!("CARGO_PKG_VERSION")),
+        format!(
+            "requirement {} (robot {}), SHA-256 {}",
+            origin.requirement.name, origin.robot, origin.requirement.sha256
+        ),
+    ];
+    lines.extend(origin.design.iter().map(|d| format!("design {}, SHA-256 {}", d.name, d.sha256)));
+    for e in joints {
+        let s = &e.simulated;
+        let through = e.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
+        lines.push(format!("joint {}: {}{through} at N = {}", e.joint, e.motor.id, super::number(s.ratio)));
+        lines.push(format!("  motor's numbers: {}", e.motor.source));
+        for log in e.motor.fit.iter().flat_map(|fit| &fit.provenance) {
+            let hash = log.sha256.as_deref().map_or_else(String::new, |h| format!(", SHA-256 {h}"));
+            lines.push(format!("  fitted from {}{hash}", log.log));
+        }
+        if !e.broken.is_empty() {
+            lines.push(format!("  NOT FEASIBLE: breaks {}", e.broken.join(", ")));
+        }
+        if !e.unchecked.is_empty() {
+            lines.push(format!("  not checked: {}", e.unchecked.join(", ")));
+        }
+        lines.extend(not_here(e).into_iter().map(|line| format!("  {line}")));
+        for left in &s.left_out {
+            lines.push(format!("  left out: {}: {}", left.what, left.why));
+        }
+    }
+    lines
+}
+
+/// A comment of lines. Two hyphens end a comment, so they are set apart, and a control character is a blank.
+fn comment(lines: &[String]) -> String {
+    let body = lines.iter().map(|line| tame(line)).collect::<Vec<_>>().join("\n    ");
+    format!("<!--{body}\n-->")
+}
+
+fn tame(line: &str) -> String {
+    let mut out = String::with_capacity(line.len());
+    for c in line.chars().map(|c| if is_xml(c) && !c.is_control() { c } else { ' ' }) {
+        if c == '-' && out.ends_with('-') {
+            out.push(' ');
+        }
+        out.push(c);
+    }
+    if out.ends_with('-') {
+        out.push(' ');
+    }
+    out
+}
+
+/// Whether XML 1.0 allows the character.
+fn is_xml(c: char) -> bool {
+    matches!(c, '\t' | '\n' | '\r' | '\u{20}'..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..)
+}
+
+/// Text as the value of an attribute.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&apos;"),
+            '\n' | '\t' | '\r' => out.push_str(&format!("&#{};", c as u32)),
+            c if is_xml(c) => out.push(c),
+            // What XML cannot say at all.
+            _ => out.push('\u{fffd}'),
+        }
+    }
+    out
+}
+
+/// Twelve digits: what rounding leaves of a product is not shown.
+fn digits(value: f64) -> String {
+    format!("{value:.11e}").parse::<f64>().unwrap_or(value).to_string()
+}
+
+/// `−x x` of a bound.
+fn range(bound: f64) -> String {
+    format!("-{0} {0}", digits(bound))
+}

@@ -1,0 +1,79 @@
+use super::{MADE, table};
+use crate::actuator::Load;
+use crate::actuator::limits::{Check, LIMITS, Limit};
+use crate::catalog::Catalog;
+use crate::design::geared_candidate;
+use crate::input::Source;
+use crate::requirement;
+
+/// The page of limits.
+pub fn text() -> String {
+    let mut out = format!(
+        "{MADE}# Limits\n\nWhat a design must keep. Sweep, ratio program, `explain` and the design rules read this one list. T is the \
+         torque at the motor's shaft, τ the load's at the output, both at every instant of the motion; see [the model](model.md). A limit \
+         that nobody asks for is not checked; one that should be but cannot be is listed as *not checked* with every design.\n\n"
+    );
+    let missing = missing();
+    let rows = LIMITS.iter().map(|limit| {
+        let needs = missing.iter().filter(|(name, _)| *name == limit.name).map(|(_, why)| *why);
+        let needs: Vec<&str> = needs.collect();
+        let needs = if needs.is_empty() { "what it compares is not given".into() } else { needs.join("; ") };
+        vec![
+            format!("`{}`", limit.name),
+            format!("`{}`", limit.formula),
+            limit.unit.into(),
+            limit.class.words().into(),
+            needs,
+        ]
+    });
+    out.push_str(&table(&["limit", "keeps", "unit", "leaves", "not checked where"], rows));
+    out.push_str(
+        "\nConvex holds while the shaft's torque has no term of power zero in N: with motor Coulomb friction or a constant torque the \
+         same limit goes to branch and bound. `safety` multiplies demanded torque and current, not heat.\n",
+    );
+    out
+}
+
+/// What keeps a limit from being checked: asked of the limits themselves, with a row that says nothing beyond
+/// what it must, and with operating points without durations.
+fn missing() -> Vec<(&'static str, &'static str)> {
+    const BARE: &str = "b,q_axis,q_axis,1,,0.1,1e-5,,,,,,";
+    const FULL: &str = "f,q_axis,q_axis,1,1e-3,0.1,1e-5,1,7,5,20,400,2";
+    const GEAR: &str =
+        "id,kind,ratio,efficiency,inertia [kg*m^2],source,source_kind\ng,planetary,9,0.9,1e-6,s,derived\n";
+    let mut found: Vec<(&'static str, &'static str)> = Vec::new();
+    for (row, duration) in [(BARE, ", duration = \"1 s\""), (FULL, "")] {
+        let motors = format!(
+            "id,terminals,current,resistance [ohm],inductance [H],torque_constant [N*m/A],rotor_inertia [kg*m^2],mass [kg],pole_pairs,\
+             continuous_current [A],peak_current [A],max_winding_temperature [K],thermal_resistance_winding_housing [K/W],source,source_kind\n\
+             {row},s,derived\n"
+        );
+        let robot = format!(
+            "name = \"x\"\nbus = {{ voltage = \"48 V\" }}\n[[joint]]\nname = \"j\"\ngears = [\"*\"]\n\
+             points = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\"{duration} }} ]\n[joint.limits]\nactuator_mass = \"1 kg\"\n\
+             reflected_inertia = \"1 kg*m^2\"\nwinding_temperature = \"110 degC\"\n\
+             torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\" }}\n"
+        );
+        let sources = vec![Source::new("motors.csv", motors).into(), Source::new("gears.csv", GEAR).into()];
+        let (Ok(catalog), Ok(robot)) =
+            (Catalog::from_sources(sources), requirement::read_source(&Source::new("x.toml", robot).into()))
+        else {
+            continue;
+        };
+        let joint = &robot.joints[0];
+        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let Ok(candidate) = geared_candidate(&robot, joint, &load, &catalog.motors[0], &catalog.gears[0]) else {
+            continue;
+        };
+        let unknown = |limit: &'static Limit| match limit.check(&candidate) {
+            Check::Unknown(why) => Some((limit.name, why)),
+            _ => None,
+        };
+        for one in LIMITS.iter().filter_map(unknown) {
+            if !found.contains(&one) {
+                found.push(one);
+            }
+        }
+    }
+    found
+}
