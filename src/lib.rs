@@ -17,6 +17,7 @@
 //! * [`design`]: evaluation of one design, the sweep, the ratio program with its certificate, the
 //!   ranking over a catalogue.
 //! * [`measured`]: bench files and logs; which effect the declared model lacks.
+//! * [`study`]: many robots in one go, with a journal of what is finished.
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
 //! * [`cli`]: one file for each command.
 //!
@@ -38,4 +39,5 @@ pub mod input;
 pub mod measured;
 pub mod report;
 pub mod requirement;
+pub mod study;
 pub mod units;

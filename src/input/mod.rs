@@ -5,12 +5,14 @@
 //! or a [`Table`](csv::Table) (CSV) for what it expects; whatever is missing, misspelt, of the wrong dimension or out
 //! of range becomes a [`Problem`] with the span of text that caused it, and the reader goes on.
 
+mod change;
 pub mod csv;
 mod form;
 mod source;
 
+pub use change::Change;
 pub use form::{Form, Section};
-pub use source::{InputError, MAX_FILE_BYTES, Problem, Source};
+pub use source::{InputError, MAX_FILE_BYTES, Problem, Source, hex};
 
 /// What values a number may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -18,6 +18,7 @@ pub mod rank;
 pub mod remake;
 pub mod robust;
 pub mod spring;
+pub mod study;
 pub mod sweep;
 pub mod table;
 

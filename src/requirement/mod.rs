@@ -10,5 +10,5 @@ mod robot;
 pub mod spline;
 
 pub use motion::{Course, Motion, Point, Samples};
-pub use read::{read, read_source, read_without_springs};
+pub use read::{FromDisk, Motions, read, read_changed, read_source, read_without_springs};
 pub use robot::*;

@@ -168,6 +168,27 @@ impl Motion {
         Some(moved)
     }
 
+    /// The same with all torques times `torque`, played `speed` times as fast: the same positions in less
+    /// time, so that accelerations go with the square of it and jerks with the cube. The load torque at each
+    /// position stays what it was times `torque`: what of it is the load's own inertia is not known here.
+    #[must_use]
+    pub fn scaled(mut self, torque: f64, speed: f64) -> Motion {
+        let times = |values: &mut Vec<f64>, factor: f64| values.iter_mut().for_each(|v| *v *= factor);
+        times(&mut self.torque, torque);
+        times(&mut self.torque_rate, torque * speed);
+        times(&mut self.velocity, speed);
+        times(&mut self.acceleration, speed * speed);
+        times(&mut self.jerk, speed * speed * speed);
+        self.course = match self.course {
+            Course::Periodic(duration) => Course::Periodic(duration / speed),
+            Course::Once(duration) => Course::Once(duration / speed),
+            // The time of a point is its number.
+            Course::Points(duration) => return Motion { course: Course::Points(duration.map(|d| d / speed)), ..self },
+        };
+        times(&mut self.time, 1.0 / speed);
+        self
+    }
+
     /// Number of samples, K.
     pub fn len(&self) -> usize {
         self.time.len()

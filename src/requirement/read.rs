@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::motion::{self, Motion, Point};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
-use crate::input::{Form, InputError, Problem, Range, Section, Source};
+use crate::input::{Change, Form, InputError, Problem, Range, Section, Source};
 use crate::units;
 
 /// Room temperature, where no ambient is given \[K\].
@@ -27,7 +27,7 @@ pub fn read(path: &Path) -> Result<Robot, Vec<InputError>> {
 /// # Errors
 /// As [`read`], and every spring.
 pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputError>> {
-    read_as(&Source::read(path).map_err(|e| vec![e])?, Some(what))
+    read_as(&Source::read(path).map_err(|e| vec![e])?, &[], Some(what), &mut FromDisk)
 }
 
 /// Reads a requirement from a source; motions are looked for beside it.
@@ -35,12 +35,61 @@ pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputE
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
-    read_as(source, None)
+    read_as(source, &[], None, &mut FromDisk)
 }
 
-fn read_as(source: &Arc<Source>, no_springs: Option<&str>) -> Result<Robot, Vec<InputError>> {
-    let mut motion_errors = Vec::new();
-    let robot = Form::read(source, |root| read_robot(root, no_springs, &mut motion_errors));
+/// As [`read_source`], with values in the place of the file's own, and motions from a store.
+///
+/// # Errors
+/// As [`read`]; [`Change::send_home`] sorts the problems with the changes out.
+pub fn read_changed(
+    source: &Arc<Source>,
+    changes: &[Change],
+    motions: &mut dyn Motions,
+) -> Result<Robot, Vec<InputError>> {
+    read_as(source, changes, None, motions)
+}
+
+/// Where motions come from: [`FromDisk`], or a store that has read them before.
+pub trait Motions {
+    /// The file.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn open(&mut self, path: &Path) -> Result<Arc<Source>, InputError> {
+        Source::read(path)
+    }
+
+    /// The motion in it.
+    ///
+    /// # Errors
+    /// Every mistake of the file.
+    fn motion(&mut self, source: &Arc<Source>, periodic: bool, period: Option<f64>) -> Result<Motion, InputError> {
+        motion::read(source, periodic, period)
+    }
+}
+
+/// Motions are read each time.
+#[derive(Debug)]
+pub struct FromDisk;
+
+impl Motions for FromDisk {}
+
+/// Where a reading's motions come from, and what was wrong with them.
+struct MotionReader<'m> {
+    motions: &'m mut dyn Motions,
+    errors: Vec<InputError>,
+}
+
+fn read_as(
+    source: &Arc<Source>,
+    changes: &[Change],
+    no_springs: Option<&str>,
+    motions: &mut dyn Motions,
+) -> Result<Robot, Vec<InputError>> {
+    let mut reader = MotionReader { motions, errors: Vec::new() };
+    let robot = Form::read_changed(source, changes, |root| read_robot(root, no_springs, &mut reader));
+    let motion_errors = reader.errors;
     match robot {
         Ok(robot) if motion_errors.is_empty() => Ok(robot),
         Ok(_) => Err(motion_errors),
@@ -54,7 +103,7 @@ fn read_as(source: &Arc<Source>, no_springs: Option<&str>) -> Result<Robot, Vec<
     }
 }
 
-fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<InputError>) -> Option<Robot> {
+fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionReader) -> Option<Robot> {
     let name = root.required_text("name", "\"quadruped\"").map(|t| t.into_inner());
     let bus = match root.section("bus") {
         Some(section) => read_bus(section),
@@ -91,7 +140,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, surroundings, no_springs, motion_errors) {
+        match read_joint(section, surroundings, no_springs, motions) {
             Some(joint) => joints.push(joint),
             None => complete = false,
         }
@@ -136,12 +185,7 @@ fn read_bus(section: Section) -> Option<Bus> {
     voltage.map(|_| bus)
 }
 
-fn read_joint(
-    section: Section,
-    ambient: f64,
-    no_springs: Option<&str>,
-    motion_errors: &mut Vec<InputError>,
-) -> Option<Joint> {
+fn read_joint(section: Section, ambient: f64, no_springs: Option<&str>, motions: &mut MotionReader) -> Option<Joint> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
     let ratio = read_ratio(&section);
@@ -161,7 +205,7 @@ fn read_joint(
         }
         None => GearModel::IDEAL,
     };
-    let motion = read_motion(&section, motion_errors);
+    let motion = read_motion(&section, motions);
     let objective = read_objective(&section);
     let points = section.has("points");
     let (mut limits, in_limits) = match section.section("limits") {
@@ -334,7 +378,7 @@ fn read_gear(section: Section) -> GearModel {
     gear
 }
 
-fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option<Motion> {
+fn read_motion(section: &Section, motions: &mut MotionReader) -> Option<Motion> {
     let periodic = section.boolean("periodic").unwrap_or(true);
     let period = section.quantity("period", &units::TIME, Range::Positive);
     match (section.has("motion"), section.has("points")) {
@@ -357,8 +401,10 @@ fn read_motion(section: &Section, motion_errors: &mut Vec<InputError>) -> Option
         (true, false) => {
             let file = section.text("motion")?;
             let path = section.source().folder().join(file.get_ref());
-            match Source::read(&path) {
-                Ok(source) => motion::read(&source, periodic, period).map_err(|e| motion_errors.push(e)).ok(),
+            match motions.motions.open(&path) {
+                Ok(source) => {
+                    motions.motions.motion(&source, periodic, period).map_err(|e| motions.errors.push(e)).ok()
+                }
                 Err(error) => {
                     let first = error.problems.into_iter().next();
                     let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
