@@ -6,6 +6,7 @@ use super::{Done, Failure};
 use crate::report::study as report;
 use crate::study::StudyError;
 use crate::study::assemble::{Shards, assemble};
+use crate::study::journal::Lock;
 use crate::study::output;
 
 /// Arguments of the command.
@@ -37,6 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             out.display()
         )));
     }
+    let _lock = Lock::take(out)?;
     let shards = Shards::open(&arguments.shards)?;
     let summary = assemble(&shards, out).map_err(|e: StudyError| Failure::from(e))?;
     let text =

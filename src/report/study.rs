@@ -10,6 +10,8 @@ use crate::study::summary::{JointSummary, Summary};
 
 /// Motors of a joint that the text lists.
 const LISTED: usize = 5;
+/// Effects that the text lists.
+const EFFECTS: usize = 60;
 /// Motors that the picture has bars for.
 const BARS: usize = 20;
 
@@ -65,6 +67,7 @@ fn effects_text(effects: &[Effect]) -> String {
         ["parameter", "value", "against", "joint", ">loss times", ">other first choice", ">gained", ">lost", ">pairs"];
     let rows: Vec<Vec<String>> = effects
         .iter()
+        .take(EFFECTS)
         .map(|e| {
             let share = |n: u64| {
                 if e.pairs == 0 { "–".to_string() } else { format!("{:.0} %", 100.0 * n as f64 / e.pairs as f64) }
@@ -84,6 +87,9 @@ fn effects_text(effects: &[Effect]) -> String {
         .collect();
     for line in table(&header, &rows).lines() {
         out.push_str(&format!("  {line}\n"));
+    }
+    if effects.len() > EFFECTS {
+        out.push_str(&format!("  and {} more, see summary.json\n", effects.len() - EFFECTS));
     }
     let note = "Loss times: geometric mean over the pairs of points that differ in this parameter alone and have a design at both \
                 values. Gained, lost: points that have a design at this value only, or at the other only.";

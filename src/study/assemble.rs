@@ -8,7 +8,7 @@ use std::path::Path;
 use super::StudyError;
 use super::columns;
 use super::effects::Effects;
-use super::journal::Journal;
+use super::journal::{Journal, Lock};
 use super::output::{FILES, MANIFEST, Manifest, Part, place, seal, unsettle};
 use super::plan::{Plan, Shard};
 use super::summary::{Gatherer, Summary};
@@ -36,12 +36,20 @@ impl Shards {
         let mut found: Vec<(Journal, &Path)> = Vec::new();
         for folder in folders {
             let name = folder.display();
+            // The same folder twice would wait for itself.
+            if let Some((journal, _)) = found.iter().find(|(_, f)| *f == folder) {
+                return Err(StudyError::Argument(format!(
+                    "shard {} is there twice: `{name}` and `{name}`",
+                    journal.shard
+                )));
+            }
             if !Journal::is_in(folder) {
                 let finished = folder.join(MANIFEST).is_file();
                 let what = if finished { "has a whole study, not a shard" } else { "has no study" };
                 return Err(StudyError::Argument(format!("`{name}` {what}")));
             }
-            let journal = Journal::open(folder)?;
+            // A shard that is still being worked on is refused here.
+            let journal = Journal::open(folder, Lock::take(folder)?)?;
             if let Some((first, other)) = found.first() {
                 if let Some(why) = first.plan.difference(&journal.plan) {
                     let other = other.display();

@@ -33,15 +33,21 @@ pub struct Journal {
     pub plan: Plan,
     /// Which part of it.
     pub shard: Shard,
-    // Held for as long as the journal is open; the system lets go of it when the process ends, however it ends.
-    _lock: Option<File>,
+    _lock: Lock,
 }
 
 /// The file of a block, open for appending.
 #[derive(Debug)]
 pub struct Block {
     path: PathBuf,
-    file: Mutex<File>,
+    // The file, and its length up to the last whole line.
+    file: Mutex<(File, u64)>,
+}
+
+/// That no other process works in a folder. The system lets go of it when the process ends, however it ends.
+#[derive(Debug)]
+pub struct Lock {
+    _file: Option<File>,
 }
 
 impl Journal {
@@ -53,10 +59,9 @@ impl Journal {
     /// Begins a journal, in place of any that is there.
     ///
     /// # Errors
-    /// It cannot be written, or another process has it.
-    pub fn begin(out: &Path, plan: Plan, shard: Shard, list: &Path) -> Result<Journal, StudyError> {
+    /// It cannot be written.
+    pub fn begin(out: &Path, lock: Lock, plan: Plan, shard: Shard, list: &Path) -> Result<Journal, StudyError> {
         let folder = out.join(FOLDER);
-        let lock = lock(out)?;
         Journal::remove(out)?;
         fs::create_dir_all(&folder).map_err(|e| StudyError::file("make the folder", &folder, &e))?;
         let target = folder.join("list.txt");
@@ -72,10 +77,9 @@ impl Journal {
     /// Opens a journal that is there.
     ///
     /// # Errors
-    /// There is none, it cannot be read, or another process has it.
-    pub fn open(out: &Path) -> Result<Journal, StudyError> {
+    /// There is none, or it cannot be read.
+    pub fn open(out: &Path, lock: Lock) -> Result<Journal, StudyError> {
         let folder = out.join(FOLDER);
-        let lock = lock(out)?;
         let read = |name: &str| {
             let path = folder.join(name);
             fs::read_to_string(&path).map_err(|e| StudyError::file("read", &path, &e))
@@ -156,12 +160,12 @@ impl Journal {
             write_whole(&path, &bytes).map_err(StudyError::Argument)?;
         }
         let file = OpenOptions::new().create(true).append(true).open(&path);
+        let file = file.and_then(|file| file.metadata().map(|m| (file, m.len())));
         let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
         Ok(Block { path, file: Mutex::new(file) })
     }
 
-    /// How many robots are finished, whether anything is left to do, and whether the files that the finished ones were made of
-    /// are what they were. Broken robots count as not finished: they are tried again.
+    /// How many robots are finished, where the files that they were made of are what they were. Broken robots count as not finished: they are tried again.
     ///
     /// # Errors
     /// A file has changed since its robot was finished, or the journal cannot be read.
@@ -208,8 +212,15 @@ impl Block {
     /// It cannot be written.
     pub fn add(&self, record: &Record) -> Result<(), StudyError> {
         let line = line_of(record)?;
-        let mut file = self.file.lock().expect("no thread panicked");
-        file.write_all(&line).map_err(|e| StudyError::file("write", &self.path, &e))
+        let mut guard = self.file.lock().expect("no thread panicked");
+        let (file, length) = &mut *guard;
+        if let Err(error) = file.write_all(&line) {
+            // Half a line would spoil the next one.
+            let _ = file.set_len(*length);
+            return Err(StudyError::file("write", &self.path, &error));
+        }
+        *length += line.len() as u64;
+        Ok(())
     }
 
     /// Makes sure that a power failure does not take the block either.
@@ -218,7 +229,7 @@ impl Block {
     /// The disk fails.
     pub fn finish(&self) -> Result<(), StudyError> {
         let file = self.file.lock().expect("no thread panicked");
-        file.sync_data().map_err(|e| StudyError::file("write", &self.path, &e))
+        file.0.sync_data().map_err(|e| StudyError::file("write", &self.path, &e))
     }
 }
 
@@ -243,17 +254,23 @@ fn record_of(line: &[u8]) -> Option<Record> {
     (sum == checksum(text).as_bytes()).then(|| serde_json::from_slice(text).ok()).flatten()
 }
 
-/// Keeps a second process away from a folder. Where the file system knows no locks, nothing does.
-fn lock(out: &Path) -> Result<Option<File>, StudyError> {
-    let path = out.join(".study.lock");
-    let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
-    let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
-    match file.try_lock() {
-        Ok(()) => Ok(Some(file)),
-        Err(TryLockError::WouldBlock) => {
-            Err(StudyError::Argument(format!("another process works on the study in `{}`", out.display())))
+impl Lock {
+    /// Keeps other processes away from a folder. Where the file system knows no locks, nothing does.
+    ///
+    /// # Errors
+    /// Another process works there, or the folder cannot be written.
+    pub fn take(out: &Path) -> Result<Lock, StudyError> {
+        fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
+        let path = out.join(".study.lock");
+        let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
+        let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
+        match file.try_lock() {
+            Ok(()) => Ok(Lock { _file: Some(file) }),
+            Err(TryLockError::WouldBlock) => {
+                Err(StudyError::Argument(format!("another process works on the study in `{}`", out.display())))
+            }
+            Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
         }
-        Err(TryLockError::Error(_)) => Ok(None),
     }
 }
 

@@ -1,14 +1,15 @@
 //! Works through a study, block by block.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::journal::{Journal, write_list};
+use super::journal::{Journal, Lock, write_list};
 use super::plan::{Hashed, Inputs, Plan, Settings, Shard, path_name};
-use super::worker::{Broken, Store, Worker};
+use super::worker::{Broken, Record, Store, Worker};
 use super::{StudyError, output};
 use crate::catalog::Catalog;
 use crate::input::{InputError, Source};
@@ -64,10 +65,9 @@ impl std::fmt::Debug for Watch<'_> {
 /// # Errors
 /// The folder has another study, or one that may not be touched; inputs that are wrong or have changed.
 pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal>, StudyError> {
-    let list = ListFile::new(out);
-    std::fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
+    let lock = Lock::take(out)?;
+    let list = ListFile(out.join(".list.part"));
     let there = Journal::is_in(out);
-    let finished = output::manifest_of(out)?;
     if existing == Existing::Refuse {
         if there {
             return Err(StudyError::Argument(format!(
@@ -102,7 +102,7 @@ pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<J
     };
     if existing == Existing::Resume {
         if there {
-            let journal = Journal::open(out)?;
+            let journal = Journal::open(out, lock)?;
             if let Some(why) = journal.plan.difference(&plan) {
                 return Err(other(why));
             }
@@ -111,7 +111,7 @@ pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<J
             }
             return Ok(Some(journal));
         }
-        if let Some(was) = finished {
+        if let Some(was) = output::manifest_of(out)? {
             return match was.difference(&plan) {
                 Some(why) => Err(other(why)),
                 None if study.shard != Shard::WHOLE => Err(other("it is the whole study, not a shard".into())),
@@ -120,19 +120,13 @@ pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<J
         }
     }
     check_grid(study, &list.0, &plan)?;
-    let journal = Journal::begin(out, plan, study.shard, &list.0)?;
+    let journal = Journal::begin(out, lock, plan, study.shard, &list.0)?;
     output::remove(out)?;
     Ok(Some(journal))
 }
 
 /// The list while it is being written; what is left of it goes.
 struct ListFile(PathBuf);
-
-impl ListFile {
-    fn new(out: &Path) -> ListFile {
-        ListFile(out.join(format!(".list.{}.part", std::process::id())))
-    }
-}
 
 impl Drop for ListFile {
     fn drop(&mut self) {
@@ -206,7 +200,7 @@ pub fn run(study: &Study, journal: &Journal, watch: &Watch) -> Result<u64, Study
             if watch.stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
-            let record = worker.work(*robot, requirement, robot % points);
+            let record = unharmed(&worker, *robot, requirement, robot % points);
             file.add(&record)?;
             done.fetch_add(1, Ordering::Relaxed);
             if let Some(why) = &record.broken {
@@ -222,4 +216,16 @@ pub fn run(study: &Study, journal: &Journal, watch: &Watch) -> Result<u64, Study
     }
     let done = done.into_inner();
     if done < of { Err(StudyError::Stopped { done, of }) } else { Ok(of) }
+}
+
+/// Does the work of one robot. A fault of the program is told like a mistake of the robot's: it must not
+/// take the others with it, now or at every attempt to go on.
+fn unharmed(worker: &Worker, robot: u64, requirement: &str, point: u64) -> Record {
+    catch_unwind(AssertUnwindSafe(|| worker.work(robot, requirement, point))).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
+        let first = format!("{requirement}: a fault of the program, please report it: {said}");
+        let broken = Broken { report: format!("error: {first}\n"), first, mistakes: 1 };
+        Record { robot, name: String::new(), inputs: Vec::new(), joints: Vec::new(), broken: Some(broken) }
+    })
 }
