@@ -510,7 +510,7 @@ fn mistakes_in_the_study_file_are_shown_where_they_are_written() {
     );
     mistake("joint.knee", "joint.kne", &["study.toml:6:1", "names no `joint`", "did you mean `knee`?"]);
     mistake("gear.efficiency", "gear.eficiency", &["study.toml:6:1", "did you mean `efficiency`?"]);
-    mistake("0.85, 0.95", "0.85, 95", &["study.toml:6:38", "out of range", "for 95 % write 0.95"]);
+    mistake("0.85, 0.95", "0.85, 95", &["study.toml:6:39", "out of range", "for 95 % write 0.95"]);
     mistake("scale.torque", "scale.torqe", &["study.toml:7:1", "did you mean `scale.torque`?"]);
     mistake("[1, 1.5, 40]", "[1, -1.5]", &["study.toml:8:21", "is a factor"]);
     mistake("[1, 1.5, 40]", "[1, 1]", &["stands twice"]);
