@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Robots per second and memory of `study`, release build. Prints one line for each case.
-#   benches/study.sh [target/release/gearwise]
-# 1 000 robots of 4 joints on the shipped catalogue with one thread and with two; then 1 000, 10 000 and 100 000
+#   benches/study.sh [target/release/gearwise [memory]]
+# 1 000 robots of 4 joints on the shipped catalogue with one thread and with two; then 2 000, 11 000 and 101 000
 # robots of one short joint on five motors, for the memory.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -50,8 +50,15 @@ points = [{ torque = "4 N*m", speed = "0 rad/s", duration = "1 s" }, { torque = 
 TOML
 { head -1 catalogs/motors/t-motor.csv; sed -n 2,6p catalogs/motors/t-motor.csv; } > "$work/five.csv"
 for robots in 1000 10000 100000; do
-    printf 'requirement = "short.toml"\ncatalog = ["five.csv"]\n[grid]\n"bus.voltage" = { from = "12 V", to = "48 V", steps = 10 }\n"scale.torque" = { from = 0.5, to = 1.5, steps = %d }\n' \
-        $((robots / 10)) > "$work/short$robots.toml"
+    cat > "$work/short$robots.toml" <<TOML
+requirement = "short.toml"
+catalog = ["five.csv"]
+[grid]
+"bus.voltage" = { from = "12 V", to = "48 V", steps = 10 }
+"scale.torque" = { from = 0.5, to = 1.5, steps = 10 }
+"joint.knee.gear.efficiency" = { from = 0.8, to = 0.98, steps = 10 }
+"scale.speed" = { from = 0.9, to = 1.1, steps = $((robots / 1000 + 1)) }
+TOML
 done
 
 measure() { # name, robots, arguments
@@ -62,9 +69,10 @@ measure() { # name, robots, arguments
     awk -v n="$name" -v r="$robots" -v s="$seconds" -v c="$cpu" -v k="$kilobytes" \
         'BEGIN { printf "%-44s %7.1f s %8.1f robots/s %7.1f s CPU %6.0f MB\n", n, s, r / s, c, k / 1024 }'
 }
-for threads in 1 2; do
+[ "${2:-all}" = memory ] || for threads in 1 2; do
     measure "1000 robots x 4 joints x 125 motors, $threads thread" 1000 "$work/thousand.toml" --out "$work/out" --threads $threads
 done
 for robots in 1000 10000 100000; do
-    measure "$robots robots x 1 joint x 5 motors" $robots "$work/short$robots.toml" --out "$work/out"
+    # A range has two values at least.
+    measure "$((robots + 1000)) robots x 1 joint x 5 motors" $((robots + 1000)) "$work/short$robots.toml" --out "$work/out"
 done

@@ -213,7 +213,7 @@ fn shards_that_do_not_belong_together_are_refused_by_name() {
         assert!(stderr.contains(what), "{stderr}");
         assert!(!at.join("m/results.csv").exists());
     };
-    refused(&["merge", "m", "p1", "p2"], "this shard is missing: 3/3".replace("this", "these").as_str());
+    refused(&["merge", "m", "p1", "p2"], "a shard is missing: 3/3");
     refused(&["merge", "m", "p1", "p1", "p2"], "shard 1/3 is there twice: `p1` and `p1`");
     refused(&["merge", "m", "p1", "robots"], "`robots` has no study");
     ends(at, &["study", "study.toml", "--out", "other", "--shard", "3/3", "--top", "5"], 0);

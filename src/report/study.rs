@@ -18,7 +18,7 @@ const BARS: usize = 20;
 /// For people.
 pub fn text(summary: &Summary) -> String {
     let mut out =
-        format!("{} robots, {} could not be worked on, {} rows\n", summary.robots, summary.broken, summary.rows);
+        format!("{}, {} could not be worked on, {} rows\n", robots(summary.robots), summary.broken, summary.rows);
     for joint in &summary.joints {
         out.push_str(&joint_text(joint, summary.top));
     }
@@ -26,8 +26,12 @@ pub fn text(summary: &Summary) -> String {
     out
 }
 
+fn robots(count: u64) -> String {
+    if count == 1 { "1 robot".into() } else { format!("{count} robots") }
+}
+
 fn joint_text(joint: &JointSummary, top: Option<u32>) -> String {
-    let mut out = format!("\n{}: {} robots", joint.joint, joint.robots);
+    let mut out = format!("\n{}: {}", joint.joint, robots(joint.robots));
     if joint.without_design > 0 {
         out.push_str(&format!(", in {} of them no motor can do it", joint.without_design));
     }

@@ -82,8 +82,8 @@ impl Shards {
             .map(|number| Shard { number, of }.to_string())
             .collect();
         if !missing.is_empty() {
-            let shards = if missing.len() == 1 { "shard is" } else { "shards are" };
-            return Err(StudyError::Argument(format!("these {shards} missing: {}", missing.join(", "))));
+            let shards = if missing.len() == 1 { "a shard is" } else { "shards are" };
+            return Err(StudyError::Argument(format!("{shards} missing: {}", missing.join(", "))));
         }
         for (journal, folder) in &found {
             let (done, of) = (journal.recorded()?, journal.plan.robots_in(journal.shard));
