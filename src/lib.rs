@@ -19,6 +19,7 @@
 //!   ranking over a catalogue.
 //! * [`rules`]: design rules as data, rules files, the lock of the rows a design uses.
 //! * [`measured`]: bench files and logs; which effect the declared model lacks; the catalogue row that they make.
+//! * [`study`]: many robots in one go, with a journal of what is finished.
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
 //! * [`cli`]: one file for each command.
 //!
@@ -42,4 +43,5 @@ pub mod mechanism;
 pub mod report;
 pub mod requirement;
 pub mod rules;
+pub mod study;
 pub mod units;

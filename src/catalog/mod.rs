@@ -42,8 +42,12 @@ impl Catalog {
     /// # Errors
     /// If a shipped file has a mistake; a test makes sure that none has.
     pub fn builtin() -> Result<Catalog, Vec<InputError>> {
-        let sources = BUILTIN.iter().map(|(name, text)| Arc::new(Source::new(*name, *text))).collect();
-        Catalog::from_sources(sources)
+        Catalog::from_sources(Catalog::builtin_sources())
+    }
+
+    /// The files that are built into the program.
+    pub fn builtin_sources() -> Vec<Arc<Source>> {
+        BUILTIN.iter().map(|(name, text)| Arc::new(Source::new(*name, *text))).collect()
     }
 
     /// Reads files, `.toml` ones as fitted actuators, and the `*.csv` files in folders (one level, and `motors`, `gears` below).
@@ -51,6 +55,26 @@ impl Catalog {
     /// # Errors
     /// All mistakes of all files.
     pub fn read(paths: &[PathBuf]) -> Result<Catalog, Vec<InputError>> {
+        let (sources, mut errors) = match Catalog::sources(paths) {
+            Ok(sources) => (sources, Vec::new()),
+            Err((sources, errors)) => (sources, errors),
+        };
+        match Catalog::from_sources(sources) {
+            Ok(catalog) if errors.is_empty() => Ok(catalog),
+            Ok(_) => Err(errors),
+            Err(more) => {
+                errors.extend(more);
+                Err(errors)
+            }
+        }
+    }
+
+    /// The files that [`Catalog::read`] reads.
+    ///
+    /// # Errors
+    /// What could not be read, beside what could.
+    #[expect(clippy::type_complexity, reason = "what was read, and what was not")]
+    pub fn sources(paths: &[PathBuf]) -> Result<Vec<Arc<Source>>, (Vec<Arc<Source>>, Vec<InputError>)> {
         let mut files = Vec::new();
         let mut errors = Vec::new();
         for path in paths {
@@ -75,14 +99,7 @@ impl Catalog {
                 Err(error) => errors.push(error),
             }
         }
-        match Catalog::from_sources(sources) {
-            Ok(catalog) if errors.is_empty() => Ok(catalog),
-            Ok(_) => Err(errors),
-            Err(more) => {
-                errors.extend(more);
-                Err(errors)
-            }
-        }
+        if errors.is_empty() { Ok(sources) } else { Err((sources, errors)) }
     }
 
     /// Reads catalogue texts; whether each holds motors or gears is seen from its header, a fitted actuator from

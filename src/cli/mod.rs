@@ -12,9 +12,11 @@ mod export;
 mod identify;
 mod import;
 mod man;
+mod merge;
 mod optimize;
 mod rank;
 mod rule;
+mod study;
 mod sweep;
 mod torques;
 
@@ -27,7 +29,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use crate::catalog::{Catalog, Motor};
 use crate::input::InputError;
 use crate::report::plot::{self, Figure};
-use crate::requirement::{RatioChoice, Robot};
+use crate::requirement::Robot;
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
 #[derive(Debug, Parser)]
@@ -54,6 +56,10 @@ enum Command {
     Explain(explain::Arguments),
     /// Every motor at every ratio: feasible, or why not
     Sweep(sweep::Arguments),
+    /// Many robots in one go, or a grid of parameters: resumable, in shards, results as CSV and Parquet
+    Study(study::Arguments),
+    /// The shards of a study put together
+    Merge(merge::Arguments),
     /// Motors by metric: S_M, S_T, mass-weighted, K_M, …
     Rank(rank::Arguments),
     /// Two motors side by side, at matched actuator inertia too
@@ -143,6 +149,8 @@ enum Failure {
     Input(Vec<InputError>),
     /// A mistake in the arguments.
     Argument(String),
+    /// It was stopped; exit status 130.
+    Interrupted(String),
 }
 
 impl From<Vec<InputError>> for Failure {
@@ -167,24 +175,7 @@ fn motors(paths: &[PathBuf]) -> Result<Catalog, Failure> {
 
 /// Every gear pattern of a robot must name a gear of the catalogue.
 fn check_gears(robot: &Robot, catalog: &Catalog) -> Result<(), Failure> {
-    for joint in &robot.joints {
-        let RatioChoice::Catalog { patterns, .. } = &joint.ratio else { continue };
-        for pattern in patterns {
-            if catalog.gears.iter().any(|g| crate::catalog::matches_pattern(pattern, &g.id)) {
-                continue;
-            }
-            let kinds = ["planetary-*", "strain-wave-*", "cycloidal-*", "belt-*"];
-            let ids = catalog.gears.iter().map(|g| g.id.as_str()).chain(kinds);
-            let help = match crate::input::nearest(pattern, ids) {
-                _ if catalog.gears.is_empty() => "it has no gears at all; add a gear file to `--catalog`".to_string(),
-                Some(near) => format!("did you mean `{near}`?"),
-                None => format!("ids begin with the kind, as in {}", kinds.join(", ")),
-            };
-            let message = format!("joint `{}`: no gear of the catalogue matches `{pattern}`; {help}", joint.name);
-            return Err(Failure::Argument(message));
-        }
-    }
-    Ok(())
+    crate::design::check_gears(robot, catalog).map_err(Failure::Argument)
 }
 
 /// A picture's file name must be one before any work is done.
@@ -259,6 +250,8 @@ pub fn run() -> ExitCode {
         Command::Optimize(arguments) => optimize::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
         Command::Sweep(arguments) => sweep::run(arguments),
+        Command::Study(arguments) => study::run(arguments),
+        Command::Merge(arguments) => merge::run(arguments),
         Command::Rank(arguments) => rank::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Audit(arguments) => audit::run(arguments),
@@ -297,6 +290,10 @@ pub fn run() -> ExitCode {
         Err(Failure::Argument(message)) => {
             eprintln!("error: {message}");
             ExitCode::from(2)
+        }
+        Err(Failure::Interrupted(message)) => {
+            eprintln!("{message}");
+            ExitCode::from(130)
         }
     }
 }

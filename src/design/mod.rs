@@ -140,3 +140,28 @@ pub fn geared_candidate<'a>(
     actuator.inertia = rotor + model.inertia;
     Ok(Candidate { robot, joint, load, motor, catalog_gear: Some(gear), gear: model, actuator, folded: false })
 }
+
+/// Every gear pattern of a robot must name a gear of the catalogue.
+///
+/// # Errors
+/// The pattern that names none, in words.
+pub fn check_gears(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
+    for joint in &robot.joints {
+        let RatioChoice::Catalog { patterns, .. } = &joint.ratio else { continue };
+        for pattern in patterns {
+            if catalog.gears.iter().any(|g| matches_pattern(pattern, &g.id)) {
+                continue;
+            }
+            let kinds = ["planetary-*", "strain-wave-*", "cycloidal-*", "belt-*"];
+            let ids = catalog.gears.iter().map(|g| g.id.as_str()).chain(kinds);
+            let help = match crate::input::nearest(pattern, ids) {
+                _ if catalog.gears.is_empty() => "it has no gears at all; add a gear file to `--catalog`".to_string(),
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("ids begin with the kind, as in {}", kinds.join(", ")),
+            };
+            let message = format!("joint `{}`: no gear of the catalogue matches `{pattern}`; {help}", joint.name);
+            return Err(message);
+        }
+    }
+    Ok(())
+}

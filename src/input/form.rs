@@ -6,9 +6,9 @@ use std::ops::Range as Span;
 use std::sync::Arc;
 
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeString, DeTable, DeValue};
 
-use super::{InputError, Problem, Range, Source};
+use super::{Change, InputError, Problem, Range, Source};
 use crate::units::{self, Kind};
 
 /// A parsed TOML file together with the problems found in it so far.
@@ -25,8 +25,28 @@ impl Form {
     /// # Errors
     /// All syntax errors, and all problems that `read` or the sections noted.
     pub fn read<T>(source: &Arc<Source>, read: impl FnOnce(&Section) -> Option<T>) -> Result<T, InputError> {
+        Form::read_changed(source, &[], read)
+    }
+
+    /// As [`Form::read`], with values put in the place of the file's own first.
+    ///
+    /// # Errors
+    /// As [`Form::read`]. The span of a problem with a value that was put in lies beyond
+    /// [`Change::ELSEWHERE`](super::Change::ELSEWHERE).
+    pub fn read_changed<T>(
+        source: &Arc<Source>,
+        changes: &[Change],
+        read: impl FnOnce(&Section) -> Option<T>,
+    ) -> Result<T, InputError> {
         let form = Form { source: source.clone(), problems: RefCell::default() };
-        let (table, errors) = DeTable::parse_recoverable(source.text());
+        let (mut table, errors) = DeTable::parse_recoverable(source.text());
+        if errors.is_empty() {
+            for change in changes {
+                if let Err(problem) = change.apply(table.get_mut()) {
+                    form.note(problem);
+                }
+            }
+        }
         for error in &errors {
             let message = error.message().lines().next().unwrap_or("not valid TOML").to_string();
             let end = source.text().len();
@@ -470,6 +490,17 @@ impl<'a> Section<'a> {
     /// Whether the value at `key` is a list.
     pub fn is_list(&self, key: &'static str) -> bool {
         self.value(key).is_some_and(|v| v.get_ref().is_array())
+    }
+
+    /// Every entry in the order of the file, for a table whose keys are not known beforehand (do not
+    /// [`finish`](Section::finish) it).
+    pub fn items(&self) -> Vec<(Spanned<String>, &'a Spanned<DeValue<'a>>)> {
+        let entry = |(key, value): (&Spanned<DeString>, &'a Spanned<DeValue<'a>>)| {
+            (Spanned::new(key.span(), key.get_ref().to_string()), value)
+        };
+        let mut entries: Vec<_> = self.table.iter().map(entry).collect();
+        entries.sort_by_key(|(key, _)| key.span().start);
+        entries
     }
 
     /// Texts, numbers or truth values as they would stand in a cell: one, or a list of them.

@@ -5,14 +5,16 @@
 //! or a [`Table`](csv::Table) (CSV) for what it expects; whatever is missing, misspelt, of the wrong dimension or out
 //! of range becomes a [`Problem`] with the span of text that caused it, and the reader goes on.
 
+mod change;
 pub mod csv;
 mod form;
 mod locate;
 mod source;
 
+pub use change::Change;
 pub use form::{Form, Section};
 pub use locate::{Step, locate};
-pub use source::{InputError, MAX_FILE_BYTES, Problem, Source};
+pub use source::{InputError, MAX_FILE_BYTES, Problem, Source, hex};
 
 /// What values a number may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

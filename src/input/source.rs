@@ -8,6 +8,7 @@ use std::sync::Arc;
 use codespan_reporting::diagnostic::{Diagnostic, Label};
 use codespan_reporting::files::{self, Files, SimpleFile};
 use codespan_reporting::term;
+use sha2::{Digest, Sha256};
 
 /// A file larger than this is refused with a message instead of being read \[bytes\].
 pub const MAX_FILE_BYTES: u64 = 4 << 30;
@@ -21,6 +22,8 @@ pub struct Source {
     name: String,
     path: PathBuf,
     text: String,
+    // Whether the file began with a byte order mark, which the text does not have.
+    marked: bool,
     // Of an excerpt: the number in the file of each of its lines. Empty where the text is the whole file.
     lines: Vec<usize>,
 }
@@ -70,10 +73,11 @@ impl Source {
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
         let name = name.into();
         let mut text = text.into();
-        if text.starts_with('\u{feff}') {
+        let marked = text.starts_with('\u{feff}');
+        if marked {
             text.drain(..3);
         }
-        Source { path: PathBuf::from(&name), name, text, lines: Vec::new() }
+        Source { path: PathBuf::from(&name), name, text, marked, lines: Vec::new() }
     }
 
     /// Some lines of a file that is too large to be kept, each with its number (from 1) and without line end.
@@ -95,6 +99,16 @@ impl Source {
     /// The text, without a byte order mark.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// SHA-256 of the file as it was read, in hexadecimal digits.
+    pub fn sha256(&self) -> String {
+        let mut hash = Sha256::new();
+        if self.marked {
+            hash.update([0xef, 0xbb, 0xbf]);
+        }
+        hash.update(&self.text);
+        hex(&hash.finalize())
     }
 
     /// The folder that relative paths in this file start from.
@@ -145,6 +159,11 @@ impl<'a> Files<'a> for Numbered<'a> {
     fn line_range(&'a self, (): (), index: usize) -> Result<Range<usize>, files::Error> {
         Files::line_range(&self.file, (), index)
     }
+}
+
+/// Bytes in hexadecimal digits.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 fn reason(error: &std::io::Error) -> String {

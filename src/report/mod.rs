@@ -25,6 +25,7 @@ pub mod robot;
 pub mod robust;
 pub mod rules;
 pub mod spring;
+pub mod study;
 pub mod sweep;
 pub mod table;
 pub mod torques;

@@ -5,12 +5,10 @@
 
 use toml::Spanned;
 
+use super::motion::CarriedColumn;
 use super::robot::{Carried, Joint};
 use crate::input::{Problem, Range, Section};
 use crate::units;
-
-/// A column of torque per mass: joint, values \[N·m/kg\], rates \[N·m/(kg·s)\].
-pub(super) type Column = (String, Vec<f64>, Vec<f64>);
 
 /// What a joint says it carries.
 pub(super) struct Asked {
@@ -24,7 +22,7 @@ enum What {
 }
 
 /// Reads `torque_per_mass` of a joint, beside the columns of its motion.
-pub(super) fn read(section: &Section, columns: Vec<Column>) -> Vec<Asked> {
+pub(super) fn read(section: &Section, columns: Vec<CarriedColumn>) -> Vec<Asked> {
     let mut asked = Vec::new();
     for (name, value) in section.named_quantities("torque_per_mass", &units::TORQUE_PER_MASS, Range::Any) {
         if columns.iter().any(|(column, ..)| column == name.get_ref()) {

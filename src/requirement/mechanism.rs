@@ -7,6 +7,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::motion::{Course, Motion};
+use super::read::MotionReader;
 use super::robot::Joint;
 use super::spline;
 use crate::input::{InputError, Problem, Range, Section, Source};
@@ -74,16 +75,16 @@ pub(super) struct Use {
 }
 
 /// Reads `[mechanism]`, its files, and computes the torques.
-pub(super) fn read(root: &Section, errors: &mut Vec<InputError>) -> Model {
+pub(super) fn read(root: &Section, motions: &mut MotionReader) -> Model {
     let Some(section) = root.section("mechanism") else {
         return if root.has("mechanism") { Model::Broken } else { Model::Absent };
     };
-    let known = read_section(&section, errors);
+    let known = read_section(&section, motions);
     section.finish();
     known.map_or(Model::Broken, |known| Model::Read(Box::new(known)))
 }
 
-fn read_section(section: &Section, errors: &mut Vec<InputError>) -> Option<Known> {
+fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> {
     let model = section.required_text("model", "\"robots/arm.urdf\"");
     let path = section.required_text("trajectory", "\"robots/arm_pick.csv\"");
     let periodic = section.boolean("periodic").unwrap_or(true);
@@ -110,7 +111,7 @@ fn read_section(section: &Section, errors: &mut Vec<InputError>) -> Option<Known
         }
     }
     let (model, path) = (model?, path?);
-    let mut mechanism = open(section, &model, "model", errors, Mechanism::read_source)?;
+    let mut mechanism = open(section, &model, "model", motions, Mechanism::read_source)?;
     if let Some(gravity) = gravity {
         mechanism.gravity = Vector3::from(gravity);
     }
@@ -122,7 +123,7 @@ fn read_section(section: &Section, errors: &mut Vec<InputError>) -> Option<Known
         }
     }
     let trajectory =
-        open(section, &path, "trajectory", errors, |source| trajectory::read(source, &mechanism, periodic, period))?;
+        open(section, &path, "trajectory", motions, |source| trajectory::read(source, &mechanism, periodic, period))?;
     if !complete {
         return None;
     }
@@ -136,11 +137,11 @@ fn open<T>(
     section: &Section,
     name: &toml::Spanned<String>,
     what: &str,
-    errors: &mut Vec<InputError>,
+    motions: &mut MotionReader,
     read: impl FnOnce(&Arc<Source>) -> Result<T, InputError>,
 ) -> Option<T> {
-    match Source::read(&section.source().folder().join(Path::new(name.get_ref()))) {
-        Ok(source) => read(&source).map_err(|e| errors.push(e)).ok(),
+    match motions.motions.open(&section.source().folder().join(Path::new(name.get_ref()))) {
+        Ok(source) => read(&source).map_err(|e| motions.errors.push(e)).ok(),
         Err(error) => {
             let first = error.problems.into_iter().next();
             let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));

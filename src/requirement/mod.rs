@@ -15,5 +15,5 @@ pub mod spline;
 pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, Reduction};
 pub use mechanism::Driven;
 pub use motion::{Course, Motion, Point, Samples};
-pub use read::{read, read_source, read_without_springs};
+pub use read::{FromDisk, Motions, read, read_changed, read_source, read_without_springs};
 pub use robot::*;

@@ -168,6 +168,27 @@ impl Motion {
         Some(moved)
     }
 
+    /// The same with all torques times `torque`, played `speed` times as fast: the same positions in less
+    /// time, so that accelerations go with the square of it and jerks with the cube. The load torque at each
+    /// position stays what it was times `torque`: what of it is the load's own inertia is not known here.
+    #[must_use]
+    pub fn scaled(mut self, torque: f64, speed: f64) -> Motion {
+        let times = |values: &mut Vec<f64>, factor: f64| values.iter_mut().for_each(|v| *v *= factor);
+        times(&mut self.torque, torque);
+        times(&mut self.torque_rate, torque * speed);
+        times(&mut self.velocity, speed);
+        times(&mut self.acceleration, speed * speed);
+        times(&mut self.jerk, speed * speed * speed);
+        self.course = match self.course {
+            Course::Periodic(duration) => Course::Periodic(duration / speed),
+            Course::Once(duration) => Course::Once(duration / speed),
+            // The time of a point is its number.
+            Course::Points(duration) => return Motion { course: Course::Points(duration.map(|d| d / speed)), ..self },
+        };
+        times(&mut self.time, 1.0 / speed);
+        self
+    }
+
     /// Number of samples, K.
     pub fn len(&self) -> usize {
         self.time.len()
@@ -282,6 +303,9 @@ pub fn read(source: &Arc<Source>, periodic: bool, period: Option<f64>) -> Result
     read_carrying(source, periodic, period, &[]).map(|(motion, _)| motion)
 }
 
+/// A column of torque per mass: joint, values \[N·m/kg\], rates \[N·m/(kg·s)\].
+pub type CarriedColumn = (String, Vec<f64>, Vec<f64>);
+
 /// Name of a column of torque per mass, without the joint's name.
 const TORQUE_PER_MASS: &str = "torque_per_mass_";
 
@@ -290,13 +314,12 @@ const TORQUE_PER_MASS: &str = "torque_per_mass_";
 ///
 /// # Errors
 /// As [`read`].
-#[expect(clippy::type_complexity, reason = "name, values, rates of each column")]
 pub fn read_carrying(
     source: &Arc<Source>,
     periodic: bool,
     period: Option<f64>,
     joints: &[String],
-) -> Result<(Motion, Vec<(String, Vec<f64>, Vec<f64>)>), InputError> {
+) -> Result<(Motion, Vec<CarriedColumn>), InputError> {
     let mut problems = Vec::new();
     let read = read_samples(source, periodic, period, joints, &mut problems);
     InputError::unless_empty(source, problems)?;

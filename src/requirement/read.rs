@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use super::carried::{self, Asked};
 use super::mechanism::{self, Model, Use};
-use super::motion::{self, Motion, Point};
+use super::motion::{self, CarriedColumn, Motion, Point};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
-use crate::input::{Form, InputError, Problem, Range, Section, Source};
+use crate::input::{Change, Form, InputError, Problem, Range, Section, Source};
 use crate::units;
 
 /// Room temperature, where no ambient is given \[K\].
@@ -29,7 +29,7 @@ pub fn read(path: &Path) -> Result<Robot, Vec<InputError>> {
 /// # Errors
 /// As [`read`], and every spring.
 pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputError>> {
-    read_as(&Source::read(path).map_err(|e| vec![e])?, Some(what))
+    read_as(&Source::read(path).map_err(|e| vec![e])?, &[], Some(what), &mut FromDisk)
 }
 
 /// Reads a requirement from a source; motions are looked for beside it.
@@ -37,12 +37,67 @@ pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputE
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
-    read_as(source, None)
+    read_as(source, &[], None, &mut FromDisk)
 }
 
-fn read_as(source: &Arc<Source>, no_springs: Option<&str>) -> Result<Robot, Vec<InputError>> {
-    let mut motion_errors = Vec::new();
-    let robot = Form::read(source, |root| read_robot(root, no_springs, &mut motion_errors));
+/// As [`read_source`], with values in the place of the file's own, and motions from a store.
+///
+/// # Errors
+/// As [`read`]; [`Change::send_home`] sorts the problems with the changes out.
+pub fn read_changed(
+    source: &Arc<Source>,
+    changes: &[Change],
+    motions: &mut dyn Motions,
+) -> Result<Robot, Vec<InputError>> {
+    read_as(source, changes, None, motions)
+}
+
+/// Where motions come from: [`FromDisk`], or a store that has read them before.
+pub trait Motions {
+    /// The file.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn open(&mut self, path: &Path) -> Result<Arc<Source>, InputError> {
+        Source::read(path)
+    }
+
+    /// The motion in it, with its columns of torque per mass for actuators of `joints` that are carried.
+    ///
+    /// # Errors
+    /// Every mistake of the file.
+    fn motion(
+        &mut self,
+        source: &Arc<Source>,
+        periodic: bool,
+        period: Option<f64>,
+        joints: &[String],
+    ) -> Result<(Motion, Vec<CarriedColumn>), InputError> {
+        motion::read_carrying(source, periodic, period, joints)
+    }
+}
+
+/// Motions are read each time.
+#[derive(Debug)]
+pub struct FromDisk;
+
+impl Motions for FromDisk {}
+
+/// Where a reading's motions come from, and what was wrong with them.
+pub(super) struct MotionReader<'m> {
+    pub(super) motions: &'m mut dyn Motions,
+    pub(super) errors: Vec<InputError>,
+}
+
+fn read_as(
+    source: &Arc<Source>,
+    changes: &[Change],
+    no_springs: Option<&str>,
+    motions: &mut dyn Motions,
+) -> Result<Robot, Vec<InputError>> {
+    let mut reader = MotionReader { motions, errors: Vec::new() };
+    let robot = Form::read_changed(source, changes, |root| read_robot(root, no_springs, &mut reader));
+    let motion_errors = reader.errors;
     match robot {
         Ok(robot) if motion_errors.is_empty() => Ok(robot),
         Ok(_) => Err(motion_errors),
@@ -56,7 +111,7 @@ fn read_as(source: &Arc<Source>, no_springs: Option<&str>) -> Result<Robot, Vec<
     }
 }
 
-fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<InputError>) -> Option<Robot> {
+fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionReader) -> Option<Robot> {
     let name = root.required_text("name", "\"quadruped\"").map(|t| t.into_inner());
     let bus = match root.section("bus") {
         Some(section) => read_bus(section),
@@ -87,7 +142,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint");
     }
-    let model = mechanism::read(root, motion_errors);
+    let model = mechanism::read(root, motions);
     let all: Vec<String> = sections.iter().filter_map(|s| s.text("name")).map(|n| n.into_inner()).collect();
     let mut names = HashSet::new();
     let (mut joints, mut uses, mut carried) = (Vec::new(), Vec::new(), Vec::new());
@@ -97,7 +152,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motion_errors: &mut Vec<
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match read_joint(section, surroundings, no_springs, &all, &model, motion_errors) {
+        match read_joint(section, surroundings, no_springs, &all, &model, motions) {
             Some((joint, taken, carries)) => {
                 joints.push(joint);
                 uses.push(taken);
@@ -157,7 +212,7 @@ fn read_joint(
     no_springs: Option<&str>,
     joints: &[String],
     model: &Model,
-    motion_errors: &mut Vec<InputError>,
+    motions: &mut MotionReader,
 ) -> Option<(Joint, Option<Use>, Vec<Asked>)> {
     let name = section.required_text("name", "\"knee\"").map(|t| t.into_inner());
     let count = section.count("count").unwrap_or(1);
@@ -183,7 +238,7 @@ fn read_joint(
         let (motion, taken) = mechanism::read_joint(&section, model).unzip();
         (motion.map(|m| (m, Vec::new())), taken)
     } else {
-        (read_motion(&section, &others, motion_errors), None)
+        (read_motion(&section, &others, motions), None)
     };
     let (motion, columns) = read.unzip();
     let objective = read_objective(&section);
@@ -383,8 +438,8 @@ fn read_gear(section: Section) -> GearModel {
 fn read_motion(
     section: &Section,
     joints: &[String],
-    motion_errors: &mut Vec<InputError>,
-) -> Option<(Motion, Vec<carried::Column>)> {
+    motions: &mut MotionReader,
+) -> Option<(Motion, Vec<CarriedColumn>)> {
     let periodic = section.boolean("periodic").unwrap_or(true);
     let period = section.quantity("period", &units::TIME, Range::Positive);
     match (section.has("motion"), section.has("points")) {
@@ -407,9 +462,9 @@ fn read_motion(
         (true, false) => {
             let file = section.text("motion")?;
             let path = section.source().folder().join(file.get_ref());
-            match Source::read(&path) {
+            match motions.motions.open(&path) {
                 Ok(source) => {
-                    motion::read_carrying(&source, periodic, period, joints).map_err(|e| motion_errors.push(e)).ok()
+                    motions.motions.motion(&source, periodic, period, joints).map_err(|e| motions.errors.push(e)).ok()
                 }
                 Err(error) => {
                     let first = error.problems.into_iter().next();

@@ -17,6 +17,7 @@ mod pen;
 pub mod rank;
 pub mod residual;
 pub mod step;
+pub mod study;
 pub mod sweep;
 pub mod temperature;
 pub mod torque_speed;

@@ -1,0 +1,47 @@
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Done, Failure};
+use crate::report::study as report;
+use crate::study::StudyError;
+use crate::study::assemble::{Shards, assemble};
+use crate::study::journal::Lock;
+use crate::study::output;
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Examples:\n  gearwise merge result part1 part2 part3\n  gearwise merge result parts/* --force"
+)]
+pub struct Arguments {
+    /// Folder for the results
+    #[arg(value_name = "OUT")]
+    out: PathBuf,
+    /// The folders of all shards of the study
+    #[arg(required = true, value_name = "SHARD")]
+    shards: Vec<PathBuf>,
+    /// Replace results that are there
+    #[arg(long)]
+    force: bool,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let out = &arguments.out;
+    let there = output::FILES.iter().find(|f| out.join(f).exists());
+    if let (Some(file), false) = (there, arguments.force) {
+        return Err(Failure::Argument(format!(
+            "`{}` has results already (`{file}`): `--force` replaces them",
+            out.display()
+        )));
+    }
+    let _lock = Lock::take(out)?;
+    let shards = Shards::open(&arguments.shards)?;
+    let summary = assemble(&shards, out).map_err(|e: StudyError| Failure::from(e))?;
+    let text =
+        if arguments.json { report::json_text(&summary) } else { super::study::written(out, report::text(&summary)) };
+    Ok(Done { text, satisfied: summary.broken == 0 })
+}

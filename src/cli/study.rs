@@ -1,0 +1,268 @@
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+
+use super::{CatalogChoice, Done, Failure};
+use crate::catalog::Catalog;
+use crate::input::Source;
+use crate::report::{number, study as report};
+use crate::study::assemble::{Shards, assemble};
+use crate::study::file::{StudyFile, is_study_file, read};
+use crate::study::grid::Grid;
+use crate::study::journal::Journal;
+use crate::study::output;
+use crate::study::plan::{Hashed, Inputs};
+use crate::study::run::{Existing, Study, Watch, prepare, run as work};
+use crate::study::worker::Broken;
+use crate::study::{Settings, Shard, StudyError};
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Examples:\n  gearwise study robots/ --out result\n  gearwise study 'robots/**/*.toml' --out result --top 5\n  gearwise study study.toml --out result --resume\n  gearwise study study.toml --out part2 --shard 2/8 && gearwise merge result part*"
+)]
+pub struct Arguments {
+    /// Requirement files, folders or patterns; or one study file (TOML) with a grid of parameters
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+    /// Folder for the results
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// How many designs of each joint are written; motors that provably are not among them are not solved
+    #[arg(long, value_name = "K", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    top: u32,
+    /// Solve every motor, and write every design
+    #[arg(long, conflicts_with = "top")]
+    all: bool,
+    /// Leave out motors whose rows do not say enough to check every limit
+    #[arg(long)]
+    only_checked: bool,
+    /// Go on with the study in the folder, or begin it
+    #[arg(long, conflicts_with = "force")]
+    resume: bool,
+    /// Begin anew, in place of the study in the folder
+    #[arg(long)]
+    force: bool,
+    /// Only this part of the study, e.g. 2/8; `merge` puts the parts together
+    #[arg(long, value_name = "I/N")]
+    shard: Option<String>,
+    /// Lines of progress on stderr, for logs, also where that is no terminal
+    #[arg(long)]
+    progress: bool,
+    /// Print the summary as JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    catalog: CatalogChoice,
+}
+
+/// Broken robots that are reported in full on stderr; all are in errors.csv.
+const REPORTED: u64 = 10;
+/// Time between two lines of progress.
+const PACE: Duration = Duration::from_secs(2);
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Failure {
+        match error {
+            StudyError::Input(errors) => Failure::Input(errors),
+            StudyError::Argument(message) => Failure::Argument(message),
+            StudyError::Stopped { done, of } => Failure::Interrupted(format!(
+                "stopped: {done} of {of} robots are finished and kept; the same command with `--resume` goes on"
+            )),
+        }
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let shard = match &arguments.shard {
+        None => Shard::WHOLE,
+        Some(text) => Shard::parse(text).map_err(|e| Failure::Argument(format!("`--shard`: {e}")))?,
+    };
+    let file = study_file(&arguments.paths)?;
+    let (inputs, catalog_paths) = match &file {
+        Some(file) => {
+            if !arguments.catalog.catalog.is_empty() && !file.catalog.is_empty() {
+                return Err(Failure::Argument("the study file names its catalogue; leave `--catalog` out".into()));
+            }
+            let base = file.source.folder().to_path_buf();
+            let inputs = Inputs { base, paths: file.requirements.clone(), grid: file.grid.clone() };
+            let named = if file.catalog.is_empty() { &arguments.catalog.catalog } else { &file.catalog };
+            (inputs, named.clone())
+        }
+        None => {
+            let text = |path: &PathBuf| {
+                let text = path.to_str().map(String::from);
+                text.ok_or_else(|| Failure::Argument(format!("`{}` is not UTF-8", path.display())))
+            };
+            let paths = arguments.paths.iter().map(text).collect::<Result<_, _>>()?;
+            (Inputs { base: PathBuf::new(), paths, grid: Grid::default() }, arguments.catalog.catalog.clone())
+        }
+    };
+    let (catalog, catalog_files) = catalog(&catalog_paths)?;
+    let study = Study {
+        inputs: &inputs,
+        file: file.as_ref().map(|f| &f.source),
+        catalog: &catalog,
+        catalog_files,
+        settings: Settings { top: (!arguments.all).then_some(arguments.top), only_checked: arguments.only_checked },
+        shard,
+    };
+    let existing = match (arguments.resume, arguments.force) {
+        (true, _) => Existing::Resume,
+        (_, true) => Existing::Replace,
+        _ => Existing::Refuse,
+    };
+    let out = &arguments.out;
+    let Some(journal) = prepare(&study, out, existing)? else { return finished_before(arguments) };
+    let robots = watched(arguments, &study, &journal)?;
+    if arguments.shard.is_some() {
+        let broken = broken_of(&journal)?;
+        let text = format!("shard {shard}: {robots} robots finished, {broken} of them could not be worked on\n");
+        return Ok(Done { text, satisfied: broken == 0 });
+    }
+    let shards = Shards::whole(journal);
+    let summary = assemble(&shards, out)?;
+    if summary.broken == 0 {
+        Journal::remove(out)?;
+    } else {
+        let them = if summary.broken == 1 { "1 robot" } else { &format!("{} robots", summary.broken) };
+        eprintln!(
+            "{them} could not be worked on, see `{}`; mend them, and `--resume` does those again and keeps the rest",
+            out.join("errors.csv").display()
+        );
+    }
+    Ok(told(arguments, &summary))
+}
+
+fn told(arguments: &Arguments, summary: &crate::study::Summary) -> Done {
+    let text = if arguments.json { report::json_text(summary) } else { written(&arguments.out, report::text(summary)) };
+    Done { text, satisfied: summary.broken == 0 }
+}
+
+/// The summary with where the results are.
+pub(super) fn written(out: &Path, text: String) -> String {
+    let parquet = if cfg!(feature = "parquet") { ", results.parquet" } else { "" };
+    format!(
+        "{text}\nIn {}: results.csv{parquet}, summary.json, summary.svg, inputs.csv, errors.csv, manifest.json\n",
+        out.display()
+    )
+}
+
+/// The results are there, of this very study.
+fn finished_before(arguments: &Arguments) -> Result<Done, Failure> {
+    eprintln!("the study in `{}` is finished already", arguments.out.display());
+    // A journal is kept where robots are broken, so here none is.
+    let path = arguments.out.join("summary.json");
+    let text = std::fs::read_to_string(&path)
+        .map_err(|e| Failure::Argument(format!("cannot read `{}`: {e}", path.display())))?;
+    let manifest = output::read_manifest(&arguments.out)?;
+    let satisfied = manifest.as_ref().is_some_and(|m| m.broken == 0);
+    let robots = manifest.map_or(0, |m| m.plan.robots);
+    let text = if arguments.json { text } else { written(&arguments.out, format!("{robots} robots\n")) };
+    Ok(Done { text, satisfied })
+}
+
+fn broken_of(journal: &Journal) -> Result<u64, Failure> {
+    let mut broken = 0;
+    for block in (0..journal.plan.blocks()).filter(|b| journal.shard.has(*b)) {
+        broken += journal.read(block)?.iter().filter(|r| r.broken.is_some()).count() as u64;
+    }
+    Ok(broken)
+}
+
+/// The study file, where the one path is one.
+fn study_file(paths: &[PathBuf]) -> Result<Option<StudyFile>, Failure> {
+    let [path] = paths else { return Ok(None) };
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let source: Arc<Source> = Source::read(path).map_err(|e| vec![e])?;
+    if !is_study_file(&source) {
+        return Ok(None);
+    }
+    Ok(Some(read(&source).map_err(|e| vec![e])?))
+}
+
+/// The catalogue with the hashes of its files.
+fn catalog(paths: &[PathBuf]) -> Result<(Catalog, Vec<Hashed>), Failure> {
+    let sources = match paths {
+        [] => Catalog::builtin_sources(),
+        paths => Catalog::sources(paths).map_err(|(_, errors)| errors)?,
+    };
+    let files = sources.iter().map(|s| Hashed { file: s.name().to_string(), sha256: s.sha256() }).collect();
+    let catalog = Catalog::from_sources(sources)?;
+    if catalog.motors.is_empty() {
+        return Err(Failure::Argument("the catalogue has no motors".into()));
+    }
+    Ok((catalog, files))
+}
+
+/// Runs the study, with progress on stderr; Ctrl-C stops it after the robots at hand, a second one at once.
+fn watched(arguments: &Arguments, study: &Study, journal: &Journal) -> Result<u64, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let handler = stop.clone();
+    let _ = ctrlc::set_handler(move || {
+        if handler.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    let (done, of, before) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
+    let bar = match arguments.progress || !std::io::stderr().is_terminal() {
+        true => indicatif::ProgressBar::hidden(),
+        false => super::progress(0, "robots"),
+    };
+    let began = Instant::now();
+    let told = std::sync::Mutex::new(began);
+    let line = |last: bool| {
+        if !arguments.progress {
+            return;
+        }
+        let Ok(mut told) = told.try_lock() else { return };
+        if !last && told.elapsed() < PACE {
+            return;
+        }
+        *told = Instant::now();
+        let (done, of, before) =
+            (done.load(Ordering::Relaxed), of.load(Ordering::Relaxed), before.load(Ordering::Relaxed));
+        let rate = (done - before) as f64 / began.elapsed().as_secs_f64().max(1e-3);
+        let left = if rate > 0.0 { format!(", {:.0} s left", (of - done) as f64 / rate) } else { String::new() };
+        eprintln!("{done} of {of} robots, {} robots/s{left}", number(rate));
+    };
+    let reported = AtomicU64::new(0);
+    let watch = Watch {
+        stop: &stop,
+        begin: &|finished, all| {
+            done.store(finished, Ordering::Relaxed);
+            before.store(finished, Ordering::Relaxed);
+            of.store(all, Ordering::Relaxed);
+            bar.set_length(all);
+            bar.set_position(finished);
+            bar.reset_eta();
+            if finished > 0 {
+                bar.suspend(|| eprintln!("{finished} of {all} robots were finished before"));
+            }
+        },
+        tick: &|| {
+            done.fetch_add(1, Ordering::Relaxed);
+            bar.inc(1);
+            line(false);
+        },
+        broken: &|robot, requirement, point, why: &Broken| {
+            let count = reported.fetch_add(1, Ordering::Relaxed);
+            let at = if point.is_empty() { String::new() } else { format!(" with {point}") };
+            bar.suspend(|| match count {
+                0..REPORTED => eprint!("robot {robot}, `{requirement}`{at}:\n{}", why.report),
+                REPORTED => eprintln!("further broken robots are listed in errors.csv only"),
+                _ => {}
+            });
+        },
+    };
+    let result = work(study, journal, &watch);
+    bar.finish_and_clear();
+    line(true);
+    Ok(result?)
+}

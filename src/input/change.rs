@@ -1,0 +1,162 @@
+//! A value put into a file's table before it is read: what a grid of parameters does to a requirement.
+//!
+//! The one idea: the value keeps its place in the file that it comes from. Its spans are moved beyond
+//! every span of the file it is put into, so that the reader needs to know nothing of it, and each
+//! mistake is shown where it was written.
+
+use std::ops::Range as Span;
+use std::sync::Arc;
+
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+use super::{InputError, Problem, Source};
+
+/// One key of a table with another value than the file's.
+#[derive(Debug, Clone)]
+pub struct Change {
+    key: String,
+    key_at: Span<usize>,
+    // The value as TOML, and where it was written.
+    text: String,
+    at: Span<usize>,
+}
+
+impl Change {
+    /// Spans from here on are of the file that the value was written in.
+    pub const ELSEWHERE: usize = usize::MAX / 2 + 1;
+
+    /// A change of `key`, a path with points: `bus.voltage`, `joint.knee.gear.efficiency`, or
+    /// `joint.*.gear.efficiency` for all of a list. `text` is the value as TOML; both places are those in
+    /// the file that they were written in.
+    pub fn new(key: impl Into<String>, key_at: Span<usize>, text: impl Into<String>, at: Span<usize>) -> Change {
+        Change { key: key.into(), key_at: moved(key_at), text: text.into(), at }
+    }
+
+    /// The key, a path with points.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// The value as TOML.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Puts the value in its place.
+    ///
+    /// # Errors
+    /// The key leads through something that is no table, or names none of a list.
+    pub fn apply<'t>(&'t self, table: &mut DeTable<'t>) -> Result<(), Problem> {
+        self.put(table, &self.key, "")
+    }
+
+    /// The value with its spans moved. Inside a value that was made (a range) they are those of the whole.
+    fn value(&self) -> Spanned<DeValue<'_>> {
+        let made = self.at.len() != self.text.len();
+        let place = |span: Span<usize>| {
+            moved(if made { self.at.clone() } else { self.at.start + span.start..self.at.start + span.end })
+        };
+        match DeValue::parse(&self.text) {
+            Ok(value) => relocated(value, &place),
+            Err(_) => Spanned::new(moved(self.at.clone()), DeValue::Boolean(false)),
+        }
+    }
+
+    fn put<'t>(&'t self, table: &mut DeTable<'t>, rest: &str, before: &str) -> Result<(), Problem> {
+        let (first, rest) = match rest.split_once('.') {
+            Some((first, rest)) => (first, rest),
+            None => {
+                table.remove(rest);
+                table.insert(self.spanned_key(rest), self.value());
+                return Ok(());
+            }
+        };
+        let path = if before.is_empty() { first.to_string() } else { format!("{before}.{first}") };
+        if !table.contains_key(first) {
+            let empty = Spanned::new(self.key_at.clone(), DeValue::Table(DeTable::new()));
+            table.insert(self.spanned_key(first), empty);
+        }
+        let value = table.get_mut(first).expect("it is there").get_mut();
+        match value {
+            DeValue::Table(inner) => self.put(inner, rest, &path),
+            DeValue::Array(items) => {
+                let mut names = Vec::new();
+                let mut found = false;
+                for item in items.iter_mut() {
+                    let DeValue::Table(inner) = item.get_mut() else { continue };
+                    let name = inner.get("name").and_then(|n| n.get_ref().as_str()).unwrap_or_default().to_string();
+                    let of_all = rest.strip_prefix("*.");
+                    let of_this = rest.strip_prefix(name.as_str()).and_then(|r| r.strip_prefix('.'));
+                    if let Some(rest) = of_all.or(of_this) {
+                        found = true;
+                        self.put(inner, rest, &format!("{path}.{name}"))?;
+                    }
+                    names.push(name);
+                }
+                if found {
+                    return Ok(());
+                }
+                let asked = rest.split('.').next().unwrap_or(rest);
+                let problem = Problem::at(
+                    self.key_at.clone(),
+                    format!("the grid's key `{}` names no `{first}` of the requirement", self.key),
+                    format!("there is no `{asked}`, or nothing of it is named"),
+                );
+                Err(problem.suggest(asked, names.iter().map(String::as_str)))
+            }
+            _ => Err(Problem::at(
+                self.key_at.clone(),
+                format!("the grid's key `{}` leads through `{path}`, which is not a table", self.key),
+                "names something inside a value",
+            )),
+        }
+    }
+
+    fn spanned_key<'t>(&self, key: &str) -> Spanned<DeString<'t>> {
+        Spanned::new(self.key_at.clone(), DeString::Owned(key.to_string()))
+    }
+
+    /// Sorts the problems of a reading with changes by the file that they were written in; `home` is that
+    /// of the changes.
+    pub fn send_home(errors: Vec<InputError>, home: &Arc<Source>) -> Vec<InputError> {
+        let mut sorted = Vec::new();
+        for InputError { source, problems } in errors {
+            let elsewhere = |p: &Problem| p.span.as_ref().is_some_and(|s| s.start >= Change::ELSEWHERE);
+            let (away, here): (Vec<Problem>, Vec<Problem>) = problems.into_iter().partition(elsewhere);
+            let away: Vec<Problem> = away
+                .into_iter()
+                .map(|p| {
+                    let span = p.span.clone().map(|s| s.start - Change::ELSEWHERE..s.end - Change::ELSEWHERE);
+                    Problem { span, ..p }
+                })
+                .collect();
+            for (source, problems) in [(home.clone(), away), (source, here)] {
+                if !problems.is_empty() {
+                    sorted.push(InputError { source, problems });
+                }
+            }
+        }
+        sorted
+    }
+}
+
+fn moved(span: Span<usize>) -> Span<usize> {
+    span.start + Change::ELSEWHERE..span.end + Change::ELSEWHERE
+}
+
+/// A value with its spans where `place` says.
+fn relocated<'v>(value: Spanned<DeValue<'v>>, place: &dyn Fn(Span<usize>) -> Span<usize>) -> Spanned<DeValue<'v>> {
+    let span = place(value.span());
+    let inner = match value.into_inner() {
+        DeValue::Array(items) => DeValue::Array(items.into_iter().map(|item| relocated(item, place)).collect()),
+        DeValue::Table(entries) => {
+            let entry = |(key, value): (Spanned<DeString<'v>>, _)| {
+                (Spanned::new(place(key.span()), key.into_inner()), relocated(value, place))
+            };
+            DeValue::Table(entries.into_iter().map(entry).collect())
+        }
+        other => other,
+    };
+    Spanned::new(span, inner)
+}

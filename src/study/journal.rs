@@ -1,0 +1,329 @@
+//! What is finished, on disk, whatever happens to the process.
+//!
+//! The one idea: a finished robot is one line with a checksum, appended to the file of its block in a single
+//! write. A process that is killed leaves at worst a torn last line, which the checksum shows and the next
+//! run takes away. Nothing is ever known of a study but what its journal says.
+
+use std::collections::HashMap;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use sha2::{Digest, Sha256};
+
+use super::plan::{BLOCK, Plan, Shard};
+use super::worker::Record;
+use super::{StudyError, work};
+use crate::input::{Source, hex};
+use crate::report::file::write_whole;
+
+/// Name of the journal's folder.
+const FOLDER: &str = "journal";
+/// Digits of a line's checksum.
+const DIGITS: usize = 16;
+/// Most files whose hash is remembered while a journal is checked.
+const KEPT: usize = 4096;
+
+/// An open journal; no other process has it open.
+#[derive(Debug)]
+pub struct Journal {
+    folder: PathBuf,
+    /// What is studied.
+    pub plan: Plan,
+    /// Which part of it.
+    pub shard: Shard,
+    _lock: Lock,
+}
+
+/// The file of a block, open for appending.
+#[derive(Debug)]
+pub struct Block {
+    path: PathBuf,
+    // The file, and its length up to the last whole line.
+    file: Mutex<(File, u64)>,
+}
+
+/// That no other process works in a folder. The system lets go of it when the process ends, however it ends.
+#[derive(Debug)]
+pub struct Lock {
+    _file: Option<File>,
+}
+
+impl Journal {
+    /// Whether a folder has a journal.
+    pub fn is_in(out: &Path) -> bool {
+        out.join(FOLDER).join("plan.json").is_file()
+    }
+
+    /// Begins a journal, in place of any that is there.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn begin(out: &Path, lock: Lock, plan: Plan, shard: Shard, list: &Path) -> Result<Journal, StudyError> {
+        let folder = out.join(FOLDER);
+        Journal::remove(out)?;
+        fs::create_dir_all(&folder).map_err(|e| StudyError::file("make the folder", &folder, &e))?;
+        let target = folder.join("list.txt");
+        fs::rename(list, &target).map_err(|e| StudyError::file("write", &target, &e))?;
+        let write =
+            |name: &str, text: String| write_whole(&folder.join(name), text.as_bytes()).map_err(StudyError::Argument);
+        write("shard", format!("{shard}\n"))?;
+        // The plan is written last: a folder without it has no journal.
+        write("plan.json", json(&plan)?)?;
+        Ok(Journal { folder, plan, shard, _lock: lock })
+    }
+
+    /// Opens a journal that is there.
+    ///
+    /// # Errors
+    /// There is none, or it cannot be read.
+    pub fn open(out: &Path, lock: Lock) -> Result<Journal, StudyError> {
+        let folder = out.join(FOLDER);
+        let read = |name: &str| {
+            let path = folder.join(name);
+            fs::read_to_string(&path).map_err(|e| StudyError::file("read", &path, &e))
+        };
+        let damaged =
+            |what: &str| StudyError::Argument(format!("the journal in `{}` is damaged: {what}", out.display()));
+        let shard = Shard::parse(read("shard")?.trim()).map_err(|_| damaged("its shard cannot be read"))?;
+        let plan: Plan = serde_json::from_str(&read("plan.json")?).map_err(|_| damaged("its plan cannot be read"))?;
+        Ok(Journal { folder, plan, shard, _lock: lock })
+    }
+
+    /// Takes the journal away, the plan first: what is left of a removal that was interrupted is no journal.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub fn remove(out: &Path) -> Result<(), StudyError> {
+        let folder = out.join(FOLDER);
+        let plan = folder.join("plan.json");
+        let removed = if plan.exists() { fs::remove_file(&plan) } else { Ok(()) };
+        let removed = removed.and_then(|()| if folder.exists() { fs::remove_dir_all(&folder) } else { Ok(()) });
+        removed.map_err(|e| StudyError::file("remove", &folder, &e))
+    }
+
+    /// Where the list of requirements is.
+    pub fn list(&self) -> PathBuf {
+        self.folder.join("list.txt")
+    }
+
+    /// The requirements from one on, each with its number.
+    ///
+    /// # Errors
+    /// The list cannot be read.
+    pub fn requirements(&self, from: u64) -> Result<Requirements, StudyError> {
+        let path = self.list();
+        let file = File::open(&path).map_err(|e| StudyError::file("read", &path, &e))?;
+        let mut requirements = Requirements { path, lines: BufReader::new(file), next: 0, current: None };
+        while requirements.next < from {
+            requirements.advance()?;
+        }
+        Ok(requirements)
+    }
+
+    fn path_of(&self, block: u64) -> PathBuf {
+        self.folder.join(format!("block-{block:08}.jsonl"))
+    }
+
+    /// What is finished of a block, in the order of the robots. Lines that were not written to their end
+    /// are left out.
+    ///
+    /// # Errors
+    /// The file is there but cannot be read.
+    pub fn read(&self, block: u64) -> Result<Vec<Record>, StudyError> {
+        let path = self.path_of(block);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) => return Err(StudyError::file("read", &path, &error)),
+        };
+        let mut records: Vec<Record> = bytes.split_inclusive(|b| *b == b'\n').filter_map(record_of).collect();
+        let robots = self.plan.robots_of(block);
+        records.retain(|r| robots.contains(&r.robot));
+        records.sort_by_key(|r| r.robot);
+        records.dedup_by_key(|r| r.robot);
+        Ok(records)
+    }
+
+    /// Opens a block for appending after the records that are kept of it; the rest of the file goes.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn append(&self, block: u64, kept: &[Record]) -> Result<Block, StudyError> {
+        let path = self.path_of(block);
+        if path.exists() {
+            let mut bytes = Vec::new();
+            for record in kept {
+                bytes.extend(line_of(record)?);
+            }
+            write_whole(&path, &bytes).map_err(StudyError::Argument)?;
+        }
+        let file = OpenOptions::new().create(true).append(true).open(&path);
+        let file = file.and_then(|file| file.metadata().map(|m| (file, m.len())));
+        let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
+        Ok(Block { path, file: Mutex::new(file) })
+    }
+
+    /// How many robots are finished, where the files that they were made of are what they were. Broken robots count as not finished: they are tried again.
+    ///
+    /// # Errors
+    /// A file has changed since its robot was finished, or the journal cannot be read.
+    pub fn check(&self, base: &Path) -> Result<u64, StudyError> {
+        let mut hashes: HashMap<String, Option<String>> = HashMap::new();
+        let mut done = 0;
+        for block in (0..self.plan.blocks()).filter(|b| self.shard.has(*b)) {
+            for record in self.read(block)?.iter().filter(|r| r.broken.is_none()) {
+                done += 1;
+                for (file, hash) in &record.inputs {
+                    if hashes.len() >= KEPT {
+                        hashes.clear();
+                    }
+                    let now = hashes
+                        .entry(file.clone())
+                        .or_insert_with(|| Source::read(&base.join(file)).ok().map(|s| s.sha256()));
+                    if now.as_deref() != Some(hash) {
+                        let what = if now.is_some() { "has changed" } else { "cannot be read any more" };
+                        return Err(StudyError::Argument(format!(
+                            "`{file}` {what} since robot {} was finished with it; put it back, or begin anew with `--force`",
+                            record.robot
+                        )));
+                    }
+                }
+            }
+        }
+        Ok(done)
+    }
+
+    /// How many robots of its shard are recorded, broken ones too.
+    ///
+    /// # Errors
+    /// The journal cannot be read.
+    pub fn recorded(&self) -> Result<u64, StudyError> {
+        let blocks = (0..self.plan.blocks()).filter(|b| self.shard.has(*b));
+        blocks.map(|b| self.read(b).map(|r| r.len() as u64)).sum()
+    }
+}
+
+impl Block {
+    /// Adds a finished robot: when this returns, it outlives the process.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn add(&self, record: &Record) -> Result<(), StudyError> {
+        let line = line_of(record)?;
+        let mut guard = self.file.lock().expect("no thread panicked");
+        let (file, length) = &mut *guard;
+        if let Err(error) = file.write_all(&line) {
+            // Half a line would spoil the next one.
+            let _ = file.set_len(*length);
+            return Err(StudyError::file("write", &self.path, &error));
+        }
+        *length += line.len() as u64;
+        Ok(())
+    }
+
+    /// Makes sure that a power failure does not take the block either.
+    ///
+    /// # Errors
+    /// The disk fails.
+    pub fn finish(&self) -> Result<(), StudyError> {
+        let file = self.file.lock().expect("no thread panicked");
+        file.0.sync_data().map_err(|e| StudyError::file("write", &self.path, &e))
+    }
+}
+
+fn json(value: &impl serde::Serialize) -> Result<String, StudyError> {
+    serde_json::to_string(value).map_err(|e| StudyError::Argument(format!("cannot write a record: {e}")))
+}
+
+fn checksum(text: &[u8]) -> String {
+    hex(&Sha256::digest(text))[..DIGITS].to_string()
+}
+
+fn line_of(record: &Record) -> Result<Vec<u8>, StudyError> {
+    let text = json(record)?;
+    Ok(format!("{} {text}\n", checksum(text.as_bytes())).into_bytes())
+}
+
+/// The record of a line, if the line is whole.
+fn record_of(line: &[u8]) -> Option<Record> {
+    let line = line.strip_suffix(b"\n")?;
+    let (sum, text) = line.split_at_checked(DIGITS)?;
+    let text = text.strip_prefix(b" ")?;
+    (sum == checksum(text).as_bytes()).then(|| serde_json::from_slice(text).ok()).flatten()
+}
+
+impl Lock {
+    /// Keeps other processes away from a folder. Where the file system knows no locks, nothing does.
+    ///
+    /// # Errors
+    /// Another process works there, or the folder cannot be written.
+    pub fn take(out: &Path) -> Result<Lock, StudyError> {
+        fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
+        let path = out.join(".study.lock");
+        let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
+        let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
+        match file.try_lock() {
+            Ok(()) => Ok(Lock { _file: Some(file) }),
+            Err(TryLockError::WouldBlock) => {
+                Err(StudyError::Argument(format!("another process works on the study in `{}`", out.display())))
+            }
+            Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
+        }
+    }
+}
+
+/// The requirements of a study, read from its list as they are needed.
+#[derive(Debug)]
+pub struct Requirements {
+    path: PathBuf,
+    lines: BufReader<File>,
+    next: u64,
+    current: Option<(u64, String)>,
+}
+
+impl Requirements {
+    fn advance(&mut self) -> Result<(), StudyError> {
+        let mut line = String::new();
+        let read = self.lines.read_line(&mut line).map_err(|e| StudyError::file("read", &self.path, &e))?;
+        if read == 0 {
+            return Err(StudyError::Argument(format!("the list `{}` ends too early", self.path.display())));
+        }
+        self.current = Some((self.next, line.trim_end_matches('\n').to_string()));
+        self.next += 1;
+        Ok(())
+    }
+
+    /// The requirement with this number; numbers are asked for in order.
+    ///
+    /// # Errors
+    /// The list cannot be read, or ends before it.
+    pub fn get(&mut self, number: u64) -> Result<&str, StudyError> {
+        while self.current.as_ref().is_none_or(|(n, _)| *n < number) {
+            self.advance()?;
+        }
+        Ok(self.current.as_ref().map_or("", |(_, name)| name))
+    }
+}
+
+/// Writes the list of requirements to a file; gives their number and the list's SHA-256.
+///
+/// # Errors
+/// What [`work::walk`] says, and a file that cannot be written.
+pub fn write_list(base: &Path, paths: &[String], to: &Path) -> Result<(u64, String), StudyError> {
+    let fail = |e: std::io::Error| StudyError::file("write", to, &e);
+    let mut file = BufWriter::new(File::create(to).map_err(fail)?);
+    let (mut count, mut hash) = (0, Sha256::new());
+    work::walk(base, paths, &mut |name| {
+        count += 1;
+        hash.update(name);
+        hash.update(b"\n");
+        writeln!(file, "{name}").map_err(fail)
+    })?;
+    file.flush().map_err(fail)?;
+    Ok((count, hex(&hash.finalize())))
+}
+
+// A block is read and held as a whole.
+const _: () = assert!(BLOCK <= 1024);

@@ -1,0 +1,184 @@
+//! The files of a finished study: written beside their place, moved there when all are whole, the manifest
+//! last.
+
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::StudyError;
+use super::plan::{Hashed, Plan};
+use crate::input::{Source, hex};
+
+/// Name of the manifest.
+pub const MANIFEST: &str = "manifest.json";
+/// Every file that a study writes, the manifest last.
+pub const FILES: [&str; 7] =
+    ["results.csv", "results.parquet", "errors.csv", "inputs.csv", "summary.json", "summary.svg", MANIFEST];
+/// Most files whose hash is remembered.
+const KEPT: usize = 4096;
+
+/// What a finished study was made of, and what it has written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// What was studied.
+    pub plan: Plan,
+    /// Robots that could not be worked on.
+    pub broken: u64,
+    /// Rows of the results.
+    pub rows: u64,
+    /// The files written, with their hashes; `inputs.csv` has the hash of every requirement and motion.
+    pub outputs: Vec<Hashed>,
+}
+
+/// The plan of the finished study in a folder, where there is one.
+///
+/// # Errors
+/// There is a manifest that is not one of a study.
+pub fn manifest_of(out: &Path) -> Result<Option<Plan>, StudyError> {
+    read_manifest(out).map(|m| m.map(|m| m.plan))
+}
+
+/// The manifest in a folder, where there is one.
+///
+/// # Errors
+/// It cannot be read, or is not one of a study of this version.
+pub fn read_manifest(out: &Path) -> Result<Option<Manifest>, StudyError> {
+    let path = out.join(MANIFEST);
+    match fs::read_to_string(&path) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(StudyError::file("read", &path, &error)),
+        Ok(text) => serde_json::from_str(&text).map(Some).map_err(|_| {
+            StudyError::Argument(format!("`{}` is not the manifest of a study of this version", path.display()))
+        }),
+    }
+}
+
+/// Whether every file that the results were made of is what it was.
+///
+/// # Errors
+/// One is not.
+pub fn inputs_unchanged(out: &Path, base: &Path) -> Result<(), StudyError> {
+    let path = out.join("inputs.csv");
+    let fail = |e: csv::Error| StudyError::Argument(format!("cannot read `{}`: {e}", path.display()));
+    let mut reader = csv::Reader::from_path(&path).map_err(fail)?;
+    let mut hashes: HashMap<String, Option<String>> = HashMap::new();
+    for row in reader.records() {
+        let row = row.map_err(fail)?;
+        let (file, hash) = (row.get(1).unwrap_or_default(), row.get(2).unwrap_or_default());
+        if hashes.len() >= KEPT {
+            hashes.clear();
+        }
+        let read = || Source::read(&base.join(file)).ok().map(|s| s.sha256());
+        if hashes.entry(file.to_string()).or_insert_with(read).as_deref() != Some(hash) {
+            return Err(StudyError::Argument(format!(
+                "the results are finished, but `{file}` has changed since; begin anew with `--force`"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Takes the files of a study away, the manifest first.
+///
+/// # Errors
+/// One cannot be removed.
+pub fn remove(out: &Path) -> Result<(), StudyError> {
+    for name in FILES.iter().rev() {
+        let path = out.join(name);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(StudyError::file("remove", &path, &error));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// A file beside its place. Unless it is [placed](place), it goes.
+#[derive(Debug)]
+pub struct Part {
+    name: &'static str,
+    temporary: PathBuf,
+    target: PathBuf,
+    file: BufWriter<File>,
+    hash: Sha256,
+}
+
+impl Part {
+    /// Begins a file of a folder.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn new(out: &Path, name: &'static str) -> Result<Part, StudyError> {
+        let temporary = out.join(format!(".{name}.part"));
+        let file = File::create(&temporary).map_err(|e| StudyError::file("write", &temporary, &e))?;
+        let file = BufWriter::with_capacity(1 << 16, file);
+        Ok(Part { name, target: out.join(name), temporary, file, hash: Sha256::new() })
+    }
+
+    /// An error of writing it.
+    pub fn fail(&self, error: impl std::fmt::Display) -> StudyError {
+        StudyError::Argument(format!("cannot write `{}`: {error}", self.target.display()))
+    }
+}
+
+impl Write for Part {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.hash.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        // Gone already where it was placed.
+        let _ = fs::remove_file(&self.temporary);
+    }
+}
+
+/// Writes all parts to the disk; their names and hashes.
+///
+/// # Errors
+/// The disk is full, or fails.
+pub fn seal(parts: &mut [Part]) -> Result<Vec<Hashed>, StudyError> {
+    let mut sealed = Vec::new();
+    for part in parts {
+        let done = part.file.flush().and_then(|()| part.file.get_ref().sync_all());
+        done.map_err(|e| part.fail(e))?;
+        sealed.push(Hashed { file: part.name.into(), sha256: hex(&part.hash.clone().finalize()) });
+    }
+    Ok(sealed)
+}
+
+/// Takes an old manifest away: what is written next is not what it says.
+///
+/// # Errors
+/// It cannot be removed.
+pub fn unsettle(out: &Path) -> Result<(), StudyError> {
+    let path = out.join(MANIFEST);
+    match fs::remove_file(&path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StudyError::file("remove", &path, &error)),
+        _ => Ok(()),
+    }
+}
+
+/// Moves sealed parts to their places, in order.
+///
+/// # Errors
+/// One cannot be moved.
+pub fn place(parts: &[Part]) -> Result<(), StudyError> {
+    for part in parts {
+        fs::rename(&part.temporary, &part.target).map_err(|e| part.fail(e))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,231 @@
+//! Works through a study, block by block.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::journal::{Journal, Lock, write_list};
+use super::plan::{Hashed, Inputs, Plan, Settings, Shard, path_name};
+use super::worker::{Broken, Record, Store, Worker};
+use super::{StudyError, output};
+use crate::catalog::Catalog;
+use crate::input::{InputError, Source};
+
+/// Everything that a study needs.
+#[derive(Debug)]
+pub struct Study<'a> {
+    /// Which requirements, and the grid over them.
+    pub inputs: &'a Inputs,
+    /// The study file.
+    pub file: Option<&'a Arc<Source>>,
+    /// The catalogue.
+    pub catalog: &'a Catalog,
+    /// The catalogue's files.
+    pub catalog_files: Vec<Hashed>,
+    /// Settings.
+    pub settings: Settings,
+    /// Which part of it is run.
+    pub shard: Shard,
+}
+
+/// What is done where the folder has a study already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Existing {
+    /// Refuse.
+    Refuse,
+    /// Go on with it; begin where there is none.
+    Resume,
+    /// Begin anew.
+    Replace,
+}
+
+/// What a run is told, and what it tells.
+pub struct Watch<'w> {
+    /// Set when the run is to stop after the robots at hand.
+    pub stop: &'w AtomicBool,
+    /// Called once with the robots done before and all robots.
+    pub begin: &'w (dyn Fn(u64, u64) + Sync),
+    /// Called for each robot that is finished.
+    pub tick: &'w (dyn Fn() + Sync),
+    /// Called for each robot that is broken: number, requirement, point of the grid, and why.
+    pub broken: &'w (dyn Fn(u64, &str, &str, &Broken) + Sync),
+}
+
+impl std::fmt::Debug for Watch<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Watch").finish_non_exhaustive()
+    }
+}
+
+/// Opens the journal of a study in a folder, or begins it. `Ok(None)` where the folder has the finished results of this study.
+///
+/// # Errors
+/// The folder has another study, or one that may not be touched; inputs that are wrong or have changed.
+pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal>, StudyError> {
+    let lock = Lock::take(out)?;
+    let list = ListFile(out.join(".list.part"));
+    let there = Journal::is_in(out);
+    if existing == Existing::Refuse {
+        if there {
+            return Err(StudyError::Argument(format!(
+                "`{}` has a study that is not finished: `--resume` goes on with it, `--force` begins anew",
+                out.display()
+            )));
+        }
+        if let Some(file) = output::FILES.iter().find(|f| out.join(f).exists()) {
+            return Err(StudyError::Argument(format!(
+                "`{}` has results already (`{file}`): `--force` replaces them",
+                out.display()
+            )));
+        }
+    }
+    let (requirements, list_sha256) = write_list(&study.inputs.base, &study.inputs.paths, &list.0)?;
+    let plan = Plan {
+        gearwise: env!("CARGO_PKG_VERSION").into(),
+        settings: study.settings,
+        study: study.file.map(|f| Hashed { file: path_name(Path::new(f.name())), sha256: f.sha256() }),
+        grid: Plan::planned(&study.inputs.grid),
+        catalog: study.catalog_files.clone(),
+        motors: study.catalog.motors.iter().map(|m| m.id.clone()).collect(),
+        requirements,
+        list_sha256,
+        robots: requirements
+            .checked_mul(study.inputs.grid.points())
+            .filter(|n| *n <= 1 << 40)
+            .ok_or_else(|| StudyError::Argument("the study has more robots than can be counted".into()))?,
+    };
+    let other = |why: String| {
+        StudyError::Argument(format!("the study in `{}` is another: {why}; `--force` begins anew", out.display()))
+    };
+    if existing == Existing::Resume {
+        if there {
+            let journal = Journal::open(out, lock)?;
+            if let Some(why) = journal.plan.difference(&plan) {
+                return Err(other(why));
+            }
+            if journal.shard != study.shard {
+                return Err(other(format!("it is shard {}, not {}", journal.shard, study.shard)));
+            }
+            return Ok(Some(journal));
+        }
+        if let Some(was) = output::manifest_of(out)? {
+            return match was.difference(&plan) {
+                Some(why) => Err(other(why)),
+                None if study.shard != Shard::WHOLE => Err(other("it is the whole study, not a shard".into())),
+                None => output::inputs_unchanged(out, &study.inputs.base).map(|()| None),
+            };
+        }
+    }
+    check_grid(study, &list.0, &plan)?;
+    let journal = Journal::begin(out, lock, plan, study.shard, &list.0)?;
+    output::remove(out)?;
+    Ok(Some(journal))
+}
+
+/// The list while it is being written; what is left of it goes.
+struct ListFile(PathBuf);
+
+impl Drop for ListFile {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+/// Tries every value of the grid once on the first requirement, so that a mistake in the study file is told
+/// at once and not once for each robot.
+fn check_grid(study: &Study, list: &Path, plan: &Plan) -> Result<(), StudyError> {
+    let Some(home) = study.file.filter(|_| !plan.grid.is_empty()) else { return Ok(()) };
+    let first = std::fs::read_to_string(list).map_err(|e| StudyError::file("read", list, &e))?;
+    let Some(first) = first.lines().next() else { return Ok(()) };
+    let worker = worker(study);
+    let mut errors: Vec<InputError> = Vec::new();
+    for parameter in 0..plan.grid.len() {
+        for value in 0..plan.grid[parameter].values.len() as u64 {
+            let (read, _) = worker.read(first, value * plan.stride(parameter));
+            for error in read.err().into_iter().flatten().filter(|e| Arc::ptr_eq(&e.source, home)) {
+                for problem in error.problems {
+                    match errors.first_mut() {
+                        Some(known) if known.problems.contains(&problem) => {}
+                        Some(known) => known.problems.push(problem),
+                        None => errors.push(InputError { source: home.clone(), problems: vec![problem] }),
+                    }
+                }
+            }
+        }
+    }
+    if errors.is_empty() { Ok(()) } else { Err(StudyError::Input(errors)) }
+}
+
+fn worker<'a>(study: &'a Study) -> Worker<'a> {
+    Worker {
+        catalog: study.catalog,
+        settings: study.settings,
+        grid: &study.inputs.grid,
+        home: study.file,
+        base: &study.inputs.base,
+        store: Store::default(),
+    }
+}
+
+/// Does what is left to do of a journal's shard. Gives the number of its robots.
+///
+/// # Errors
+/// An input that has changed, a journal that cannot be written, and [`StudyError::Stopped`].
+pub fn run(study: &Study, journal: &Journal, watch: &Watch) -> Result<u64, StudyError> {
+    let plan = &journal.plan;
+    let of = plan.robots_in(journal.shard);
+    let before = journal.check(&study.inputs.base)?;
+    (watch.begin)(before, of);
+    let done = AtomicU64::new(before);
+    let worker = worker(study);
+    let points = plan.points();
+    let mut requirements = journal.requirements(0)?;
+    for block in (0..plan.blocks()).filter(|b| journal.shard.has(*b)) {
+        let mut finished = journal.read(block)?;
+        finished.retain(|r| r.broken.is_none());
+        let mut left = Vec::new();
+        for robot in plan.robots_of(block) {
+            if finished.binary_search_by_key(&robot, |r| r.robot).is_err() {
+                left.push((robot, requirements.get(robot / points)?.to_string()));
+            }
+        }
+        if left.is_empty() {
+            continue;
+        }
+        let file = journal.append(block, &finished)?;
+        left.par_iter().try_for_each(|(robot, requirement)| {
+            if watch.stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            let record = unharmed(&worker, *robot, requirement, robot % points);
+            file.add(&record)?;
+            done.fetch_add(1, Ordering::Relaxed);
+            if let Some(why) = &record.broken {
+                (watch.broken)(*robot, requirement, &study.inputs.grid.name(robot % points), why);
+            }
+            (watch.tick)();
+            Ok::<(), StudyError>(())
+        })?;
+        if watch.stop.load(Ordering::Relaxed) {
+            break;
+        }
+        file.finish()?;
+    }
+    let done = done.into_inner();
+    if done < of { Err(StudyError::Stopped { done, of }) } else { Ok(of) }
+}
+
+/// Does the work of one robot. A fault of the program is told like a mistake of the robot's: it must not
+/// take the others with it, now or at every attempt to go on.
+fn unharmed(worker: &Worker, robot: u64, requirement: &str, point: u64) -> Record {
+    catch_unwind(AssertUnwindSafe(|| worker.work(robot, requirement, point))).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str);
+        let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
+        let first = format!("{requirement}: a fault of the program, please report it: {said}");
+        let broken = Broken { report: format!("error: {first}\n"), first, mistakes: 1 };
+        Record { robot, name: String::new(), inputs: Vec::new(), joints: Vec::new(), broken: Some(broken) }
+    })
+}

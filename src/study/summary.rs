@@ -1,0 +1,167 @@
+//! What a study says as a whole: how often each motor wins, and what each parameter does.
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+
+use super::columns;
+use super::effects::{Effect, FirstChoice};
+use super::plan::Plan;
+use super::worker::{Record, Standing};
+
+/// Joints with different names that are told apart; further ones are put together.
+const MOST_JOINTS: usize = 256;
+/// Name of the joints that are put together.
+const OTHERS: &str = "(other joints)";
+
+/// What a study says as a whole.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Robots.
+    pub robots: u64,
+    /// Robots that could not be worked on.
+    pub broken: u64,
+    /// Rows of the results.
+    pub rows: u64,
+    /// How many designs of each joint were asked for; all where it is not given.
+    pub top: Option<u32>,
+    /// Joints by name, in the order in which they are met.
+    pub joints: Vec<JointSummary>,
+    /// What the parameters of the grid do.
+    pub effects: Vec<Effect>,
+}
+
+/// All joints of one name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointSummary {
+    /// Their name.
+    pub joint: String,
+    /// How many robots have one.
+    pub robots: u64,
+    /// How many of them no motor can do.
+    pub without_design: u64,
+    /// Least loss of a first choice \[W\].
+    pub least_loss_w: Option<f64>,
+    /// Mean loss of the first choices \[W\].
+    pub mean_loss_w: Option<f64>,
+    /// Largest loss of a first choice \[W\].
+    pub largest_loss_w: Option<f64>,
+    /// Motors that are among the designs asked for at least once, the most frequent winners first.
+    pub motors: Vec<MotorSummary>,
+}
+
+/// How one motor fares at the joints of one name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotorSummary {
+    /// Its id.
+    pub motor: String,
+    /// Where it is the first choice.
+    pub first: u64,
+    /// Where it is among the designs asked for, the first included.
+    pub among: u64,
+    /// Where it can do it, as far as that was asked.
+    pub can: u64,
+    /// Where it cannot.
+    pub cannot: u64,
+    /// Where it was not asked, because it cannot be among the designs asked for.
+    pub not_asked: u64,
+}
+
+#[derive(Debug, Default)]
+struct Gathered {
+    name: String,
+    robots: u64,
+    without: u64,
+    losses: Option<(f64, f64, f64)>,
+    // First, among, behind, cannot, unknown: for each motor.
+    standings: Vec<[u64; 5]>,
+}
+
+/// Gathers a summary, robot by robot.
+#[derive(Debug, Default)]
+pub struct Gatherer {
+    robots: u64,
+    broken: u64,
+    rows: u64,
+    joints: Vec<Gathered>,
+    places: HashMap<String, usize>,
+}
+
+impl Gatherer {
+    /// Adds a robot; the first choice of each of its joints.
+    pub fn robot(&mut self, plan: &Plan, record: &Record) -> Vec<(String, FirstChoice)> {
+        self.robots += 1;
+        self.broken += u64::from(record.broken.is_some());
+        let loss_at = columns::position("loss_w");
+        let mut choices = Vec::new();
+        for joint in &record.joints {
+            self.rows += joint.rows.len() as u64;
+            let gathered = self.joint(plan, &joint.name);
+            gathered.robots += 1;
+            let mut choice = FirstChoice::NONE;
+            for (motor, letter) in joint.motors.chars().enumerate() {
+                let standing = Standing::of(letter).unwrap_or(Standing::Unknown);
+                if standing == Standing::First {
+                    let loss = joint.rows.first().and_then(|row| row.get(loss_at)?.parse().ok());
+                    choice = FirstChoice { loss: loss.unwrap_or(f64::NAN), motor: motor as u32 };
+                }
+                if let Some(counts) = gathered.standings.get_mut(motor) {
+                    counts[standing as usize] += 1;
+                }
+            }
+            gathered.without += u64::from(choice.motor == u32::MAX);
+            if choice.loss.is_finite() {
+                let (least, sum, most) = gathered.losses.unwrap_or((f64::INFINITY, 0.0, f64::NEG_INFINITY));
+                gathered.losses = Some((least.min(choice.loss), sum + choice.loss, most.max(choice.loss)));
+            }
+            choices.push((gathered.name.clone(), choice));
+        }
+        choices
+    }
+
+    fn joint(&mut self, plan: &Plan, name: &str) -> &mut Gathered {
+        let name = if self.places.contains_key(name) || self.places.len() < MOST_JOINTS { name } else { OTHERS };
+        let place = *self.places.entry(name.to_string()).or_insert(self.joints.len());
+        if place == self.joints.len() {
+            let standings = vec![[0; 5]; plan.motors.len()];
+            self.joints.push(Gathered { name: name.into(), standings, ..Gathered::default() });
+        }
+        &mut self.joints[place]
+    }
+
+    /// Rows of the results so far.
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// The summary.
+    pub fn finish(self, plan: &Plan, effects: Vec<Effect>) -> Summary {
+        let joints = self.joints.into_iter().map(|joint| {
+            let motors = plan.motors.iter().zip(&joint.standings).map(|(motor, counts)| {
+                let [first, among, behind, cannot, not_asked] = *counts;
+                let among = first + among;
+                MotorSummary { motor: motor.clone(), first, among, can: among + behind, cannot, not_asked }
+            });
+            let mut motors: Vec<MotorSummary> = motors.filter(|m| m.among > 0).collect();
+            motors.sort_by(|a, b| b.first.cmp(&a.first).then(b.among.cmp(&a.among)).then(a.motor.cmp(&b.motor)));
+            let with_design = joint.robots - joint.without;
+            JointSummary {
+                joint: joint.name,
+                robots: joint.robots,
+                without_design: joint.without,
+                least_loss_w: joint.losses.map(|l| l.0),
+                mean_loss_w: joint.losses.map(|l| l.1 / with_design as f64),
+                largest_loss_w: joint.losses.map(|l| l.2),
+                motors,
+            }
+        });
+        Summary {
+            robots: self.robots,
+            broken: self.broken,
+            rows: self.rows,
+            top: plan.settings.top,
+            joints: joints.collect(),
+            effects,
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! One robot of a study: read, optimised, put into a record.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use serde::{Deserialize, Serialize};
+
+use super::columns;
+use super::grid::Grid;
+use super::plan::Settings;
+use crate::catalog::Catalog;
+use crate::design::optimize::{JointResult, Options, optimize_with};
+use crate::input::{Change, InputError, Problem, Source};
+use crate::report::optimize::reason_text;
+use crate::requirement::motion::CarriedColumn;
+use crate::requirement::{self, Motion, Motions, Robot};
+
+/// What was found for one robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Its number.
+    pub robot: u64,
+    /// Its name; blank where it could not be read.
+    pub name: String,
+    /// Every file that was read for it, with its SHA-256.
+    pub inputs: Files,
+    /// Its joints.
+    pub joints: Vec<JointRecord>,
+    /// Why it could not be worked on.
+    pub broken: Option<Broken>,
+}
+
+/// What was found for one joint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JointRecord {
+    /// Its name.
+    pub name: String,
+    /// What is known of each motor of the catalogue, one letter each: see [`Standing`].
+    pub motors: String,
+    /// Its rows of the results.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// Why a robot could not be worked on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Broken {
+    /// The first mistake with its place, in one line.
+    pub first: String,
+    /// How many mistakes there are.
+    pub mistakes: u64,
+    /// The whole report.
+    pub report: String,
+}
+
+/// What is known of a motor at a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// It is the first choice.
+    First,
+    /// It is among those asked for.
+    Among,
+    /// It can do it, but stands behind them.
+    Behind,
+    /// It cannot do it.
+    Cannot,
+    /// It cannot be among those asked for; whether it can do it was not asked.
+    Unknown,
+}
+
+impl Standing {
+    /// Every standing with its letter in a record.
+    pub const LETTERS: [(Standing, char); 5] = [
+        (Standing::First, '1'),
+        (Standing::Among, 'a'),
+        (Standing::Behind, 'b'),
+        (Standing::Cannot, 'x'),
+        (Standing::Unknown, '?'),
+    ];
+
+    /// The standing of a letter.
+    pub fn of(letter: char) -> Option<Standing> {
+        Standing::LETTERS.iter().find(|(_, l)| *l == letter).map(|(s, _)| *s)
+    }
+
+    fn letter(self) -> char {
+        Standing::LETTERS.iter().find(|(s, _)| *s == self).map_or('?', |(_, l)| *l)
+    }
+}
+
+/// Each file that was read, with its SHA-256.
+pub type Files = Vec<(String, String)>;
+
+/// A motion's file, whether it is periodic, and the bits of its period.
+type MotionKey = (PathBuf, bool, Option<u64>, Vec<String>);
+
+/// Files and motions that were read before, for robots that share them. Bounded: when it is full it is
+/// emptied.
+#[derive(Debug, Default)]
+pub struct Store {
+    files: Mutex<HashMap<PathBuf, (Arc<Source>, String)>>,
+    motions: Mutex<HashMap<MotionKey, (Motion, Vec<CarriedColumn>)>>,
+}
+
+/// Most files, and most motions, that are kept.
+const KEPT: usize = 256;
+
+impl Store {
+    /// A file with its SHA-256.
+    fn open(&self, path: &Path) -> Result<(Arc<Source>, String), InputError> {
+        if let Some(found) = self.files.lock().expect("no thread panicked").get(path) {
+            return Ok(found.clone());
+        }
+        let source = Source::read(path)?;
+        let found = (source.clone(), source.sha256());
+        let mut files = self.files.lock().expect("no thread panicked");
+        if files.len() >= KEPT {
+            files.clear();
+        }
+        // Whoever was first counts: a file that changes meanwhile is one file for all.
+        Ok(files.entry(path.to_path_buf()).or_insert(found).clone())
+    }
+}
+
+/// The store as one robot's reading sees it, noting what it took.
+struct Reading<'s> {
+    store: &'s Store,
+    base: &'s Path,
+    inputs: BTreeMap<PathBuf, String>,
+}
+
+impl Reading<'_> {
+    fn note(&mut self, path: &Path, hash: &str) {
+        let name = path.strip_prefix(self.base).unwrap_or(path);
+        self.inputs.insert(name.to_path_buf(), hash.to_string());
+    }
+}
+
+impl Motions for Reading<'_> {
+    fn open(&mut self, path: &Path) -> Result<Arc<Source>, InputError> {
+        let (source, hash) = self.store.open(path)?;
+        self.note(path, &hash);
+        Ok(source)
+    }
+
+    fn motion(
+        &mut self,
+        source: &Arc<Source>,
+        periodic: bool,
+        period: Option<f64>,
+        joints: &[String],
+    ) -> Result<(Motion, Vec<CarriedColumn>), InputError> {
+        let key = (PathBuf::from(source.name()), periodic, period.map(f64::to_bits), joints.to_vec());
+        if let Some(found) = self.store.motions.lock().expect("no thread panicked").get(&key) {
+            return Ok(found.clone());
+        }
+        let motion = requirement::motion::read_carrying(source, periodic, period, joints)?;
+        let mut motions = self.store.motions.lock().expect("no thread panicked");
+        if motions.len() >= KEPT {
+            motions.clear();
+        }
+        Ok(motions.entry(key).or_insert(motion).clone())
+    }
+}
+
+/// What all robots of a study have in common.
+#[derive(Debug)]
+pub struct Worker<'a> {
+    /// The catalogue.
+    pub catalog: &'a Catalog,
+    /// Settings.
+    pub settings: Settings,
+    /// The grid.
+    pub grid: &'a Grid,
+    /// The study file, where the grid is written.
+    pub home: Option<&'a Arc<Source>>,
+    /// The folder that requirements' names start from.
+    pub base: &'a Path,
+    /// Files read before.
+    pub store: Store,
+}
+
+impl Worker<'_> {
+    /// Reads the requirement at a point of the grid, and says which files that took.
+    ///
+    /// # Errors
+    /// Every mistake, each in the file where it was written.
+    pub fn read(&self, requirement: &str, point: u64) -> (Result<Robot, Vec<InputError>>, Files) {
+        let mut reading = Reading { store: &self.store, base: self.base, inputs: BTreeMap::new() };
+        let (changes, scale) = self.grid.at(point);
+        let read = self.store.open(&self.base.join(requirement)).map_err(|e| vec![e]).and_then(|(source, hash)| {
+            reading.note(Path::new(requirement), &hash);
+            requirement::read_changed(&source, &changes, &mut reading)
+        });
+        let robot = read.map_err(|errors| match self.home {
+            Some(home) => Change::send_home(errors, home),
+            None => errors,
+        });
+        let scaled = robot.map(|mut robot| {
+            for joint in &mut robot.joints {
+                let motion =
+                    std::mem::replace(&mut joint.motion, Motion::from_points(&[requirement::Point::default()]));
+                joint.motion = motion.scaled(scale.torque, scale.speed);
+                // What is carried weighs the same; only its course runs faster.
+                for carried in &mut joint.carries {
+                    carried.rate.iter_mut().for_each(|rate| *rate *= scale.speed);
+                }
+            }
+            robot
+        });
+        let inputs = reading.inputs.into_iter().map(|(path, hash)| (super::plan::path_name(&path), hash)).collect();
+        (scaled, inputs)
+    }
+
+    /// Does the work of one robot.
+    pub fn work(&self, robot: u64, requirement: &str, point: u64) -> Record {
+        let (read, inputs) = self.read(requirement, point);
+        let broken = |name: String, broken| Record {
+            robot,
+            name,
+            inputs: inputs.clone(),
+            joints: Vec::new(),
+            broken: Some(broken),
+        };
+        let read = match read {
+            Ok(read) => read,
+            Err(errors) => return broken(String::new(), Broken::of(&errors)),
+        };
+        if let Err(message) = crate::design::check_gears(&read, self.catalog) {
+            let source = Arc::new(Source::new(requirement, ""));
+            let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
+            return broken(read.name.clone(), Broken::of(&errors));
+        }
+        let keep = self.settings.top.map(|k| k as usize);
+        let options = Options { only_checked: self.settings.only_checked, keep, tick: &|| {} };
+        let result = optimize_with(&read, self.catalog, options);
+        let joints = result.joints.iter().map(|joint| JointRecord {
+            name: joint.joint.name.clone(),
+            motors: standings(joint, self.catalog),
+            rows: columns::rows(joint),
+        });
+        Record { robot, name: read.name.clone(), inputs, joints: joints.collect(), broken: None }
+    }
+}
+
+/// What is known of every motor, a letter each.
+fn standings(joint: &JointResult, catalog: &Catalog) -> String {
+    let mut standing: HashMap<&str, Standing> = HashMap::new();
+    for (place, design) in joint.candidates.iter().enumerate() {
+        standing.insert(&design.motor.id, if place == 0 { Standing::First } else { Standing::Among });
+    }
+    for rejected in &joint.rejected {
+        standing.insert(&rejected.motor.id, Standing::Cannot);
+    }
+    for (motor, _) in joint.pruned.iter().flat_map(|p| &p.not_solved) {
+        standing.insert(&motor.id, Standing::Unknown);
+    }
+    // What was solved, can do it and is not listed stands behind.
+    catalog.motors.iter().map(|m| standing.get(m.id.as_str()).copied().unwrap_or(Standing::Behind).letter()).collect()
+}
+
+/// Why a joint has no design: how many motors fail for which reason, the most frequent first.
+pub(super) fn because(joint: &JointResult) -> String {
+    let mut classes: BTreeMap<String, usize> = BTreeMap::new();
+    for rejected in &joint.rejected {
+        *classes.entry(reason_text(&rejected.reason, joint.joint).0).or_default() += 1;
+    }
+    let mut classes: Vec<(String, usize)> = classes.into_iter().collect();
+    classes.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    let told: Vec<String> = classes.iter().take(3).map(|(why, n)| format!("{n} motors: {why}")).collect();
+    told.join("; ")
+}
+
+impl Broken {
+    fn of(errors: &[InputError]) -> Broken {
+        let first = errors.first().and_then(|e| {
+            let problem = e.problems.first()?;
+            let place = problem.span.as_ref().map_or_else(String::new, |s| {
+                let (line, column) = e.source.position(s.start);
+                format!(":{line}:{column}")
+            });
+            let help = problem.help.as_ref().map_or_else(String::new, |h| format!("; {h}"));
+            Some(format!("{}{place}: {}{help}", e.source.name(), problem.message))
+        });
+        let report: String = errors.iter().map(ToString::to_string).collect();
+        let mistakes = errors.iter().map(|e| e.problems.len() as u64).sum();
+        Broken { first: first.unwrap_or_default(), mistakes, report }
+    }
+}
