@@ -95,7 +95,8 @@ const NO: &str = "qqqqqqqqqqqqqqqqqq = 1";
 #[test]
 fn requirements_are_documented() {
     let text = format!(
-        "{NO}\nname = \"x\"\nbus = {{ voltage = \"1 V\", {NO} }}\n[ambient]\n{NO}\n[budget]\n{NO}\n[[joint]]\n{NO}\nname = \"a\"\n\
+        "{NO}\nname = \"x\"\nbus = {{ voltage = \"1 V\", {NO} }}\n[ambient]\n{NO}\n[budget]\n{NO}\n\
+         [mechanism]\nmodel = \"a.urdf\"\ntrajectory = \"x.csv\"\npayload = {{ link = \"a\", mass = \"1 kg\", {NO} }}\n{NO}\n[[joint]]\n{NO}\nname = \"a\"\n\
          ratio = {{ min = 1, max = 2, {NO} }}\ngear = {{ {NO} }}\ndrive = {{ current = \"1 A\", {NO} }}\nobjective = {{ {NO} }}\n\
          reference = {{ {NO} }}\npoints = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\", {NO} }} ]\n[joint.limits]\n{NO}\n\
          torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\", {NO} }}\nspring = {{ {NO} }}\n"

@@ -46,7 +46,8 @@ pub struct Arguments {
     /// Draw the objective of the first designs over the ratio and the first choice's torque over speed, or the fronts: an .svg or .png file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Write the first choices as a design file, for `check` and `export`
+    /// Write what was chosen as a design file, for `check` and `export`: the best combination where the whole
+    /// robot is looked at, else the first choices
     #[arg(long, value_name = "FILE", conflicts_with_all = ["pareto", "robust"])]
     write_design: Option<PathBuf>,
     /// The best combination for the whole robot, even where nothing couples the joints (a budget or
@@ -114,9 +115,6 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let result = optimize_with(&robot, &catalog, options);
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
-    if let Some(path) = &arguments.write_design {
-        write_design(&result, arguments, path)?;
-    }
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
     let whole = robot.is_coupled() || arguments.robot;
     let options = robot::Options {
@@ -125,6 +123,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         ..robot::Options::default()
     };
     let choice = whole.then(|| choose(&robot, &catalog, options)).transpose().map_err(Failure::Argument)?;
+    if let Some(path) = &arguments.write_design {
+        write_design(&result, choice.as_ref(), arguments, path)?;
+    }
     let text = arguments.output.choose(
         || {
             let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
@@ -144,15 +145,20 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     Ok(Done { text, satisfied })
 }
 
-/// Writes the first choices, with the ways from there to requirement and catalogue.
-fn write_design(result: &RobotResult, arguments: &Arguments, path: &Path) -> Result<(), Failure> {
+/// Writes what was chosen, with the ways from there to requirement and catalogue.
+fn write_design(
+    result: &RobotResult,
+    whole: Option<&robot::Choice>,
+    arguments: &Arguments,
+    path: &Path,
+) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let catalog: Vec<PathBuf> = arguments.catalog.catalog.iter().map(|p| way(folder, p)).collect();
-    match design_file::toml(result, &way(folder, &arguments.requirement), &catalog) {
+    match design_file::toml(result, whole, &way(folder, &arguments.requirement), &catalog) {
         Ok(text) => write_whole(path, text.as_bytes()).map_err(Failure::Argument),
         // Not satisfied is said by the table and the exit status; here only why there is no file.
-        Err(joints) => {
-            eprintln!("no design written: no motor can do {}", joints.join(", "));
+        Err(why) => {
+            eprintln!("no design written: {why}");
             Ok(())
         }
     }

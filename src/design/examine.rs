@@ -105,7 +105,11 @@ pub fn apparent_inertia(motion: &Motion) -> Option<f64> {
     }
     let matrix = nalgebra::DMatrix::from_fn(motion.len(), columns.len(), |k, j| columns[j][k]);
     let torque = nalgebra::DVector::from_column_slice(&motion.torque);
-    let solution = matrix.clone().svd(true, true).solve(&torque, 1e-9).ok()?;
+    // The decomposition does not end on what is not finite.
+    if matrix.iter().chain(torque.iter()).any(|value| !value.is_finite()) {
+        return None;
+    }
+    let solution = matrix.clone().try_svd(true, true, f64::EPSILON, 1000)?.solve(&torque, 1e-9).ok()?;
     let left = (&torque - &matrix * &solution).norm_squared();
     let all = torque.add_scalar(-torque.mean()).norm_squared();
     if all <= 0.0 || left > (1.0 - EXPLAINED) * all {
@@ -124,7 +128,7 @@ mod tests {
     use crate::requirement::Samples;
 
     fn pendulum(push: f64) -> Motion {
-        let time: Vec<f64> = (0..=200).map(|k| f64::from(k) / 200.0).collect();
+        let time: Vec<f64> = (0..200).map(|k| f64::from(k) / 200.0).collect();
         let turn = std::f64::consts::TAU;
         let position: Vec<f64> = time.iter().map(|t| 0.4 * (turn * t).sin()).collect();
         let velocity: Vec<f64> = time.iter().map(|t| 0.4 * turn * (turn * t).cos()).collect();

@@ -1,9 +1,10 @@
-//! A design file from the first choices of an optimisation.
+//! A design file from what an optimisation chose.
 
 use std::path::{Component, Path, PathBuf};
 
 use super::number;
-use crate::design::optimize::RobotResult;
+use crate::design::optimize::{Design, RobotResult};
+use crate::design::robot::Choice;
 
 /// The way from a folder to a file, both as they are on disk; the file's own path where one of them is not there.
 pub fn way(folder: &Path, file: &Path) -> PathBuf {
@@ -24,20 +25,33 @@ fn quoted(path: &Path) -> String {
     toml::Value::String(if cfg!(windows) { text.replace('\\', "/") } else { text }).to_string()
 }
 
-/// The text of a design with the first choice of every joint.
+/// The text of a design with the best combination for the whole robot, where one was looked for, else with the
+/// first choice of every joint.
 ///
 /// # Errors
-/// Names of the joints that no motor can do.
-pub fn toml(result: &RobotResult, requirement: &Path, catalog: &[PathBuf]) -> Result<String, Vec<String>> {
-    let without: Vec<String> =
-        result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.clone()).collect();
+/// In words, why there is none.
+pub fn toml(
+    result: &RobotResult,
+    whole: Option<&Choice>,
+    requirement: &Path,
+    catalog: &[PathBuf],
+) -> Result<String, String> {
+    let without: Vec<&str> =
+        result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
     if !without.is_empty() {
-        return Err(without);
+        return Err(format!("no motor can do {}", without.join(", ")));
     }
+    let (what, designs): (_, Vec<&Design>) = match whole {
+        None => ("First choices", result.joints.iter().map(|j| &j.candidates[0]).collect()),
+        Some(whole) => {
+            let best = whole.combinations.first().ok_or("no combination of motors keeps the robot's budgets")?;
+            ("Best combination", best.joints.iter().collect())
+        }
+    };
     let text = |text: &str| toml::Value::String(text.into()).to_string();
     // A name in a comment stays in its line: names have no control characters.
     let mut out = format!(
-        "# First choices of `gearwise optimize` {} for {}. Check with `gearwise check`.\nrequirement = {}\n",
+        "# {what} of `gearwise optimize` {} for {}. Check with `gearwise check`.\nrequirement = {}\n",
         env!("CARGO_PKG_VERSION"),
         result.robot.name,
         quoted(requirement)
@@ -46,12 +60,11 @@ pub fn toml(result: &RobotResult, requirement: &Path, catalog: &[PathBuf]) -> Re
         let paths: Vec<String> = catalog.iter().map(|p| quoted(p)).collect();
         out.push_str(&format!("catalog = [{}]\n", paths.join(", ")));
     }
-    for joint in &result.joints {
-        let design = &joint.candidates[0];
+    for (joint, design) in result.joints.iter().zip(designs) {
         let objective = &joint.joint.objective;
         let window = design.optimum.window();
         out.push_str(&format!(
-            "\n# {} {} {}; first of {} motors that can do it",
+            "\n# {} {} {}; {} motors can do it alone",
             objective.name(),
             number(design.optimum.objective),
             objective.unit(),

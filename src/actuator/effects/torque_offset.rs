@@ -32,7 +32,7 @@ impl Effect for TorqueOffset {
     }
 
     fn enters(&self) -> Enters {
-        Enters::Convex
+        Enters::Laurent
     }
 
     fn shaft(&self, values: &[f64], form: &mut ShaftForm) {

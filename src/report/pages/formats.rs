@@ -50,8 +50,10 @@ pub const REQUIREMENT: &[Table] = &[
     Table {
         path: "[budget]",
         keys: &[
-            ("actuator_mass", "mass", "all actuators together; checked against the first choices"),
-            ("max_distinct_motors", "whole number", "how many different motors; checked against the first choices"),
+            ("actuator_mass", "mass", "all actuators together, counts included"),
+            ("max_distinct_motors", "whole number", "how many different motors"),
+            ("power", "power", "what all joints together may take from the bus at any instant"),
+            ("current", "current", "the same as a current of the bus"),
         ],
     },
     Table {
@@ -75,8 +77,49 @@ pub const REQUIREMENT: &[Table] = &[
             ("limits", "table", "what a choice must keep"),
             ("spring", "table", "a parallel spring to be chosen; may stand under `limits`"),
             ("drive", "table", "the drive of this joint, in place of the bus's"),
-            ("torque_per_mass", "", "refused by this version"),
+            (
+                "torque_per_mass",
+                "table of torque per mass",
+                "by joint: what a kilogram of its actuator adds to this joint's torque",
+            ),
+            ("phases", "list of numbers", "by how much of the period each of the `count` joints is late, 0 to 1"),
+            ("mechanism_joint", "name", "a joint of `[mechanism]`, in place of `motion`"),
+            ("lead", "length", "of a mechanism's joint that slides: travel per turn of the gear's output"),
+            (
+                "actuator_at",
+                "table",
+                "`link` and `at`: where the actuator sits on the mechanism; at the joint unless said",
+            ),
             ("actuator", "", "refused by this version"),
+        ],
+    },
+    Table {
+        path: "[mechanism]",
+        keys: &[
+            ("model", "file", "URDF or MJCF; required"),
+            ("trajectory", "file", "CSV, a column for each joint; required"),
+            (
+                "actuators",
+                "`included`, `separate`",
+                "whether the masses of the model contain the actuators; `included` unless said",
+            ),
+            ("payload", "table or list of tables", "masses that a link carries"),
+            ("gravity", "three accelerations", "in the world; the model's unless said"),
+            ("periodic", "true, false", "whether the trajectory repeats; true unless said"),
+            ("period", "time", "of a trajectory whose last row does not repeat the first"),
+            (
+                "joint_friction",
+                "true, false",
+                "whether damping and dry friction of the model's joints count as load; true unless said",
+            ),
+        ],
+    },
+    Table {
+        path: "[payload]",
+        keys: &[
+            ("link", "name", "the link that carries it; required"),
+            ("mass", "mass", "required"),
+            ("at", "three lengths", "on the link; its origin unless said"),
         ],
     },
     Table {
