@@ -2,13 +2,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Output};
+use super::{CatalogChoice, Done, Failure, Html, Output};
 use crate::design::optimize::{Options, optimize_with};
 use crate::design::pareto::fronts;
 use crate::design::robust::robust;
 use crate::input::nearest;
 use crate::report::optimize as report;
-use crate::report::{pareto, plot, robust as robust_report};
+use crate::report::{html, pareto, plot, robust as robust_report};
 use crate::requirement::{self, Quantity};
 
 /// Arguments of the command.
@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long, value_name = "A,B")]
     pareto: Option<String>,
     /// Designs that keep all limits over the motors' tolerances, and how likely the first choice stays first
-    #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot"])]
+    #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot", "html"])]
     robust: bool,
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
@@ -43,6 +43,8 @@ pub struct Arguments {
     /// Draw the objective of the first designs over the ratio and the first choice's torque over speed, or the fronts: an .svg or .png file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    html: Html,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
@@ -66,6 +68,7 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let recording = arguments.html.start()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = match (&arguments.pareto, arguments.robust) {
         (Some(_), _) => requirement::read_without_springs(&arguments.requirement, "`--pareto`")?,
@@ -77,6 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(names) = &arguments.pareto {
         let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
+        arguments.html.write(&recording, || html::pareto::page(&robot, &fronts))?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
         let text = arguments.output.choose(|| pareto::text(&fronts), || pareto::json(&fronts), || pareto::csv(&fronts));
         return Ok(Done { text, satisfied });
@@ -98,6 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let result = optimize_with(&robot, &catalog, options);
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
+    arguments.html.write(&recording, || html::optimize::page(&result, &catalog))?;
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
     let text =
         arguments.output.choose(|| report::text(&result, shown), || report::json(&result), || report::csv(&result));

@@ -7,9 +7,12 @@
 
 pub mod csv;
 mod form;
+mod recording;
 mod source;
 
 pub use form::{Form, Section};
+pub use recording::{InputFile, Recording, sha256};
+pub(crate) use recording::was_read;
 pub use source::{InputError, MAX_FILE_BYTES, Problem, Source};
 
 /// What values a number may have.
