@@ -93,7 +93,8 @@ fn page_about(names: &[String]) -> Page {
         .named(names[0].clone())
         .of(names.to_vec())
         .noted(names.iter().map(|n| format!("{n}: noted")).collect());
-    let panel = Panel { title: names[0].clone(), x: "x".into(), y: "y".into(), series: vec![series], ..Panel::default() };
+    let panel =
+        Panel { title: names[0].clone(), x: "x".into(), y: "y".into(), series: vec![series], ..Panel::default() };
     let figure = Figure {
         groups: vec![Group { title: names[0].clone(), panels: vec![panel], ..Group::default() }],
         ..Figure::default()
@@ -150,7 +151,8 @@ fn every_command_has_a_page() {
 fn the_choice_is_on_its_page_with_what_it_rests_on() {
     let arguments = ["optimize", "requirements/quadruped_mini_cheetah.toml"];
     let page = page_of(&arguments);
-    let json: serde_json::Value = serde_json::from_slice(&gearwise(&["optimize", arguments[1], "--json"]).stdout).expect("JSON");
+    let json: serde_json::Value =
+        serde_json::from_slice(&gearwise(&["optimize", arguments[1], "--json"]).stdout).expect("JSON");
     for joint in json["joints"].as_array().expect("joints") {
         for candidate in joint["candidates"].as_array().expect("candidates") {
             let motor = candidate["motor"].as_str().expect("a motor");
@@ -253,7 +255,11 @@ fn a_page_that_cannot_be_written_is_a_mistake_and_leaves_nothing() {
 fn the_vendored_library_is_what_its_note_says() {
     let vendor = common::repository("src/report/html/vendor");
     let note = std::fs::read_to_string(vendor.join("README.md")).expect("the note");
-    let rows: Vec<Vec<&str>> = note.lines().filter(|l| l.starts_with("| ") && !l.contains("sha256")).map(|l| l.split('|').map(str::trim).collect()).collect();
+    let rows: Vec<Vec<&str>> = note
+        .lines()
+        .filter(|l| l.starts_with("| ") && !l.contains("sha256"))
+        .map(|l| l.split('|').map(str::trim).collect())
+        .collect();
     assert_eq!(rows.len(), 3);
     for row in rows {
         let bytes = std::fs::read(Path::new(&vendor).join(row[1])).expect("a vendored file");

@@ -7,7 +7,7 @@ use crate::design::remake::remake;
 use crate::measured::fitted::fitted_motor;
 use crate::measured::{identify, read, simulate};
 use crate::report::plot::{self, Format, residual};
-use crate::report::{file, fitted, html, forward as forward_report, identify as report, remake as remake_report};
+use crate::report::{file, fitted, forward as forward_report, html, identify as report, remake as remake_report};
 use crate::requirement;
 use crate::units;
 

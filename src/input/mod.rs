@@ -11,8 +11,8 @@ mod recording;
 mod source;
 
 pub use form::{Form, Section};
-pub use recording::{InputFile, Recording, sha256};
 pub(crate) use recording::was_read;
+pub use recording::{InputFile, Recording, sha256};
 pub use source::{InputError, MAX_FILE_BYTES, Problem, Source};
 
 /// What values a number may have.

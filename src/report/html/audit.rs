@@ -15,11 +15,13 @@ pub fn page(catalog: &Catalog, findings: &[Finding]) -> Page {
         1 => "1 finding is an error: the row contradicts itself and its note does not say why.".into(),
         n => format!("{n} findings are errors: rows contradict themselves and their notes do not say why."),
     };
-    let mut table = Table::new("Findings", &["motor", "severity", "code", "finding", "what would explain it", "note of the row"]);
+    let mut table = Table::new("Findings", &["motor", "severity", "code", "finding", "what would explain it"]);
     for finding in findings {
         let motor = catalog.motors.iter().find(|m| m.id == finding.id);
-        let note = motor.filter(|_| finding.accepted).map_or("", |m| m.note.as_str());
-        let cells = [&finding.id, word(finding), finding.code, &finding.message, finding.explanation.as_deref().unwrap_or(""), note];
+        let note =
+            motor.filter(|m| finding.accepted && !m.note.is_empty()).map(|m| format!("the row says: {}", m.note));
+        let why = finding.explanation.clone().into_iter().chain(note).collect::<Vec<_>>().join("; ");
+        let cells = [&finding.id, word(finding), finding.code, &finding.message, &why];
         table.push(&finding.id, cells.map(String::from).to_vec());
     }
     let parts = table.part().map_or_else(|| vec![Part::Text("Nothing was found.".into())], |part| vec![part]);
@@ -32,7 +34,10 @@ pub fn page(catalog: &Catalog, findings: &[Finding]) -> Page {
         summary: vec![Part::Text(format!("{errors} errors, {accepted} explained by the row's note, {notes} notes."))],
         sections: vec![
             Section::new("Findings", parts),
-            Section::new("What was checked", vec![Part::Table(Table::new("Checks", &["code", "compares"]).rows(checks))]),
+            Section::new(
+                "What was checked",
+                vec![Part::Table(Table::new("Checks", &["code", "compares"]).rows(checks))],
+            ),
         ],
         ..Page::default()
     }

@@ -10,7 +10,9 @@ pub fn page(comparison: &Comparison) -> Page {
     let [a, b] = comparison.motors;
     let mut sections: Vec<Section> = tables(comparison)
         .into_iter()
-        .map(|(title, header, rows)| Section::new(title.clone(), vec![Part::Table(Table::new(title, &header).rows(rows))]))
+        .map(|(title, header, rows)| {
+            Section::new(title.clone(), vec![Part::Table(Table::new(title, &header).rows(rows))])
+        })
         .collect();
     if let Some(step) = sections.last_mut() {
         step.parts.insert(0, Part::Figure(plot::figure(comparison)));
@@ -18,7 +20,8 @@ pub fn page(comparison: &Comparison) -> Page {
     let mut warnings = Vec::new();
     let mut sources = Table::new("The rows", &["motor", "its numbers are", "source", "note"]);
     for motor in comparison.motors {
-        sources.push(&motor.id, vec![motor.id.clone(), conventions_line(motor), motor.source.clone(), motor.note.clone()]);
+        sources
+            .push(&motor.id, vec![motor.id.clone(), conventions_line(motor), motor.source.clone(), motor.note.clone()]);
         warnings.extend(motor.assumptions.iter().map(|what| format!("{}: assumed: {what}", motor.id)));
         warnings.extend(audit_motor(motor).into_iter().map(|finding| {
             let why = finding.explanation.map_or_else(String::new, |w| format!(" ({w})"));

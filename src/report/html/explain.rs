@@ -17,7 +17,9 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
     let mut summary = Vec::new();
     if let Some(margin) = e.tightest() {
         let text = match e.feasible {
-            true => format!("Tightest: {}, {} left.", margin.limit, percent(margin.margin.max(0.0)).trim_start_matches('+')),
+            true => {
+                format!("Tightest: {}, {} left.", margin.limit, percent(margin.margin.max(0.0)).trim_start_matches('+'))
+            }
             false => format!(
                 "Most exceeded: {}, {} of {} {}.",
                 margin.limit,
@@ -41,7 +43,8 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         None => {}
     }
     if !story.remedies.is_empty() {
-        let heading = if story.best.is_some() { "Any one of these would make it feasible:" } else { "What is exceeded:" };
+        let heading =
+            if story.best.is_some() { "Any one of these would make it feasible:" } else { "What is exceeded:" };
         summary.push(Part::Text(heading.into()));
         summary.push(Part::List(story.remedies.iter().map(remedy_text).collect()));
     }
@@ -78,9 +81,9 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
 }
 
 fn needs(story: &Explanation) -> Table {
-    let rows = quantities(story).into_iter().map(|(what, value, unit)| {
-        vec![what.to_string(), optional(value), unit.to_string()]
-    });
+    let rows = quantities(story)
+        .into_iter()
+        .map(|(what, value, unit)| vec![what.to_string(), optional(value), unit.to_string()]);
     Table::new("At this ratio", &["quantity", ">value", "unit"]).rows(rows)
 }
 

@@ -81,13 +81,19 @@ fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
     let noise = number(report.noise_floor);
     let text = format!("{samples} samples, {rows} rows in the regression{band}; noise floor {noise} {}.", report.unit);
     let (header, rows) = story_rows(report);
-    let mut parts = vec![Part::Text(text), Part::Table(Table::new("Error (RMSE) as it goes down", &header).rows(trimmed(rows)))];
+    let mut parts =
+        vec![Part::Text(text), Part::Table(Table::new("Error (RMSE) as it goes down", &header).rows(trimmed(rows)))];
     parts.extend(figure);
     let rows = trimmed(parameter_rows(bench, &report.parameters));
     parts.extend(Table::new("Numbers of the declared model", &PARAMETERS).rows(rows).part());
     let rows = report.artefacts.iter().map(|a| {
         let (value, unit) = handy(a.value, unit_on(bench, a.unit));
-        vec![a.kind.to_string(), a.channel.clone(), number(value), if unit == "1" { String::new() } else { unit.into() }]
+        vec![
+            a.kind.to_string(),
+            a.channel.clone(),
+            number(value),
+            if unit == "1" { String::new() } else { unit.into() },
+        ]
     });
     let artefacts = Table::new("Artefacts of the measurement", &["artefact", "channel", ">value", "unit"]);
     parts.extend(artefacts.rows(rows).part());

@@ -22,7 +22,13 @@ pub fn page(result: &RobotResult, catalog: &Catalog) -> Page {
         ([], joints) => {
             let motors = result.distinct_motors();
             let word = if motors == 1 { "motor" } else { "different motors" };
-            format!("All {} joints can be built, with {motors} {word}.", joints.len())
+            let unchecked =
+                joints.iter().filter(|j| j.candidates.first().is_some_and(|d| !d.unchecked.is_empty())).count();
+            let but = match unchecked {
+                0 => String::new(),
+                n => format!("; at {n} of them the first choice has limits that could not be checked"),
+            };
+            format!("Every one of {} joints can be built, with {motors} {word}{but}.", joints.len())
         }
         (names, _) => format!("No motor of the catalogue can do: {}.", names.join(", ")),
     };
@@ -57,8 +63,18 @@ pub fn page(result: &RobotResult, catalog: &Catalog) -> Page {
 /// The first choice of each joint, and the first with every limit checked where that is another.
 fn choices(result: &RobotResult) -> Table {
     let header = [
-        "joint", ">count", "choice", "motor", "gear", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]", "tightest margin",
+        "joint",
+        ">count",
+        "choice",
+        "motor",
+        "gear",
+        ">N",
+        ">loss [W]",
+        ">J [kg*m^2]",
+        ">mass [kg]",
+        "tightest margin",
         ">not checked",
+        "spring",
     ];
     let mut table = Table::new("First choices", &header);
     for joint in &result.joints {
@@ -70,12 +86,14 @@ fn choices(result: &RobotResult) -> Table {
             cells.extend([number(e.ratio), number(e.loss), number(e.reflected_inertia), optional(e.mass)]);
             cells.push(e.tightest().map_or_else(|| "–".into(), margin_text));
             cells.push(design.unchecked.len().to_string());
+            cells.push(design.spring.as_ref().map_or_else(String::new, |s| spring::text(s, e.loss)));
             table.push(&design.motor.id, cells);
         };
         match joint.candidates.first() {
             None => {
                 let mut cells = name();
-                cells.extend(["none can do it".to_string()].into_iter().chain((3..header.len()).map(|_| String::new())));
+                cells
+                    .extend(["none can do it".to_string()].into_iter().chain((3..header.len()).map(|_| String::new())));
                 table.push("", cells);
             }
             Some(first) => {
@@ -106,7 +124,8 @@ fn budget(result: &RobotResult) -> Vec<String> {
     if let Some(limit) = budget.max_distinct_motors {
         let motors = result.distinct_motors();
         let verdict = if motors <= limit as usize { "within" } else { "OVER" };
-        lines.push(format!("{motors} different motors, {verdict} the budget of {limit} (each joint chosen by itself)."));
+        lines
+            .push(format!("{motors} different motors, {verdict} the budget of {limit} (each joint chosen by itself)."));
     }
     lines
 }
@@ -205,7 +224,14 @@ fn candidates(result: &JointResult, names: &str) -> Table {
         header.push(&goal);
     }
     header.extend([
-        ">loss [W]", ">I peak [A]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", "tightest", ">margin [%]", "proof",
+        ">loss [W]",
+        ">I peak [A]",
+        ">J [kg*m^2]",
+        ">mass [kg]",
+        ">S_M [ms]",
+        "tightest",
+        ">margin [%]",
+        "proof",
         ">not checked",
     ]);
     if !geared {
@@ -246,6 +272,7 @@ fn candidates(result: &JointResult, names: &str) -> Table {
 
 /// What ends the window of ratios on both sides.
 fn ends(design: &Design, joint: &Joint) -> String {
-    let one = |w: &crate::design::program::Window| format!("{} … {}", bind_text(&w.low, joint), bind_text(&w.high, joint));
+    let one =
+        |w: &crate::design::program::Window| format!("{} … {}", bind_text(&w.low, joint), bind_text(&w.high, joint));
     design.optimum.windows.iter().map(one).collect::<Vec<_>>().join("; ")
 }

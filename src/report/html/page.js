@@ -1,6 +1,7 @@
 // What holds the page together: one thing is chosen or hovered, and every table and figure shows it.
 const rowsOf = new Map();
 function choose(id) {
+  const before = [state.chosen, state.hovered];
   state.chosen = id;
   document.querySelectorAll("tr.chosen").forEach((row) => { row.classList.remove("chosen"); row.querySelector(".pick")?.setAttribute("aria-pressed", "false"); });
   const rows = rowsOf.get(id) ?? [];
@@ -8,23 +9,24 @@ function choose(id) {
   const bar = document.getElementById("chosen");
   bar.hidden = id < 0;
   if (id >= 0) {
-    const figures = panels.filter((view) => view.panel.series.some((s) => s.ids?.includes(id))).length;
+    const figures = panels.filter((view) => view.ids.has(id)).length;
     const count = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
     document.getElementById("chosen-text").textContent = `${data.ids[id]}: in ${count(rows.length, "row")} and ${count(figures, "diagram")}`;
     document.getElementById("chosen-next").hidden = rows.length + figures < 2;
   }
   state.at = -1;
-  redraw();
+  redraw([...before, id]);
 }
 function hover(id) {
   if (id === state.hovered) return;
   (rowsOf.get(state.hovered) ?? []).forEach((row) => row.classList.remove("hovered"));
+  const before = state.hovered;
   state.hovered = id;
   (rowsOf.get(id) ?? []).forEach((row) => row.classList.add("hovered"));
-  if (state.chosen < 0) redraw();
+  if (state.chosen < 0) redraw([before, id]);
 }
 function nextPlace() {
-  const figures = panels.filter((view) => view.panel.series.some((s) => s.ids?.includes(state.chosen))).map((view) => view.host);
+  const figures = panels.filter((view) => view.ids.has(state.chosen)).map((view) => view.host);
   const places = [...(rowsOf.get(state.chosen) ?? []).filter((row) => !row.hidden && !row.closest("details:not([open])")), ...figures]
     .sort((a, b) => (a.compareDocumentPosition(b) & 4 ? -1 : 1));
   if (!places.length) return;
@@ -60,11 +62,4 @@ function themed() {
   addEventListener("keydown", (event) => { if (event.key === "Escape" && state.chosen >= 0) choose(-1); });
   addEventListener("beforeprint", () => { state.print = true; themed(); });
   addEventListener("afterprint", () => { state.print = false; themed(); });
-  let waiting = 0;
-  addEventListener("resize", () => {
-    cancelAnimationFrame(waiting);
-    waiting = requestAnimationFrame(() => panels.forEach((view) => view.plot.setSize(view.size())));
-  });
-  // A figure in a closed part has no width until it is opened.
-  document.querySelectorAll("details").forEach((part) => part.addEventListener("toggle", () => dispatchEvent(new Event("resize"))));
 })();

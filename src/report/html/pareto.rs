@@ -11,7 +11,9 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
     let without: Vec<&str> = fronts.iter().filter(|f| f.points.is_empty()).map(|f| f.joint.name.as_str()).collect();
     let quantities = fronts.first().map_or_else(String::new, |f| f.quantities.map(Quantity::name).join(" against "));
     let headline = match without.as_slice() {
-        [] => format!("Every joint has a front of {quantities}: no point on it can be better in one without being worse in the other."),
+        [] => format!(
+            "Every joint has a front of {quantities}: no point on it can be better in one without being worse in the other."
+        ),
         names => format!("No motor of the catalogue can do: {}.", names.join(", ")),
     };
     let figure = plot::figure(fronts);
@@ -60,8 +62,15 @@ fn section(front: &Front, figure: &Figure, k: usize) -> Section {
     let text = format!("{} motors have a feasible design, {} points on the front.", front.motors, front.points.len());
     let mut parts = vec![Part::Text(text)];
     parts.extend(super::panel_of(figure, 0, k));
-    let header =
-        ["motor", "gear", ">N", &format!(">{} [{}]", a.name(), a.unit()), &format!(">{} [{}]", b.name(), b.unit()), ">mass [kg]", "proof"];
+    let header = [
+        "motor",
+        "gear",
+        ">N",
+        &format!(">{} [{}]", a.name(), a.unit()),
+        &format!(">{} [{}]", b.name(), b.unit()),
+        ">mass [kg]",
+        "proof",
+    ];
     let mut table = Table::new(format!("{}: points on the front", front.joint.name), &header);
     for p in &front.points {
         let proof = if p.certified { "exact" } else { "not certified" };

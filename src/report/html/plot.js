@@ -96,7 +96,8 @@ const noteOf = (s, k) => s.notes?.[k] ?? (idOf(s, k) >= 0 ? data.ids[idOf(s, k)]
 
 class PanelView {
   constructor(panel, figure, host) {
-    Object.assign(this, { panel, figure, host, hidden: new Set(), marks: [], places: [] });
+    Object.assign(this, { panel, figure, host, hidden: new Set(), marks: [] });
+    this.ids = new Set(panel.series.flatMap((s) => s.ids ?? []));
     this.full = { x: panel.x.range, y: panel.y.range };
     const overDots = new Set(panel.series.filter((s) => s.mark === "dots").map((s) => s.tone));
     for (const s of panel.series) s.strong = overDots.has(s.tone);
@@ -176,6 +177,10 @@ class PanelView {
       const hit = this.nearest(e);
       if (hit) choose(hit.id === state.chosen ? -1 : hit.id);
     });
+    new ResizeObserver(() => {
+      const size = this.size();
+      if (this.host.clientWidth > 0 && size.width !== this.plot.width) this.plot.setSize(size);
+    }).observe(this.host);
     this.plot.root.querySelector("canvas").setAttribute("aria-hidden", "true");
   }
   clip(text) {
@@ -240,7 +245,7 @@ class PanelView {
     ctx.setLineDash([]);
     const lit = state.chosen >= 0 ? state.chosen : state.hovered;
     // Only what is here can be set off against the rest.
-    const here = lit >= 0 && this.panel.series.some((s) => s.ids?.includes(lit));
+    const here = lit >= 0 && this.ids.has(lit);
     this.panel.series.forEach((s, index) => this.series(ctx, s, index, { x, y, ratio, lit: here ? lit : -1, pass: 0 }));
     if (here) this.panel.series.forEach((s, index) => this.series(ctx, s, index, { x, y, ratio, lit, pass: 1 }));
     ctx.restore();
@@ -399,11 +404,20 @@ class PanelView {
           const rect = [cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2];
           if (!free(rect)) continue;
           const cover = crowd.filter(([p, q]) => p > rect[0] && p < rect[2] && q > rect[1] && q < rect[3]).length + d / 10;
-          if (!best || cover < best.cover) best = { rect, cover };
+          if (!best || cover < best.cover) best = { rect, cover, away: d };
         }
       }
       if (!best) continue;
       taken.push(best.rect);
+      if (best.away > 8) {
+        const [r, near] = [best.rect, (v, low, high) => Math.min(high, Math.max(low, v))];
+        ctx.beginPath();
+        ctx.lineWidth = 0.8 * ratio;
+        ctx.strokeStyle = colours.faint;
+        ctx.moveTo(l.px, l.py);
+        ctx.lineTo(near(l.px, r[0], r[2]), near(l.py, r[1], r[3]));
+        ctx.stroke();
+      }
       write(l.text, best.rect[0] + 1, (best.rect[1] + best.rect[3]) / 2, { bold: l.chosen || l.lit });
     }
   }
@@ -518,7 +532,7 @@ function drawFigure(host) {
     if (group.title) host.append(make("h3", group.title));
     if (group.caption) host.append(make("p", group.caption, "note"));
     const grid = make("div", "", "panels");
-    const shared = [];
+    const shared = [], later = [];
     host.append(grid);
     const single = group.panels.length === 1;
     if (single) grid.classList.add("single");
@@ -532,11 +546,18 @@ function drawFigure(host) {
       }
       const plot = make("div", "", "plot");
       box.append(plot);
-      const view = new PanelView(panel, figure, plot);
-      if (group.own) { const own = legend([view]); if (own) plot.before(own); } else shared.push(view);
+      later.push(() => {
+        const view = new PanelView(panel, figure, plot);
+        if (group.own) { const own = legend([view]); if (own) plot.before(own); } else shared.push(view);
+      });
     }
+    // Only when all boxes stand is it known how wide each is.
+    later.forEach((draw) => draw());
     const all = legend(shared);
     if (all) grid.before(all);
   }
 }
-function redraw() { for (const view of panels) view.plot.redraw(false, true); }
+// Draws again; with ids only the diagrams that have one of them.
+function redraw(ids) {
+  for (const view of panels) if (!ids || ids.some((id) => view.ids.has(id))) view.plot.redraw(false, true);
+}

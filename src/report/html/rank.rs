@@ -30,9 +30,9 @@ pub fn page(ranking: &Ranking, marked: &[&Motor]) -> Page {
         let list = ids.join(", ");
         warnings.push(format!("Not ranked, because a parameter of {} is not known ({count}): {list}", metric.symbol));
     }
-    let assumed = ranking.default_tolerance.map_or_else(String::new, |t| {
-        format!(" Where a row has none, ±{} % was assumed.", number(100.0 * t))
-    });
+    let assumed = ranking
+        .default_tolerance
+        .map_or_else(String::new, |t| format!(" Where a row has none, ±{} % was assumed.", number(100.0 * t)));
     let known = format!(
         "± is what the rows state, combined as independent; “ahead of next” reads it as a 95 % interval; ? where a ± is \
          missing.{assumed}"
@@ -64,7 +64,9 @@ fn table(ranking: &Ranking) -> Table {
     header.extend(columns().map(|m| format!(">{} [{}]", m.symbol, m.unit)));
     header.insert(4, ">ahead of next".into());
     let mut table = Table::new("Every motor with every metric", &header);
-    let cells = |motor: &Motor| columns().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))).collect::<Vec<_>>();
+    let cells = |motor: &Motor| {
+        columns().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))).collect::<Vec<_>>()
+    };
     for (place, (motor, _)) in ranking.ranked.iter().enumerate() {
         let mut row = vec![(place + 1).to_string(), motor.id.clone(), motor.manufacturer.clone()];
         row.extend(cells(motor));

@@ -156,7 +156,10 @@ impl Body<'_> {
         let title = escaped(&section.title);
         self.put(&format!("<section id=\"s{k}\" aria-labelledby=\"t{k}\">\n<h2 id=\"t{k}\">{title}</h2>\n"));
         for part in &section.parts {
-            self.part(part);
+            match part {
+                Part::Table(table) if table.caption == section.title => self.table(table, true),
+                part => self.part(part),
+            }
         }
         self.put("</section>\n");
     }
@@ -170,7 +173,7 @@ impl Body<'_> {
                 let lines: Vec<String> = text.lines().map(escaped).collect();
                 self.put(&format!("<pre tabindex=\"0\">{}</pre>\n", lines.join("\n")));
             }
-            Part::Table(table) => self.table(table),
+            Part::Table(table) => self.table(table, false),
             Part::Figure(figure) => {
                 let k = self.figures.len();
                 let data = figure::data(figure, self.ids);
@@ -197,13 +200,19 @@ impl Body<'_> {
         self.put("</ul>\n");
     }
 
-    fn table(&mut self, table: &Table) {
+    /// A table; its caption is only spoken where it stands above as a title already.
+    fn table(&mut self, table: &Table, titled: bool) {
+        // A column without a single entry says nothing.
+        let used: Vec<bool> = (0..table.columns.len())
+            .map(|k| table.rows.iter().any(|r| r.cells.get(k).is_some_and(|c| !c.is_empty())))
+            .collect();
         let caption = escaped(&table.caption);
+        let unseen = if titled { " class=\"unseen\"" } else { "" };
         self.put(&format!(
             "<div class=\"table\"><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n\
-             <table><caption>{caption}</caption>\n<thead><tr>"
+             <table><caption{unseen}>{caption}</caption>\n<thead><tr>"
         ));
-        for column in &table.columns {
+        for (column, _) in table.columns.iter().zip(&used).filter(|(_, used)| **used) {
             let class = if column.number { " class=\"n\"" } else { "" };
             let unit = match column.unit.as_str() {
                 "" => String::new(),
@@ -216,7 +225,7 @@ impl Body<'_> {
             let class = if row.faint { " class=\"faint\"" } else { "" };
             let id = if row.id.is_empty() { String::new() } else { format!(" data-i={}", self.ids.index(&row.id)) };
             self.put(&format!("<tr{class}{id}>"));
-            for (k, cell) in row.cells.iter().enumerate() {
+            for (k, cell) in row.cells.iter().enumerate().filter(|(k, _)| used.get(*k) == Some(&true)) {
                 // Which cells hold numbers the script sees from the header; the end of a cell goes without saying.
                 self.put(if table.columns.get(k).is_some_and(|c| c.number) { "<td class=n>" } else { "<td>" });
                 self.put(&escaped(cell));
@@ -243,7 +252,7 @@ impl Body<'_> {
         }
         if !page.inputs.is_empty() {
             let rows = page.inputs.iter().map(|f| vec![f.name.clone(), f.sha256.clone()]);
-            self.table(&Table::new("Input files", &["file", "sha256"]).rows(rows));
+            self.table(&Table::new("Input files", &["file", "sha256"]).rows(rows), false);
         }
         self.put("</section>\n");
     }

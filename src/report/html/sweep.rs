@@ -31,7 +31,14 @@ pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
             |d| {
                 let e = &d.evaluation;
                 let gear = d.gear.unwrap_or("").to_string();
-                [d.motor.id.clone(), gear, number(e.ratio), number(e.loss), number(e.reflected_inertia), optional(e.mass)]
+                [
+                    d.motor.id.clone(),
+                    gear,
+                    number(e.ratio),
+                    number(e.loss),
+                    number(e.reflected_inertia),
+                    optional(e.mass),
+                ]
             },
         ));
         best.push(first.map_or("", |d| &d.motor.id), cells);
@@ -48,7 +55,10 @@ pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
         headline,
         summary: vec![Part::Table(best)],
         sections: sweeps.iter().enumerate().map(section).collect(),
-        warnings: sweeps.iter().flat_map(|s| remarks(s).into_iter().map(|line| format!("{}: {line}", s.joint.name))).collect(),
+        warnings: sweeps
+            .iter()
+            .flat_map(|s| remarks(s).into_iter().map(|line| format!("{}: {line}", s.joint.name)))
+            .collect(),
         ..Page::default()
     }
 }
@@ -65,7 +75,16 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
     header.extend(geared.then_some("gear"));
     header.extend([">N", "feasible"]);
     header.extend(own_column.then_some(goal.as_str()));
-    header.extend([">loss [W]", ">I peak [A, q axis]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", "tightest", ">margin [%]", "because"]);
+    header.extend([
+        ">loss [W]",
+        ">I peak [A, q axis]",
+        ">J [kg*m^2]",
+        ">mass [kg]",
+        ">S_M [ms]",
+        "tightest",
+        ">margin [%]",
+        "because",
+    ]);
     let mut table = Table::new(format!("{}: every design", joint.name), &header);
     for design in ordered(sweep, order) {
         let e = &design.evaluation;

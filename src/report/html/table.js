@@ -39,7 +39,7 @@ class TableView {
       button.addEventListener("click", () => this.sort(column));
     });
     this.rows.forEach((row) => this.tie(row));
-    if (this.rows.length > 3) this.bar(box);
+    if (this.rows.length > 7) this.bar(box);
   }
   // The cell that names the thing becomes a button, so that the keyboard can choose it too.
   tie(row) {
