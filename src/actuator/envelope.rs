@@ -83,10 +83,18 @@ impl<'a> Steady<'a> {
     pub fn largest_torque(&self, functional: Functional, bound: f64, flow: Flow, speed: f64) -> Option<f64> {
         let sign = direction(flow);
         let value = |torque: f64| self.at(functional, flow, sign * torque, speed);
-        let (zero, one, two) = (value(0.0), value(1.0), value(2.0));
-        let square = 0.5 * (two - 2.0 * one + zero);
-        let linear = one - zero - square;
-        largest_root(square, linear, zero - bound).map(|torque| sign * torque)
+        // Three samples at a torque of the root's own size lose no digits; it is found in a few rounds.
+        let mut scale = 1.0;
+        for _ in 0..4 {
+            let (zero, one, two) = (value(0.0), value(scale), value(2.0 * scale));
+            let square = 0.5 * (two - 2.0 * one + zero);
+            let root = scale * largest_root(square, one - zero - square, zero - bound)?;
+            if !root.is_finite() || root == 0.0 {
+                return Some(sign * root);
+            }
+            scale = root;
+        }
+        Some(sign * scale)
     }
 }
 

@@ -61,7 +61,7 @@ impl Axis {
     /// The range: its own, or that of the values with a margin; `with_zero` starts at zero.
     pub(super) fn span(&self, values: impl Iterator<Item = f64>, with_zero: bool) -> Option<(f64, f64)> {
         if let Some((low, high)) = self.range {
-            let usable = self.shows(low) && self.shows(high) && low < high;
+            let usable = self.shows(low) && self.shows(high) && low < high && (high - low).is_finite();
             return usable.then_some((low, high));
         }
         let with_zero = with_zero && self.scale == Scale::Linear;
@@ -69,7 +69,8 @@ impl Axis {
         let (low, high) = values.filter(|v| self.shows(*v)).fold(start, |(l, h), v| (l.min(v), h.max(v)));
         if self.scale == Scale::Log && low.is_finite() {
             let factor = (high / low).powf(0.04).max(1.05);
-            return Some((low / factor, high * factor));
+            // Decades are counted: the ends must stay numbers.
+            return Some(((low / factor).max(1e-300), (high * factor).min(1e300)));
         }
         (high > low).then(|| {
             let margin = 0.04 * (high - low);

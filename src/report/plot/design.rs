@@ -1,6 +1,8 @@
 //! The pictures of one design, and of the best designs of each joint of a robot.
 
-use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Series, Stripe, Tone, over_ratio, temperature, torque_speed};
+use super::{
+    Axis, Dash, Figure, Group, Label, Mark, Panel, Series, Stripe, Tone, over_ratio, temperature, torque_speed,
+};
 use crate::actuator::Load;
 use crate::catalog::{Catalog, Gear, Motor};
 use crate::design::explain::Explanation;
@@ -61,7 +63,11 @@ pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
         panels
     });
     let title = format!("{}: {}", story.joint.name, name(story.motor, story.gear.map(|g| g.id.as_str()), ratio));
-    let state = if story.evaluation.feasible { "All limits that can be checked are kept. " } else { "Some limit is exceeded. " };
+    let state = if story.evaluation.feasible {
+        "All limits that can be checked are kept. "
+    } else {
+        "Some limit is exceeded. "
+    };
     let group = Group {
         title,
         caption: format!("{state}{}", torque_speed::CAPTION),
@@ -111,11 +117,10 @@ fn own_joint(joint: &Joint, design: &Design) -> Joint {
 /// The objective of the first designs over the ratio, or at their gears.
 fn candidates(robot: &Robot, result: &JointResult) -> Panel {
     let goal = &result.joint.objective;
-    let label = if goal.unit() == "1" { goal.name() } else { format!("{} [{}]", goal.name(), goal.unit()) };
     let mut panel = Panel {
-        title: format!("{} of the first designs; drawn where all limits are kept", goal.name()),
+        title: format!("{}, where all limits are kept", goal.name()),
         x: Axis::log("ratio N"),
-        y: Axis::linear(label),
+        y: super::objective_axis(goal),
         empty: "one ratio only".into(),
         ..Panel::default()
     };
@@ -162,7 +167,8 @@ fn curve(prepared: &Prepared, optimum: &Optimum) -> Vec<(f64, f64)> {
     let goal = &prepared.candidate.joint.objective;
     let mut points = Vec::new();
     for window in &optimum.windows {
-        let ratios = if window.max > window.min * (1.0 + 1e-9) { grid(window.min, window.max, 101) } else { vec![window.min] };
+        let ratios =
+            if window.max > window.min * (1.0 + 1e-9) { grid(window.min, window.max, 101) } else { vec![window.min] };
         points.extend(ratios.into_iter().map(|n| (n, prepared.at_in_full(n).objective(goal).unwrap_or(f64::NAN))));
         points.push((f64::NAN, f64::NAN));
     }

@@ -6,7 +6,7 @@
 
 use super::axis::{Mapped, Ticks, ticks};
 use super::labels::{Placed, Rect, Wanted, overlap, place};
-use super::pen::{Anchor, Pen, TextStyle, escaped, px, text_width, wrapped};
+use super::pen::{Anchor, Pen, TextStyle, clipped, escaped, px, text_width, wrapped};
 use super::{Along, Figure, Group, Label, Mark, Panel, Rule, Series, Shape, Stripe, Tone};
 
 /// Sizes of text \[px\].
@@ -197,7 +197,11 @@ fn draw_sample(pen: &mut Pen, tone: Tone, mark: Option<Mark>, (x, y): (f64, f64)
     let middle = (x + 0.5 * SAMPLE, y);
     let ends = [(x, y), (x + SAMPLE, y)];
     match mark {
-        Some(Mark::Dots) => pen.dot(middle, 3.5, tone.colour(), 0.8, ""),
+        Some(Mark::Dots) => {
+            pen.open(&format!("g fill=\"{}\" fill-opacity=\"0.8\"", tone.colour()));
+            pen.dot(middle, 3.5, "");
+            pen.close("g");
+        }
         Some(Mark::Points(shape)) => pen.shape(middle, shape, 4.5, (tone.colour(), outline(tone, shape)), ""),
         Some(Mark::Line(dash)) => pen.line(&ends, tone.dark_line(), 2.0, dash, ""),
         Some(Mark::Thin(dash)) => pen.line(&ends, tone.colour(), 1.0, dash, ""),
@@ -380,9 +384,15 @@ fn rule_ends(axes: &Axes, rule: &Rule) -> [(f64, f64); 2] {
 fn draw_series(pen: &mut Pen, axes: &Axes, series: &Series, line: &'static str) {
     let (tone, note) = (series.tone, |k: usize| series.note(k));
     let held = || series.points.iter().enumerate().filter(|(_, p)| axes.holds(**p));
-    let through = || series.points.iter().map(|p| axes.at(*p)).collect::<Vec<_>>();
+    let [left, top, right, bottom] = axes.frame;
+    let near = [left - 20.0, top - 20.0, right + 20.0, bottom + 20.0];
+    let through = || clipped(&series.points.iter().map(|p| axes.at(*p)).collect::<Vec<_>>(), near);
     match series.mark {
-        Mark::Dots => held().for_each(|(k, p)| pen.dot(axes.at(*p), 2.0, tone.colour(), 0.55, note(k))),
+        Mark::Dots => {
+            pen.open(&format!("g fill=\"{}\" fill-opacity=\"0.55\"", tone.colour()));
+            held().for_each(|(k, p)| pen.dot(axes.at(*p), 2.0, note(k)));
+            pen.close("g");
+        }
         Mark::Points(shape) => {
             let colours = (tone.colour(), outline(tone, shape));
             held().for_each(|(k, p)| pen.shape(axes.at(*p), shape, 3.6, colours, note(k)));
@@ -411,7 +421,8 @@ fn draw_series(pen: &mut Pen, axes: &Axes, series: &Series, line: &'static str) 
 fn draw_texts(pen: &mut Pen, panel: &Panel, axes: &Axes, layout: &mut Layout) {
     let labels: Vec<&Label> = panel.labels.iter().filter(|l| axes.holds(l.at)).collect();
     let wanted: Vec<Wanted> = labels.iter().map(|l| wanted(axes, l)).collect();
-    let mut taken: Vec<Rect> = wanted.iter().map(|w| [w.at.0 - 6.0, w.at.1 - 6.0, w.at.0 + 6.0, w.at.1 + 6.0]).collect();
+    let mut taken: Vec<Rect> =
+        wanted.iter().map(|w| [w.at.0 - 6.0, w.at.1 - 6.0, w.at.0 + 6.0, w.at.1 + 6.0]).collect();
     let points = taken.len();
     for rule in panel.rules.iter().filter(|r| !r.text.is_empty()) {
         if let Some(rect) = rule_text(pen, axes, rule, &taken) {
@@ -419,13 +430,13 @@ fn draw_texts(pen: &mut Pen, panel: &Panel, axes: &Axes, layout: &mut Layout) {
             taken.push(rect);
         }
     }
+    let crowd = crowd(panel, axes);
     for series in panel.series.iter().filter(|s| !s.along.is_empty()) {
-        if let Some(rect) = along_text(pen, axes, series, &taken) {
+        if let Some(rect) = along_text(pen, axes, series, &taken, &crowd) {
             layout.texts.push((series.along.clone(), rect));
             taken.push(rect);
         }
     }
-    let crowd = crowd(panel, axes);
     let placed = place(&wanted, axes.frame, &taken[points..], &crowd);
     for (label, w) in labels.iter().zip(&wanted) {
         layout.points.push(w.at);
@@ -443,8 +454,11 @@ fn draw_texts(pen: &mut Pen, panel: &Panel, axes: &Axes, layout: &mut Layout) {
     for (label, placed) in labels.iter().zip(&placed) {
         match placed {
             Some(Placed { rect, .. }) => {
-                let style = TextStyle { bold: label.chosen, halo: true, ..TextStyle::new(SMALL, Anchor::Start) };
-                pen.text((rect[0] + 1.0, rect[3] - 3.5), &label.text, style);
+                // The end that looks at the point stands fast, however wide the reader's font is.
+                let left_of = 0.5 * (rect[0] + rect[2]) < axes.at(label.at).0;
+                let (x, anchor) = if left_of { (rect[2] - 1.0, Anchor::End) } else { (rect[0] + 1.0, Anchor::Start) };
+                let style = TextStyle { bold: label.chosen, halo: true, ..TextStyle::new(SMALL, anchor) };
+                pen.text((x, rect[3] - 3.5), &label.text, style);
                 layout.texts.push((label.text.clone(), *rect));
             }
             None => layout.left_out.push(label.text.clone()),
@@ -460,10 +474,20 @@ fn wanted(axes: &Axes, label: &Label) -> Wanted {
 /// What labels had better not cover: points, and curves every few pixels.
 fn crowd(panel: &Panel, axes: &Axes) -> Vec<(f64, f64)> {
     let mut all = Vec::new();
+    for rule in &panel.rules {
+        let [a, b] = rule_ends(axes, rule);
+        all.extend(
+            (0..100).map(|k| (a.0 + 0.01 * f64::from(k) * (b.0 - a.0), a.1 + 0.01 * f64::from(k) * (b.1 - a.1))),
+        );
+    }
     for series in &panel.series {
         let pixels: Vec<(f64, f64)> = series.points.iter().map(|p| axes.at(*p)).collect();
         match series.mark {
-            Mark::Dots | Mark::Points(_) | Mark::Bars => all.extend(pixels),
+            Mark::Dots | Mark::Bars => all.extend(pixels),
+            // A shape counts with its extent.
+            Mark::Points(_) => all.extend(pixels.iter().flat_map(|(x, y)| {
+                [(0.0, 0.0), (3.5, 0.0), (-3.5, 0.0), (0.0, 3.5), (0.0, -3.5)].map(|(dx, dy)| (x + dx, y + dy))
+            })),
             Mark::Line(_) | Mark::Thin(_) | Mark::Band => {
                 for pair in pixels.windows(2) {
                     let length = f64::hypot(pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
@@ -516,7 +540,7 @@ fn rule_text(pen: &mut Pen, axes: &Axes, rule: &Rule, taken: &[Rect]) -> Option<
 }
 
 /// The text along a line, near one of its visible ends, turned as the line runs.
-fn along_text(pen: &mut Pen, axes: &Axes, series: &Series, taken: &[Rect]) -> Option<Rect> {
+fn along_text(pen: &mut Pen, axes: &Axes, series: &Series, taken: &[Rect], crowd: &[(f64, f64)]) -> Option<Rect> {
     let [left, top, right, bottom] = axes.frame;
     let length = text_width(&series.along, SMALL);
     let pixels: Vec<(f64, f64)> = series.points.iter().map(|p| axes.at(*p)).collect();
@@ -537,24 +561,32 @@ fn along_text(pen: &mut Pen, axes: &Axes, series: &Series, taken: &[Rect]) -> Op
         }
     }
     let shares = [0.92, 0.08, 0.85, 0.15, 0.75, 0.25, 0.65, 0.35, 0.5];
+    let mut best: Option<(usize, Rect, (f64, f64), f64)> = None;
     for share in shares {
-        let Some(((x, y), angle)) = trail.get((share * trail.len() as f64) as usize) else { continue };
+        let Some(&((x, y), angle)) = trail.get((share * trail.len() as f64) as usize) else { continue };
         // Readable from the left.
-        let angle = if angle.cos() < 0.0 { angle + std::f64::consts::PI } else { *angle };
+        let angle = if angle.cos() < 0.0 { angle + std::f64::consts::PI } else { angle };
+        // Beside the line, on its upper side.
+        let (x, y) = (x + 8.0 * angle.sin(), y - 8.0 * angle.cos());
         let (half_width, half_height) = (
             0.5 * (length * angle.cos().abs() + SMALL * angle.sin().abs()) + 1.0,
             0.5 * (length * angle.sin().abs() + SMALL * angle.cos().abs()) + 1.0,
         );
         let rect = [x - half_width, y - half_height, x + half_width, y + half_height];
         let within = rect[0] >= left && rect[1] >= top && rect[2] <= right && rect[3] <= bottom;
-        if within && !taken.iter().any(|t| overlap(t, &rect)) {
-            let turn = angle.to_degrees();
-            let style = TextStyle { turn, halo: true, colour: "#555555", ..TextStyle::new(SMALL, Anchor::Middle) };
-            // The baseline lies a third of the letters' height below their middle.
-            let at = (x - 4.0 * angle.sin(), y + 4.0 * angle.cos());
-            pen.text(at, &series.along, style);
-            return Some(rect);
+        if !within || taken.iter().any(|t| overlap(t, &rect)) {
+            continue;
+        }
+        let covers = |p: &&(f64, f64)| p.0 > rect[0] && p.0 < rect[2] && p.1 > rect[1] && p.1 < rect[3];
+        let covered = crowd.iter().filter(covers).count();
+        if best.is_none_or(|(least, ..)| covered < least) {
+            best = Some((covered, rect, (x, y), angle));
         }
     }
-    None
+    let (_, rect, (x, y), angle) = best?;
+    let style =
+        TextStyle { turn: angle.to_degrees(), halo: true, colour: "#555555", ..TextStyle::new(SMALL, Anchor::Middle) };
+    // The baseline lies a third of the letters' height below their middle.
+    pen.text((x - 4.0 * angle.sin(), y + 4.0 * angle.cos()), &series.along, style);
+    Some(rect)
 }

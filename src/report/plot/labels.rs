@@ -36,7 +36,7 @@ pub struct Placed {
 }
 
 /// Distances from a point to its text that are tried \[px\].
-const DISTANCES: [f64; 10] = [6.0, 10.0, 16.0, 24.0, 34.0, 46.0, 60.0, 78.0, 100.0, 130.0];
+const DISTANCES: [f64; 10] = [8.0, 11.0, 16.0, 24.0, 34.0, 46.0, 60.0, 78.0, 100.0, 130.0];
 /// Directions that are tried, the most pleasant first: right, left, above, below, then between.
 const DIRECTIONS: [(f64, f64); 16] = [
     (1.0, 0.0),
@@ -57,9 +57,9 @@ const DIRECTIONS: [(f64, f64); 16] = [
     (-0.4, 0.9),
 ];
 /// A text this far from its point needs a line that leads to it \[px\].
-const GLANCE: f64 = 12.0;
+const GLANCE: f64 = 11.0;
 /// Room that is kept around a labelled point \[px\].
-const POINT: f64 = 5.0;
+const POINT: f64 = 6.5;
 
 /// Places texts within `frame`, in their order of importance. `taken` is forbidden to them all; every point of
 /// `crowd` that a text covers costs. `None` where there was no place left.
@@ -86,7 +86,7 @@ pub fn place(wanted: &[Wanted], frame: Rect, taken: &[Rect], crowd: &[(f64, f64)
                         + leaders.iter().filter(|other| meet(&l, other)).count()
                 });
                 let cost = 9.0 * covered as f64
-                    + 60.0 * (struck + strikes) as f64
+                    + 150.0 * (struck + strikes) as f64
                     + 1.0 * distance
                     + 0.5 * rank as f64
                     + if near > 1 { 12.0 } else { 0.0 };

@@ -30,6 +30,7 @@ pub use labels::{Placed, Rect, Wanted, overlap, place};
 pub use pen::{escaped, text_width};
 
 use super::file;
+use crate::requirement::Objective;
 
 /// Pixels of a PNG for each pixel of the SVG.
 const PNG_SCALE: f32 = 1.5;
@@ -395,6 +396,23 @@ impl Default for Figure {
             panel: (420.0, 300.0),
         }
     }
+}
+
+/// A unit as print has it.
+///
+/// ```
+/// assert_eq!(gearwise::report::plot::unit("kg*m^2"), "kg·m²");
+/// ```
+pub fn unit(text: &str) -> String {
+    text.replace('*', "·").replace("^2", "²").replace("^3", "³")
+}
+
+/// The axis of an objective, with its unit.
+fn objective_axis(goal: &Objective) -> Axis {
+    Axis::linear(match goal.unit() {
+        "1" => format!("{}, weighted [1]", goal.name()),
+        si => format!("{} [{}]", goal.name(), unit(si)),
+    })
 }
 
 /// At most `most` of `count` indices, evenly spread.

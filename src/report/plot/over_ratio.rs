@@ -53,18 +53,14 @@ fn furnish(panel: &mut Panel, optimum: Option<&Optimum>, here: f64) {
 /// The objective over the ratio.
 pub fn objective(prepared: &Prepared, evaluations: &[Evaluation], optimum: Option<&Optimum>, here: f64) -> Panel {
     let goal = &prepared.candidate.joint.objective;
-    let curve: Vec<(f64, f64)> =
-        evaluations.iter().map(|e| (e.ratio, e.objective(goal).unwrap_or(f64::NAN))).collect();
+    let curve: Vec<(f64, f64)> = evaluations.iter().map(|e| (e.ratio, e.objective(goal).unwrap_or(f64::NAN))).collect();
     let feasible =
         evaluations.iter().map(|e| (e.ratio, e.objective(goal).filter(|_| e.feasible).unwrap_or(f64::NAN))).collect();
     let range = (evaluations[0].ratio, evaluations[evaluations.len() - 1].ratio);
     let mut panel = Panel {
         title: format!("{} over N", goal.name()),
         x: ratio_axis(range),
-        y: Axis::linear(match goal.unit() {
-            "1" => goal.name(),
-            unit => format!("{} [{unit}]", goal.name()),
-        }),
+        y: super::objective_axis(goal),
         empty: "the objective is not known".into(),
         ..Panel::default()
     };
@@ -81,7 +77,9 @@ pub fn objective(prepared: &Prepared, evaluations: &[Evaluation], optimum: Optio
         let joint = prepared.candidate.joint;
         panel.labels.push(Label {
             at: (o.ratio, o.objective),
-            text: format!("{} {}", number(o.objective), joint.objective.unit().trim_matches('1')).trim().into(),
+            text: format!("{} {}", number(o.objective), super::unit(joint.objective.unit().trim_matches('1')))
+                .trim()
+                .into(),
             chosen: true,
         });
     }
@@ -92,7 +90,7 @@ pub fn objective(prepared: &Prepared, evaluations: &[Evaluation], optimum: Optio
 pub fn limits(evaluations: &[Evaluation], optimum: Option<&Optimum>, here: f64) -> Panel {
     let range = (evaluations[0].ratio, evaluations[evaluations.len() - 1].ratio);
     let mut panel = Panel {
-        title: "every limit over N: demand over what may be had".into(),
+        title: "limits over N: demand over what may be had".into(),
         x: ratio_axis(range),
         y: Axis::linear("demand / limit").within(0.0, 1.6),
         empty: "no limit applies".into(),
@@ -117,12 +115,16 @@ pub fn limits(evaluations: &[Evaluation], optimum: Option<&Optimum>, here: f64) 
         let series = Series::new(Tone::nth(rank), Mark::Line(Dash::nth(rank)), points);
         panel.series.push(series.named(name));
     }
-    let text = if order.len() > LIMITS { format!("limit ({} others lie farther off)", order.len() - LIMITS) } else { "limit".into() };
+    if order.len() > LIMITS {
+        panel.title.push_str(&format!("; the {LIMITS} nearest of {}", order.len()));
+    }
+    let text = String::new();
     panel.rules.push(Rule { along: Along::Y, at: 1.0, tone: Tone::Black, dash: Dash::Solid, text });
     furnish(&mut panel, optimum, here);
     for window in optimum.iter().flat_map(|o| &o.windows) {
-        for (at, bind) in [(window.min, &window.low), (window.max, &window.high)] {
-            panel.labels.push(Label { at: (at, 1.0), text: bind.limit.into(), chosen: false });
+        for (end, at, bind) in [("from", window.min, &window.low), ("to", window.max, &window.high)] {
+            let text = format!("{end} {}: {}", number(at), bind.limit);
+            panel.labels.push(Label { at: (at, 1.0), text, chosen: false });
         }
     }
     panel

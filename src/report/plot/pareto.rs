@@ -1,6 +1,6 @@
 //! The front of two quantities, a motor's name at each stretch of it.
 
-use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Scale, Series, Shape, Tone};
+use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Scale, Series, Shape, Tone, unit};
 use crate::design::pareto::Front;
 use crate::report::number;
 use crate::requirement::Quantity;
@@ -29,14 +29,19 @@ pub fn figure(fronts: &[Front]) -> Figure {
 fn axis(quantity: Quantity, values: impl Iterator<Item = f64>) -> Axis {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
     let scale = if low > 0.0 && high > 20.0 * low { Scale::Log } else { Scale::Linear };
-    Axis { scale, ..Axis::linear(format!("{} [{}]", quantity.name().replace('_', " "), quantity.unit())) }
+    Axis { scale, ..Axis::linear(format!("{} [{}]", quantity.name().replace('_', " "), unit(quantity.unit()))) }
 }
 
 fn panel(front: &Front) -> Panel {
     let [a, b] = front.quantities;
     let at = |k: usize| (front.points[k].values[0], front.points[k].values[1]);
     let mut panel = Panel {
-        title: format!("{}: {} of {} feasible motors are on the front", front.joint.name, distinct(front).len(), front.motors),
+        title: format!(
+            "{}: {} of {} feasible motors are on the front",
+            front.joint.name,
+            distinct(front).len(),
+            front.motors
+        ),
         x: axis(a, front.points.iter().map(|p| p.values[0])),
         y: axis(b, front.points.iter().map(|p| p.values[1])),
         empty: if front.points.is_empty() { "no design is feasible" } else { "one design is the best in both" }.into(),

@@ -27,9 +27,46 @@ fn advance(character: char) -> f64 {
     widths.get(&character).copied().unwrap_or(0.7)
 }
 
+/// A raised figure or minus as the plain one: the font has not all of them, and they shall look alike.
+fn lowered(character: char) -> Option<char> {
+    let raised = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻";
+    raised.chars().zip("0123456789−".chars()).find(|(r, _)| *r == character).map(|(_, plain)| plain)
+}
+
+/// Size of raised figures against the rest.
+const RAISED: f64 = 0.72;
+
+/// Text with its raised figures as smaller ones, lifted.
+fn with_raised(text: &str, size: f64) -> String {
+    let (mut out, mut up) = (String::new(), false);
+    let lift = px(0.38 * size);
+    for c in text.chars() {
+        let plain = lowered(c);
+        match (plain.is_some(), up) {
+            (true, false) => {
+                if out.contains("<tspan") {
+                    out.push_str("</tspan>");
+                }
+                let _ = write!(out, "<tspan dy=\"-{lift}\" font-size=\"{}\">", px(RAISED * size));
+            }
+            (false, true) => {
+                let _ = write!(out, "</tspan><tspan dy=\"{lift}\">");
+            }
+            _ => {}
+        }
+        up = plain.is_some();
+        out.push_str(&escaped(&plain.unwrap_or(c).to_string()));
+    }
+    // Every tspan that was opened is closed: a lifted one, or the one that came back down.
+    if out.contains("<tspan") {
+        out.push_str("</tspan>");
+    }
+    out
+}
+
 /// Width of a line of text \[px\] at a size \[px\].
 pub fn text_width(text: &str, size: f64) -> f64 {
-    size * text.chars().map(advance).sum::<f64>()
+    size * text.chars().map(|c| lowered(c).map_or_else(|| advance(c), |plain| RAISED * advance(plain))).sum::<f64>()
 }
 
 /// Text broken at spaces into lines of at most `width` \[px\].
@@ -143,11 +180,10 @@ impl Pen {
         }
     }
 
-    /// A dot without outline.
-    pub fn dot(&mut self, (x, y): (f64, f64), radius: f64, colour: &str, opacity: f64, title: &str) {
+    /// A dot; its colour is that of the group that it is in.
+    pub fn dot(&mut self, (x, y): (f64, f64), radius: f64, title: &str) {
         let (x, y, r) = (px(x), px(y), px(radius));
-        let paint = format!("fill=\"{colour}\" fill-opacity=\"{opacity}\"");
-        self.element("circle", &format!("cx=\"{x}\" cy=\"{y}\" r=\"{r}\" {paint}"), title);
+        self.element("circle", &format!("cx=\"{x}\" cy=\"{y}\" r=\"{r}\""), title);
     }
 
     /// A shape with an outline, of about the same area whatever its kind.
@@ -200,12 +236,40 @@ impl Pen {
             false => "",
         };
         let (size, colour) = (px(style.size), style.colour);
-        let text = escaped(text);
+        let text = with_raised(text, style.size);
         let _ = writeln!(
             self.out,
             "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{colour}\"{anchor}{bold}{halo}{turn}>{text}</text>"
         );
     }
+}
+
+/// The parts of a line that lie in a rectangle: else a dashed line that runs far out would have dashes without end.
+pub(super) fn clipped(points: &[(f64, f64)], [left, top, right, bottom]: [f64; 4]) -> Vec<(f64, f64)> {
+    let mut out: Vec<(f64, f64)> = Vec::new();
+    for pair in points.windows(2) {
+        let ((x, y), (dx, dy)) = (pair[0], (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1));
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for (start, change, low, high) in [(x, dx, left, right), (y, dy, top, bottom)] {
+            let (p, q) = ((low - start) / change, (high - start) / change);
+            match change {
+                0.0 if start < low || start > high => to = f64::NEG_INFINITY,
+                0.0 => {}
+                _ => (from, to) = (from.max(p.min(q)), to.min(p.max(q))),
+            }
+        }
+        // What is not finite is in no rectangle.
+        if !(dx.is_finite() && dy.is_finite() && from <= to) {
+            out.push((f64::NAN, f64::NAN));
+            continue;
+        }
+        let at = |share: f64| if share == 1.0 { pair[1] } else { (x + share * dx, y + share * dy) };
+        if out.last() != Some(&at(from)) {
+            out.extend([(f64::NAN, f64::NAN), at(from)]);
+        }
+        out.push(at(to));
+    }
+    out
 }
 
 /// `M … L …` through the points; where one is not finite the line is broken, points that fall together

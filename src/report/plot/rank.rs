@@ -1,7 +1,7 @@
 //! Rotor inertia over motor constant with isolines of S_M: the figure of Urs et al. for any catalogue; beside it
 //! rotor inertia over torque constant with isolines of S_T.
 
-use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Series, Shape, Tone};
+use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Series, Shape, Tone, unit};
 use crate::actuator::metrics::{Metric, metric};
 use crate::catalog::Motor;
 use crate::report::number;
@@ -15,8 +15,7 @@ const NAMED: usize = 8;
 
 /// The figure; `marked` are the motors that were chosen, first the most important.
 pub fn figure(ranking: &Ranking, marked: &[&Motor]) -> Figure {
-    let motors: Vec<&Motor> =
-        ranking.ranked.iter().map(|r| r.0).chain(ranking.unranked.iter().copied()).collect();
+    let motors: Vec<&Motor> = ranking.ranked.iter().map(|r| r.0).chain(ranking.unranked.iter().copied()).collect();
     let panels = vec![
         panel(&motors, marked, "s_m", "k_m", "motor constant K_M [N·m/√W]"),
         panel(&motors, marked, "s_t", "k_t", "torque constant K_T, q axis [N·m/A]"),
@@ -64,7 +63,8 @@ fn panel(motors: &[&Motor], marked: &[&Motor], name: &str, abscissa: &str, x: &s
         ..Panel::default()
     };
     let range = |of: fn(&(f64, f64)) -> f64| {
-        let (low, high) = known.iter().map(|(_, p)| of(p)).fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+        let (low, high) =
+            known.iter().map(|(_, p)| of(p)).fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
         let room = (high / low).powf(0.05).max(1.4);
         (low < f64::INFINITY).then_some((low / room, high * room))
     };
@@ -75,11 +75,14 @@ fn panel(motors: &[&Motor], marked: &[&Motor], name: &str, abscissa: &str, x: &s
     let makers = manufacturers(motors);
     for (rank, maker) in makers.iter().enumerate().take(MANUFACTURERS + 1) {
         let last = rank == MANUFACTURERS;
-        let own = |m: &Motor| if last { makers[rank..].contains(&m.manufacturer.as_str()) } else { m.manufacturer == *maker };
+        let own =
+            |m: &Motor| if last { makers[rank..].contains(&m.manufacturer.as_str()) } else { m.manufacturer == *maker };
         let of: Vec<&(&Motor, (f64, f64))> = known.iter().filter(|(m, _)| own(m)).collect();
         let (tone, shape) = if last { (Tone::Grey, Shape::Circle) } else { (Tone::nth(rank), Shape::nth(rank)) };
         let note = |m: &Motor| {
-            let value = s.value(m).map_or_else(String::new, |v| format!(": {} {} {}", s.symbol, number(in_unit(v, s.unit)), s.unit));
+            let value = s.value(m).map_or_else(String::new, |v| {
+                format!(": {} {} {}", s.symbol, number(in_unit(v, s.unit)), unit(s.unit))
+            });
             format!("{}{value}", m.id)
         };
         let series = Series::new(tone, Mark::Points(shape), of.iter().map(|(_, p)| *p).collect());
@@ -105,7 +108,7 @@ fn isolines(s: &Metric, (left, right): (f64, f64), (low, high): (f64, f64)) -> V
         let value = 10_f64.powi(exponent);
         // The part of the line within the panel.
         let (from, to) = (left.max((low / value).sqrt()), right.min((high / value).sqrt()));
-        let text = format!("{} = {} {}", s.symbol, number(in_unit(value, s.unit)), s.unit);
+        let text = format!("{} = {} {}", s.symbol, number(in_unit(value, s.unit)), unit(s.unit));
         let points = [from, to].map(|k| (k, value * k * k)).to_vec();
         (to > 1.05 * from).then(|| Series::new(Tone::Grey, Mark::Thin(Dash::Dashed), points).along(text))
     };

@@ -10,10 +10,13 @@ use crate::report::number;
 /// Points of a curve.
 const POINTS: usize = 400;
 
+/// Which motor, whether with inductance, and the share of the final speed over time \[s\].
+type Response = (usize, bool, Vec<(f64, f64)>);
+
 /// The figure of a comparison.
 pub fn figure(comparison: &Comparison) -> Figure {
     let [a, b] = comparison.motors;
-    let responses: Vec<(usize, bool, Vec<(f64, f64)>)> = comparison
+    let responses: Vec<Response> = comparison
         .motors
         .iter()
         .enumerate()
@@ -26,7 +29,10 @@ pub fn figure(comparison: &Comparison) -> Figure {
     // To where the slower one has come to rest.
     let settled = |points: &[(f64, f64)]| points.iter().rev().find(|p| (p.1 - 1.0).abs() > 0.02).map_or(0.0, |p| p.0);
     let end = 1.15 * responses.iter().map(|r| settled(&r.2)).fold(0.0, f64::max);
-    let shares = panel(comparison, &responses, end, "each as a share of its final speed", "speed / final speed [1]", |_| Some(1.0));
+    let shares =
+        panel(comparison, &responses, end, "each as a share of its final speed", "speed / final speed [1]", |_| {
+            Some(1.0)
+        });
     let mut panels = vec![shares];
     panels[0].rules.push(Rule {
         along: Along::Y,
@@ -67,7 +73,7 @@ fn response(motor: &Motor, inductance: f64) -> Vec<(f64, f64)> {
 
 fn panel(
     comparison: &Comparison,
-    responses: &[(usize, bool, Vec<(f64, f64)>)],
+    responses: &[Response],
     end: f64,
     title: &str,
     y: &str,
@@ -85,7 +91,10 @@ fn panel(
         let Some(scale) = scale(motor) else { continue };
         let shown: Vec<(f64, f64)> = points.iter().copied().filter(|p| p.0 <= end).collect();
         let step = shown.len().div_ceil(POINTS).max(1);
-        let points = shown.iter().step_by(step).map(|(t, share)| (1e3 * t, scale * share)).collect();
+        let mut points: Vec<(f64, f64)> =
+            shown.iter().step_by(step).map(|(t, share)| (1e3 * t, scale * share)).collect();
+        // The simulation ends where the speed has settled.
+        points.extend(shown.last().map(|last| (1e3 * end, scale * last.1)));
         let dash = match (k, inductance) {
             (0, true) => Dash::Solid,
             (0, false) => Dash::Dotted,
@@ -93,7 +102,7 @@ fn panel(
             (_, false) => Dash::DashDotDot,
         };
         let tone = if *k == 0 { Tone::Blue } else { Tone::Vermilion };
-        let how = if *inductance { "with its inductance" } else { "without" };
+        let how = if *inductance { "with inductance" } else { "without inductance" };
         let series = Series::new(tone, Mark::Line(dash), points).named(format!("{}, {how}", motor.id));
         panel.series.push(series.of(vec![motor.id.clone()]));
     }

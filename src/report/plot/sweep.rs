@@ -1,6 +1,6 @@
 //! Which motor is feasible at which ratio, and what that costs.
 
-use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Series, Shape, Tone};
+use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Scale, Series, Shape, Tone};
 use crate::design::sweep::{JointSweep, SweptDesign};
 use crate::report::number;
 
@@ -16,7 +16,11 @@ pub fn figure(sweeps: &[JointSweep]) -> Figure {
     let group = |s: &JointSweep| {
         let motors = ordered(s);
         Group {
-            title: format!("{}: {} motors are feasible at some ratio", s.joint.name, motors.iter().filter(|m| m.best.is_finite()).count()),
+            title: format!(
+                "{}: {} motors are feasible at some ratio",
+                s.joint.name,
+                motors.iter().filter(|m| m.best.is_finite()).count()
+            ),
             caption: format!(
                 "The first {} motors, the best on top. A cross: some limit is exceeded.",
                 motors.len().min(MAPPED)
@@ -113,11 +117,10 @@ fn map(sweep: &JointSweep, motors: &[Swept]) -> Panel {
 
 fn curves(sweep: &JointSweep, motors: &[Swept]) -> Panel {
     let goal = &sweep.joint.objective;
-    let label = if goal.unit() == "1" { goal.name() } else { format!("{} [{}]", goal.name(), goal.unit()) };
     let mut panel = Panel {
         title: format!("{} of the feasible designs", goal.name()),
         x: Axis::log("ratio N"),
-        y: Axis::log(label),
+        y: Axis { scale: Scale::Log, ..super::objective_axis(goal) },
         empty: "no design is feasible".into(),
         ..Panel::default()
     };
@@ -145,9 +148,14 @@ fn curves(sweep: &JointSweep, motors: &[Swept]) -> Panel {
         }
     }
     if let Some(best) = feasible.first()
-        && let Some((ratio, value)) = points(best).into_iter().filter(|p| p.1.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
+        && let Some((ratio, value)) =
+            points(best).into_iter().filter(|p| p.1.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1))
     {
-        panel.labels.push(Label { at: (ratio, value), text: format!("{} at N = {}", best.id, number(ratio)), chosen: true });
+        panel.labels.push(Label {
+            at: (ratio, value),
+            text: format!("{} at N = {}", best.id, number(ratio)),
+            chosen: true,
+        });
     }
     panel
 }

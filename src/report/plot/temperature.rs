@@ -51,6 +51,10 @@ pub fn panel(prepared: &Prepared, ratio: f64) -> Option<Panel> {
     panel.rules.push(Rule { along: Along::Y, at: ambient, tone: Tone::Grey, dash: Dash::Dotted, text });
     panel.series.push(Series::new(Tone::Orange, Mark::Line(Dash::Dashed), housing).named("housing"));
     panel.series.push(Series::new(Tone::Blue, Mark::Line(Dash::Solid), winding).named("winding"));
-    panel.labels.push(Label { at: peak, text: format!("{} °C", number((10.0 * peak.1).round() / 10.0)), chosen: false });
+    panel.labels.push(Label {
+        at: peak,
+        text: format!("{} °C", number((10.0 * peak.1).round() / 10.0)),
+        chosen: false,
+    });
     Some(panel)
 }

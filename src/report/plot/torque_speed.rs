@@ -21,8 +21,8 @@ const SAMPLES: usize = 1500;
 /// What stands under the diagram.
 pub const CAPTION: &str = "At the output, at steady speed and torque (α = 0, dτ/dt = 0); driving above zero, braking below. \
     The motion: for each sample the steady torque that asks the same torque of the motor's shaft, the rotor's \
-    acceleration included; ○ marks where it is in time. Voltage for changing the current (L di/dt) is not in the \
-    diagram; it is in the table.";
+    acceleration included; times are written at it. Continuous limits are on the rms over the motion, peak limits on every \
+    sample. The voltage that changes the current (L di/dt) is not in the diagram; the limit in the table has it.";
 
 /// The diagram of a design at a ratio.
 pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
@@ -61,7 +61,15 @@ pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
     }
     let notes = motion.iter().map(|(k, _)| candidate.joint.motion.name_sample(*k)).collect();
     panel.series.push(Series::new(Tone::Blue, Mark::Dots, order).named("motion, with the rotor").noted(notes));
-    panel.series.extend(boundaries);
+    // What lies beyond the panel is said, and not in the legend.
+    let (lowest, highest) = panel.y.range.unwrap_or_default();
+    let seen = |s: &Series| s.points.iter().any(|p| p.1 >= lowest && p.1 <= highest && p.0 <= speed);
+    let (seen, beyond): (Vec<Series>, Vec<Series>) = boundaries.into_iter().partition(seen);
+    if !beyond.is_empty() {
+        let names: Vec<&str> = beyond.iter().map(|s| s.name.as_str()).collect();
+        panel.title.push_str(&format!("; beyond what is drawn: {}", names.join("; ")));
+    }
+    panel.series.extend(seen);
     panel.rules = straight(prepared, ratio, (speed, up));
     panel.labels = instants(candidate, &motion);
     let (at, notes) = panel.labels.iter().map(|l| (l.at, l.text.clone())).unzip();
@@ -119,19 +127,20 @@ fn speed_range(prepared: &Prepared, ratio: f64, fastest: f64) -> f64 {
     while speed < 2.2 * fastest && reaches(speed) {
         speed *= 1.05;
     }
-    speed
+    // Where the voltage ends much farther on, the motion is what fills the diagram.
+    if reaches(speed) { 1.3 * fastest.max(1e-3) } else { speed }
 }
 
 /// A limit on the torque of the motor's shaft: its name in the legend, and the torque \[N·m\].
 fn shaft_limit(asked: &Asked) -> Option<(&'static str, f64)> {
     let bound = asked.raw_bound().max(0.0).sqrt();
     let name = match (asked.limit.name, asked.owner) {
-        ("peak_current", "drive") => "peak: current of the drive",
-        ("peak_current", _) => "peak: current of the motor",
-        ("peak_torque", _) => "peak: torque of the motor",
-        ("continuous_current", _) => "continuous: rated current (of the rms)",
-        ("continuous_torque", _) => "continuous: rated torque (of the rms)",
-        ("winding_temperature", _) => "continuous: winding temperature (of the rms)",
+        ("peak_current", "drive") => "peak: drive current",
+        ("peak_current", _) => "peak: motor current",
+        ("peak_torque", _) => "peak: motor torque",
+        ("continuous_current", _) => "continuous: rated current",
+        ("continuous_torque", _) => "continuous: rated torque",
+        ("winding_temperature", _) => "continuous: winding temperature",
         _ => return None,
     };
     matches!(asked.demand, Demand::Samples(Functional::TorqueSquared) | Demand::Polynomial(..)).then_some((name, bound))
@@ -143,7 +152,15 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
     let both = |at: &dyn Fn(Flow, f64) -> Option<f64>| -> Vec<(f64, f64)> {
         let mut points = Vec::new();
         for flow in Flow::BOTH {
-            points.extend(speeds.iter().map(|w| (*w, at(flow, *w).filter(|t| t.is_finite()).unwrap_or(f64::NAN))));
+            let finite = |speed: f64| at(flow, speed).filter(|t| t.is_finite());
+            for (k, speed) in speeds.iter().enumerate() {
+                // Where the boundary ends between two speeds, to its very end.
+                let end = (k > 0 && finite(*speed).is_none())
+                    .then(|| finite(speeds[k - 1]).map(|_| last(&finite, speeds[k - 1], *speed)))
+                    .flatten();
+                points.extend(end);
+                points.push((*speed, finite(*speed).unwrap_or(f64::NAN)));
+            }
             points.push((f64::NAN, f64::NAN));
         }
         points
@@ -154,8 +171,11 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
         if let Some((name, torque)) = shaft_limit(asked) {
             let tone = if name.starts_with("peak") { Tone::Vermilion } else { Tone::Green };
             let dash = match asked.limit.name {
-                "winding_temperature" | "peak_torque" => Dash::Dashed,
-                "continuous_torque" => Dash::Dotted,
+                // No two alike: in grey the dash is all that tells them apart.
+                "peak_torque" => Dash::Dashed,
+                "continuous_current" => Dash::Long,
+                "winding_temperature" => Dash::DashDot,
+                "continuous_torque" => Dash::DashDotDot,
                 _ => Dash::Solid,
             };
             let at = |flow: Flow, speed: f64| {
@@ -170,19 +190,27 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
             "bus_current" => (Functional::Power, "current of the bus", Tone::Purple, Dash::DashDotDot),
             _ => continue,
         };
-        let boundary = |steady: Steady| {
-            both(&|flow, speed| steady.largest_torque(functional, bound, flow, speed))
-        };
+        let boundary = |steady: Steady| both(&|flow, speed| steady.largest_torque(functional, bound, flow, speed));
         let inductance = asked.limit.name == "voltage" && candidate.motor.inductance_and_poles().is_some();
-        let name = if inductance { "voltage, with the inductance" } else { name };
+        let name = if inductance { "voltage, with inductance" } else { name };
         all.push(Series::new(tone, Mark::Line(dash), boundary(steady)).named(name));
         if inductance {
             let without = boundary(steady.without_inductance());
-            all.push(Series::new(tone, Mark::Line(Dash::Dotted), without).named("voltage, without"));
+            all.push(Series::new(tone, Mark::Line(Dash::Dotted), without).named("voltage, without inductance"));
         }
     }
     all.retain(|s| s.points.iter().any(|p| p.1.is_finite()));
     all
+}
+
+/// The last point that there is between a speed that has one and a speed that has none.
+fn last(at: &dyn Fn(f64) -> Option<f64>, with: f64, without: f64) -> (f64, f64) {
+    let (mut low, mut high) = (with, without);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if at(middle).is_some() { low = middle } else { high = middle }
+    }
+    (low, at(low).unwrap_or(f64::NAN))
 }
 
 /// Limits of speed, and of the gear's torque.
@@ -193,7 +221,7 @@ fn straight(prepared: &Prepared, ratio: f64, (fastest, strongest): (f64, f64)) -
             "max_speed" => (Along::X, asked.bound / ratio, "speed of the motor", Dash::Dashed),
             "gear_input_speed" => (Along::X, asked.bound / ratio, "speed of the gear", Dash::DashDot),
             "gear_peak_torque" => (Along::Y, asked.bound / safety, "gear, peak", Dash::Long),
-            "gear_continuous_torque" => (Along::Y, asked.bound, "gear, continuous (of the rms)", Dash::Dotted),
+            "gear_continuous_torque" => (Along::Y, asked.bound, "gear, continuous", Dash::Dotted),
             _ => return None,
         };
         let seen = if along == Along::X { at <= fastest } else { at <= strongest };
