@@ -14,7 +14,7 @@ use crate::requirement::{self, Quantity};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --html robot.html\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
     /// Requirement file (TOML)

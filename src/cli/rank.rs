@@ -12,7 +12,7 @@ use crate::units;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise rank\n  gearwise rank --sort mass_s_m --top 50\n  gearwise rank my_motors.csv --tolerance 10%\n  gearwise rank --plot motors.svg --mark t-motor-ri50 --mark t-motor-u8"
+    before_help = "Examples:\n  gearwise rank\n  gearwise rank --sort mass_s_m --top 50\n  gearwise rank --html motors.html\n  gearwise rank my_motors.csv --tolerance 10%\n  gearwise rank --plot motors.svg --mark t-motor-ri50 --mark t-motor-u8"
 )]
 pub struct Arguments {
     /// Catalogue files or folders; the built-in catalogue if none is given

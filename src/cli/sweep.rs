@@ -13,7 +13,7 @@ use crate::requirement::{self, Quantity};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise sweep requirements/quadruped_mini_cheetah.toml\n  gearwise sweep robot.toml --ratios 100 --sort s_m --top 30\n  gearwise sweep robot.toml --csv > designs.csv"
+    before_help = "Examples:\n  gearwise sweep requirements/quadruped_mini_cheetah.toml\n  gearwise sweep robot.toml --ratios 100 --sort s_m --top 30\n  gearwise sweep robot.toml --html designs.html\n  gearwise sweep robot.toml --csv > designs.csv"
 )]
 pub struct Arguments {
     /// Requirement file (TOML)

@@ -22,7 +22,7 @@ use std::path::Path;
 pub use render::text;
 
 use super::file;
-use super::plot::Figure;
+use super::plot::{self, Figure};
 use crate::input::InputFile;
 
 /// More rows than this make a page slow; what is left out is said.
@@ -145,7 +145,7 @@ impl Table {
                 Some((name, unit)) => (name.trim(), unit.trim_end_matches(']')),
                 None => (text, ""),
             };
-            Column { name: name.into(), unit: unit.into(), number }
+            Column { name: name.into(), unit: plot::unit(unit), number }
         };
         Table { caption: caption.into(), columns: header.iter().map(column).collect(), rows: Vec::new() }
     }

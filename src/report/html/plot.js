@@ -335,6 +335,10 @@ class PanelView {
       ctx.fillText(text, 0, 0);
       ctx.restore();
     };
+    // What texts had better not cover.
+    const crowd = this.marks.flatMap((m) => m.px.map((p, k) => [p, m.py[k]]));
+    const around = 3 * ratio;
+    const covered = (r) => crowd.reduce((n, [p, q]) => n + (p > r[0] - around && p < r[2] + around && q > r[1] - around && q < r[3] + around), 0);
     let labels = this.panel.labels.map((l) => ({ ...l, px: x(l.x), py: y(l.y) }));
     if (lit >= 0) {
       // The first place of what is lit, where it does not stand already.
@@ -374,19 +378,23 @@ class PanelView {
         }
       }
       const long = this.width(s.along, 11) * ratio, high = 11 * ratio;
+      let best = null;
       for (const share of [0.92, 0.08, 0.85, 0.15, 0.75, 0.25, 0.65, 0.35, 0.5]) {
-        const at = trail[Math.floor(share * trail.length)];
-        if (!at) continue;
-        const turn = Math.cos(at[2]) < 0 ? at[2] + Math.PI : at[2];
+        const on = trail[Math.floor(share * trail.length)];
+        if (!on) continue;
+        const turn = Math.cos(on[2]) < 0 ? on[2] + Math.PI : on[2];
+        // Beside the line, on its upper side.
+        const at = [on[0] + 8 * ratio * Math.sin(turn), on[1] - 8 * ratio * Math.cos(turn)];
         const w = (long * Math.abs(Math.cos(turn)) + high * Math.abs(Math.sin(turn))) / 2 + 1, h = (long * Math.abs(Math.sin(turn)) + high * Math.abs(Math.cos(turn))) / 2 + 1;
         const rect = [at[0] - w, at[1] - h, at[0] + w, at[1] + h];
         if (!free(rect)) continue;
-        taken.push(rect);
-        write(s.along, at[0], at[1], { turn, align: "center", colour: colours.faint });
-        break;
+        const cover = covered(rect);
+        if (!best || cover < best.cover) best = { cover, rect, at, turn };
       }
+      if (!best) continue;
+      taken.push(best.rect);
+      write(s.along, best.at[0], best.at[1], { turn: best.turn, align: "center", colour: colours.faint });
     }
-    const crowd = this.marks.flatMap((m) => m.px.map((p, k) => [p, m.py[k]]));
     for (const l of labels) {
       if (l.chosen || l.lit) {
         ctx.beginPath();
@@ -403,7 +411,7 @@ class PanelView {
           const cx = l.px + dx * (gap + (dx ? w / 2 : 0)) , cy = l.py + dy * (gap + h / 2);
           const rect = [cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2];
           if (!free(rect)) continue;
-          const cover = crowd.filter(([p, q]) => p > rect[0] && p < rect[2] && q > rect[1] && q < rect[3]).length + d / 10;
+          const cover = 3 * covered(rect) + d / 10;
           if (!best || cover < best.cover) best = { rect, cover, away: d };
         }
       }
