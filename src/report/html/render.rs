@@ -7,7 +7,17 @@ use sha2::{Digest, Sha256};
 
 use super::figure::{self, Ids};
 use super::{MOST_ROWS, Page, Part, Section, Table, Verdict};
-use crate::report::plot::escaped;
+use crate::report::plot;
+
+/// Characters that turn the direction of what follows: a name could make its neighbours read as something else.
+fn turns(c: char) -> bool {
+    matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{200e}' | '\u{200f}' | '\u{061c}')
+}
+
+/// Text that stands safely in the page; what turns the direction is shown as a mark.
+fn escaped(text: &str) -> String {
+    plot::escaped(text).replace(turns, "\u{fffd}")
+}
 
 /// The page's own style and that of the plotting library.
 const STYLE: &str = concat!(include_str!("vendor/uPlot.min.css"), "\n", include_str!("page.css"));
@@ -72,6 +82,7 @@ fn island(value: &Value) -> String {
             '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
                 let _ = write!(out, "\\u{:04x}", u32::from(c));
             }
+            c if turns(c) => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }

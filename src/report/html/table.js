@@ -51,6 +51,7 @@ class TableView {
       button.type = "button";
       button.setAttribute("aria-pressed", "false");
       cell.replaceChildren(button);
+      for (const c of [cell, this.heads[cell.cellIndex]]) c.classList.add("name");
     }
     row.addEventListener("click", (event) => {
       if (getSelection().toString() && !event.target.closest("button")) return;
