@@ -150,8 +150,7 @@ fn a_weightless_carried_actuator_is_none() {
 fn joints_that_minimise_different_things_are_measured_by_their_own_best() {
     let catalog = few();
     let mut robot = quadruped();
-    let objective = |q| Objective::single(q);
-    robot.joints[1].objective = objective(Quantity::ReflectedInertia);
+    robot.joints[1].objective = Objective::single(Quantity::ReflectedInertia);
     let choice = choose(&robot, &catalog, quick(0)).unwrap();
     let count: f64 = robot.joints.iter().map(|j| f64::from(j.count)).sum();
     assert!(choice.total.relative);

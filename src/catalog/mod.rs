@@ -42,6 +42,8 @@ impl Catalog {
     /// # Errors
     /// If a shipped file has a mistake; a test makes sure that none has.
     pub fn builtin() -> Result<Catalog, Vec<InputError>> {
+        let pieces = || BUILTIN.iter().flat_map(|(name, text)| [name.as_bytes(), text.as_bytes()]);
+        crate::input::was_read("the built-in catalogue", || crate::input::sha256(pieces()));
         Catalog::from_sources(Catalog::builtin_sources())
     }
 

@@ -2,9 +2,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Done, Failure, Output};
+use super::{Done, Failure, Html, Output};
 use crate::catalog::audit::audit;
 use crate::report::audit as report;
+use crate::report::html;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -15,12 +16,16 @@ pub struct Arguments {
     /// Catalogue files or folders; the built-in catalogue if none is given
     catalog: Vec<PathBuf>,
     #[command(flatten)]
+    html: Html,
+    #[command(flatten)]
     output: Output,
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let recording = arguments.html.start()?;
     let catalog = super::catalog(&arguments.catalog)?;
     let findings = audit(&catalog);
+    arguments.html.write(&recording, || html::audit::page(&catalog, &findings))?;
     let text = arguments.output.choose(
         || report::text(&catalog, &findings),
         || report::json(&catalog, &findings),

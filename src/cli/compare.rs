@@ -2,8 +2,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure};
+use super::{CatalogChoice, Done, Failure, Html};
 use crate::report::compare::{self as report, Comparison};
+use crate::report::html;
 use crate::report::plot::step as plot;
 use crate::units;
 
@@ -25,6 +26,8 @@ pub struct Arguments {
     /// Draw the responses to a voltage step: an .svg or .png file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    html: Html,
     /// Print JSON (SI units, the unit in the key)
     #[arg(long)]
     json: bool,
@@ -46,11 +49,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             }
         },
     };
+    let recording = arguments.html.start()?;
     super::check_plot(arguments.plot.as_ref())?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     let find = |id: &str| super::find_motor(&catalog, id);
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&comparison))?;
+    arguments.html.write(&recording, || html::compare::page(&comparison))?;
     let text =
         if arguments.json { crate::report::json_text(&report::json(&comparison)) } else { report::text(&comparison) };
     Ok(Done { text, satisfied: true })

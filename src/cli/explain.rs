@@ -3,9 +3,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::chosen::Chosen;
-use super::{CatalogChoice, Done, Failure};
+use super::{CatalogChoice, Done, Failure, Html};
 use crate::design::explain::explain;
 use crate::report::explain as report;
+use crate::report::html;
 use crate::report::plot::design as plot;
 use crate::requirement;
 
@@ -27,12 +28,15 @@ pub struct Arguments {
     /// Draw the design: torque over speed, temperature, objective and limits over the ratio: an .svg or .png file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    #[command(flatten)]
+    html: Html,
     /// Print JSON (SI units, the unit in the key)
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let recording = arguments.html.start()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
@@ -43,6 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         Failure::Argument(format!("{} cannot be explained at this joint: {}", motor.id, why.reason()))
     })?;
     super::draw_plot(arguments.plot.as_ref(), || plot::explained(&robot, &story))?;
+    arguments.html.write(&recording, || html::explain::page(&robot, &story))?;
     let text = if arguments.json { crate::report::json_text(&report::json(&story)) } else { report::text(&story) };
     Ok(Done { text, satisfied: story.evaluation.feasible })
 }

@@ -99,8 +99,11 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
         None => None,
     };
     let mut joints = Vec::new();
-    for choice in choices.iter().filter(|c| only.is_none_or(|only| only.name == c.joint.name)) {
-        let examined = examine(&design.robot, choice).map_err(|why| cannot(choice.motor, &why))?;
+    for (choice, examined) in choices.iter().zip(examine(&design.robot, &choices)) {
+        if only.is_some_and(|only| only.name != choice.joint.name) {
+            continue;
+        }
+        let examined = examined.map_err(|why| cannot(choice.motor, &why))?;
         let spring = choice.design.spring.map(|s| (s.stiffness, s.rest_angle));
         joints.push(exported(
             &design.robot,

@@ -2,12 +2,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Output};
+use super::{CatalogChoice, Done, Failure, Html, Output};
 use crate::design::remake::remake;
 use crate::measured::fitted::fitted_motor;
 use crate::measured::{identify, read, simulate};
 use crate::report::plot::{self, Format, residual};
-use crate::report::{file, fitted, forward as forward_report, identify as report, remake as remake_report};
+use crate::report::{file, fitted, forward as forward_report, html, identify as report, remake as remake_report};
 use crate::requirement;
 use crate::units;
 
@@ -32,6 +32,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FITTED.toml")]
     write: Option<PathBuf>,
     #[command(flatten)]
+    html: Html,
+    #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
     output: Output,
@@ -42,6 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         None => None,
         Some(text) => Some(read_band(text)?),
     };
+    let recording = arguments.html.start()?;
     if let Some(path) = &arguments.plot {
         Format::of(path).map_err(Failure::Argument)?;
     }
@@ -68,6 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         }
     };
     let forward = reports.iter().find_map(|report| simulate::forward_check(&bench, report));
+    arguments.html.write(&recording, || html::identify::page(&bench, &reports, forward.as_ref(), remade.as_deref()))?;
     let mut written = Vec::new();
     if let Some(path) = &arguments.plot {
         plot::write(&residual::figure(&bench, &reports), path).map_err(Failure::Argument)?;

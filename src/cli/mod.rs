@@ -27,7 +27,8 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::catalog::{Catalog, Motor};
-use crate::input::InputError;
+use crate::input::{InputError, Recording};
+use crate::report::html;
 use crate::report::plot::{self, Figure};
 use crate::requirement::Robot;
 
@@ -186,6 +187,47 @@ fn check_plot(path: Option<&PathBuf>) -> Result<(), Failure> {
 /// Draws the picture that was asked for.
 fn draw_plot(path: Option<&PathBuf>, figure: impl FnOnce() -> Figure) -> Result<(), Failure> {
     path.map_or(Ok(()), |p| plot::write(&figure(), p).map_err(Failure::Argument))
+}
+
+/// The page of a result, where one is asked for.
+#[derive(Debug, Args)]
+struct Html {
+    /// Write the result as a page that opens anywhere without a network: tables that sort and filter, figures, warnings, inputs
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+}
+
+impl Html {
+    /// Checks the file's name before any work is done, and notes from here on which files are read.
+    fn start(&self) -> Result<Recording, Failure> {
+        self.html.as_deref().map_or(Ok(()), html::check).map_err(Failure::Argument)?;
+        Ok(Recording::start())
+    }
+
+    /// Writes the page that was asked for.
+    fn write(&self, recording: &Recording, page: impl FnOnce() -> html::Page) -> Result<(), Failure> {
+        let Some(path) = &self.html else { return Ok(()) };
+        let page = html::Page { call: call(std::env::args()), inputs: recording.files(), ..page() };
+        html::write(&page, path).map_err(Failure::Argument)
+    }
+}
+
+/// How the program was called, without what does not change the result: where the page goes, and how many threads.
+fn call(arguments: impl Iterator<Item = String>) -> String {
+    let mut words = vec!["gearwise".to_string()];
+    let mut arguments = arguments.skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--html" | "--threads" | "--plot" => drop(arguments.next()),
+            "--json" | "--csv" => {}
+            a if ["--html=", "--threads=", "--plot="].iter().any(|option| a.starts_with(option)) => {}
+            a if a.is_empty() || a.contains(|c: char| c.is_whitespace() || "\"'\\$`*?<>|&;()#".contains(c)) => {
+                words.push(format!("'{}'", a.replace('\'', r"'\''")));
+            }
+            _ => words.push(argument),
+        }
+    }
+    words.join(" ")
 }
 
 /// The motor of the catalogue with this id.

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Output};
+use super::{CatalogChoice, Done, Failure, Html, Output};
 use crate::design::optimize::{Options, RobotResult, optimize_with};
 use crate::design::pareto::fronts;
 use crate::design::robot::{self, choose};
@@ -11,13 +11,13 @@ use crate::input::nearest;
 use crate::report::design_file::{self, way};
 use crate::report::file::write_whole;
 use crate::report::optimize as report;
-use crate::report::{pareto, plot, robot as robot_report, robust as robust_report};
+use crate::report::{html, pareto, plot, robot as robot_report, robust as robust_report};
 use crate::requirement::{self, Quantity};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --html robot.html\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
     /// Requirement file (TOML)
@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, value_name = "A,B")]
     pareto: Option<String>,
     /// Designs that keep all limits over the motors' tolerances, and how likely the first choice stays first
-    #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot"])]
+    #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot", "html"])]
     robust: bool,
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
@@ -57,6 +57,8 @@ pub struct Arguments {
     /// How many further combinations of the whole robot are told
     #[arg(long, default_value_t = 3, value_name = "K", value_parser = clap::value_parser!(u32).range(..=1000))]
     runner_ups: u32,
+    #[command(flatten)]
+    html: Html,
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
@@ -80,6 +82,7 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let recording = arguments.html.start()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = match (&arguments.pareto, arguments.robust) {
         (Some(_), _) => requirement::read_without_springs(&arguments.requirement, "`--pareto`")?,
@@ -94,6 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(names) = &arguments.pareto {
         let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
+        arguments.html.write(&recording, || html::pareto::page(&robot, &fronts))?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
         let text = arguments.output.choose(|| pareto::text(&fronts), || pareto::json(&fronts), || pareto::csv(&fronts));
         return Ok(Done { text, satisfied });
@@ -123,6 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         ..robot::Options::default()
     };
     let choice = whole.then(|| choose(&robot, &catalog, options)).transpose().map_err(Failure::Argument)?;
+    arguments.html.write(&recording, || html::optimize::page(&result, choice.as_ref(), &catalog))?;
     if let Some(path) = &arguments.write_design {
         write_design(&result, choice.as_ref(), arguments, path)?;
     }

@@ -2,8 +2,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Done, Failure, Output};
+use super::{Done, Failure, Html, Output};
 use crate::actuator::metrics::{METRICS, metric};
+use crate::report::html;
 use crate::report::plot::rank as plot;
 use crate::report::rank::{self as report, Ranking};
 use crate::units;
@@ -11,7 +12,7 @@ use crate::units;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise rank\n  gearwise rank --sort mass_s_m --top 50\n  gearwise rank my_motors.csv --tolerance 10%\n  gearwise rank --plot motors.svg --mark t-motor-ri50 --mark t-motor-u8"
+    before_help = "Examples:\n  gearwise rank\n  gearwise rank --sort mass_s_m --top 50\n  gearwise rank --html motors.html\n  gearwise rank my_motors.csv --tolerance 10%\n  gearwise rank --plot motors.svg --mark t-motor-ri50 --mark t-motor-u8"
 )]
 pub struct Arguments {
     /// Catalogue files or folders; the built-in catalogue if none is given
@@ -31,9 +32,11 @@ pub struct Arguments {
     /// Draw rotor inertia over motor constant with lines of equal S_M, and over torque constant: an .svg or .png file
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Motor to be marked in the picture; may be repeated
-    #[arg(long, value_name = "ID", requires = "plot")]
+    /// Motor to be marked in the picture, of --plot or --html; may be repeated
+    #[arg(long, value_name = "ID")]
     mark: Vec<String>,
+    #[command(flatten)]
+    html: Html,
     #[command(flatten)]
     output: Output,
 }
@@ -52,11 +55,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             }
         },
     };
+    let recording = arguments.html.start()?;
     super::check_plot(arguments.plot.as_ref())?;
     let catalog = super::motors(&arguments.catalog)?;
     let marked: Vec<_> = arguments.mark.iter().map(|id| super::find_motor(&catalog, id)).collect::<Result<_, _>>()?;
     let ranking = Ranking::new(&catalog.motors, by, tolerance);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&ranking, &marked))?;
+    arguments.html.write(&recording, || html::rank::page(&ranking, &marked))?;
     let text = arguments.output.choose(
         || report::text(&ranking, arguments.top),
         || report::json(&ranking),

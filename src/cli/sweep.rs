@@ -2,9 +2,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Output};
+use super::{CatalogChoice, Done, Failure, Html, Output};
 use crate::actuator::metrics::METRICS;
 use crate::design::sweep::sweep_with_progress;
+use crate::report::html;
 use crate::report::plot::sweep as plot;
 use crate::report::sweep::{self as report, Order};
 use crate::requirement::{self, Quantity};
@@ -12,7 +13,7 @@ use crate::requirement::{self, Quantity};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise sweep requirements/quadruped_mini_cheetah.toml\n  gearwise sweep robot.toml --ratios 100 --sort s_m --top 30\n  gearwise sweep robot.toml --csv > designs.csv"
+    before_help = "Examples:\n  gearwise sweep requirements/quadruped_mini_cheetah.toml\n  gearwise sweep robot.toml --ratios 100 --sort s_m --top 30\n  gearwise sweep robot.toml --html designs.html\n  gearwise sweep robot.toml --csv > designs.csv"
 )]
 pub struct Arguments {
     /// Requirement file (TOML)
@@ -38,6 +39,8 @@ pub struct Arguments {
     #[command(flatten)]
     catalog: CatalogChoice,
     #[command(flatten)]
+    html: Html,
+    #[command(flatten)]
     output: Output,
 }
 
@@ -61,6 +64,7 @@ fn order(name: &str) -> Result<Order, Failure> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let recording = arguments.html.start()?;
     super::check_plot(arguments.plot.as_ref())?;
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = requirement::read_without_springs(&arguments.requirement, "`sweep`")?;
@@ -70,6 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let sweeps = sweep_with_progress(&robot, &catalog, arguments.ratios as usize, &|| bar.inc(1));
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&sweeps))?;
+    arguments.html.write(&recording, || html::sweep::page(&robot, &sweeps, order))?;
     let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.evaluation.feasible));
     let text = arguments.output.choose(
         || report::text(&robot, &sweeps, order, arguments.top, arguments.infeasible),

@@ -1,7 +1,10 @@
 //! A design that was chosen already, looked at with the limits that sweep and ratio program use: how it
 //! stands against each, and what else a reviewer asks of it.
 
+use rayon::prelude::*;
+
 use super::program::{Outcome, RatioProgram};
+use super::robot::{carried_first, carrying, power_course};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
 use crate::actuator::limits::{LIMITS, hottest};
@@ -27,6 +30,8 @@ pub struct Examined {
     pub load_inertia: Option<f64>,
     /// Whether the load's inertia is an estimate from the motion.
     pub load_inertia_estimated: bool,
+    /// Power that the bus gives at each sample \[W\].
+    pub power: Vec<f64>,
 }
 
 impl Examined {
@@ -43,12 +48,34 @@ impl Examined {
     }
 }
 
-/// Evaluates a chosen design with every limit of the model.
-///
-/// # Errors
-/// Why motor and gear are no candidate.
-pub fn examine(robot: &Robot, choice: &Choice) -> Result<Examined, Unusable> {
-    let mut joint = choice.joint.clone();
+/// Evaluates the chosen designs of all joints with every limit of the model, each loaded with the actuators that
+/// it carries. One for each choice: or why motor and gear are no candidate.
+pub fn examine(robot: &Robot, choices: &[Choice]) -> Vec<Result<Examined, Unusable>> {
+    if robot.joints.iter().all(|joint| joint.carries.is_empty()) {
+        return choices.par_iter().map(|choice| examine_joint(robot, choice, choice.joint.clone())).collect();
+    }
+    let mut found: Vec<Option<Result<Examined, Unusable>>> = choices.iter().map(|_| None).collect();
+    let place = |joint: usize| choices.iter().position(|c| c.joint.name == robot.joints[joint].name);
+    for joint in carried_first(&robot.joints) {
+        let Some(place) = place(joint) else { continue };
+        let choice = &choices[place];
+        let mass = |carried: usize| {
+            let at = choices.iter().position(|c| c.joint.name == robot.joints[carried].name)?;
+            found[at].as_ref()?.as_ref().ok()?.evaluation.mass
+        };
+        let unknown = choice.joint.carries.iter().any(|carried| mass(carried.joint).is_none());
+        let loaded = carrying(choice.joint, |carried| mass(carried).unwrap_or(0.0));
+        let mut examined = examine_joint(robot, choice, loaded);
+        if let (true, Ok(examined)) = (unknown, &mut examined) {
+            examined.unchecked.push(("carried_mass", "the mass of an actuator that it carries is not known"));
+        }
+        found[place] = Some(examined);
+    }
+    found.into_iter().map(|one| one.expect("every choice is of a joint of the robot")).collect()
+}
+
+/// One joint under the load that is given.
+fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Examined, Unusable> {
     if let Some(spring) = choice.design.spring
         && let Some(moved) = joint.motion.with_spring(spring.stiffness, spring.rest_angle)
     {
@@ -80,6 +107,7 @@ pub fn examine(robot: &Robot, choice: &Choice) -> Result<Examined, Unusable> {
         // A spring's torque follows the position, not the acceleration: the bare motion tells.
         load_inertia: choice.design.load_inertia.or_else(|| apparent_inertia(&choice.joint.motion)),
         load_inertia_estimated: estimated,
+        power: power_course(&prepared, robot.bus.drive_efficiency, ratio),
         unchecked: prepared.unchecked,
     })
 }

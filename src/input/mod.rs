@@ -9,11 +9,14 @@ mod change;
 pub mod csv;
 mod form;
 mod locate;
+mod recording;
 mod source;
 
 pub use change::Change;
 pub use form::{Form, Section};
 pub use locate::{Step, locate};
+pub(crate) use recording::was_read;
+pub use recording::{InputFile, Recording, sha256};
 pub use source::{InputError, MAX_FILE_BYTES, Problem, Source, hex};
 
 /// What values a number may have.

@@ -53,6 +53,7 @@ impl Source {
             return Err(fail(format!("the file has {} bytes; at most {MAX_FILE_BYTES} are read", meta.len()), None));
         }
         let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot read the file: {}", reason(&e)), None))?;
+        super::was_read(&name, || super::sha256([bytes.as_slice()]));
         let text = match String::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {

@@ -418,6 +418,7 @@ fn read_logs(root: &Section, plans: Vec<Plan>, frame: &Frame, others: &mut Vec<I
             .collect();
         match table::read(&plans[indices[0]].path, &wanted, &mut |problem| root.note(problem)) {
             Ok(Some((hash, found))) => {
+                crate::input::was_read(&plans[indices[0]].path.display().to_string(), || hash.clone());
                 rows.extend(indices.iter().zip(found).map(|(i, found)| (*i, (hash.clone(), found))));
             }
             Ok(None) => {}

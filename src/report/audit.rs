@@ -11,7 +11,7 @@ pub fn broken(findings: &[Finding]) -> usize {
     findings.iter().filter(|f| f.severity == Severity::Error && !f.accepted).count()
 }
 
-fn word(finding: &Finding) -> &'static str {
+pub(super) fn word(finding: &Finding) -> &'static str {
     match (finding.severity, finding.accepted) {
         (Severity::Error, false) => "error",
         (Severity::Error, true) => "accepted",

@@ -54,13 +54,16 @@ fn row(what: &str, values: [Option<f64>; 2], unit: &str, lower_is_better: Option
     vec![format!("{what} [{unit}]"), a, b, better]
 }
 
-/// For people.
-pub fn text(comparison: &Comparison) -> String {
+/// A table under its title: header as of a text table, and rows.
+pub(super) type Titled = (String, Vec<String>, Vec<Vec<String>>);
+
+/// What is compared, table by table: as computed, metrics, at matched inertia, step response.
+pub(super) fn tables(comparison: &Comparison) -> [Titled; 4] {
     let [a, b] = comparison.motors;
     let pair = |f: fn(&Motor) -> Option<f64>| comparison.motors.map(f);
-    let header = ["", &format!(">{}", a.id), &format!(">{}", b.id), ">advantage of the first"];
-    let mut out = String::from("As the program computes with them: power-invariant q axis\n\n");
-    let rows = vec![
+    let header =
+        || vec![String::new(), format!(">{}", a.id), format!(">{}", b.id), ">advantage of the first".to_string()];
+    let computed = vec![
         row("resistance R", pair(|m| Some(m.resistance)), "ohm", None),
         row("inductance L", pair(|m| m.inductance), "mH", None),
         row("torque constant K_T", pair(|m| Some(m.torque_constant)), "N*m/A", None),
@@ -68,9 +71,7 @@ pub fn text(comparison: &Comparison) -> String {
         row("rotor inertia J_m", pair(|m| m.rotor_inertia), "g*cm^2", None),
         row("mass m", pair(|m| m.mass), "g", None),
     ];
-    out.push_str(&table(&header, &rows));
-    out.push_str("\nMetrics that no ratio changes\n\n");
-    let rows: Vec<Vec<String>> = METRICS
+    let metrics = METRICS
         .iter()
         .filter(|m| !matches!(m.name, "rotor_inertia" | "mass" | "k_t"))
         .map(|m| {
@@ -84,49 +85,59 @@ pub fn text(comparison: &Comparison) -> String {
             ]
         })
         .collect();
-    out.push_str(&table(&header, &rows));
-    if let Some(s_m) = metric("s_m") {
-        let estimates = (s_m.of(a), s_m.of(b));
-        if let (Some(x), Some(y)) = estimates {
-            let faster = if x.value <= y.value { (a, b, y.value / x.value) } else { (b, a, x.value / y.value) };
-            let sure = s_m.probability_ahead(&x, &y).map_or_else(
-                || "a ± is missing, so how sure that is cannot be said".to_string(),
-                |p| format!("sure to {:.0} %", 100.0 * p.max(1.0 - p)),
-            );
-            out.push_str(&format!(
-                "\n{}\n",
-                wrap(
-                    &format!(
-                        "{} is {} times as responsive as {} (ratio of S_M; {sure}).",
-                        faster.0.id,
-                        number(faster.2),
-                        faster.1.id
-                    ),
-                    0
-                )
-            ));
-        }
-    }
-    out.push_str(&format!(
-        "\nAt matched actuator inertia J_a = {} g*cm^2 (massless gears without loss)\n\n",
-        number(comparison.inertia * 1e7)
-    ));
     let matched = |f: fn(&MatchedInertia) -> f64| comparison.matched.map(|m| m.as_ref().map(f));
-    let rows = vec![
+    let at_matched = vec![
         row("ratio N", matched(|m| m.ratio), "1", None),
         row("actuator torque constant K_Ta", matched(|m| m.torque_constant), "N*m/A", Some(false)),
         row("actuator motor constant K_Ma", matched(|m| m.motor_constant), "N*m/W^0.5", Some(false)),
     ];
-    out.push_str(&table(&header, &rows));
-    out.push_str("\nSpeed response to a voltage step of the free motor, simulated\n\n");
     let time = |r: &[Option<StepResponse>; 2]| r.map(|r| r.map(|r| r.rise_time));
     let overshoot = comparison.with_inductance.map(|r| r.map(|r| r.overshoot));
-    let rows = vec![
+    let step = vec![
         row("63 % without inductance", time(&comparison.without_inductance), "ms", Some(true)),
         row("63 % with inductance", time(&comparison.with_inductance), "ms", Some(true)),
         row("overshoot with inductance", overshoot, "%", None),
     ];
-    out.push_str(&table(&header, &rows));
+    let inertia = number(comparison.inertia * 1e7);
+    [
+        ("As the program computes with them: power-invariant q axis".into(), header(), computed),
+        ("Metrics that no ratio changes".into(), header(), metrics),
+        (
+            format!("At matched actuator inertia J_a = {inertia} g*cm^2 (massless gears without loss)"),
+            header(),
+            at_matched,
+        ),
+        ("Speed response to a voltage step of the free motor, simulated".into(), header(), step),
+    ]
+}
+
+/// Which of the two is more responsive, by how much, and how sure that is.
+pub(super) fn faster(comparison: &Comparison) -> Option<String> {
+    let [a, b] = comparison.motors;
+    let s_m = metric("s_m")?;
+    let (x, y) = (s_m.of(a)?, s_m.of(b)?);
+    let faster = if x.value <= y.value { (a, b, y.value / x.value) } else { (b, a, x.value / y.value) };
+    let sure = s_m.probability_ahead(&x, &y).map_or_else(
+        || "a ± is missing, so how sure that is cannot be said".to_string(),
+        |p| format!("sure to {:.0} %", 100.0 * p.max(1.0 - p)),
+    );
+    let times = number(faster.2);
+    Some(format!("{} is {times} times as responsive as {} (ratio of S_M; {sure}).", faster.0.id, faster.1.id))
+}
+
+/// For people.
+pub fn text(comparison: &Comparison) -> String {
+    let mut out = String::new();
+    for (k, (title, header, rows)) in tables(comparison).into_iter().enumerate() {
+        let header: Vec<&str> = header.iter().map(String::as_str).collect();
+        let gap = if k == 0 { "" } else { "\n" };
+        out.push_str(&format!("{gap}{title}\n\n{}", table(&header, &rows)));
+        if k == 1
+            && let Some(line) = faster(comparison)
+        {
+            out.push_str(&format!("\n{}\n", wrap(&line, 0)));
+        }
+    }
     out.push_str("\nWhere the numbers come from, and what is doubtful about them\n\n");
     for motor in comparison.motors {
         out.push_str(&wrap(&format!("{}: {}; {}", motor.id, conventions_line(motor), motor.source), 2));

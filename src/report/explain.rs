@@ -7,10 +7,12 @@ use super::table::{table, wrap};
 use super::{number, optional};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::design::evaluate::Margin;
 use crate::design::explain::{Explanation, Remedy};
 use crate::design::program::{Certificate, Optimum};
+use crate::requirement::Joint;
 
-fn percent(fraction: f64) -> String {
+pub(super) fn percent(fraction: f64) -> String {
     format!("{}{} %", if fraction > 0.0 { "+" } else { "" }, number((1e4 * fraction).round() / 100.0))
 }
 
@@ -23,24 +25,11 @@ pub fn text(story: &Explanation) -> String {
     let mut out = format!("{}: {} at N = {}{gear} {verdict}\n\n", joint.name, story.motor.id, number(e.ratio));
     out.push_str(&limits(story));
     out.push('\n');
-    for (what, value, unit) in [
-        ("copper loss", Some(e.loss), "W"),
-        ("energy per cycle", e.energy, "J"),
-        ("peak electrical power", e.peak_power, "W"),
-        ("current, rms", Some(e.rms_current), "A (q axis)"),
-        ("current, peak", Some(e.peak_current), "A (q axis)"),
-        ("reflected inertia", Some(e.reflected_inertia), "kg*m^2"),
-        ("mass", e.mass, "kg"),
-        ("winding, steady state", story.winding_temperature.flatten().map(|t| t - 273.15), "degC"),
-    ] {
+    for (what, value, unit) in quantities(story) {
         out.push_str(&format!("  {what:<24}{} {unit}\n", optional(value)));
-    }
-    if story.winding_temperature == Some(None) {
-        out.push_str("  thermal runaway: the copper's resistance rises faster than heat flows off\n");
-    }
-    for metric in METRICS.iter().take(4) {
-        let value = metric.value(story.motor).map(|v| crate::units::in_unit(v, metric.unit));
-        out.push_str(&format!("  {:<24}{} {}\n", metric.symbol, optional(value), metric.unit));
+        if what == WINDING && story.winding_temperature == Some(None) {
+            out.push_str(&format!("  {RUNAWAY}\n"));
+        }
     }
     match &story.spring {
         Some(Ok(spring)) => {
@@ -103,7 +92,30 @@ pub fn text(story: &Explanation) -> String {
     out
 }
 
-fn remedy_text(remedy: &Remedy) -> String {
+const WINDING: &str = "winding, steady state";
+/// What is said where the winding has no steady temperature.
+pub(super) const RUNAWAY: &str = "thermal runaway: the copper's resistance rises faster than heat flows off";
+
+/// What the design needs and weighs: name, value, unit.
+pub(super) fn quantities(story: &Explanation) -> Vec<(&'static str, Option<f64>, &'static str)> {
+    let e = &story.evaluation;
+    let mut all = vec![
+        ("copper loss", Some(e.loss), "W"),
+        ("energy per cycle", e.energy, "J"),
+        ("peak electrical power", e.peak_power, "W"),
+        ("current, rms", Some(e.rms_current), "A (q axis)"),
+        ("current, peak", Some(e.peak_current), "A (q axis)"),
+        ("reflected inertia", Some(e.reflected_inertia), "kg*m^2"),
+        ("mass", e.mass, "kg"),
+        (WINDING, story.winding_temperature.flatten().map(|t| t - 273.15), "degC"),
+    ];
+    all.extend(METRICS.iter().take(4).map(|metric| {
+        (metric.symbol, metric.value(story.motor).map(|v| crate::units::in_unit(v, metric.unit)), metric.unit)
+    }));
+    all
+}
+
+pub(super) fn remedy_text(remedy: &Remedy) -> String {
     format!(
         "{} of at least {} {} instead of {} ({}, {}'s), at N = {}",
         remedy.limit,
@@ -116,14 +128,21 @@ fn remedy_text(remedy: &Remedy) -> String {
     )
 }
 
-/// The limits, tightest first.
+/// Header of [`limit_rows`].
+pub(super) const LIMITS: [&str; 7] = ["limit", ">demand", ">limit", "", ">margin", "whose", "at"];
+
 fn limits(story: &Explanation) -> String {
-    let mut margins: Vec<_> = story.evaluation.margins.iter().collect();
+    table(&LIMITS, &limit_rows(&story.evaluation.margins, story.joint))
+}
+
+/// The limits of a design, tightest first.
+pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> {
+    let mut margins: Vec<_> = margins.iter().collect();
     margins.sort_by(|a, b| a.margin.total_cmp(&b.margin).then(a.limit.cmp(b.limit)));
-    let rows: Vec<Vec<String>> = margins
+    margins
         .iter()
         .map(|m| {
-            let at = m.sample.map_or_else(String::new, |k| story.joint.motion.name_sample(k));
+            let at = m.sample.map_or_else(String::new, |k| joint.motion.name_sample(k));
             vec![
                 m.limit.into(),
                 number(m.demand),
@@ -134,16 +153,16 @@ fn limits(story: &Explanation) -> String {
                 at,
             ]
         })
-        .collect();
-    table(&["limit", ">demand", ">limit", "", ">margin", "whose", "at"], &rows)
+        .collect()
 }
 
-fn best(story: &Explanation, optimum: &Optimum) -> String {
+/// The best ratio in a sentence.
+pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
     let joint = story.joint;
     let windows = optimum.windows.iter().map(|w| {
         format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
     });
-    let line = format!(
+    format!(
         "Best ratio for least {}: N* = {} with {} {} ({}); feasible from {}.",
         joint.objective.name(),
         number(optimum.ratio),
@@ -151,7 +170,12 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
         joint.objective.unit(),
         proof(&optimum.certificate),
         windows.collect::<Vec<_>>().join(" and from ")
-    );
+    )
+}
+
+fn best(story: &Explanation, optimum: &Optimum) -> String {
+    let joint = story.joint;
+    let line = best_line(story, optimum);
     let mut out = format!("\n{}\n", wrap(&line, 0));
     if let Certificate::Certified { lower_bound, method, .. } = &optimum.certificate {
         out.push_str(&format!("  no ratio is better than {lower_bound:.9e} {} ({method})\n", joint.objective.unit()));

@@ -47,7 +47,7 @@ const ELSEWHERE: &str = "this bench does not measure its equation";
 
 /// Refusals over all equations: of each effect the reason of the equation that it is a term of; nothing that
 /// was found in any.
-fn refused(reports: &[Report]) -> Vec<(&Refused, Target)> {
+pub(super) fn refused(reports: &[Report]) -> Vec<(&Refused, Target)> {
     let Some((first, further)) = reports.split_first() else { return Vec::new() };
     let found = |name: &str| reports.iter().flat_map(|r| &r.effects).any(|e| e.name == name);
     first
@@ -67,7 +67,7 @@ fn refused(reports: &[Report]) -> Vec<(&Refused, Target)> {
         .collect()
 }
 
-fn equation_title(report: &Report) -> &'static str {
+pub(super) fn equation_title(report: &Report) -> &'static str {
     match (report.target, report.unit) {
         (Target::Torque, "N") => "Force that the sensor sees",
         (Target::Torque, _) => "Torque that the sensor sees",
@@ -203,7 +203,7 @@ fn is_constant(values: &[f64]) -> bool {
 }
 
 /// Channels of a log that have one value throughout. A supply may.
-fn stuck(log: &Log) -> Vec<&'static str> {
+pub(super) fn stuck(log: &Log) -> Vec<&'static str> {
     let suspicious = |channel: Channel| !matches!(channel, Channel::Supply);
     log.channels
         .iter()
@@ -229,7 +229,7 @@ fn logs(count: usize) -> String {
     format!("{count} {}", if count == 1 { "log" } else { "logs" })
 }
 
-fn used(log: &Log) -> &'static str {
+pub(super) fn used(log: &Log) -> &'static str {
     match log.usage {
         Use::Fit => "fit",
         Use::HeldOut => "held_out",
@@ -273,6 +273,12 @@ fn equation(bench: &Bench, report: &Report) -> String {
 }
 
 fn story(report: &Report) -> String {
+    let (header, rows) = story_rows(report);
+    table(&header.each_ref().map(String::as_str), &rows)
+}
+
+/// Header and rows of the error as it goes down.
+pub(super) fn story_rows(report: &Report) -> ([String; 7], Vec<Vec<String>>) {
     let ratio = |value: f64| if report.noise_floor > 0.0 { number(value / report.noise_floor) } else { "–".into() };
     let held = |value: Option<f64>, f: &dyn Fn(f64) -> String| value.map_or_else(|| "–".into(), f);
     // Of a target that does not vary no variance can be accounted for.
@@ -294,11 +300,21 @@ fn story(report: &Report) -> String {
         .collect();
     let unit = report.unit;
     let (fit, held) = (format!(">fit [{unit}]"), format!(">held out [{unit}]"));
-    table(&["  RMSE", &fit, &held, ">VAF fit [%]", ">held out [%]", ">x noise", ">held out x noise"], &rows)
+    let [vaf, vaf_held, noise, noise_held] =
+        [">VAF fit [%]", ">held out [%]", ">x noise", ">held out x noise"].map(String::from);
+    (["  RMSE".into(), fit, held, vaf, vaf_held, noise, noise_held], rows)
 }
 
+/// Header of [`parameter_rows`].
+pub(super) const PARAMETERS: [&str; 6] = ["  parameter", ">declared", ">fitted", ">± 1 s.e.", "unit", ">change"];
+
 fn parameters(bench: &Bench, parameters: &[Parameter]) -> String {
-    let rows: Vec<Vec<String>> = parameters
+    table(&PARAMETERS, &parameter_rows(bench, parameters))
+}
+
+/// Declared and fitted numbers, in units that are handy.
+pub(super) fn parameter_rows(bench: &Bench, parameters: &[Parameter]) -> Vec<Vec<String>> {
+    parameters
         .iter()
         .map(|p| {
             let largest = p.declared.unwrap_or(0.0).abs().max(p.fitted.abs());
@@ -317,11 +333,10 @@ fn parameters(bench: &Bench, parameters: &[Parameter]) -> String {
                 if p.standard_error.is_some() { change } else { String::new() },
             ]
         })
-        .collect();
-    table(&["  parameter", ">declared", ">fitted", ">± 1 s.e.", "unit", ">change"], &rows)
+        .collect()
 }
 
-fn effect_text(bench: &Bench, report: &Report, effect: &Found) -> String {
+pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found) -> String {
     let mut out = format!("\n  {}: {}; {} {} rms\n", effect.name, effect.equation, number(effect.size), report.unit);
     let values: Vec<String> = effect
         .parameters

@@ -12,6 +12,7 @@ pub mod file;
 pub mod fitted;
 pub mod forward;
 pub mod handy;
+pub mod html;
 pub mod identify;
 pub mod import;
 pub mod optimize;

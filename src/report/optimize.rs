@@ -184,13 +184,13 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     out
 }
 
-fn asks_for_nothing(joint: &Joint) -> bool {
+pub(super) fn asks_for_nothing(joint: &Joint) -> bool {
     let motion = &joint.motion;
     motion.torque.iter().chain(&motion.acceleration).all(|x| *x == 0.0)
 }
 
 /// What a q-axis current is on the drive: phase amplitude, or DC ampere of a brushed motor \[A\].
-fn drive_current(motor: &Motor, current: f64) -> f64 {
+pub(super) fn drive_current(motor: &Motor, current: f64) -> f64 {
     let commutation = motor.conventions.commutation;
     let convention = match commutation {
         Commutation::Brushless => CurrentConvention::PhaseAmplitude,
@@ -273,12 +273,20 @@ fn details(design: &Design, joint: &Joint) -> String {
     format!("feasible from {}; {tightest}", windows.collect::<Vec<_>>().join(" and from "))
 }
 
-fn margin_text(margin: &Margin) -> String {
+pub(super) fn margin_text(margin: &Margin) -> String {
     format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
 }
 
-/// What could not be checked or certified for the candidates shown.
+/// What could not be checked or certified for the candidates shown, as lines.
 fn footnotes(result: &JointResult, top: usize) -> String {
+    let lines = notes(result, top)
+        .into_iter()
+        .map(|(note, places)| format!("  {}\n", wrap(&format!("{}: {note}", places.join(" ")), 4)));
+    lines.collect()
+}
+
+/// What could not be checked or certified for the first candidates, each with the places that it is true of.
+pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<String>> {
     let mut notes: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut add = |note: String, place: usize| notes.entry(note).or_default().push(format!("#{}", place + 1));
     for (place, design) in result.candidates.iter().take(top).enumerate() {
@@ -306,9 +314,7 @@ fn footnotes(result: &JointResult, top: usize) -> String {
             add("no voltage is left to turn the current round where the motion reverses".into(), place);
         }
     }
-    let lines =
-        notes.into_iter().map(|(note, places)| format!("  {}\n", wrap(&format!("{}: {note}", places.join(" ")), 4)));
-    lines.collect()
+    notes
 }
 
 /// How what was fitted for a motor enters the limits of a joint.
@@ -324,7 +330,7 @@ pub fn fitted_json(motor: &Motor, joint: &Joint) -> Option<Value> {
 }
 
 /// What the audit calls an error in a motor's row, where its note does not explain it.
-fn contradictions(motor: &Motor) -> Vec<String> {
+pub(super) fn contradictions(motor: &Motor) -> Vec<String> {
     let wrong = |f: &Finding| f.severity == Severity::Error && !f.accepted;
     audit_motor(motor).into_iter().filter(wrong).map(|f| f.message).collect()
 }
@@ -362,7 +368,7 @@ fn rejected_text(result: &JointResult, shown: Shown) -> String {
     out
 }
 
-fn choice_text(design: &Design) -> String {
+pub(super) fn choice_text(design: &Design) -> String {
     let gear = design.gear.map_or_else(String::new, |g| format!(" with {g}"));
     let unchecked = match design.unchecked.len() {
         0 => String::new(),

@@ -38,7 +38,7 @@ impl<'a> Ranking<'a> {
     }
 
     /// How sure it is that place i is ahead of the next.
-    fn sure(&self, place: usize) -> Option<f64> {
+    pub(super) fn sure(&self, place: usize) -> Option<f64> {
         let next = self.ranked.get(place + 1)?;
         self.metric.probability_ahead(&self.ranked[place].1, &next.1)
     }

@@ -57,7 +57,7 @@ pub fn ordered<'r, 'a>(sweep: &'r JointSweep<'a>, order: Order) -> Vec<&'r Swept
 }
 
 /// Why a design is not feasible: the worst limit, by how much, and when.
-fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -> String {
+pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -> String {
     let Some(worst) = design.evaluation.tightest() else { return String::new() };
     let at = worst.sample.map_or_else(String::new, |k| format!(" at {}", joint.motion.name_sample(k)));
     format!("{}: {} of {} {}{at}", worst.limit, number(worst.demand), number(worst.bound), worst.unit)
@@ -117,8 +117,21 @@ fn verdict(design: &SweptDesign, joint: &crate::requirement::Joint) -> String {
     }
 }
 
-/// How many designs each limit rejects, and what could not be checked.
+/// How many designs each limit rejects, and what could not be checked, as paragraphs.
 fn counts(sweep: &JointSweep) -> String {
+    let lines = remarks(sweep);
+    let lines = lines.iter().enumerate().map(|(k, line)| {
+        // A blank line sets the designs apart.
+        let gap = if k == 0 && line.starts_with(INFEASIBLE) { "\n" } else { "" };
+        format!("{gap}{}\n", super::table::wrap(line, 2))
+    });
+    lines.collect()
+}
+
+const INFEASIBLE: &str = "Infeasible designs by the limit they exceed most";
+
+/// How many designs each limit rejects, what could not be checked, and what was left out.
+pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     let mut worst: BTreeMap<&str, usize> = BTreeMap::new();
     let mut unchecked: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for design in &sweep.designs {
@@ -131,13 +144,12 @@ fn counts(sweep: &JointSweep) -> String {
             *unchecked.entry(*what).or_default() += 1;
         }
     }
-    let mut out = String::new();
+    let mut out = Vec::new();
     if !worst.is_empty() {
         let mut worst: Vec<_> = worst.into_iter().collect();
         worst.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
         let list: Vec<String> = worst.iter().map(|(limit, n)| format!("{limit} {n}")).collect();
-        let line = format!("Infeasible designs by the limit they exceed most: {}", list.join(", "));
-        out.push_str(&format!("\n{}\n", super::table::wrap(&line, 2)));
+        out.push(format!("{INFEASIBLE}: {}", list.join(", ")));
     }
     let mut fitted: BTreeSet<String> = BTreeSet::new();
     for design in &sweep.designs {
@@ -148,11 +160,10 @@ fn counts(sweep: &JointSweep) -> String {
         }
     }
     for line in fitted {
-        out.push_str(&format!("{}\n", super::table::wrap(&format!("Fitted, {line}"), 2)));
+        out.push(format!("Fitted, {line}"));
     }
     for ((limit, why), n) in unchecked {
-        let line = format!("Not checked in {n} designs: {limit}, because {why}");
-        out.push_str(&format!("{}\n", super::table::wrap(&line, 2)));
+        out.push(format!("Not checked in {n} designs: {limit}, because {why}"));
     }
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {
@@ -164,9 +175,7 @@ fn counts(sweep: &JointSweep) -> String {
     for (why, who) in reasons {
         let shown = who.len().min(6);
         let more = if who.len() > shown { format!(", and {} more", who.len() - shown) } else { String::new() };
-        let line = format!("Left out ({}) because {why}: {}{more}", who.len(), who[..shown].join(", "));
-        out.push_str(&super::table::wrap(&line, 2));
-        out.push('\n');
+        out.push(format!("Left out ({}) because {why}: {}{more}", who.len(), who[..shown].join(", ")));
     }
     out
 }

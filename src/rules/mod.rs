@@ -30,7 +30,6 @@ use file::Selection;
 use lock::{Lock, LockState};
 use measure::{Measure, measure};
 use place::{Places, asked_for};
-use rayon::prelude::*;
 
 /// A rule as it was applied: one of gearwise, or one of a rules file.
 #[derive(Debug, Clone, PartialEq)]
@@ -150,9 +149,11 @@ pub fn check<'a>(
             LockState::Compared { path: lock_path.to_path_buf(), differences: locked.differences(&now, &choices) }
         }
     };
+    let examined = examine(&design.robot, &choices);
     let joints: Vec<JointFacts> = choices
-        .into_par_iter()
-        .map(|choice| JointFacts { robot: &design.robot, examined: examine(&design.robot, &choice), choice })
+        .into_iter()
+        .zip(examined)
+        .map(|(choice, examined)| JointFacts { robot: &design.robot, examined, choice })
         .collect();
     let facts = RobotFacts { design, joints, lock: state };
     let mut checker = Checker {

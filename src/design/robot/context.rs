@@ -150,13 +150,7 @@ impl<'a> Context<'a> {
     }
 
     fn profile(&self, prepared: &Prepared, ratio: f64) -> Profile {
-        let drive = self.robot.bus.drive_efficiency;
-        let candidate = &prepared.candidate;
-        let samples = candidate.joint.motion.len();
-        if candidate.is_evaluated() {
-            return candidate.at_ratio(ratio, |here| Profile::new(here.load, samples, here.actuator, drive));
-        }
-        Profile::new(candidate.load, samples, candidate.actuator, drive)
+        Profile::of(prepared, self.robot.bus.drive_efficiency, ratio)
     }
 
     /// Calls `look` with the parts of a combination.

@@ -17,9 +17,10 @@ mod shared;
 mod total;
 
 use crate::catalog::{Catalog, Motor};
+use crate::design::Prepared;
 use crate::design::optimize::Design;
 use crate::design::program::GAP_TOLERANCE;
-use crate::requirement::{Course, Robot};
+use crate::requirement::{Course, Joint, Robot};
 use context::Context;
 use search::{Answer, Rules};
 pub use total::Total;
@@ -312,4 +313,25 @@ fn mass_front<'a>(context: &mut Context<'a>, rules: Rules) -> Vec<Combination<'a
         }
     }
     front
+}
+
+/// A joint with what the actuators that it carries add to its load, from the mass of each \[kg\], by joint.
+pub fn carrying(joint: &Joint, mass: impl Fn(usize) -> f64) -> Joint {
+    carry::loaded(joint, &carry::coordinates(joint, mass))
+}
+
+/// Joints in an order in which what is carried comes before what carries it.
+pub fn carried_first(joints: &[Joint]) -> Vec<usize> {
+    carry::order(joints)
+}
+
+/// Power that the bus gives one actuator at each sample of its motion \[W\], what comes back less than zero.
+pub fn power_course(prepared: &Prepared, drive_efficiency: f64, ratio: f64) -> Vec<f64> {
+    power::Profile::of(prepared, drive_efficiency, ratio).course(ratio)
+}
+
+/// Largest power that all joints together draw at any instant \[W\], from the [`power_course`] of each; where they
+/// share no time base, the sum of their peaks.
+pub fn peak_power(robot: &Robot, courses: &[Vec<f64>]) -> f64 {
+    power::largest(&power::Schedule::new(robot), courses).0
 }

@@ -8,6 +8,7 @@
 use crate::actuator::shaft::Flow;
 use crate::actuator::waveform::{Functional, WavePoint};
 use crate::actuator::{Actuator, Laurent, Load};
+use crate::design::Prepared;
 use crate::requirement::{Course, Joint, Motion, Robot};
 
 /// Instants closer than this share of the period are one.
@@ -134,6 +135,16 @@ impl Profile {
             points[point.origin].push(point);
         }
         Profile { points, actuator, drive }
+    }
+
+    /// Of a candidate at a ratio.
+    pub(super) fn of(prepared: &Prepared, drive: f64, ratio: f64) -> Profile {
+        let candidate = &prepared.candidate;
+        let samples = candidate.joint.motion.len();
+        if candidate.is_evaluated() {
+            return candidate.at_ratio(ratio, |here| Profile::new(here.load, samples, here.actuator, drive));
+        }
+        Profile::new(candidate.load, samples, candidate.actuator, drive)
     }
 
     /// Power that the bus gives at a sample \[W\], and the polynomial that touches it at this ratio and is

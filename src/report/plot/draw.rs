@@ -66,7 +66,7 @@ pub fn svg_and_layout(figure: &Figure) -> (String, Layout) {
 }
 
 /// What is to be seen, from the axes and the legend.
-fn described(figure: &Figure) -> String {
+pub(crate) fn described(figure: &Figure) -> String {
     let panel = |p: &Panel| {
         let mut names: Vec<&str> = Vec::new();
         for name in p.series.iter().map(|s| s.name.as_str()).filter(|n| !n.is_empty()) {
@@ -220,7 +220,7 @@ const STRIPE: f64 = 0.13;
 
 impl Tone {
     /// Of lines: strong enough for a thin stroke on white.
-    fn dark_line(self) -> &'static str {
+    pub(crate) fn dark_line(self) -> &'static str {
         match self {
             Tone::Orange | Tone::Yellow | Tone::Sky | Tone::Purple => self.dark(),
             _ => self.colour(),
@@ -236,6 +236,18 @@ fn outline(tone: Tone, shape: Shape) -> &'static str {
     }
 }
 
+/// What the two axes of a panel run over; `None` where there is nothing to draw.
+pub(crate) fn ranges(panel: &Panel) -> Option<((f64, f64), (f64, f64))> {
+    let shown = |p: &(f64, f64)| panel.x.shows(p.0) && panel.y.shows(p.1);
+    let points = || panel.series.iter().flat_map(|s| &s.points).filter(|p| shown(p));
+    let uppers = || panel.series.iter().flat_map(|s| &s.upper).copied();
+    let bars = panel.series.iter().any(|s| s.mark == Mark::Bars);
+    points().next()?;
+    let x = panel.x.span(points().map(|p| p.0), false)?;
+    let y = panel.y.span(points().map(|p| p.1).chain(uppers()), bars)?;
+    Some((x, y))
+}
+
 /// The two axes of a panel with their place, and what stands at them.
 struct Axes {
     x: Mapped,
@@ -247,13 +259,7 @@ struct Axes {
 
 impl Axes {
     fn new(panel: &Panel, [left, top, right, bottom]: Rect) -> Option<Axes> {
-        let shown = |p: &(f64, f64)| panel.x.shows(p.0) && panel.y.shows(p.1);
-        let points = || panel.series.iter().flat_map(|s| &s.points).filter(|p| shown(p));
-        let uppers = || panel.series.iter().flat_map(|s| &s.upper).copied();
-        let bars = panel.series.iter().any(|s| s.mark == Mark::Bars);
-        points().next()?;
-        let x = panel.x.span(points().map(|p| p.0), false)?;
-        let y = panel.y.span(points().map(|p| p.1).chain(uppers()), bars)?;
+        let (x, y) = ranges(panel)?;
         let (top, bottom) = (top + 8.0, bottom - if panel.x.label.is_empty() { 26.0 } else { 44.0 });
         let y_most = if panel.y.names.is_empty() { ((bottom - top) / 38.0) as usize } else { usize::MAX };
         let y_ticks = ticks(&panel.y, y, y_most);

@@ -27,6 +27,7 @@ use std::sync::Arc;
 
 pub use axis::{Axis, Scale, Ticks, ticks};
 pub use draw::{Layout, svg, svg_and_layout};
+pub(crate) use draw::{described, ranges};
 pub use labels::{Placed, Rect, Wanted, overlap, place};
 pub use pen::{escaped, text_width};
 

@@ -36,6 +36,7 @@ pub const RULES: &[&Rule] = &[
     &robot::MASS_BUDGET,
     &robot::DISTINCT_MOTORS,
     &rows::GEAR_FIT,
+    &robot::POWER_BUDGET,
     &practice::TORQUE_RESERVE,
     &practice::CURRENT_RESERVE,
     &practice::HEAT_RESERVE,

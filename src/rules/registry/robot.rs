@@ -1,5 +1,6 @@
 //! Rules about the robot as a whole, and about the rules file.
 
+use crate::design::robot::peak_power;
 use crate::report::number;
 use crate::rules::facts::RobotFacts;
 use crate::rules::place::Place;
@@ -55,6 +56,38 @@ pub(super) const DISTINCT_MOTORS: Rule = Rule {
         vec![Remark { asked, value, bound, ..Remark::new(message, "motors", Place::Design) }]
     }),
 };
+
+pub(super) const POWER_BUDGET: Rule = Rule {
+    code: "GW043",
+    name: "power-budget",
+    summary: "all joints together stay within the power of the bus",
+    severity: Severity::Error,
+    what: "Adds up the power that the joints draw, instant by instant where their motions share a period (phases included), and compares the largest sum with `power` and `current` of the requirement's [budget]. Joints without a common time base count with their peaks.",
+    why: "The bus is one: a battery or supply that is asked for more sags or shuts down, and every joint with it.",
+    example: "Four knees that all push at the same instant, on a bus that feeds two.",
+    mend: "`optimize` finds the combination that keeps the budget; or shift the phases, or a larger supply.",
+    test: Test::Robot(power_budget),
+};
+
+fn power_budget(facts: &RobotFacts) -> Vec<Remark> {
+    let robot = &facts.design.robot;
+    let Some(budget) = robot.shared_power() else { return Vec::new() };
+    let of_power = robot.budget.power.is_some();
+    let asked = Some(Place::RobotKey(if of_power { &["budget", "power"] } else { &["budget", "current"] }));
+    let course = |name: &str| {
+        let joint = facts.joints.iter().find(|facts| facts.choice.joint.name == name)?;
+        Some(joint.examined.as_ref().ok()?.power.clone())
+    };
+    let courses: Option<Vec<Vec<f64>>> = robot.joints.iter().map(|joint| course(&joint.name)).collect();
+    // A joint that cannot be evaluated is told by its own rule.
+    let Some(courses) = courses else { return Vec::new() };
+    let peak = peak_power(robot, &courses);
+    if peak <= budget * (1.0 + 1e-9) {
+        return Vec::new();
+    }
+    let message = format!("all joints together draw {} W, the bus has {} W", number(peak), number(budget));
+    vec![Remark { asked, value: Some(peak), bound: Some(budget), ..Remark::new(message, "power", Place::Design) }]
+}
 
 /// An exception that excepts nothing.
 pub const UNUSED_ALLOW: Rule = Rule {

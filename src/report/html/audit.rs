@@ -1,0 +1,44 @@
+//! The page of an audit.
+
+use super::{Page, Part, Section, Table, Verdict};
+use crate::catalog::Catalog;
+use crate::catalog::audit::{CHECKS, Finding, Severity};
+use crate::report::audit::{broken, word};
+
+/// The page.
+pub fn page(catalog: &Catalog, findings: &[Finding]) -> Page {
+    let errors = broken(findings);
+    let accepted = findings.iter().filter(|f| f.accepted && f.severity == Severity::Error).count();
+    let notes = findings.iter().filter(|f| f.severity == Severity::Note).count();
+    let headline = match errors {
+        0 => "No row contradicts itself without saying why.".to_string(),
+        1 => "1 finding is an error: the row contradicts itself and its note does not say why.".into(),
+        n => format!("{n} findings are errors: rows contradict themselves and their notes do not say why."),
+    };
+    let mut table = Table::new("Findings", &["motor", "severity", "code", "finding", "what would explain it"]);
+    for finding in findings {
+        let motor = catalog.motors.iter().find(|m| m.id == finding.id);
+        let note =
+            motor.filter(|m| finding.accepted && !m.note.is_empty()).map(|m| format!("the row says: {}", m.note));
+        let why = finding.explanation.clone().into_iter().chain(note).collect::<Vec<_>>().join("; ");
+        let cells = [&finding.id, word(finding), finding.code, &finding.message, &why];
+        table.push(&finding.id, cells.map(String::from).to_vec());
+    }
+    let parts = table.part().map_or_else(|| vec![Part::Text("Nothing was found.".into())], |part| vec![part]);
+    let checks = CHECKS.iter().map(|c| vec![c.code.to_string(), c.compares.to_string()]);
+    Page {
+        command: "audit",
+        title: format!("{} motors, {} gears", catalog.motors.len(), catalog.gears.len()),
+        verdict: Verdict::from(errors == 0),
+        headline,
+        summary: vec![Part::Text(format!("{errors} errors, {accepted} explained by the row's note, {notes} notes."))],
+        sections: vec![
+            Section::new("Findings", parts),
+            Section::new(
+                "What was checked",
+                vec![Part::Table(Table::new("Checks", &["code", "compares"]).rows(checks))],
+            ),
+        ],
+        ..Page::default()
+    }
+}

@@ -1,0 +1,41 @@
+//! The page of a comparison.
+
+use super::{Page, Part, Section, Table};
+use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::report::compare::{Comparison, faster, tables};
+use crate::report::plot::step as plot;
+
+/// The page.
+pub fn page(comparison: &Comparison) -> Page {
+    let [a, b] = comparison.motors;
+    let mut sections: Vec<Section> = tables(comparison)
+        .into_iter()
+        .map(|(title, header, rows)| {
+            Section::new(title.clone(), vec![Part::Table(Table::new(title, &header).rows(rows))])
+        })
+        .collect();
+    if let Some(step) = sections.last_mut() {
+        step.parts.insert(0, Part::Figure(plot::figure(comparison)));
+    }
+    let mut warnings = Vec::new();
+    let mut sources = Table::new("The rows", &["motor", "its numbers are", "source", "note"]);
+    for motor in comparison.motors {
+        sources
+            .push(&motor.id, vec![motor.id.clone(), conventions_line(motor), motor.source.clone(), motor.note.clone()]);
+        warnings.extend(motor.assumptions.iter().map(|what| format!("{}: assumed: {what}", motor.id)));
+        warnings.extend(audit_motor(motor).into_iter().map(|finding| {
+            let why = finding.explanation.map_or_else(String::new, |w| format!(" ({w})"));
+            format!("{}: audit [{}]: {}{why}", motor.id, finding.code, finding.message)
+        }));
+    }
+    sections.push(Section::new("Where the numbers come from", vec![Part::Table(sources)]));
+    let unknown = || format!("S_M of {} or {} is not known, so which is more responsive cannot be said.", a.id, b.id);
+    Page {
+        command: "compare",
+        title: format!("{} and {}", a.id, b.id),
+        headline: faster(comparison).unwrap_or_else(unknown),
+        sections,
+        warnings,
+        ..Page::default()
+    }
+}

@@ -1,0 +1,100 @@
+//! The page of an explanation.
+
+use super::{Page, Part, Section, Table, Verdict};
+use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::design::explain::Explanation;
+use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, quantities, remedy_text};
+use crate::report::optimize::{fitted_notes, reason_text};
+use crate::report::plot::design as plot;
+use crate::report::{number, optional, spring};
+use crate::requirement::Robot;
+
+/// The page.
+pub fn page(robot: &Robot, story: &Explanation) -> Page {
+    let (e, joint, motor) = (&story.evaluation, story.joint, story.motor);
+    let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
+    let verdict = if e.feasible { "keeps every limit that could be checked" } else { "is not feasible" };
+    let mut summary = Vec::new();
+    if let Some(margin) = e.tightest() {
+        let text = match e.feasible {
+            true => {
+                format!("Tightest: {}, {} left.", margin.limit, percent(margin.margin.max(0.0)).trim_start_matches('+'))
+            }
+            false => format!(
+                "Most exceeded: {}, {} of {} {}.",
+                margin.limit,
+                number(margin.demand),
+                number(margin.bound),
+                margin.unit
+            ),
+        };
+        summary.push(Part::Text(text));
+    }
+    match &story.best {
+        Some(Ok(optimum)) => summary.push(Part::Text(best_line(story, optimum))),
+        Some(Err(reason)) => {
+            summary.push(Part::Text(format!("No ratio of this motor will do: {}.", reason_text(reason, joint).1)));
+        }
+        None => {}
+    }
+    match &story.spring {
+        Some(Ok(found)) => summary.push(Part::Text(format!("Parallel spring: {}.", spring::text(found, e.loss)))),
+        Some(Err(why)) => summary.push(Part::Text(format!("No spring will do: {}.", reason_text(why, joint).1))),
+        None => {}
+    }
+    if !story.remedies.is_empty() {
+        let heading =
+            if story.best.is_some() { "Any one of these would make it feasible:" } else { "What is exceeded:" };
+        summary.push(Part::Text(heading.into()));
+        summary.push(Part::List(story.remedies.iter().map(remedy_text).collect()));
+    }
+    let mut sections = vec![
+        Section::new("Figures", vec![Part::Figure(plot::explained(robot, story))]),
+        Section::new(
+            "Limits",
+            vec![Part::Table(Table::new("Limits, the tightest first", &LIMITS).rows(limit_rows(&e.margins, joint)))],
+        ),
+        Section::new("What it needs and weighs", vec![Part::Table(needs(story))]),
+    ];
+    if !story.sensitivities.is_empty() {
+        let rows = story.sensitivities.iter().map(|s| {
+            let change = s.objective.map_or_else(|| "no ratio is feasible".to_string(), percent);
+            vec![s.parameter.to_string(), percent(s.change), change]
+        });
+        let goal = format!("change of {}", joint.objective.name());
+        let table = Table::new("The ratio chosen anew each time", &["parameter", ">its change", &format!(">{goal}")]);
+        sections.push(Section::new("If the motor were better", vec![Part::Table(table.rows(rows))]));
+    }
+    let row = format!("{}; {}", conventions_line(motor), motor.source);
+    let lines = [row, motor.note.clone()].into_iter().filter(|line| !line.is_empty()).collect();
+    sections.push(Section::new("The motor's row", vec![Part::List(lines)]));
+    Page {
+        command: "explain",
+        title: format!("{}: {}{gear} at N = {}", joint.name, motor.id, number(e.ratio)),
+        verdict: Verdict::from(e.feasible),
+        headline: format!("{} at N = {}{gear} {verdict} at {}.", motor.id, number(e.ratio), joint.name),
+        summary,
+        sections,
+        warnings: warnings(story),
+        ..Page::default()
+    }
+}
+
+fn needs(story: &Explanation) -> Table {
+    let rows = quantities(story)
+        .into_iter()
+        .map(|(what, value, unit)| vec![what.to_string(), optional(value), unit.to_string()]);
+    Table::new("At this ratio", &["quantity", ">value", "unit"]).rows(rows)
+}
+
+fn warnings(story: &Explanation) -> Vec<String> {
+    let mut all = Vec::new();
+    if story.winding_temperature == Some(None) {
+        all.push(RUNAWAY.to_string());
+    }
+    all.extend(story.unchecked.iter().map(|(limit, why)| format!("not checked: {limit}: {why}")));
+    all.extend(fitted_notes(story.motor, story.joint).into_iter().map(|n| format!("fitted: {}: {}", n.effect, n.how)));
+    all.extend(story.motor.assumptions.iter().map(|what| format!("assumed: {what}")));
+    all.extend(audit_motor(story.motor).into_iter().map(|f| format!("audit [{}]: {}", f.code, f.message)));
+    all
+}

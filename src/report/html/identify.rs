@@ -1,0 +1,112 @@
+//! The page of an identification.
+
+use super::{Page, Part, Section, Table, Verdict, group_of};
+use crate::design::remake::Remade;
+use crate::measured::Bench;
+use crate::measured::identify::Report;
+use crate::measured::simulate::ForwardCheck;
+use crate::report::handy::handy;
+use crate::report::identify::{
+    PARAMETERS, effect_text, equation_title, parameter_rows, refused, sentence, story_rows, stuck, unit_on, used,
+};
+use crate::report::plot::residual as plot;
+use crate::report::{forward, number, remake};
+
+/// The page; `forward` and `remade` where they were made.
+pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, remade: Option<&[Remade]>) -> Page {
+    let figure = plot::figure(bench, reports);
+    let mut sections: Vec<Section> =
+        reports.iter().enumerate().map(|(k, r)| equation(bench, r, group_of(&figure, k))).collect();
+    if let Some(check) = forward {
+        sections.push(Section::new("Simulated forward", vec![Part::Plain(forward::text(check))]));
+    }
+    if let Some(remade) = remade {
+        sections.push(Section::new("The choice made again", vec![Part::Plain(remake::text(remade))]));
+    }
+    let rows = refused(reports).into_iter().map(|(r, _)| vec![r.name.clone(), r.reason.clone()]);
+    let table = Table::new("Effects that were not added", &["effect", "because"]).rows(rows);
+    sections.extend(table.part().map(|part| Section::new("Not added, and why", vec![part])));
+    sections.push(Section::new("Logs", vec![Part::Table(logs(bench))]));
+    let mut runs: Vec<String> = Vec::new();
+    for run in reports.iter().flat_map(|r| &r.next_runs) {
+        if !runs.contains(run) {
+            runs.push(run.clone());
+        }
+    }
+    let mut summary = Vec::new();
+    if !runs.is_empty() {
+        summary.push(Part::Text("What to measure next:".into()));
+        summary.push(Part::List(runs));
+    }
+    let what = match &bench.declared.motor {
+        Some(motor) => format!("{} at N = {}", motor.id, number(bench.declared.ratio)),
+        None => "linear axis".into(),
+    };
+    Page {
+        command: "identify",
+        title: format!("{}: {what}", bench.name),
+        verdict: Verdict::Information,
+        headline: sentence(bench, reports),
+        summary,
+        sections,
+        warnings: warnings(bench, reports),
+        ..Page::default()
+    }
+}
+
+fn warnings(bench: &Bench, reports: &[Report]) -> Vec<String> {
+    let mut all = Vec::new();
+    for left in reports.iter().flat_map(|r| &r.unexplained) {
+        all.push(format!("left unexplained, depends on {}: {}", left.depends_on, left.detail));
+    }
+    for log in &bench.logs {
+        all.extend(log.remarks.iter().map(|remark| format!("{}: {remark}", log.name)));
+        all.extend(stuck(log).into_iter().map(|channel| format!("{}: {channel} has one value throughout", log.name)));
+    }
+    all
+}
+
+fn logs(bench: &Bench) -> Table {
+    let mut table = Table::new("Logs", &["log", "kind", "use", ">rows"]);
+    for log in &bench.logs {
+        let cells = vec![log.name.clone(), log.kind.name().into(), used(log).into(), log.len().to_string()];
+        table.push(&log.name, cells);
+    }
+    table
+}
+
+fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
+    let band = report.band.map_or_else(String::new, |b| format!("; band 0 to {} Hz", number(b)));
+    let (samples, rows) = report.samples;
+    let noise = number(report.noise_floor);
+    let text = format!("{samples} samples, {rows} rows in the regression{band}; noise floor {noise} {}.", report.unit);
+    let (header, rows) = story_rows(report);
+    let mut parts =
+        vec![Part::Text(text), Part::Table(Table::new("Error (RMSE) as it goes down", &header).rows(trimmed(rows)))];
+    parts.extend(figure);
+    let rows = trimmed(parameter_rows(bench, &report.parameters));
+    parts.extend(Table::new("Numbers of the declared model", &PARAMETERS).rows(rows).part());
+    let rows = report.artefacts.iter().map(|a| {
+        let (value, unit) = handy(a.value, unit_on(bench, a.unit));
+        vec![
+            a.kind.to_string(),
+            a.channel.clone(),
+            number(value),
+            if unit == "1" { String::new() } else { unit.into() },
+        ]
+    });
+    let artefacts = Table::new("Artefacts of the measurement", &["artefact", "channel", ">value", "unit"]);
+    parts.extend(artefacts.rows(rows).part());
+    for effect in &report.effects {
+        parts.push(Part::Plain(effect_text(bench, report, effect).trim().to_string()));
+    }
+    if !report.remarks.is_empty() {
+        parts.push(Part::List(report.remarks.clone()));
+    }
+    Section::new(equation_title(report), parts)
+}
+
+/// The text tables indent their first column.
+fn trimmed(rows: Vec<Vec<String>>) -> Vec<Vec<String>> {
+    rows.into_iter().map(|row| row.into_iter().map(|cell| cell.trim().to_string()).collect()).collect()
+}

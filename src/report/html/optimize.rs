@@ -1,0 +1,299 @@
+//! The page of the choice for each joint.
+
+use super::{Page, Part, Section, Table, Verdict, group_of};
+use crate::actuator::metrics::METRICS;
+use crate::catalog::Catalog;
+use crate::design::optimize::{Design, JointResult, RobotResult};
+use crate::design::robot::Choice;
+use crate::report::explain::{LIMITS, limit_rows};
+use crate::report::optimize::{
+    asks_for_nothing, bind_text, choice_text, drive_current, margin_text, notes, proof, reason_text,
+};
+use crate::report::plot::design as plot;
+use crate::report::{number, optional, robot as robot_report, spring};
+use crate::requirement::{Course, Joint, RatioChoice};
+
+/// The page.
+pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> Page {
+    let robot = result.robot;
+    let without: Vec<&str> =
+        result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
+    let headline = match (without.as_slice(), result.joints.as_slice()) {
+        ([], [only]) => only.candidates.first().map_or_else(String::new, |d| format!("Take {}.", choice_text(d))),
+        ([], joints) => {
+            let motors = result.distinct_motors();
+            let word = if motors == 1 { "motor" } else { "different motors" };
+            let unchecked =
+                joints.iter().filter(|j| j.candidates.first().is_some_and(|d| !d.unchecked.is_empty())).count();
+            let but = match unchecked {
+                0 => String::new(),
+                n => format!("; at {n} of them the first choice has limits that could not be checked"),
+            };
+            format!("Every one of {} joints can be built, with {motors} {word}{but}.", joints.len())
+        }
+        (names, _) => format!("No motor of the catalogue can do: {}.", names.join(", ")),
+    };
+    let headline = match whole.map(|whole| whole.combinations.first()) {
+        None => headline,
+        Some(None) => "No combination of motors keeps what the whole robot may have.".into(),
+        Some(Some(best)) => {
+            let how = if whole.is_some_and(|w| w.proof.certified()) { "proved to be the best" } else { "not proved" };
+            let mass = best.mass.map_or_else(String::new, |mass| format!(", {} kg", number(mass)));
+            format!(
+                "{headline} The best combination for the whole robot ({how}) has {} different motors{mass}.",
+                best.distinct_motors
+            )
+        }
+    };
+    let mut summary = vec![Part::Table(choices(result, whole))];
+    match whole {
+        // The budgets are those of the combination, not of the first choices.
+        Some(whole) => summary.push(Part::Plain(robot_report::text(whole).trim_end().to_string())),
+        None => summary.extend(budget(result).into_iter().map(Part::Text)),
+    }
+    let figure = plot::optimized(result, catalog);
+    let mut sections = Vec::new();
+    let mut warnings = Vec::new();
+    for (k, joint) in result.joints.iter().enumerate() {
+        let same = |j: &&JointResult| j.joint.asks_the_same(joint.joint);
+        // Joints that ask the same share a section, as they share a group of the figure.
+        if result.joints[..k].iter().any(|j| same(&j)) {
+            continue;
+        }
+        let names: Vec<&str> = result.joints[k..].iter().filter(same).map(|j| j.joint.name.as_str()).collect();
+        let names = names.join(", ");
+        warnings.extend(warned(joint).into_iter().map(|line| format!("{names}: {line}")));
+        sections.push(section(joint, &names, group_of(&figure, sections.len())));
+    }
+    Page {
+        command: "optimize",
+        title: robot.name.clone(),
+        verdict: Verdict::from(whole.map_or_else(|| result.satisfied(), |whole| !whole.combinations.is_empty())),
+        headline,
+        summary,
+        sections,
+        warnings,
+        ..Page::default()
+    }
+}
+
+/// The first choice of each joint, and the first with every limit checked where that is another.
+fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
+    let header = [
+        "joint",
+        ">count",
+        "choice",
+        "motor",
+        "gear",
+        ">N",
+        ">loss [W]",
+        ">J [kg*m^2]",
+        ">mass [kg]",
+        "tightest margin",
+        ">not checked",
+        "spring",
+    ];
+    let mut table = Table::new("First choices", &header);
+    let best = whole.and_then(|whole| whole.combinations.first());
+    for (j, joint) in result.joints.iter().enumerate() {
+        let name = || vec![joint.joint.name.clone(), joint.joint.count.to_string()];
+        let mut add = |what: &str, design: &Design| {
+            let e = &design.evaluation;
+            let mut cells = name();
+            cells.extend([what.into(), design.motor.id.clone(), design.gear.unwrap_or("").into()]);
+            cells.extend([number(e.ratio), number(e.loss), number(e.reflected_inertia), optional(e.mass)]);
+            cells.push(e.tightest().map_or_else(|| "–".into(), margin_text));
+            cells.push(design.unchecked.len().to_string());
+            cells.push(design.spring.as_ref().map_or_else(String::new, |s| spring::text(s, e.loss)));
+            table.push(&design.motor.id, cells);
+        };
+        match joint.candidates.first() {
+            None => {
+                let mut cells = name();
+                cells
+                    .extend(["none can do it".to_string()].into_iter().chain((3..header.len()).map(|_| String::new())));
+                table.push("", cells);
+            }
+            Some(first) => {
+                add("best", first);
+                if let Some(best) = best {
+                    add("in the best combination", &best.joints[j]);
+                }
+                if let Some(checked) = joint.candidates.iter().find(|d| d.unchecked.is_empty())
+                    && !first.unchecked.is_empty()
+                {
+                    add("best with every limit checked", checked);
+                }
+            }
+        }
+    }
+    table
+}
+
+/// What the budget says.
+fn budget(result: &RobotResult) -> Vec<String> {
+    let budget = &result.robot.budget;
+    let mut lines = Vec::new();
+    lines.push(match (result.actuator_mass(), budget.actuator_mass) {
+        (Some(mass), Some(limit)) => {
+            let verdict = if mass <= limit { "within" } else { "OVER" };
+            format!("Actuator mass {} kg, {verdict} the budget of {} kg.", number(mass), number(limit))
+        }
+        (Some(mass), None) => format!("Actuator mass {} kg.", number(mass)),
+        (None, _) => "The actuator mass cannot be told: a mass is not known, or a joint has no choice.".into(),
+    });
+    if let Some(limit) = budget.max_distinct_motors {
+        let motors = result.distinct_motors();
+        let verdict = if motors <= limit as usize { "within" } else { "OVER" };
+        lines
+            .push(format!("{motors} different motors, {verdict} the budget of {limit} (each joint chosen by itself)."));
+    }
+    lines
+}
+
+fn warned(result: &JointResult) -> Vec<String> {
+    let joint = result.joint;
+    let mut lines = Vec::new();
+    if joint.motion.course == Course::Points(None) {
+        lines.push("the operating points have no durations: they weigh alike, and heat is not checked".to_string());
+    }
+    if !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == crate::requirement::GearModel::IDEAL {
+        lines.push("no gear is described: it is taken as free of loss, inertia and mass".into());
+    }
+    if asks_for_nothing(joint) {
+        lines.push("the motion asks for no torque and no acceleration: the order says nothing".into());
+    }
+    // Of many designs the places say little: the first few, and how many.
+    for (note, places) in notes(result, result.candidates.len()) {
+        let more = if places.len() > 4 { format!(" … ({} designs)", places.len()) } else { String::new() };
+        lines.push(format!("{}{more}: {note}", places[..places.len().min(4)].join(" ")));
+    }
+    lines
+}
+
+fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
+    let joint = result.joint;
+    let ratio = match &joint.ratio {
+        RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
+        RatioChoice::Catalog { patterns, .. } => format!("gears {}", patterns.join(", ")),
+    };
+    let verdict = match &result.pruned {
+        None => format!("{} motors can do it, {} cannot", result.candidates.len(), result.rejected.len()),
+        Some(pruned) => crate::report::prune::verdict(result, pruned),
+    };
+    let mut parts = vec![Part::Text(format!("{ratio}, least {}: {verdict}.", joint.objective.name()))];
+    parts.extend(figure);
+    parts.extend(candidates(result, names).part());
+    if let Some(first) = result.candidates.first() {
+        let name = format!("{names}: limits of the first choice, {}", choice_text(first));
+        let limits = Table::new(name, &LIMITS).rows(limit_rows(&first.evaluation.margins, joint));
+        parts.extend(limits.part().map(|part| folded("Limits of the first choice", part)));
+        let rows = first.optimum.shadow_prices.iter().map(|p| vec![p.limit.to_string(), number(p.elasticity)]);
+        let change = format!(">change of {} [%]", joint.objective.name());
+        let prices = Table::new(format!("{names}: what one per cent more of a limit changes"), &["limit", &change]);
+        parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
+    }
+    let mut rejected = Table::new(format!("{names}: why not the others"), &["motor", "gear", "because", "in short"]);
+    for r in &result.rejected {
+        let (class, sentence) = reason_text(&r.reason, joint);
+        rejected.push(&r.motor.id, vec![r.motor.id.clone(), r.gear.unwrap_or("").into(), sentence, class]);
+    }
+    let count = rejected.rows.len();
+    parts.extend(rejected.part().map(|part| folded(&format!("Why not the others ({count})"), part)));
+    if let Some(pruned) = &result.pruned {
+        let reason = |bound: f64| crate::report::prune::reason(joint, pruned.keep, bound);
+        let mut table = Table::new(format!("{names}: not solved"), &["motor", "because"]);
+        for (motor, bound) in &pruned.not_solved {
+            table.push(&motor.id, vec![motor.id.clone(), reason(*bound)]);
+        }
+        let count = table.rows.len();
+        parts.extend(table.part().map(|part| folded(&format!("Not solved ({count})"), part)));
+    }
+    let rows = result.agreement.iter().filter_map(|a| {
+        let metric = METRICS.iter().find(|m| m.name == a.metric)?;
+        let tau = a.tau.map_or_else(|| "–".into(), |t| format!("{t:+.2}"));
+        Some(vec![metric.symbol.to_string(), tau, a.motors.to_string(), metric.meaning.to_string()])
+    });
+    let agreement = Table::new(
+        format!("{names}: order by metric against order by this task (Kendall's τ, 1 is the same order)"),
+        &["metric", ">τ", ">motors", "meaning"],
+    );
+    parts.extend(agreement.rows(rows).part().map(|part| folded("Would a metric have chosen the same?", part)));
+    Section::new(names, parts)
+}
+
+fn folded(title: &str, part: Part) -> Part {
+    Part::Folded(title.into(), Box::new(part))
+}
+
+fn candidates(result: &JointResult, names: &str) -> Table {
+    let joint = result.joint;
+    let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
+    let sprung = joint.limits.spring.is_some();
+    let goal = match joint.objective.unit() {
+        "1" => format!(">{}", joint.objective.name()),
+        unit => format!(">{} [{unit}]", joint.objective.name()),
+    };
+    let mut header = vec![">#", "motor"];
+    header.push(if geared { "gear" } else { ">N from" });
+    header.push(if geared { ">N" } else { ">N*" });
+    if !geared {
+        header.push(">N to");
+    }
+    let own_column = joint.objective.name() != "loss";
+    if own_column {
+        header.push(&goal);
+    }
+    header.extend([
+        ">loss [W]",
+        ">I peak [A]",
+        ">J [kg*m^2]",
+        ">mass [kg]",
+        ">S_M [ms]",
+        "tightest",
+        ">margin [%]",
+        "proof",
+        ">not checked",
+    ]);
+    if !geared {
+        header.push("what ends the ratios");
+    }
+    if sprung {
+        header.push("spring");
+    }
+    let mut table = Table::new(format!("{names}: designs, the best first"), &header);
+    for (place, design) in result.candidates.iter().enumerate() {
+        let e = &design.evaluation;
+        let window = design.optimum.window();
+        let mut cells = vec![(place + 1).to_string(), design.motor.id.clone()];
+        cells.push(if geared { design.gear.unwrap_or("").into() } else { number(window.min) });
+        cells.push(number(e.ratio));
+        if !geared {
+            cells.push(number(window.max));
+        }
+        if own_column {
+            cells.push(number(design.optimum.objective));
+        }
+        cells.extend([e.loss, drive_current(design.motor, e.peak_current), e.reflected_inertia].map(number));
+        cells.extend([optional(e.mass), optional(METRICS[0].value(design.motor).map(|s| s * 1e3))]);
+        let tightest = e.tightest();
+        cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
+        cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)));
+        cells.extend([proof(&design.optimum.certificate), design.unchecked.len().to_string()]);
+        if !geared {
+            cells.push(ends(design, joint));
+        }
+        if sprung {
+            cells.push(design.spring.as_ref().map_or_else(String::new, |s| spring::text(s, e.loss)));
+        }
+        table.push(&design.motor.id, cells);
+    }
+    table
+}
+
+/// What ends the window of ratios on both sides.
+fn ends(design: &Design, joint: &Joint) -> String {
+    let one =
+        |w: &crate::design::program::Window| format!("{} … {}", bind_text(&w.low, joint), bind_text(&w.high, joint));
+    design.optimum.windows.iter().map(one).collect::<Vec<_>>().join("; ")
+}

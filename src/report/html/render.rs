@@ -1,0 +1,270 @@
+//! The one place that makes a page: what is on it in, HTML out.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+
+use super::figure::{self, Ids};
+use super::{MOST_ROWS, Page, Part, Section, Table, Verdict};
+use crate::report::plot;
+
+/// Characters that turn the direction of what follows: a name could make its neighbours read as something else.
+fn turns(c: char) -> bool {
+    matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{200e}' | '\u{200f}' | '\u{061c}')
+}
+
+/// Text that stands safely in the page; what turns the direction is shown as a mark.
+fn escaped(text: &str) -> String {
+    plot::escaped(text).replace(turns, "\u{fffd}")
+}
+
+/// The page's own style and that of the plotting library.
+const STYLE: &str = concat!(include_str!("vendor/uPlot.min.css"), "\n", include_str!("page.css"));
+/// The plotting library, its licence, and what makes the page move.
+const SCRIPT: &str = concat!(
+    "/*\nuPlot 1.6.32\n",
+    include_str!("vendor/LICENSE"),
+    "*/\n",
+    include_str!("vendor/uPlot.iife.min.js"),
+    "\n",
+    include_str!("plot.js"),
+    include_str!("table.js"),
+    include_str!("page.js")
+);
+
+/// A page as text; the same page is the same text.
+pub fn text(page: &Page) -> String {
+    let mut ids = Ids::default();
+    let mut figures: Vec<Value> = Vec::new();
+    let mut body = Body { out: String::new(), ids: &mut ids, figures: &mut figures };
+    body.page(page);
+    let body = body.out;
+    let data = island(&json!({ "ids": ids.names(), "tones": figure::tones(), "figures": figures }));
+    let title = escaped(&format!("{}: {}", page.command, page.title));
+    let policy = format!(
+        "default-src 'none'; script-src '{}'; style-src '{}'; img-src data:; base-uri 'none'; form-action 'none'",
+        hash_source(SCRIPT),
+        hash_source(STYLE)
+    );
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n<meta name=\"referrer\" content=\"no-referrer\">\n\
+         <meta name=\"generator\" content=\"gearwise {version}\">\n<link rel=\"icon\" href=\"data:,\">\n\
+         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}\
+         <script type=\"application/json\" id=\"data\">{data}</script>\n<script>{SCRIPT}</script>\n</body>\n</html>\n",
+        version = env!("CARGO_PKG_VERSION"),
+    )
+}
+
+/// How a policy names an inline script or style: by its hash, in base 64.
+fn hash_source(text: &str) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let hash = Sha256::digest(text.as_bytes());
+    let mut out = String::from("sha256-");
+    for chunk in hash.chunks(3) {
+        let bits = chunk.iter().fold(0_u32, |bits, byte| bits << 8 | u32::from(*byte)) << (8 * (3 - chunk.len()));
+        for k in 0..4 {
+            let digit = char::from(DIGITS[(bits >> (18 - 6 * k)) as usize & 63]);
+            out.push(if k <= chunk.len() { digit } else { '=' });
+        }
+    }
+    out
+}
+
+/// JSON that no text in it can end: what HTML or an old script engine could stumble over is escaped.
+fn island(value: &Value) -> String {
+    let mut out = String::new();
+    for c in value.to_string().chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+                let _ = write!(out, "\\u{:04x}", u32::from(c));
+            }
+            c if turns(c) => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+/// The body as it grows.
+struct Body<'a> {
+    out: String,
+    ids: &'a mut Ids,
+    figures: &'a mut Vec<Value>,
+}
+
+impl Body<'_> {
+    /// Writes markup; every text in it must be escaped already.
+    fn put(&mut self, markup: &str) {
+        self.out.push_str(markup);
+    }
+
+    fn page(&mut self, page: &Page) {
+        let (class, word) = match page.verdict {
+            Verdict::Information => ("", ""),
+            Verdict::Satisfied => ("good", "satisfied"),
+            Verdict::NotSatisfied => ("bad", "not satisfied"),
+        };
+        let badge =
+            if word.is_empty() { String::new() } else { format!(" <span class=\"badge {class}\">{word}</span>") };
+        let (command, title) = (escaped(page.command), escaped(&page.title));
+        self.put(&format!(
+            "<a class=\"skip\" href=\"#main\">to the result</a>\n<header class=\"top\">\n\
+             <h1><span class=\"kind\">{command}</span> {title}{badge}</h1>\n\
+             <button type=\"button\" id=\"theme\">theme: as the system</button>\n</header>\n\
+             <main id=\"main\">\n<section id=\"summary\" aria-labelledby=\"summary-title\">\n\
+             <h2 id=\"summary-title\">In short</h2>\n<p class=\"headline\">{}</p>\n",
+            escaped(&page.headline)
+        ));
+        for part in &page.summary {
+            self.part(part);
+        }
+        if !page.warnings.is_empty() {
+            let count = page.warnings.len();
+            let word = if count == 1 { "thing" } else { "things" };
+            self.put(&format!("<p><a href=\"#warnings\">{count} {word} to know before this is used</a></p>\n"));
+        }
+        self.put("</section>\n");
+        self.contents(page);
+        for (k, section) in page.sections.iter().enumerate() {
+            self.section(k, section);
+        }
+        if !page.warnings.is_empty() {
+            self.put(
+                "<section id=\"warnings\" aria-labelledby=\"warnings-title\">\n\
+                 <h2 id=\"warnings-title\">Warnings</h2>\n",
+            );
+            self.list(&page.warnings);
+            self.put("</section>\n");
+        }
+        self.origin(page);
+        self.put(
+            "</main>\n<div id=\"chosen\" role=\"status\" hidden><span id=\"chosen-text\"></span> \
+             <button type=\"button\" id=\"chosen-next\">next place</button> \
+             <button type=\"button\" id=\"chosen-clear\">clear (Esc)</button></div>\n\
+             <noscript><p class=\"note\">Without script the tables can be read; sorting, filtering and the figures need it.</p></noscript>\n",
+        );
+    }
+
+    fn contents(&mut self, page: &Page) {
+        if page.sections.len() < 2 {
+            return;
+        }
+        self.put("<nav aria-label=\"sections\"><ul>");
+        for (k, section) in page.sections.iter().enumerate() {
+            self.put(&format!("<li><a href=\"#s{k}\">{}</a></li>", escaped(&section.title)));
+        }
+        if !page.warnings.is_empty() {
+            self.put("<li><a href=\"#warnings\">Warnings</a></li>");
+        }
+        self.put("<li><a href=\"#origin\">Where this comes from</a></li></ul></nav>\n");
+    }
+
+    fn section(&mut self, k: usize, section: &Section) {
+        let title = escaped(&section.title);
+        self.put(&format!("<section id=\"s{k}\" aria-labelledby=\"t{k}\">\n<h2 id=\"t{k}\">{title}</h2>\n"));
+        for part in &section.parts {
+            match part {
+                Part::Table(table) if table.caption == section.title => self.table(table, true),
+                part => self.part(part),
+            }
+        }
+        self.put("</section>\n");
+    }
+
+    fn part(&mut self, part: &Part) {
+        match part {
+            Part::Text(text) => self.put(&format!("<p>{}</p>\n", escaped(text))),
+            Part::List(lines) => self.list(lines),
+            Part::Plain(text) => {
+                // The escape makes blanks of line ends, so lines are escaped one by one.
+                let lines: Vec<String> = text.lines().map(escaped).collect();
+                self.put(&format!("<pre tabindex=\"0\">{}</pre>\n", lines.join("\n")));
+            }
+            Part::Table(table) => self.table(table, false),
+            Part::Figure(figure) => {
+                let k = self.figures.len();
+                let data = figure::data(figure, self.ids);
+                let name = escaped(data["title"].as_str().unwrap_or_default());
+                let text = escaped(data["description"].as_str().unwrap_or_default());
+                self.put(&format!(
+                    "<figure class=\"figure\" data-figure=\"{k}\" aria-label=\"{name}\"><figcaption class=\"unseen\">{text}</figcaption></figure>\n"
+                ));
+                self.figures.push(data);
+            }
+            Part::Folded(title, part) => {
+                self.put(&format!("<details><summary>{}</summary>\n", escaped(title)));
+                self.part(part);
+                self.put("</details>\n");
+            }
+        }
+    }
+
+    fn list(&mut self, lines: &[String]) {
+        self.put("<ul>");
+        for line in lines {
+            self.put(&format!("<li>{}</li>\n", escaped(line)));
+        }
+        self.put("</ul>\n");
+    }
+
+    /// A table; its caption is only spoken where it stands above as a title already.
+    fn table(&mut self, table: &Table, titled: bool) {
+        // A column without a single entry says nothing.
+        let used: Vec<bool> = (0..table.columns.len())
+            .map(|k| table.rows.iter().any(|r| r.cells.get(k).is_some_and(|c| !c.is_empty())))
+            .collect();
+        let caption = escaped(&table.caption);
+        let unseen = if titled { " class=\"unseen\"" } else { "" };
+        self.put(&format!(
+            "<div class=\"table\"><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n\
+             <table><caption{unseen}>{caption}</caption>\n<thead><tr>"
+        ));
+        for (column, _) in table.columns.iter().zip(&used).filter(|(_, used)| **used) {
+            let class = if column.number { " class=\"n\"" } else { "" };
+            let unit = match column.unit.as_str() {
+                "" => String::new(),
+                unit => format!(" <small>{}</small>", escaped(unit)),
+            };
+            self.put(&format!("<th scope=\"col\"{class}>{}{unit}</th>", escaped(&column.name)));
+        }
+        self.put("</tr></thead>\n<tbody>\n");
+        for row in table.rows.iter().take(MOST_ROWS) {
+            let class = if row.faint { " class=\"faint\"" } else { "" };
+            let id = if row.id.is_empty() { String::new() } else { format!(" data-i={}", self.ids.index(&row.id)) };
+            self.put(&format!("<tr{class}{id}>"));
+            for (k, cell) in row.cells.iter().enumerate().filter(|(k, _)| used.get(*k) == Some(&true)) {
+                // Which cells hold numbers the script sees from the header; the end of a cell goes without saying.
+                self.put(if table.columns.get(k).is_some_and(|c| c.number) { "<td class=n>" } else { "<td>" });
+                self.put(&escaped(cell));
+            }
+            self.put("\n");
+        }
+        self.put("</tbody></table></div>");
+        if table.rows.len() > MOST_ROWS {
+            let left = table.rows.len() - MOST_ROWS;
+            self.put(&format!("<p class=\"note\">{left} more rows are not on this page; --csv gives all.</p>"));
+        }
+        self.put("</div>\n");
+    }
+
+    /// What the result rests on, so that it can be made again.
+    fn origin(&mut self, page: &Page) {
+        self.put(
+            "<section id=\"origin\" aria-labelledby=\"origin-title\">\n<h2 id=\"origin-title\">Where this comes from</h2>\n",
+        );
+        let version = env!("CARGO_PKG_VERSION");
+        self.put(&format!("<p>gearwise {version}; the same input gives this page again, byte for byte.</p>\n"));
+        if !page.call.is_empty() {
+            self.put(&format!("<pre tabindex=\"0\">{}</pre>\n", escaped(&page.call)));
+        }
+        if !page.inputs.is_empty() {
+            let rows = page.inputs.iter().map(|f| vec![f.name.clone(), f.sha256.clone()]);
+            self.table(&Table::new("Input files", &["file", "sha256"]).rows(rows), false);
+        }
+        self.put("</section>\n");
+    }
+}

@@ -1,0 +1,104 @@
+//! The page of a sweep.
+
+use super::{Page, Part, Row, Section, Table, Verdict, group_of};
+use crate::actuator::metrics::METRICS;
+use crate::design::sweep::JointSweep;
+use crate::report::plot::sweep as plot;
+use crate::report::sweep::{Order, because, ordered, remarks};
+use crate::report::{number, optional};
+use crate::requirement::Robot;
+use crate::units::in_unit;
+
+/// The page.
+pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
+    let feasible = |s: &JointSweep| s.designs.iter().filter(|d| d.evaluation.feasible).count();
+    let without: Vec<&str> = sweeps.iter().filter(|s| feasible(s) == 0).map(|s| s.joint.name.as_str()).collect();
+    let total: usize = sweeps.iter().map(|s| s.designs.len()).sum();
+    let can: usize = sweeps.iter().map(feasible).sum();
+    let headline = match without.as_slice() {
+        [] => format!("{can} of {total} designs are feasible; every joint has at least one."),
+        names => format!("No design of these ratios is feasible for: {}.", names.join(", ")),
+    };
+    let mut best = Table::new(
+        "The first of each joint",
+        &["joint", ">designs", ">feasible", "motor", "gear", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]"],
+    );
+    for sweep in sweeps {
+        let first = ordered(sweep, order).into_iter().find(|d| d.evaluation.feasible);
+        let mut cells = vec![sweep.joint.name.clone(), sweep.designs.len().to_string(), feasible(sweep).to_string()];
+        cells.extend(first.map_or_else(
+            || ["none", "", "", "", "", ""].map(String::from),
+            |d| {
+                let e = &d.evaluation;
+                let gear = d.gear.unwrap_or("").to_string();
+                [
+                    d.motor.id.clone(),
+                    gear,
+                    number(e.ratio),
+                    number(e.loss),
+                    number(e.reflected_inertia),
+                    optional(e.mass),
+                ]
+            },
+        ));
+        best.push(first.map_or("", |d| &d.motor.id), cells);
+    }
+    let figure = plot::figure(sweeps);
+    let section = |(k, sweep): (usize, &JointSweep)| {
+        let parts = group_of(&figure, k).into_iter().chain(designs(sweep, order).part());
+        Section::new(sweep.joint.name.clone(), parts.collect())
+    };
+    Page {
+        command: "sweep",
+        title: robot.name.clone(),
+        verdict: Verdict::from(without.is_empty()),
+        headline,
+        summary: vec![Part::Table(best)],
+        sections: sweeps.iter().enumerate().map(section).collect(),
+        warnings: sweeps
+            .iter()
+            .flat_map(|s| remarks(s).into_iter().map(|line| format!("{}: {line}", s.joint.name)))
+            .collect(),
+        ..Page::default()
+    }
+}
+
+fn designs(sweep: &JointSweep, order: Order) -> Table {
+    let joint = sweep.joint;
+    let geared = sweep.designs.iter().any(|d| d.gear.is_some());
+    let goal = match joint.objective.unit() {
+        "1" => format!(">{}", joint.objective.name()),
+        unit => format!(">{} [{unit}]", joint.objective.name()),
+    };
+    let own_column = joint.objective.name() != "loss";
+    let mut header = vec!["motor"];
+    header.extend(geared.then_some("gear"));
+    header.extend([">N", "feasible"]);
+    header.extend(own_column.then_some(goal.as_str()));
+    header.extend([
+        ">loss [W]",
+        ">I peak [A, q axis]",
+        ">J [kg*m^2]",
+        ">mass [kg]",
+        ">S_M [ms]",
+        "tightest",
+        ">margin [%]",
+        "because",
+    ]);
+    let mut table = Table::new(format!("{}: every design", joint.name), &header);
+    for design in ordered(sweep, order) {
+        let e = &design.evaluation;
+        let mut cells = vec![design.motor.id.clone()];
+        cells.extend(geared.then(|| design.gear.unwrap_or("").to_string()));
+        cells.extend([number(e.ratio), if e.feasible { "yes".into() } else { "no".to_string() }]);
+        cells.extend(own_column.then(|| optional(e.objective(&joint.objective))));
+        cells.extend([e.loss, e.peak_current, e.reflected_inertia].map(number));
+        cells.extend([e.mass, METRICS[0].value(design.motor).map(|v| in_unit(v, METRICS[0].unit))].map(optional));
+        let tightest = e.tightest();
+        cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
+        cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin).round() / 10.0)));
+        cells.push(if e.feasible { String::new() } else { because(design, joint) });
+        table.rows.push(Row { id: design.motor.id.clone(), cells, faint: !e.feasible });
+    }
+    table
+}

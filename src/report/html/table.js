@@ -1,0 +1,102 @@
+// Tables: a button in each header sorts, a field filters; rows know the id of their thing.
+function numeric(text) {
+  const plain = text.trim().replace("−", "-");
+  if (plain.startsWith("∞")) return Infinity;
+  if (plain.startsWith("-∞")) return -Infinity;
+  const value = parseFloat(plain.replace(/^[^\d+-]*/, ""));
+  return Number.isNaN(value) ? null : value;
+}
+// `loss<20 maxon -delta`: every word must hold; words with < or > or = compare the column whose name they begin.
+function conditions(text, names) {
+  return text.toLowerCase().split(/\s+/).filter(Boolean).map((word) => {
+    const found = /^([^<>=]+)(<=|>=|<|>|=)(.+)$/.exec(word);
+    const column = found ? names.findIndex((n) => n.startsWith(found[1])) : -1;
+    if (found && column >= 0) {
+      const [, , sign, right] = found, limit = parseFloat(right);
+      if (sign === "=" && Number.isNaN(limit)) return (cells) => cells[column].includes(right);
+      const holds = { "<": (v) => v < limit, ">": (v) => v > limit, "<=": (v) => v <= limit, ">=": (v) => v >= limit, "=": (v) => v === limit }[sign];
+      return (cells) => { const value = numeric(cells[column]); return value !== null && holds(value); };
+    }
+    if (word.length > 1 && word.startsWith("-")) return (cells) => !cells.some((c) => c.includes(word.slice(1)));
+    return (cells) => cells.some((c) => c.includes(word));
+  });
+}
+class TableView {
+  constructor(box) {
+    this.body = box.querySelector("tbody");
+    this.rows = [...this.body.rows];
+    this.heads = [...box.querySelectorAll("thead th")];
+    this.names = this.heads.map((h) => (h.firstChild?.nodeType === 3 ? h.firstChild.data : h.textContent).toLowerCase().trim().replace(/\s+/g, "_"));
+    this.cells = this.rows.map((row) => [...row.cells].map((c) => c.textContent.toLowerCase()));
+    this.sorted = { column: -1, down: false };
+    this.heads.forEach((head, column) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.append(...head.childNodes);
+      if (!button.textContent.trim()) { head.append(...button.childNodes); return; }
+      head.append(button);
+      head.setAttribute("aria-sort", "none");
+      button.addEventListener("click", () => this.sort(column));
+    });
+    this.rows.forEach((row) => this.tie(row));
+    if (this.rows.length > 7) this.bar(box);
+  }
+  // The cell that names the thing becomes a button, so that the keyboard can choose it too.
+  tie(row) {
+    if (row.dataset.i === undefined) return;
+    const id = Number(row.dataset.i), name = data.ids[id];
+    const cell = [...row.cells].find((c) => c.textContent === name);
+    if (cell) {
+      const button = make("button", name, "pick");
+      button.type = "button";
+      button.setAttribute("aria-pressed", "false");
+      cell.replaceChildren(button);
+      for (const c of [cell, this.heads[cell.cellIndex]]) c.classList.add("name");
+    }
+    row.addEventListener("click", (event) => {
+      if (getSelection().toString() && !event.target.closest("button")) return;
+      choose(id === state.chosen ? -1 : id);
+    });
+    row.addEventListener("mouseenter", () => hover(id));
+    row.addEventListener("mouseleave", () => hover(-1));
+  }
+  bar(box) {
+    const bar = make("div", "", "bar");
+    const label = make("label", "filter ");
+    this.field = Object.assign(document.createElement("input"), { type: "search", spellcheck: false, placeholder: this.hint() });
+    label.append(this.field);
+    this.count = make("span", "", "count");
+    this.count.setAttribute("role", "status");
+    bar.append(label, this.count);
+    box.prepend(bar);
+    this.field.addEventListener("input", () => this.filter());
+    this.filter();
+  }
+  hint() {
+    const column = this.heads.findIndex((h, k) => h.classList.contains("n") && /^[a-z]/.test(this.names[k]));
+    return column >= 0 ? `a word, -word, ${this.names[column]}<…` : "a word, -word";
+  }
+  filter() {
+    const tests = conditions(this.field.value, this.names);
+    let shown = 0;
+    this.rows.forEach((row, k) => {
+      row.hidden = !tests.every((test) => test(this.cells[k]));
+      if (!row.hidden) shown++;
+    });
+    this.count.textContent = shown === this.rows.length ? `${shown} rows` : `${shown} of ${this.rows.length} rows`;
+  }
+  sort(column) {
+    const down = this.sorted.column === column && !this.sorted.down;
+    this.sorted = { column, down };
+    const numbers = this.heads[column].classList.contains("n");
+    const keys = this.cells.map((c) => (numbers ? numeric(c[column]) : c[column] || null));
+    const order = this.rows.map((_, k) => k).sort((a, b) => {
+      // What is unknown stands last in either direction; what is alike keeps its order.
+      if (keys[a] === null || keys[b] === null) return (keys[a] === null) - (keys[b] === null) || a - b;
+      const less = numbers ? keys[a] - keys[b] || 0 : keys[a] < keys[b] ? -1 : keys[a] > keys[b] ? 1 : 0;
+      return (down ? -less : less) || a - b;
+    });
+    this.body.append(...order.map((k) => this.rows[k]));
+    this.heads.forEach((head, k) => head.hasAttribute("aria-sort") && head.setAttribute("aria-sort", k !== column ? "none" : down ? "descending" : "ascending"));
+  }
+}
