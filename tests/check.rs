@@ -217,7 +217,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW102" => {
             robot(&[("safety = 1.2", "safety = 1.0"), ("\"1 N*m\" }", "\"0.01 N*m\" }"), ("\"40 A\"", "\"4.5 A\"")])
         }
-        "GW103" => motor(&[("continuous_current", "4.9")]),
+        "GW103" => motor(&[("continuous_current", "5.2")]),
         "GW104" => motor(&[("max_speed", "470")]),
         "GW105" => robot(&[("\"110 degC\"", "\"38 degC\"")]),
         "GW106" => robot(&[("\"48 V\"", "\"6.8 V\"")]),
@@ -437,7 +437,7 @@ fn biting(folder: &Path) {
     fs::write(folder.join("design.toml"), design).unwrap();
     fs::write(
         folder.join("rules.toml"),
-        "[[allow]]\nrule = \"bandwidth-reserve\"\nreason = \"a <reason> & \\\"more\\\"\"\n",
+        "[[allow]]\nrule = \"torque-bandwidth-voltage\"\nreason = \"a <reason> & \\\"more\\\"\"\n",
     )
     .unwrap();
 }

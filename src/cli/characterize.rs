@@ -10,7 +10,7 @@ use crate::report::{characterize as report, file};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Exit status 1 if a row was to be written and is not complete.\n\nExamples:\n  gearwise characterize requirements/bench/motor_on_bench.toml\n  gearwise characterize bench.toml --write my_motor.csv --plot bench.svg\n  gearwise audit my_motor.csv\n  gearwise optimize robot.toml --catalog my_motor.csv"
+    before_help = "Examples:\n  gearwise characterize requirements/bench/motor_on_bench.toml\n  gearwise characterize bench.toml --write my_motor.csv --plot bench.svg\n  gearwise audit my_motor.csv\n  gearwise optimize robot.toml --catalog my_motor.csv\n\nExit status 1 if a row was to be written and is not complete."
 )]
 pub struct Arguments {
     /// Bench file (TOML): [motor], [terminals], [rotor] and the logs of stall, backdrive, random_torque, drag, thermal_step

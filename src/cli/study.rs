@@ -23,7 +23,7 @@ use crate::study::{Settings, Shard, StudyError};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise study robots/ --out result\n  gearwise study 'robots/**/*.toml' --out result --top 5\n  gearwise study study.toml --out result --resume\n  gearwise study study.toml --out part2 --shard 2/8 && gearwise merge result part*"
+    before_help = "Examples:\n  gearwise study requirements/studies/quadruped.toml --out result\n  gearwise study robots/ --out result\n  gearwise study 'robots/**/*.toml' --out result --top 5\n  gearwise study study.toml --out result --resume\n  gearwise study study.toml --out part2 --shard 2/8 && gearwise merge result part*"
 )]
 pub struct Arguments {
     /// Requirement files, folders or patterns; or one study file (TOML) with a grid of parameters

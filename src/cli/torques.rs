@@ -14,7 +14,7 @@ use crate::units::{self, Kind};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise torques robots/arm.urdf pick.csv\n  gearwise torques leg.xml trot.csv --out motions\n  gearwise torques arm.urdf pick.csv --payload \"tool0=2 kg\" --joint elbow --csv"
+    before_help = "Examples:\n  gearwise torques requirements/robots/ur5e.urdf requirements/robots/ur5e_pick.csv\n  gearwise torques leg.xml trot.csv --out motions\n  gearwise torques arm.urdf pick.csv --payload \"tool0=2 kg\" --joint elbow --csv"
 )]
 pub struct Arguments {
     /// Description of the robot: URDF or MJCF

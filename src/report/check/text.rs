@@ -46,8 +46,10 @@ pub fn text(report: &Report, strict: bool) -> String {
     }
     let skipped = not_judged(report);
     if !skipped.is_empty() {
-        let line =
-            format!("Not judged, because what they measure is not known or not asked for: {}", skipped.join("; "));
+        let line = format!(
+            "Not judged, because what they measure is not known, not asked for, or beyond its limit already: {}",
+            skipped.join("; ")
+        );
         out.push_str(&format!("\n{}\n", wrap(&line, 2)));
     }
     out.push_str(&format!("\n{}\n", summary(report, strict)));

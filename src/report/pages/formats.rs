@@ -31,6 +31,7 @@ pub const REQUIREMENT: &[Table] = &[
             ("ambient", "table", "the surroundings"),
             ("budget", "table", "what the whole robot may have"),
             ("joint", "list of tables", "the joints; at least one"),
+            ("mechanism", "table", "a description of the robot that torques are computed from"),
         ],
     },
     Table {
@@ -217,6 +218,22 @@ pub const BENCH: &[Table] = &[
             ("pendulum", "table", "a pendulum at the output, in place of `load`"),
             ("controller", "table", "of kind `servo`: what makes duty of the goal"),
             ("log", "list of tables", "the logs; at least one"),
+            ("ambient", "temperature", "around the bench"),
+            (
+                "motor",
+                "table",
+                "for `characterize`: `id` and any column of a motor catalogue, `…_tolerance` too, that no test gives",
+            ),
+            (
+                "terminals",
+                "table",
+                "for `characterize`: `winding`, three readings each of `resistance` and `inductance`, `…_tolerance` (95 %), `temperature`",
+            ),
+            (
+                "rotor",
+                "table",
+                "for `characterize`: `mass` and `radius` of the rotor as a thin ring, `…_tolerance` (95 %)",
+            ),
         ],
     },
     Table {
