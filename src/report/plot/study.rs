@@ -49,7 +49,7 @@ fn winners(summary: &Summary) -> Group {
             series.insert(0, Series::new(Tone::Blue, Mark::Line(Dash::Solid), points));
         }
         Panel {
-            x: Axis::linear(x),
+            x: Axis { range: Some((0.0, 105.0)), ..Axis::linear(x) },
             y: Axis::named("", ids.iter().rev().cloned().collect()),
             series,
             empty: "no joint has a design".into(),
