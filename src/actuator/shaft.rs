@@ -235,7 +235,7 @@ impl Actuator {
     /// `T` of a sample as coefficients of N⁻¹, 1 and N \[N·m\].
     #[inline]
     pub fn torque_terms(&self, flow: Flow, features: &[f64; FEATURES]) -> [f64; 3] {
-        // Written out, as it is needed for every sample at every ratio; the test holds it to `FEATURE_POWER`.
+        // Written out, as it is needed for every sample at every ratio; a property test holds it to `FEATURE_POWER`.
         let (c, x) = (&self.torque[flow as usize].0, features);
         [
             c[0] * x[0] + c[1] * x[1],

@@ -3,7 +3,8 @@
 //! The one idea: a lower bound per motor is cheap (`RatioProgram::lower_bound`). Motors are solved in the
 //! order of their bounds, in blocks of fixed size; once the bound of the next one is above the k-th best
 //! objective found, neither it nor any after it can be among the first k. What is found is what solving
-//! all would have found, and does not depend on the number of threads: blocks do not.
+//! all would have found, and does not depend on the number of threads: blocks do not. Where nobody asks why a
+//! motor cannot, one that certainly cannot is not solved either.
 
 use rayon::prelude::*;
 

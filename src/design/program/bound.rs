@@ -3,7 +3,7 @@
 //! The range is cut into a few pieces. On each the rows that its ends break cut ratios off, and the
 //! objective's cut at the middle, concave terms replaced by secants, is below the objective: its least
 //! value bounds the piece. The least of the pieces bounds the program. It costs a few looks at the limits,
-//! where solving takes many.
+//! where solving takes many. In the same way it is proved that a limit is exceeded all over an interval.
 
 use super::branch::{Underestimator, worst_row};
 use super::objective::Goal;
