@@ -4,12 +4,35 @@
 mod common;
 
 use common::{gear, motor, robot};
+use gearwise::actuator::Actuator;
 use gearwise::actuator::metrics::metric;
+use gearwise::actuator::shaft::Flow;
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::optimize::Design;
 use gearwise::design::{optimize, sweep};
 use gearwise::requirement::{Course, Motion, Objective, Quantity, RatioChoice, Robot, Samples};
 use proptest::prelude::*;
+
+/// The terms of the torque, written out, are the coefficients of the linear form with its powers of the ratio.
+#[test]
+fn torque_terms_have_the_powers_of_their_features() {
+    let catalog = Catalog::builtin().unwrap();
+    let gear = gear(0.8);
+    for motor in &catalog.motors {
+        let mut actuator = Actuator::new(motor, 1e-5, &gear);
+        for folded in [false, true] {
+            if folded {
+                actuator = actuator.folded();
+            }
+            for flow in Flow::BOTH {
+                let features = std::array::from_fn(|f| 0.7 * f as f64 - 2.3);
+                let terms = actuator.torque_terms(flow, &features);
+                let polynomial = actuator.torque_form(flow).polynomial(&features);
+                assert_eq!(terms, [polynomial[-1], polynomial[0], polynomial[1]], "{}", motor.id);
+            }
+        }
+    }
+}
 
 /// A motor by its q-axis numbers.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,7 @@
 
 mod common;
 
-use gearwise::catalog::Catalog;
+use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::optimize::{JointResult, Options, optimize_with};
 use gearwise::report;
 use gearwise::requirement::*;
@@ -59,6 +59,54 @@ fn the_shipped_requirements_have_the_same_first_designs() {
     }
     println!("{left_out} of {of} programs left out");
     assert!(left_out > 0);
+}
+
+/// What is found where reasons are not asked for: the same motors can and cannot do it. Gives how many motors were
+/// ruled out without a reason.
+fn compare_without_reasons(robot: &Robot, catalog: &Catalog, keep: usize) -> usize {
+    let told = optimize_with(robot, catalog, Options { keep: Some(keep), ..Options::default() });
+    let quick = optimize_with(robot, catalog, Options { keep: Some(keep), reasons: false, ..Options::default() });
+    let mut ruled_out = 0;
+    for (told, quick) in told.joints.iter().zip(&quick.joints) {
+        let context = format!("{} of {}", told.joint.name, robot.name);
+        assert_eq!(format!("{:?}", told.candidates), format!("{:?}", quick.candidates), "{context}");
+        let (all, pruned) = (told.pruned.as_ref().unwrap(), quick.pruned.as_ref().unwrap());
+        assert_eq!((all.behind, all.not_solved.len()), (pruned.behind, pruned.not_solved.len()), "{context}");
+        assert!(all.impossible.is_empty());
+        let rejected = |joint: &JointResult| -> Vec<String> {
+            joint.rejected.iter().map(|r| format!("{} {:?}", r.motor.id, r.reason)).collect()
+        };
+        // Each reason that is told is the same; a joint without a design has them all.
+        assert!(rejected(quick).iter().all(|r| rejected(told).contains(r)), "{context}");
+        assert!(!told.candidates.is_empty() || pruned.impossible.is_empty(), "{context}");
+        let ids = |joint: &JointResult, more: &[&Motor]| -> Vec<String> {
+            let rejected = joint.rejected.iter().map(|r| r.motor.id.clone());
+            let mut ids: Vec<String> = rejected.chain(more.iter().map(|m| m.id.clone())).collect();
+            ids.sort_unstable();
+            ids
+        };
+        assert_eq!(ids(told, &[]), ids(quick, &pruned.impossible), "{context}");
+        assert_eq!(quick.motors(), catalog.motors.len());
+        ruled_out += pruned.impossible.len();
+    }
+    ruled_out
+}
+
+#[test]
+fn motors_ruled_out_without_a_reason_are_those_that_cannot() {
+    let catalog = Catalog::builtin().unwrap();
+    let mut ruled_out = 0;
+    for file in std::fs::read_dir(common::repository("requirements")).unwrap() {
+        let path = file.unwrap().path();
+        if path.extension().is_none_or(|e| e != "toml") {
+            continue;
+        }
+        ruled_out += compare_without_reasons(&read(&path).unwrap(), &catalog, 3);
+    }
+    for seed in 0..60 {
+        ruled_out += compare_without_reasons(&draw(seed), &catalog, 1 + (seed % 5) as usize);
+    }
+    assert!(ruled_out > 0, "nothing is ruled out without being solved");
 }
 
 /// A random joint: a few harmonics, or operating points, with a random objective and random limits.

@@ -281,6 +281,32 @@ impl Load {
         settled.is_some_and(|t| t - node.ambient <= bound)
     }
 
+    /// Whether the rise is certainly beyond `bound` \[K\] at every ratio of `[low, high]`: it is where it would be
+    /// even if each sample had the least heat that it has between the two, as temperature rises with heat. One walk
+    /// over the samples instead of one for each ratio; `false` where it shows nothing.
+    pub fn winding_peak_is_beyond(
+        &self,
+        actuator: &Actuator,
+        node: &TwoNode,
+        (low, high): (f64, f64),
+        bound: f64,
+    ) -> bool {
+        if self.course.is_none() || !actuator.shortfall.is_nothing() {
+            return false;
+        }
+        let middle = 0.5 * (low + high);
+        // 1/N is convex: towards the lower end it moves furthest.
+        let (down, up) = (1.0 / low - 1.0 / middle, high - middle);
+        let least = |sample: &WavePoint| {
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let (load, inertia) = (a / middle, b * middle);
+            let moves = a.abs() * down + b.abs() * up + 1e-14 * (load.abs() + c.abs() + inertia.abs());
+            actuator.copper() * ((load + c + inertia).abs() - moves).max(0.0).powi(2)
+        };
+        let heat: Vec<f64> = self.samples.iter().map(least).collect();
+        self.settle(node, &heat).is_none_or(|(_, temperature)| temperature.peak - node.ambient > bound)
+    }
+
     /// The rise as a cut: the polynomial that equals it at `ratio` and is nowhere above it. Temperature is
     /// convex and rising in the heat of every sample, so its gradient there bounds it from below. Where the
     /// heat runs away the cut is that of the first periods from cold, as many as it takes to be beyond

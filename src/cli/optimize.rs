@@ -104,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "optimising");
     let keep = arguments.only_top.map(|k| k as usize);
-    let options = Options { only_checked: arguments.only_checked, keep, tick: &|| bar.inc(1) };
+    let options = Options { only_checked: arguments.only_checked, keep, reasons: true, tick: &|| bar.inc(1) };
     if arguments.robust {
         let joints = robust(&robot, &catalog, options);
         bar.finish_and_clear();

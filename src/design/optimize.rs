@@ -110,13 +110,17 @@ pub struct Options<'p> {
     /// Only so many designs of each joint are wanted: motors whose lower bound shows that they are not
     /// among them are not solved.
     pub keep: Option<usize>,
+    /// Whether it is told of every motor why it cannot do it. Else, where only the first designs are wanted, it is
+    /// told of joints without a design alone: that a motor cannot is often quickly seen, and why it comes nowhere
+    /// takes long.
+    pub reasons: bool,
     /// Called once for each motor and joint that is done.
     pub tick: &'p (dyn Fn() + Sync),
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { only_checked: false, keep: None, tick: &|| {} }
+        Options { only_checked: false, keep: None, reasons: true, tick: &|| {} }
     }
 }
 
@@ -244,6 +248,16 @@ pub(super) fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a
     }
 }
 
+/// Whether it is certain, without solving, that [`best_design`] rejects a motor. `false` says nothing.
+pub(super) fn is_impossible(robot: &Robot, joint: &Joint, demand: &JointDemand, motor: &Motor) -> bool {
+    let RatioChoice::Continuous { min, max } = joint.ratio else { return false };
+    if joint.limits.spring.is_some() {
+        return false;
+    }
+    continuous_candidate(robot, joint, &demand.load, motor)
+        .is_ok_and(|c| RatioProgram::new(&Prepared::new(c), &joint.objective, min, max).is_impossible())
+}
+
 /// The best gear of the catalogue for one motor: all that fit are evaluated, which is the proof.
 fn best_gear<'a>(
     robot: &'a Robot,
@@ -327,7 +341,7 @@ fn agreement(candidates: &[Design]) -> Vec<Agreement> {
 impl JointResult<'_> {
     /// Number of motors of the catalogue, solved or not.
     pub fn motors(&self) -> usize {
-        let left_out = self.pruned.as_ref().map_or(0, |p| p.behind + p.not_solved.len());
+        let left_out = self.pruned.as_ref().map_or(0, |p| p.behind + p.impossible.len() + p.not_solved.len());
         self.candidates.len() + self.rejected.len() + left_out
     }
 }

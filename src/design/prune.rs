@@ -3,11 +3,12 @@
 //! The one idea: a lower bound per motor is cheap (`RatioProgram::lower_bound`). Motors are solved in the
 //! order of their bounds, in blocks of fixed size; once the bound of the next one is above the k-th best
 //! objective found, neither it nor any after it can be among the first k. What is found is what solving
-//! all would have found, and does not depend on the number of threads: blocks do not.
+//! all would have found, and does not depend on the number of threads: blocks do not. Where nobody asks why a
+//! motor cannot, one that certainly cannot is not solved either.
 
 use rayon::prelude::*;
 
-use super::optimize::{Design, Options, Rejected, best_design, order};
+use super::optimize::{Design, Options, Rejected, best_design, is_impossible, order};
 use super::program::RatioProgram;
 use super::{JointDemand, Prepared, continuous_candidate, geared_candidate};
 use crate::catalog::{Catalog, Motor};
@@ -25,6 +26,8 @@ pub struct Pruned<'a> {
     pub keep: usize,
     /// Motors that were solved and can do it, but stand behind the first k.
     pub behind: usize,
+    /// Motors that certainly cannot do it, where no reason was asked for.
+    pub impossible: Vec<&'a Motor>,
     /// Motors that were not solved, each with its lower bound of the objective, by bound.
     pub not_solved: Vec<(&'a Motor, f64)>,
 }
@@ -50,6 +53,7 @@ pub fn first<'a>(
     }
     bounded.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let (mut found, mut rejected): (Vec<Design>, Vec<(usize, Rejected)>) = (Vec::new(), Vec::new());
+    let mut impossible = Vec::new();
     let mut next = 0;
     loop {
         let kth = keep.checked_sub(1).and_then(|k| found.get(k)).map(|d: &Design| d.optimum.objective);
@@ -62,12 +66,27 @@ pub fn first<'a>(
             break;
         }
         let solve = |index: &usize| {
-            let found = best_design(robot, joint, demand, &catalog.motors[*index], options.only_checked);
+            let motor = &catalog.motors[*index];
+            let certain = !options.reasons && is_impossible(robot, joint, demand, motor);
+            let found = (!certain).then(|| best_design(robot, joint, demand, motor, options.only_checked));
             (options.tick)();
             found
         };
         let solved: Vec<_> = queue.par_iter().map(solve).collect();
         for (index, result) in queue.drain(..).zip(solved) {
+            match result {
+                Some(Ok(design)) => found.push(design),
+                Some(Err(why)) => rejected.push((index, why)),
+                None => impossible.push(index),
+            }
+        }
+        found.sort_by(order);
+    }
+    if found.is_empty() {
+        // What stands in the way of a joint without a design is told of every motor.
+        let why = |index: &usize| best_design(robot, joint, demand, &catalog.motors[*index], options.only_checked);
+        let solved: Vec<_> = impossible.par_iter().map(why).collect();
+        for (index, result) in impossible.drain(..).zip(solved) {
             match result {
                 Ok(design) => found.push(design),
                 Err(why) => rejected.push((index, why)),
@@ -79,7 +98,9 @@ pub fn first<'a>(
     found.truncate(keep);
     rejected.sort_by_key(|(index, _)| *index);
     let not_solved = bounded[next..].iter().map(|(bound, index)| (&catalog.motors[*index], *bound)).collect();
-    (found, rejected.into_iter().map(|(_, why)| why).collect(), Pruned { keep, behind, not_solved })
+    impossible.sort_unstable();
+    let impossible = impossible.into_iter().map(|index| &catalog.motors[index]).collect();
+    (found, rejected.into_iter().map(|(_, why)| why).collect(), Pruned { keep, behind, impossible, not_solved })
 }
 
 /// What the objective is nowhere below for a motor; `None` where it has to be solved to be told.

@@ -11,11 +11,11 @@ use crate::requirement::Joint;
 /// How many can, cannot, and were not solved.
 pub(super) fn verdict(result: &JointResult, pruned: &Pruned) -> String {
     let solved = result.candidates.len() + pruned.behind;
+    let cannot = result.rejected.len() + pruned.impossible.len();
     match pruned.not_solved.len() {
-        0 => format!("{solved} motors can do it, {} cannot", result.rejected.len()),
+        0 => format!("{solved} motors can do it, {cannot} cannot"),
         left => format!(
-            "of the motors solved {solved} can do it and {} cannot; {left} not solved, none of them is among the first {}",
-            result.rejected.len(),
+            "of the motors solved {solved} can do it and {cannot} cannot; {left} not solved, none of them is among the first {}",
             pruned.keep
         ),
     }

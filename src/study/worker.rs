@@ -232,7 +232,7 @@ impl Worker<'_> {
             return broken(read.name.clone(), Broken::of(&errors));
         }
         let keep = self.settings.top.map(|k| k as usize);
-        let options = Options { only_checked: self.settings.only_checked, keep, tick: &|| {} };
+        let options = Options { only_checked: self.settings.only_checked, keep, reasons: false, tick: &|| {} };
         let result = optimize_with(&read, self.catalog, options);
         let joints = result.joints.iter().map(|joint| JointRecord {
             name: joint.joint.name.clone(),
@@ -251,6 +251,9 @@ fn standings(joint: &JointResult, catalog: &Catalog) -> String {
     }
     for rejected in &joint.rejected {
         standing.insert(&rejected.motor.id, Standing::Cannot);
+    }
+    for motor in joint.pruned.iter().flat_map(|p| &p.impossible) {
+        standing.insert(&motor.id, Standing::Cannot);
     }
     for (motor, _) in joint.pruned.iter().flat_map(|p| &p.not_solved) {
         standing.insert(&motor.id, Standing::Unknown);

@@ -3,11 +3,12 @@
 //! The range is cut into a few pieces. On each the rows that its ends break cut ratios off, and the
 //! objective's cut at the middle, concave terms replaced by secants, is below the objective: its least
 //! value bounds the piece. The least of the pieces bounds the program. It costs a few looks at the limits,
-//! where solving takes many.
+//! where solving takes many. In the same way it is proved that a limit is exceeded all over an interval.
 
 use super::branch::{Underestimator, worst_row};
 use super::objective::Goal;
-use super::{Demand, RatioProgram};
+use super::{Demand, Limited, RatioProgram, scan};
+use crate::actuator::Laurent;
 use crate::design::sweep::grid;
 use crate::requirement::Quantity;
 
@@ -15,6 +16,18 @@ use crate::requirement::Quantity;
 const PIECES: usize = 6;
 /// How often the ends of a piece are cut off.
 const ROUNDS: usize = 2;
+
+/// What exceeds a limit by this (relative) exceeds it for everyone: more than any tolerance with which limits
+/// are looked at.
+const CLEARLY: f64 = 1e-7;
+/// Intervals after which the proof that nothing is possible is given up.
+const MOST_INTERVALS: usize = 64;
+
+/// The part of an interval on which a row is not clearly broken.
+fn part_kept((polynomial, bound): &(Laurent, f64), a: f64, b: f64) -> Option<(f64, f64)> {
+    let under = Underestimator::new(polynomial, a, b);
+    under.below(bound + CLEARLY * (bound + under.size), a, b)
+}
 
 impl RatioProgram<'_> {
     /// A number that the objective is nowhere below at any ratio that keeps the limits, in the unit of the
@@ -32,16 +45,77 @@ impl RatioProgram<'_> {
             return self.prepared.candidate.mass_at(low.ratio);
         }
         let goal = Goal::new(self);
-        let mut ends = vec![low.ratio];
-        if high.ratio > low.ratio {
-            ends.extend(self.stage_ratios(low.ratio, high.ratio));
-            ends.extend(grid(low.ratio, high.ratio, PIECES + 1));
-        }
-        ends.push(high.ratio);
-        ends.sort_by(f64::total_cmp);
+        let ends = self.ends_of_pieces(low.ratio, high.ratio);
         let pieces = ends.windows(2).filter_map(|piece| self.bound_of_piece(&goal, piece[0], piece[1]));
         let least = pieces.reduce(f64::min)?;
         (!least.is_nan()).then(|| goal.natural(least))
+    }
+
+    /// Whether it is certain without solving that no ratio keeps the limits: [`solve`](Self::solve) would find none.
+    /// Where the program is not convex solving is dear, and this is a few looks at the limits; where it is convex
+    /// nothing is tried. `false` says nothing.
+    pub fn is_impossible(&self) -> bool {
+        if self.why_evaluated().is_some() || self.why_not_convex().is_none() {
+            return false;
+        }
+        if self.fixed_limits().is_some() {
+            return true;
+        }
+        let Ok((low, high)) = self.ends() else { return true };
+        let ends = self.ends_of_pieces(low.ratio, high.ratio);
+        let mut open: Vec<(f64, f64)> = ends.windows(2).map(|piece| (piece[0], piece[1])).collect();
+        for _ in 0..MOST_INTERVALS {
+            let Some((mut a, mut b)) = open.pop() else { return true };
+            let mut ruled_out = false;
+            for at_start in [true, false] {
+                let at = if at_start { a } else { b };
+                let Some(row) = self.broken_row(at) else { continue };
+                match part_kept(&row, a, b) {
+                    Some(part) => (a, b) = part,
+                    None => ruled_out = true,
+                }
+            }
+            if ruled_out || self.is_broken_between(a, b) {
+                continue;
+            }
+            let middle = (a * b).sqrt();
+            if b <= a * (1.0 + CLEARLY) || scan::worst(self, middle).0 <= CLEARLY {
+                return false;
+            }
+            open.extend([(a, middle), (middle, b)]);
+        }
+        false
+    }
+
+    /// Whether one limit is certainly exceeded, by more than any tolerance, at every ratio of an interval.
+    pub(super) fn is_broken_between(&self, a: f64, b: f64) -> bool {
+        if self.broken_row((a * b).sqrt()).is_some_and(|row| part_kept(&row, a, b).is_none()) {
+            return true;
+        }
+        self.limits.iter().any(|Limited { candidate, asked }| match asked.demand {
+            Demand::WindingPeak(node) if asked.bound > 0.0 => {
+                let bound = asked.bound * (1.0 + CLEARLY);
+                candidate.load.winding_peak_is_beyond(&candidate.actuator, &node, (a, b), bound)
+            }
+            _ => false,
+        })
+    }
+
+    /// The most violated row among those that cost no walk over the samples, where its bound is a measure.
+    fn broken_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
+        worst_row(self, ratio, |demand| !matches!(demand, Demand::WindingPeak(_))).filter(|(_, bound)| *bound > 0.0)
+    }
+
+    /// The range cut into pieces: their ends.
+    fn ends_of_pieces(&self, low: f64, high: f64) -> Vec<f64> {
+        let mut ends = vec![low];
+        if high > low {
+            ends.extend(self.stage_ratios(low, high));
+            ends.extend(grid(low, high, PIECES + 1));
+        }
+        ends.push(high);
+        ends.sort_by(f64::total_cmp);
+        ends
     }
 
     /// The bound on an interval, in the unit of the cuts; `None` where nothing of it is feasible.

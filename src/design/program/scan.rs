@@ -21,6 +21,14 @@ pub(super) struct Found {
     pub(super) nearest: Infeasible,
 }
 
+/// A valley of the excess between two points of the grid (sign 1), or a hill (sign −1).
+struct Turn {
+    ends: (f64, f64),
+    sign: f64,
+    /// Whether it is certain, without a look, that nothing between the ends is feasible.
+    certain: bool,
+}
+
 /// A window of a single ratio.
 pub(super) fn point(program: &RatioProgram, ratio: f64) -> Window {
     let bind = worst(program, ratio).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
@@ -35,7 +43,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
     // A window, or a gap in one, that is narrower than the grid shows as a valley, or a hill, of the
     // excess: look at its bottom, or its top.
-    let mut valleys = Vec::new();
+    let mut turns: Vec<Turn> = Vec::new();
     for i in 0..points.len() {
         let (left, right) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
         let here = points[i];
@@ -43,16 +51,25 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
             continue;
         }
         if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 {
-            let bottom = golden(&excess, left.0, right.0);
-            valleys.push((bottom, excess(bottom)));
+            // Most valleys lie where every ratio is out of the question, as where the winding's temperature runs away.
+            let certain = program.why_evaluated().is_none() && program.is_broken_between(left.0, right.0);
+            turns.push(Turn { ends: (left.0, right.0), sign: 1.0, certain });
         } else if here.1 <= 0.0 && here.1 >= left.1 && here.1 >= right.1 {
-            let top = golden(&|n| -excess(n), left.0, right.0);
-            valleys.push((top, excess(top)));
+            turns.push(Turn { ends: (left.0, right.0), sign: -1.0, certain: false });
         }
     }
-    points.extend(valleys);
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let feasible = |e: f64| e <= FEASIBILITY_TOLERANCE;
+    let look = |turn: &Turn| {
+        let n = golden(&|n| turn.sign * excess(n), turn.ends.0, turn.ends.1);
+        (n, excess(n))
+    };
+    let mut seen: Vec<Option<(f64, f64)>> = turns.iter().map(|t| (!t.certain).then(|| look(t))).collect();
+    if !points.iter().chain(seen.iter().flatten()).any(|p| feasible(p.1)) {
+        // Nothing is feasible: which ratio came nearest is told, and may be the bottom of any valley.
+        seen = turns.iter().zip(seen).map(|(t, seen)| seen.or_else(|| Some(look(t)))).collect();
+    }
+    points.extend(seen.into_iter().flatten());
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut windows: Vec<Window> = Vec::new();
     let mut open: Option<(f64, Bind)> = None;
     for i in 0..points.len() {
