@@ -511,6 +511,9 @@ const LOG_CHECKS: &[LogCheck] = &[
         let (square, half) = (i.result.averaging.value, i.result.averaging.half_width());
         let ms = number(1e3 * square.abs().sqrt());
         match i.averaging {
+            Averaging::Declared if square == 0.0 => {
+                (Weight::Good, "the velocity is that of an instant, as its column says".into())
+            }
             Averaging::Declared => {
                 (Weight::Good, format!("the velocity is a difference over {ms} ms, as its column says: taken out"))
             }
