@@ -32,6 +32,8 @@ pub struct RandomTorque;
 
 /// Lags that are looked for \[s\].
 const LARGEST_LAG: f64 = 0.05;
+/// Highest frequency times span of a difference that is used: there it still reads half.
+const MOST_AVERAGED: f64 = 0.6;
 /// Power of half-overlapping Hann windows is correlated by 1/36 from one to the next.
 const OVERLAP: f64 = 1.0 + 2.0 / 36.0;
 
@@ -112,7 +114,14 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
     let turned = record.align();
     let mut spectra = Spectra::new(&record);
     let h = response(&spectra);
-    let band = band(&h, record.command.is_some())?;
+    let mut band = band(&h, record.command.is_some())?;
+    if let Some(span) = log.difference.filter(|t| t * band.high > MOST_AVERAGED) {
+        band.high = MOST_AVERAGED / span;
+        band.why.push_str(&format!(", and a difference over {} ms keeps too little above", number(1e3 * span)));
+        if band.high < 2.0 * band.low {
+            return Err(format!("a difference over {} ms leaves no band to fit", number(1e3 * span)));
+        }
+    }
     let gain = gain_fit(&h, &band);
     let (mut j, mut b) = gain;
     let mut lag = 0.0;
@@ -131,7 +140,7 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
     for _ in 0..16 {
         let solved = solve(&spectra, &band, start, j, b, free && settled)?;
         (j, b) = (solved.inertia.value.abs(), solved.damping.value);
-        let wider = (square + solved.averaging.value).clamp(-most, most) - square;
+        let wider = if free { (square + solved.averaging.value).clamp(-most, most) - square } else { 0.0 };
         square += wider;
         let step = solved.lag.value.clamp(-0.2 / band.high, 0.2 / band.high);
         lag += step;
