@@ -232,10 +232,10 @@ fn what_two_tests_disagree_on_is_accepted_by_name() {
     let backdrive = "[[log]]\nfile = \"backdrive.csv\"\nkind = \"backdrive\"\ncolumns.velocity = { name = \"w\", unit = \
                      \"rad/s\" }\ncolumns.voltage = { name = \"v\", unit = \"V\", convention = \"q_axis\" }\n";
     let folder = tempfile::tempdir().unwrap();
-    let mut voltages = String::from("w,v\n");
+    let mut voltages = String::from("t,i,tau,w,v\n");
     for k in 1..=8 {
         // K_B = 0.05 against a K_T of 0.082 on the q axis.
-        voltages.push_str(&format!("{},{:.3}\n", 20 * k, f64::from(k) + 0.002 * f64::from(k % 3)));
+        voltages.push_str(&format!("{k},0,0,{},{:.3}\n", 20 * k, f64::from(k) + 0.002 * f64::from(k % 3)));
     }
     fs::write(folder.path().join("backdrive.csv"), voltages).unwrap();
     fs::write(folder.path().join("stall.csv"), stall_csv()).unwrap();

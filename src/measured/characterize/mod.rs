@@ -198,13 +198,17 @@ pub fn logs_of(bench: &Bench, kind: BenchKind) -> Vec<&Log> {
 /// With what the calibration of the instruments leaves open: a gain is common to all logs of a test and does not
 /// average out. Each quantity is measured by one of some channels, and enters with a power.
 pub fn calibrated(estimate: Estimate, logs: &[&Log], by: &[(&[Channel], f64)]) -> Estimate {
-    let mut parts = vec![(1.0, estimate)];
+    let mut parts = vec![estimate.half_width()];
     for (channels, power) in by {
         let of = |log: &&Log| channels.iter().filter_map(|c| log.gains.get(c)).copied().fold(0.0, f64::max);
         let gain = logs.iter().map(of).fold(0.0, f64::max);
-        parts.push((power * estimate.value, Estimate::stated(1.0, gain)));
+        parts.push(power * estimate.value * gain);
     }
-    Estimate::combined(estimate.value, &parts)
+    // Half-widths, with the degrees of freedom of the logs: those of Welch and Satterthwaite would grow, and a gain that
+    // is not exact would make the interval of few logs narrower.
+    let half = parts.iter().map(|p| p * p).sum::<f64>().sqrt();
+    let standard_uncertainty = half / estimate::quantile(0.975, estimate.freedom);
+    Estimate { standard_uncertainty, ..estimate }
 }
 
 /// Says which instruments count as exact, because their columns do not say how well they are calibrated.
