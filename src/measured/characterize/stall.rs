@@ -283,9 +283,13 @@ fn zeros(outcome: &mut Outcome, used: &[(f64, &Line)], slope: f64) {
             "zero_drift",
             Weight::Note,
             format!(
-                "whether a zero drifts cannot be told from the slope (to {} % of the largest torque only): the current \
+                "whether a zero drifts cannot be told from the slope ({}): the current \
                  goes in order, and a drift passes for slope or bend; steps in random order keep that out",
-                number((100.0 * blind).round())
+                if blind < 1.0 {
+                    format!("to {} % of the largest torque only", number((100.0 * blind).round()))
+                } else {
+                    "not at all".into()
+                }
             ),
         )
     } else if worst == 0.0 {
