@@ -225,6 +225,63 @@ fn a_row_that_is_not_complete_is_not_written() {
     assert!(!folder.path().join("row.csv").exists());
 }
 
+/// A rotor whose inertia is measured far from what its mass and radius allow, and a K_T far from K_B: both were measured,
+/// so that the row says what the audit will find, and why, and the audit takes it for explained.
+#[test]
+fn what_two_tests_disagree_on_is_accepted_by_name() {
+    let backdrive = "[[log]]\nfile = \"backdrive.csv\"\nkind = \"backdrive\"\ncolumns.velocity = { name = \"w\", unit = \
+                     \"rad/s\" }\ncolumns.voltage = { name = \"v\", unit = \"V\", convention = \"q_axis\" }\n";
+    let folder = tempfile::tempdir().unwrap();
+    let mut voltages = String::from("t,i,tau,w,v\n");
+    for k in 1..=8 {
+        // K_B = 0.05 against a K_T of 0.082 on the q axis.
+        voltages.push_str(&format!("{k},0,0,{},{:.3}\n", 20 * k, f64::from(k) + 0.002 * f64::from(k % 3)));
+    }
+    fs::write(folder.path().join("backdrive.csv"), voltages).unwrap();
+    fs::write(folder.path().join("stall.csv"), stall_csv()).unwrap();
+    fs::write(folder.path().join("bench.toml"), format!("{BENCH}{backdrive}")).unwrap();
+    let output = gearwise_in(folder.path(), &["characterize", "bench.toml", "--write", "row.csv"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("beyond their ±"), "{}", stdout(&output));
+    let text = fs::read_to_string(folder.path().join("row.csv")).unwrap();
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let row = reader.records().next().unwrap().unwrap();
+    let of = |name: &str| &row[header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no {name} in {text}"))];
+    assert_eq!(of("audit_accept"), "back-emf");
+    assert!(of("note").contains("both measured: "), "{}", of("note"));
+    let audit = gearwise_in(folder.path(), &["audit", "row.csv"]);
+    assert_eq!(audit.status.code(), Some(0), "{}", stdout(&audit));
+    assert!(stdout(&audit).contains("0 errors, 1 explained"), "{}", stdout(&audit));
+    // A row that agrees with itself accepts nothing.
+    let (_, folder) = run(BENCH, &stall_csv(), &["--write", "row.csv"]);
+    assert!(!fs::read_to_string(folder.path().join("row.csv")).unwrap().contains("audit_accept,"));
+}
+
+/// A missing cell of a current neither stops the heat nor the program.
+#[test]
+fn a_missing_current_does_not_stop_the_heat() {
+    let file = fs::read_to_string(repository("requirements/bench/motor_on_bench_thermal.csv")).unwrap();
+    let lines = file.lines().enumerate().map(|(k, line)| {
+        let (time, rest) = line.split_once(',').unwrap();
+        // Every tenth current is not there: its cell is the second.
+        if k % 10 == 5 { format!("{time},,{}\n", rest.split_once(',').unwrap().1) } else { format!("{line}\n") }
+    });
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("thermal.csv"), lines.collect::<String>()).unwrap();
+    let head = BENCH.split("[columns]").next().unwrap();
+    let log = "[[log]]\nfile = \"thermal.csv\"\nkind = \"thermal_step\"\ncolumns.time = { name = \"t_s\", unit = \"s\" \
+               }\ncolumns.current = { name = \"dc_a\", unit = \"A\", convention = \"dc\" }\ncolumns.winding_temperature = { \
+               name = \"winding_degc\", unit = \"degC\" }\ncolumns.housing_temperature = { name = \"housing_degc\", unit = \
+               \"degC\" }\n";
+    fs::write(folder.path().join("bench.toml"), format!("ambient = \"22 degC\"\n{head}{log}")).unwrap();
+    let output = gearwise_in(folder.path(), &["characterize", "bench.toml", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let r = &result["row"]["numbers"]["thermal_resistance_winding_housing_k_per_w"];
+    assert!((r.as_f64().unwrap_or_else(|| panic!("{result:#}")) / 1.6 - 1.0).abs() < 0.03, "{r}");
+}
+
 /// Wrong arguments are mistakes too.
 #[test]
 fn wrong_arguments() {

@@ -136,7 +136,7 @@ fn benches_are_documented() {
     let log = |more: &str| format!("[[log]]\nfile = \"x.csv\"\n{more}\n");
     let text = format!(
         "{NO}\nkind = \"dynamometer\"\nactuator = {{ motor = \"t-motor-ri50\", ratio = 7.5, {NO} }}\n[columns]\n{NO}\n\
-         time = {{ name = \"t\", unit = \"s\", {NO} }}\n[load]\n{NO}\n{}",
+         time = {{ name = \"t\", unit = \"s\", {NO} }}\nvelocity = {{ name = \"w\", unit = \"rpm\", {NO} }}\n[load]\n{NO}\n{}",
         log(NO)
     );
     compare(BENCH, &known(&text, &["identify", "file.toml"]));

@@ -99,6 +99,27 @@ pub enum Channel {
     HousingTemperature,
 }
 
+impl Channel {
+    /// Its instrument in words.
+    pub fn word(self) -> &'static str {
+        match self {
+            Channel::Current => "the current",
+            Channel::Voltage => "the voltage",
+            Channel::MotorPosition | Channel::OutputPosition => "the position",
+            Channel::MotorVelocity | Channel::OutputVelocity => "the velocity",
+            Channel::OutputAcceleration => "the acceleration",
+            Channel::Torque => "the torque",
+            Channel::Duty => "the duty",
+            Channel::Supply => "the supply",
+            Channel::BusCurrent => "the bus current",
+            Channel::Goal => "the goal",
+            Channel::Command => "the command",
+            Channel::WindingTemperature => "the winding temperature",
+            Channel::HousingTemperature => "the housing temperature",
+        }
+    }
+}
+
 /// What a log is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Use {
@@ -147,6 +168,11 @@ pub struct Log {
     pub controller: Option<Controller>,
     /// Whether the rotor was in its place; tests of inertia are also done without it.
     pub rotor: bool,
+    /// Over how long its velocity is a difference of positions, or a mean \[s\]; zero for that of an instant. `None`
+    /// where the bench file does not say.
+    pub difference: Option<f64>,
+    /// ± (95 %) of the gain of a channel's instrument, as a share, where the bench file says it.
+    pub gains: BTreeMap<Channel, f64>,
     /// Time \[s\], increasing; row number for a steady table without time.
     pub time: Vec<f64>,
     /// The channels that the log has.

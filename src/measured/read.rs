@@ -468,6 +468,8 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
         load: plan.load,
         controller: plan.controller,
         rotor: plan.rotor,
+        difference: plan.difference(),
+        gains: plan.gains(),
         time: rows.time,
         channels: rows.channels,
         remarks,
@@ -475,6 +477,21 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
 }
 
 impl Plan {
+    /// How well its columns say that their instruments are calibrated.
+    fn gains(&self) -> BTreeMap<Channel, f64> {
+        let of = |c: &Column| match c.target {
+            Target::Channel(channel) => Some((channel, c.gain_tolerance?)),
+            Target::Time => None,
+        };
+        self.columns.iter().filter_map(of).collect()
+    }
+
+    /// What its columns say of the velocity that is used: the motor's, where there are two.
+    fn difference(&self) -> Option<f64> {
+        let of = |channel| self.columns.iter().find(|c| c.target == Target::Channel(channel));
+        of(Channel::MotorVelocity).or(of(Channel::OutputVelocity))?.difference
+    }
+
     /// The file and what is selected of it, short.
     fn name(&self) -> String {
         let conditions: Vec<String> = self.select.iter().filter_map(Condition::label).collect();

@@ -18,7 +18,13 @@ use crate::measured::characterize::row::Row;
 use crate::measured::characterize::{Characterization, Finding, Outcome, Weight};
 
 fn share(relative: f64) -> String {
-    if relative.is_finite() { format!("{} %", number((1000.0 * relative).round() / 10.0)) } else { "–".into() }
+    let percent = 100.0 * relative;
+    match percent {
+        p if !p.is_finite() => "–".into(),
+        // A ± is not nothing because it is small.
+        p if p < 0.095 => format!("{} %", number(rounded(p, 1))),
+        p => format!("{} %", number((10.0 * p).round() / 10.0)),
+    }
 }
 
 /// A number with its ± of 95 %: as many digits as two of the ± need.
@@ -30,6 +36,8 @@ fn value(e: &Estimate, unit: &'static str) -> String {
         return format!("{} {unit}", number(scaled));
     }
     let digits = (1.0 - half.log10().floor()).clamp(0.0, 9.0) as usize;
+    // What rounds to zero has no sign.
+    let scaled = if scaled.abs() < 0.5 * 10.0_f64.powi(-(digits as i32)) { 0.0 } else { scaled };
     format!("{scaled:.digits$} ± {half:.digits$} {unit}")
 }
 

@@ -22,6 +22,8 @@ pub fn log(kind: BenchKind, time: Vec<f64>, channels: Vec<(Channel, Vec<f64>)>) 
         load: KnownLoad::default(),
         controller: None,
         rotor: true,
+        difference: None,
+        gains: BTreeMap::new(),
         time,
         channels: channels.into_iter().collect::<BTreeMap<_, _>>(),
         remarks: Vec::new(),
@@ -45,7 +47,17 @@ pub struct RandomTest {
     pub command: bool,
     /// Counts of the encoder in a turn.
     pub counts: f64,
+    /// Over how many fine steps the velocity is a difference of counts: [`QUARTER`] of a sample as a drive does it, a
+    /// whole [`SAMPLE`] as a lab does it afterwards.
+    pub span: usize,
+    /// Whether the log says so.
+    pub declared: bool,
 }
+
+/// A quarter of a sample in fine steps.
+pub const QUARTER: usize = FINE / 4;
+/// A sample in fine steps.
+pub const SAMPLE: usize = FINE;
 
 /// Samples per second.
 pub const RATE: f64 = 1100.0;
@@ -101,10 +113,9 @@ impl RandomTest {
             time.push(s as f64 / RATE);
             // Held over the step before and after: the torque at this instant is their mean.
             measured.push(0.5 * (torque[fine - 1] + torque[fine]) + 0.02 + sensor * noise.normal());
-            // Central difference over a quarter of a sample, as a drive does it: over a whole one, speed at the top of the
-            // band is 1 % low, and the inertia as much too high.
             let at = fine as f64 - self.lag / h;
-            velocity.push((quantised(at + 1.0) - quantised(at - 1.0)) / (2.0 * h));
+            let half = 0.5 * self.span as f64;
+            velocity.push((quantised(at + half) - quantised(at - half)) / (2.0 * half * h));
             // The drive follows its command 2 ms later.
             command.push(3.0 * torque[fine + 18]);
         }
@@ -112,6 +123,97 @@ impl RandomTest {
         if self.command {
             channels.push((Channel::Command, command));
         }
-        log(BenchKind::RandomTorque, time, channels)
+        let log = log(BenchKind::RandomTorque, time, channels);
+        Log { difference: self.declared.then_some(self.span as f64 * h), ..log }
+    }
+}
+
+/// A drag test in steps of speed: noise on samples, a scatter from step to step, a zero of the sensor.
+#[derive(Debug, Clone, Copy)]
+pub struct DragTest {
+    /// Coulomb friction \[N·m\].
+    pub coulomb: f64,
+    /// Viscous friction \[N·m·s/rad\].
+    pub viscous: f64,
+    /// Standard deviation of a step \[N·m\].
+    pub scatter: f64,
+    /// Whether it turns both ways; else it rests between.
+    pub both: bool,
+}
+
+impl DragTest {
+    /// Its log.
+    pub fn log(&self, r: &mut Random) -> Log {
+        let speeds: Vec<f64> =
+            [20.0, 40.0, 70.0, 100.0, 130.0].into_iter().flat_map(|w| [w, if self.both { -w } else { 0.0 }]).collect();
+        let zero = 0.02 * r.normal();
+        let (mut time, mut speed, mut torque) = (Vec::new(), Vec::new(), Vec::new());
+        for (step, w) in speeds.iter().enumerate() {
+            let off = self.scatter * r.normal();
+            for k in 0..120 {
+                time.push((step * 120 + k) as f64 * 0.025);
+                let now = w * (1.0 - (-(k as f64) / 5.0).exp());
+                speed.push(now + 0.05 * r.normal());
+                let drag = if *w == 0.0 { 0.0 } else { self.coulomb * w.signum() + self.viscous * now };
+                torque.push(drag + zero + off + 0.002 * r.normal());
+            }
+        }
+        log(BenchKind::Drag, time, vec![(Channel::MotorVelocity, speed), (Channel::Torque, torque)])
+    }
+}
+
+/// A step of current into a motor of two nodes, with the sensors' noise and a slow wander of theirs.
+#[derive(Debug, Clone, Copy)]
+pub struct HeatTest {
+    /// Winding to housing, housing to ambient \[K/W\].
+    pub resistances: (f64, f64),
+    /// Time constants of winding and housing, R_wh C_w and R_ha C_h \[s\].
+    pub constants: (f64, f64),
+    /// Resistance of the copper at 25 degC \[Ω\].
+    pub copper: f64,
+    /// Current \[A\].
+    pub current: f64,
+    /// How long the current flows, and the log lasts \[s\].
+    pub duration: (f64, f64),
+    /// Standard deviation of the wander \[K\].
+    pub wander: f64,
+}
+
+/// Ambient of [`HeatTest`] \[K\].
+pub const AMBIENT: f64 = 295.15;
+
+impl HeatTest {
+    /// Its log.
+    pub fn log(&self, r: &mut Random) -> Log {
+        let ((r_wh, r_ha), (t_w, t_h)) = (self.resistances, self.constants);
+        let h = 0.01;
+        let (mut winding, mut housing) = (AMBIENT, AMBIENT);
+        let mut wander = [self.wander * r.normal(), self.wander * r.normal()];
+        let (mut time, mut current, mut hot, mut warm) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for second in 0..self.duration.1 as usize {
+            let i = if (second as f64) < self.duration.0 { self.current } else { 0.0 };
+            if second % 2 == 0 {
+                time.push(second as f64);
+                current.push(i);
+                hot.push(winding + wander[0] + 0.1 * r.normal());
+                warm.push(housing + wander[1] + 0.1 * r.normal());
+            }
+            // A wander that forgets itself in ten seconds.
+            let keeps = (-0.1_f64).exp();
+            for w in &mut wander {
+                *w = keeps * *w + self.wander * (1.0 - keeps * keeps).sqrt() * r.normal();
+            }
+            for _ in 0..(1.0 / h) as usize {
+                let heat = self.copper * (1.0 + 0.0039 * (winding - 298.15)) * i * i;
+                let through = (winding - housing) / r_wh;
+                winding += h * (heat - through) * r_wh / t_w;
+                housing += h * (through - (housing - AMBIENT) / r_ha) * r_ha / t_h;
+            }
+        }
+        log(
+            BenchKind::ThermalStep,
+            time,
+            vec![(Channel::Current, current), (Channel::WindingTemperature, hot), (Channel::HousingTemperature, warm)],
+        )
     }
 }

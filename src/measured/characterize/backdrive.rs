@@ -5,7 +5,7 @@
 use super::estimate::{Estimate, pool};
 use super::line::{Line, points};
 use super::stall::{SMALL, between_logs, line_band};
-use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::report::{handy::with_error, number};
 
@@ -49,7 +49,7 @@ impl Test for Backdrive {
             ..Outcome::default()
         };
         let mut used: Vec<(f64, Line)> = Vec::new();
-        for log in logs {
+        for log in logs.iter().copied() {
             let mut entry = PerLog { log: log.name.clone(), used: true, values: Vec::new(), remarks: Vec::new() };
             match line(log, bench.declared.ratio) {
                 Some(line) => {
@@ -99,7 +99,9 @@ impl Test for Backdrive {
         }
         let estimates: Vec<Estimate> = used.iter().map(|(s, l)| l.slope().scaled(*s)).collect();
         let Some(pooled) = pool(&estimates) else { return Some(outcome) };
-        let k = pooled.estimate;
+        let speed: &[Channel] = &[Channel::MotorVelocity, Channel::OutputVelocity];
+        let k = calibrated(pooled.estimate, &logs, &[(&[Channel::Voltage], 1.0), (speed, 1.0)]);
+        outcome.findings.extend(calibration(&logs, &[Channel::Voltage]));
         outcome.findings.push(between_logs(pooled.count, pooled.between, k.value));
         outcome.quantities.push(Quantity {
             name: "back_emf_constant",

@@ -49,7 +49,23 @@ const CONVENTIONS: &[(f64, &str)] = &[
 ];
 
 fn torque_against_back_emf(_: &Bench, outcomes: &[Outcome]) -> Option<(Weight, String)> {
-    let (torque, back_emf) = (find(outcomes, "torque_constant")?, find(outcomes, "back_emf_constant")?);
+    let (torque, back_emf) = match (find(outcomes, "torque_constant"), find(outcomes, "back_emf_constant")) {
+        (Some(torque), Some(back_emf)) => (torque, back_emf),
+        (None, None) => return None,
+        (only, _) => {
+            let (here, other, what) = if only.is_some() {
+                (
+                    "K_T",
+                    "backdrive",
+                    "convention and gain of the current, gain of the torque sensor, columns that are swapped",
+                )
+            } else {
+                ("K_B", "stall", "convention of the voltage, columns that are swapped")
+            };
+            let text = format!("nothing checks {here} ({what}): a `{other}` test of the same motor would");
+            return Some((Weight::Note, text));
+        }
+    };
     let off = discrepancy(torque, back_emf);
     let percent = |x: f64| number((1000.0 * x).round() / 10.0);
     let text = format!("K_T is {} ± {} % off K_B (95 %)", percent(off.value), percent(off.half_width()));

@@ -1,13 +1,16 @@
 //! Friction: drag torque on speed, by a torque sensor or by the current that keeps the motor turning.
 //!
-//! Coulomb alone, Coulomb and viscous, and Coulomb with a drag that flattens at a knee (eddy currents) are nested: a
-//! form is taken only where it is better beyond chance. A row has room for Coulomb and viscous; where the drag
-//! flattens, it gets their best line over the speeds that were measured, and that is said.
+//! Coulomb and viscous are always fitted together: a viscous part that cannot be told from zero is still no zero, and
+//! left out it would pass for Coulomb friction. A drag that flattens at a knee (eddy currents) is taken only where it is
+//! better beyond chance. A row has room for Coulomb and viscous; where the drag flattens, it gets their best line over
+//! the speeds that were measured, and that is said.
 
 use super::backdrive::motor_speed;
 use super::estimate::{Estimate, Fit, least_squares};
 use super::line::{mean, points, steps, trimmed};
-use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, find, logs_of};
+use super::{
+    Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, find, logs_of,
+};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::report::number;
 
@@ -69,8 +72,8 @@ impl Test for Drag {
             .or_else(|| bench.declared.motor.as_ref().map(|m| Estimate::exact(m.torque_constant)));
         let by_current = logs.iter().all(|l| l.channel(Channel::Torque).is_none());
         outcome.method.push(format!(
-            "means over each step of speed without its ends{}; Coulomb, Coulomb + viscous and Coulomb + a drag with a knee \
-             compared by F tests at {} %",
+            "means over each step of speed without its ends{}; Coulomb + viscous, against Coulomb + a drag with a knee by an \
+             F test at {} %",
             if by_current { ", torque = K_T · current" } else { "" },
             number(100.0 * LEVEL)
         ));
@@ -97,6 +100,11 @@ impl Test for Drag {
             outcome.logs.push(PerLog { log: log.name.clone(), used: found.len() >= 4, values: Vec::new(), remarks });
         }
         fit(&mut outcome, all, logs.len(), by_current, constant);
+        for quantity in &mut outcome.quantities {
+            // A torque constant from the same current has its gain in it already, the other way round.
+            quantity.estimate = calibrated(quantity.estimate, &logs, &[(&[Channel::Torque], 1.0)]);
+        }
+        outcome.findings.extend(calibration(&logs, &[Channel::Torque]));
         Some(outcome)
     }
 }
@@ -182,8 +190,9 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
     };
     let fastest = speeds.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let knee = flattening(&columns, &speeds, &torque, fastest);
-    let line = viscous.filter(|v| better(&coulomb, v));
-    let flat = knee.filter(|(_, k)| line.as_ref().is_some_and(|l| better(l, k)) && k.coefficients[1] > 0.0);
+    let grows = viscous.as_ref().is_some_and(|v| better(&coulomb, v));
+    let line = viscous;
+    let flat = knee.filter(|(_, k)| grows && line.as_ref().is_some_and(|l| better(l, k)) && k.coefficients[1] > 0.0);
     let found = line.as_ref().unwrap_or(&coulomb);
     // K_T is behind every torque that was a current.
     let with_constant = |e: Estimate| match constant.filter(|_| by_current) {
@@ -221,18 +230,31 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
                     unit: "N*m*s/rad",
                     remark: if flat.is_some() { "of the best line over the measured speeds" } else { "" }.into(),
                 });
-            } else {
+            } else if grows {
                 outcome.findings.push(Finding::new(
                     "friction_sign",
                     Weight::Warning,
                     "drag falls with speed: no viscous friction (Stribeck, or a warming bearing); left out of the row",
                 ));
             }
+            if !grows {
+                outcome.findings.push(Finding::new(
+                    "friction_form",
+                    Weight::Note,
+                    format!(
+                        "drag does not change with speed beyond chance: a viscous part of {} ± {} N*m*s/rad cannot be told \
+                         from zero{}; more speeds, or longer steps, would show it",
+                        number(b.value),
+                        number(b.half_width()),
+                        if b.value > 0.0 { "" } else { " and is left out of the row" }
+                    ),
+                ));
+            }
         }
         None => outcome.findings.push(Finding::new(
             "friction_form",
             Weight::Note,
-            "drag does not grow with speed beyond chance: Coulomb friction alone",
+            "one speed does not tell Coulomb from viscous friction: all of it counts as Coulomb's",
         )),
     }
     let mut zeroed: Vec<(f64, f64)> = Vec::new();

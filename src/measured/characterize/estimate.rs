@@ -43,6 +43,15 @@ pub fn quantile(probability: f64, freedom: f64) -> f64 {
     }
 }
 
+/// Chance of less, by Student's distribution with `freedom` degrees of freedom.
+fn probability(of: f64, freedom: f64) -> f64 {
+    if freedom.is_finite() && freedom < 1e6 {
+        StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::NAN, |d| d.cdf(of))
+    } else {
+        Normal::new(0.0, 1.0).map_or(f64::NAN, |d| d.cdf(of))
+    }
+}
+
 impl Estimate {
     /// A number that is known exactly.
     pub fn exact(value: f64) -> Estimate {
@@ -141,6 +150,25 @@ pub fn motor_constant_slopes(torque: f64, back_emf: f64, resistance: f64) -> [f6
 /// `a/b − 1`.
 pub fn discrepancy(a: Estimate, b: Estimate) -> Estimate {
     Estimate::combined(a.value / b.value - 1.0, &[(1.0 / b.value, a), (-a.value / (b.value * b.value), b)])
+}
+
+/// What is only known to lie between estimates: the interval holds it in 95 of 100 cases wherever it lies, be it at an
+/// end (Imbens and Manski, 2004). At an end one side alone can miss, so that it reaches beyond both ends by less than
+/// two standard uncertainties; where the ends are alike it is the plain interval. Not a number of nothing.
+pub fn bracket(ends: &[Estimate]) -> Estimate {
+    let (low, high) =
+        ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), e| (l.min(e.value), h.max(e.value)));
+    let widest = ends.iter().map(|e| e.standard_uncertainty).fold(0.0, f64::max);
+    let freedom = ends.iter().map(|e| e.freedom).fold(f64::INFINITY, f64::min);
+    let apart = (high - low) / widest.max(f64::MIN_POSITIVE);
+    // Chance of holding an end, by how far it reaches beyond.
+    let holds = |c: f64| probability(c + apart, freedom) - probability(-c, freedom);
+    let (mut near, mut far) = (quantile(0.95, freedom), quantile(0.975, freedom));
+    for _ in 0..60 {
+        let middle = 0.5 * (near + far);
+        if holds(middle) < 0.95 { near = middle } else { far = middle }
+    }
+    Estimate::stated(0.5 * (low + high), 0.5 * (high - low) + far * widest)
 }
 
 /// The numbers of several logs as one.
@@ -270,6 +298,16 @@ mod tests {
         let sum = Estimate::combined(0.0, &[part(25.0, 18.0), part(9.7, 25.6), part(2.9, 50.0), part(16.6, 2.0)]);
         assert_relative_eq!(sum.standard_uncertainty, 31.7, max_relative = 5e-3);
         assert!((sum.freedom - 16.7).abs() < 0.8, "{}", sum.freedom);
+    }
+
+    #[test]
+    fn a_bracket_reaches_beyond_its_ends_as_far_as_chance_does() {
+        // Imbens and Manski (2004): 1.96 where the ends are alike, 1.645 where they are far apart.
+        let end = |value| Estimate { value, standard_uncertainty: 1.0, freedom: f64::INFINITY };
+        assert_relative_eq!(bracket(&[end(5.0), end(5.0)]).half_width(), 1.959_964, max_relative = 1e-5);
+        let far = bracket(&[end(0.0), end(20.0), end(10.0)]);
+        assert_relative_eq!(far.value, 10.0, max_relative = 1e-12);
+        assert_relative_eq!(far.half_width(), 10.0 + 1.644_854, max_relative = 1e-5);
     }
 
     #[test]

@@ -103,6 +103,10 @@ pub struct Line {
     pub bend: Option<f64>,
     /// Change of the zero from the first to the last point, where that is beyond chance (99 %).
     pub drift: Option<f64>,
+    /// Half-width (95 %) of that change; infinite where it cannot be told from the slope: x in rising order.
+    pub drift_half: f64,
+    /// Slope at zero, where the points bend beyond chance.
+    pub initial: Option<Estimate>,
 }
 
 impl Line {
@@ -119,12 +123,14 @@ impl Line {
         };
         let largest = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let square: Vec<f64> = x.iter().map(|v| v * v.abs()).collect();
-        let bend = least_squares(&[x.clone(), square, ones.clone()], &y)
-            .filter(|f| significant(f, 1))
-            .map(|f| 2.0 * f.coefficients[1] * largest / f.coefficients[0]);
+        let bent = least_squares(&[x.clone(), square, ones.clone()], &y).filter(|f| significant(f, 1));
+        let bend = bent.as_ref().map(|f| 2.0 * f.coefficients[1] * largest / f.coefficients[0]);
+        let initial = bent.map(|f| f.estimate(0));
         let order: Vec<f64> = (0..x.len()).map(|k| k as f64 / (x.len() - 1) as f64 - 0.5).collect();
-        let drift = least_squares(&[x, ones, order], &y).filter(|f| significant(f, 2)).map(|f| f.coefficients[2]);
-        Some(Line { points, fit, bend, drift })
+        let drifting = least_squares(&[x, ones, order], &y);
+        let drift_half = drifting.as_ref().map_or(f64::INFINITY, |f| f.estimate(2).half_width());
+        let drift = drifting.filter(|f| significant(f, 2)).map(|f| f.coefficients[2]);
+        Some(Line { points, fit, bend, drift, drift_half, initial })
     }
 
     /// Slope.

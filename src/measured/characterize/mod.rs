@@ -18,7 +18,7 @@ pub mod terminals;
 pub mod thermal_step;
 
 use self::estimate::Estimate;
-use crate::measured::bench::{Bench, BenchKind, Log, Use};
+use crate::measured::bench::{Bench, BenchKind, Channel, Log, Use};
 
 /// A way to learn something of a motor.
 pub trait Test: Sync {
@@ -193,6 +193,35 @@ pub fn find(outcomes: &[Outcome], name: &str) -> Option<Estimate> {
 /// The logs of a kind that may be used to fit.
 pub fn logs_of(bench: &Bench, kind: BenchKind) -> Vec<&Log> {
     bench.logs.iter().filter(|l| l.kind == kind && l.usage == Use::Fit).collect()
+}
+
+/// With what the calibration of the instruments leaves open: a gain is common to all logs of a test and does not
+/// average out. Each quantity is measured by one of some channels, and enters with a power.
+pub fn calibrated(estimate: Estimate, logs: &[&Log], by: &[(&[Channel], f64)]) -> Estimate {
+    let mut parts = vec![estimate.half_width()];
+    for (channels, power) in by {
+        let of = |log: &&Log| channels.iter().filter_map(|c| log.gains.get(c)).copied().fold(0.0, f64::max);
+        let gain = logs.iter().map(of).fold(0.0, f64::max);
+        parts.push(power * estimate.value * gain);
+    }
+    // Half-widths, with the degrees of freedom of the logs: those of Welch and Satterthwaite would grow, and a gain that
+    // is not exact would make the interval of few logs narrower.
+    let half = parts.iter().map(|p| p * p).sum::<f64>().sqrt();
+    let standard_uncertainty = half / estimate::quantile(0.975, estimate.freedom);
+    Estimate { standard_uncertainty, ..estimate }
+}
+
+/// Says which instruments count as exact, because their columns do not say how well they are calibrated.
+pub fn calibration(logs: &[&Log], channels: &[Channel]) -> Option<Finding> {
+    let silent = |c: &&Channel| logs.iter().any(|l| l.channel(**c).is_some() && !l.gains.contains_key(*c));
+    let exact: Vec<&str> = channels.iter().filter(silent).map(|c| c.word()).collect();
+    (!exact.is_empty()).then(|| {
+        let text = format!(
+            "the gain of {} counts as exact: `gain_tolerance = \"0.5 %\"` in the column puts the calibration into the ±",
+            exact.join(" and of ")
+        );
+        Finding::new("calibration", Weight::Note, text)
+    })
 }
 
 /// Runs every test that the bench has.

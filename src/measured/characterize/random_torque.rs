@@ -4,6 +4,10 @@
 //! H2 too large. The command of the driving machine knows neither noise: as instrument it gives J without bias.
 //! Where the log has no command, H1 and H2 bracket the truth and the bracket is in the ±.
 //!
+//! A velocity that is a difference of encoder counts is a mean over that time: it reads low at high frequency, by
+//! sin(x)/x with x = π f T, and J comes out too large (4 % at 150 Hz for 1 ms). Where the column says its `difference`,
+//! that is taken out; where not, T is fitted too (with a command), or a bracket from nothing to one sample.
+//!
 //! In order: lag between the channels, H1 by Welch's method with its coherence and the band that it allows, first
 //! order fitted to the gain, refined on the variance accounted for in time (free zero and initial speed), and the
 //! equation `T = J Ω̇ + B Ω` over windows of time with instruments, which gives the number and its interval: windows
@@ -14,10 +18,10 @@ mod spectra;
 use nalgebra::{DMatrix, DVector};
 
 use self::spectra::{Record, Spectra, band, gain_fit, response};
-use super::estimate::{Combination, Estimate, combine, pool, rotor_inertia};
+use super::estimate::{Combination, Estimate, bracket, combine, pool, rotor_inertia};
 use super::stall::between_logs;
-use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
-use crate::measured::bench::{Bench, BenchKind, Log};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, logs_of};
+use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::simulate::{Unknown, minimise};
 use crate::report::number;
 
@@ -28,8 +32,14 @@ pub struct RandomTorque;
 
 /// Lags that are looked for \[s\].
 const LARGEST_LAG: f64 = 0.05;
+/// Highest frequency times span of a difference that is used: there it still reads half.
+const MOST_AVERAGED: f64 = 0.6;
 /// Power of half-overlapping Hann windows is correlated by 1/36 from one to the next.
 const OVERLAP: f64 = 1.0 + 2.0 / 36.0;
+
+/// How the instruments' gains enter an inertia: torque over speed.
+const GAINS: &[(&[Channel], f64)] =
+    &[(&[Channel::Torque], 1.0), (&[Channel::MotorVelocity, Channel::OutputVelocity], 1.0)];
 
 /// What stands for the noise-free signals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +61,19 @@ pub struct FirstOrder {
     pub damping: Estimate,
     /// How late the velocity is behind the torque \[s\].
     pub lag: Estimate,
+    /// Square of the time over which the velocity is a mean \[s²\].
+    pub averaging: Estimate,
+}
+
+/// Where it is known from over how long the velocity is a mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Averaging {
+    /// The bench file says it.
+    Declared,
+    /// Fitted beside inertia, damping and lag.
+    Fitted,
+    /// Between nothing and one sample: both are in the bracket.
+    Bracketed,
 }
 
 /// What one log says, at the output.
@@ -66,6 +89,8 @@ pub struct Identified {
     pub bracket: [FirstOrder; 2],
     /// Whether the command was the instrument.
     pub instrument: Instrument,
+    /// Where the velocity's averaging is known from.
+    pub averaging: Averaging,
     /// Variance accounted for by the refined fit, and by the answer \[%\].
     pub vaf: (f64, f64),
     /// The band.
@@ -89,38 +114,70 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
     let turned = record.align();
     let mut spectra = Spectra::new(&record);
     let h = response(&spectra);
-    let band = band(&h, record.command.is_some())?;
+    let mut band = band(&h, record.command.is_some())?;
+    if let Some(span) = log.difference.filter(|t| t * band.high > MOST_AVERAGED) {
+        band.high = MOST_AVERAGED / span;
+        band.why.push_str(&format!(", and a difference over {} ms keeps too little above", number(1e3 * span)));
+        if band.high < 2.0 * band.low {
+            return Err(format!("a difference over {} ms leaves no band to fit", number(1e3 * span)));
+        }
+    }
     let gain = gain_fit(&h, &band);
     let (mut j, mut b) = gain;
     let mut lag = 0.0;
     let start = if record.command.is_some() { Instrument::Command } else { Instrument::Torque };
-    // The lag first: rounds until it stays.
-    for _ in 0..8 {
-        let solved = solve(&spectra, &band, start, j, b)?;
+    let averaging = match log.difference {
+        Some(_) => Averaging::Declared,
+        None if record.command.is_some() => Averaging::Fitted,
+        None => Averaging::Bracketed,
+    };
+    let free = averaging == Averaging::Fitted;
+    let mut square = log.difference.unwrap_or(0.0).powi(2);
+    let most = (0.5_f64 / band.high).powi(2);
+    spectra = Spectra::corrected(&record, 0.0, square);
+    // The lag first, then the averaging with it: rounds until they stay. Both at once from a lag that is far off run away.
+    let mut settled = false;
+    for _ in 0..16 {
+        let solved = solve(&spectra, &band, start, j, b, free && settled)?;
         (j, b) = (solved.inertia.value.abs(), solved.damping.value);
+        let wider = if free { (square + solved.averaging.value).clamp(-most, most) - square } else { 0.0 };
+        square += wider;
         let step = solved.lag.value.clamp(-0.2 / band.high, 0.2 / band.high);
         lag += step;
         if lag.abs() > LARGEST_LAG {
             return Err(format!("no lag within {} ms makes it first order", number(1e3 * LARGEST_LAG)));
         }
-        spectra = Spectra::new(&record.with_lag(lag));
-        if step.abs() < 1e-3 * record.step {
-            break;
+        spectra = Spectra::corrected(&record, lag, square);
+        if step.abs() < 1e-3 * record.step && wider.abs() < 1e-3 * most {
+            if settled || !free {
+                break;
+            }
+            settled = true;
         }
     }
     let with_lag = |mut f: FirstOrder| {
         f.lag.value += lag;
+        f.averaging.value += square;
         f
     };
-    let upper = with_lag(solve(&spectra, &band, Instrument::Torque, j, b)?);
-    let lower = with_lag(solve(&spectra, &band, Instrument::Velocity, j, b)?);
+    let upper = with_lag(solve(&spectra, &band, Instrument::Torque, j, b, false)?);
+    let lower = with_lag(solve(&spectra, &band, Instrument::Velocity, j, b, false)?);
     let (result, instrument) = if record.command.is_some() {
-        (with_lag(solve(&spectra, &band, Instrument::Command, j, b)?), Instrument::Command)
+        (with_lag(solve(&spectra, &band, Instrument::Command, j, b, free)?), Instrument::Command)
     } else {
+        let mut ends = vec![upper, lower];
+        if averaging == Averaging::Bracketed {
+            let sample = Spectra::corrected(&record, lag, record.step.powi(2));
+            for instrument in [Instrument::Torque, Instrument::Velocity] {
+                ends.push(with_lag(solve(&sample, &band, instrument, j, b, false)?));
+            }
+        }
+        let of = |pick: fn(&FirstOrder) -> Estimate| bracket(&ends.iter().map(pick).collect::<Vec<_>>());
         let middle = FirstOrder {
-            inertia: between(upper.inertia, lower.inertia),
-            damping: between(upper.damping, lower.damping),
-            lag: between(upper.lag, lower.lag),
+            inertia: of(|f| f.inertia),
+            damping: of(|f| f.damping),
+            lag: of(|f| f.lag),
+            averaging: upper.averaging,
         };
         (middle, Instrument::Torque)
     };
@@ -140,6 +197,7 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
         refined,
         bracket: [upper, lower],
         instrument,
+        averaging,
         vaf: (vaf_refined, vaf_result),
         coherence: inside.iter().sum::<f64>() / inside.len().max(1) as f64,
         response: h,
@@ -149,26 +207,24 @@ pub fn identify(log: &Log, ratio: f64) -> Result<Identified, String> {
     })
 }
 
-/// The middle of a bracket. Noise on one channel alone puts the truth at one end of it, so the interval reaches
-/// beyond both ends by what they scatter: it holds the truth at least as often as it says.
-fn between(a: Estimate, b: Estimate) -> Estimate {
-    let half = 0.5 * (a.value - b.value).abs();
-    Estimate::stated(0.5 * (a.value + b.value), half + a.half_width().max(b.half_width()))
-}
-
-/// Solves `T = J Ω̇ + B Ω`, with a late Ω, over the bins of the band and all windows with an instrument. `j` and `b`
-/// are from the round before. The interval is the sandwich with windows as what is independent.
-fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64) -> Result<FirstOrder, String> {
+/// Solves `T = J Ω̇ + B Ω`, with a late Ω and (`free`) an averaged one, over the bins of the band and all windows with
+/// an instrument. `j` and `b` are from the round before. The interval is the sandwich with windows as what is
+/// independent.
+fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64, free: bool) -> Result<FirstOrder, String> {
+    let unknowns = if free { 4 } else { 3 };
     let bins: Vec<usize> = (2..s.frequencies.len()).filter(|k| band.holds(s.frequencies[*k])).collect();
-    let (mut slope, mut right) = (DMatrix::<f64>::zeros(3, 3), DVector::<f64>::zeros(3));
+    let (mut slope, mut right) = (DMatrix::<f64>::zeros(unknowns, unknowns), DVector::<f64>::zeros(unknowns));
     let mut parts: Vec<(DMatrix<f64>, DVector<f64>)> = Vec::new();
     for w in 0..s.count() {
-        let (mut a, mut y) = (DMatrix::<f64>::zeros(3, 3), DVector::<f64>::zeros(3));
+        let (mut a, mut y) = (DMatrix::<f64>::zeros(unknowns, unknowns), DVector::<f64>::zeros(unknowns));
         for &k in &bins {
             let omega = std::f64::consts::TAU * s.frequencies[k];
             let i_omega = num(0.0, omega);
             let (t, v, d) = (s.torque[w][k], s.velocity[w][k], s.derivative[w][k]);
-            let regressors = [d, v, i_omega * (d * j + v * b)];
+            let model = d * j + v * b;
+            // A mean over T lowers Ω by (ω T)²/24, to first order in the square.
+            let falling = omega * omega / 24.0;
+            let regressors = [d, v, i_omega * model, model * falling];
             let source = match instrument {
                 Instrument::Command => s.command[w].get(k).copied(),
                 Instrument::Torque => Some(t),
@@ -177,13 +233,13 @@ fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64) -> Re
             let instruments = match source {
                 Some(r) => {
                     let speed = r / num(b, omega * j);
-                    [i_omega * speed, speed, i_omega * r]
+                    [i_omega * speed, speed, i_omega * r, r * falling]
                 }
                 None => regressors,
             };
-            for (row, z) in instruments.iter().enumerate() {
+            for (row, z) in instruments.iter().take(unknowns).enumerate() {
                 y[row] += (z.conj() * t).re;
-                for (column, x) in regressors.iter().enumerate() {
+                for (column, x) in regressors.iter().take(unknowns).enumerate() {
                     a[(row, column)] += (z.conj() * x).re;
                 }
             }
@@ -192,24 +248,40 @@ fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64) -> Re
         right += &y;
         parts.push((a, y));
     }
-    let inverse = slope.try_inverse().ok_or("inertia, damping and lag cannot be told apart in this band")?;
+    // Rows and columns of very different size: scaled, or the inverse is of noise.
+    let inverse = inverse(slope).ok_or("inertia, damping and lag cannot be told apart in this band")?;
     let x = &inverse * right;
-    let mut scatter = DMatrix::<f64>::zeros(3, 3);
+    let mut scatter = DMatrix::<f64>::zeros(unknowns, unknowns);
     for (a, y) in &parts {
         let score = y - a * &x;
         scatter += &score * score.transpose();
     }
     let count = parts.len() as f64;
+    let freedom = count - unknowns as f64;
     if count < 6.0 {
         return Err("it is too short: fewer than six windows".into());
     }
-    let covariance = &inverse * scatter * inverse.transpose() * (OVERLAP * count / (count - 3.0));
-    let of = |k: usize| Estimate {
-        value: x[k],
-        standard_uncertainty: covariance[(k, k)].max(0.0).sqrt(),
-        freedom: count - 3.0,
-    };
-    Ok(FirstOrder { inertia: of(0), damping: of(1), lag: of(2) })
+    let covariance = &inverse * scatter * inverse.transpose() * (OVERLAP * count / freedom);
+    let of = |k: usize| Estimate { value: x[k], standard_uncertainty: covariance[(k, k)].max(0.0).sqrt(), freedom };
+    let averaging = if free { of(3) } else { Estimate::exact(0.0) };
+    Ok(FirstOrder { inertia: of(0), damping: of(1), lag: of(2), averaging })
+}
+
+/// The inverse of a matrix whose rows and columns are of very different size.
+fn inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let size = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
+    let columns = DVector::from_iterator(
+        matrix.ncols(),
+        matrix.column_iter().map(|c| size(&mut c.iter().copied()).max(f64::MIN_POSITIVE)),
+    );
+    let mut scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |r, c| matrix[(r, c)] / columns[c]);
+    let rows = DVector::from_iterator(
+        scaled.nrows(),
+        scaled.row_iter().map(|r| size(&mut r.iter().copied()).max(f64::MIN_POSITIVE)),
+    );
+    scaled = DMatrix::from_fn(scaled.nrows(), scaled.ncols(), |r, c| scaled[(r, c)] / rows[r]);
+    let inverse = scaled.try_inverse()?;
+    Some(DMatrix::from_fn(inverse.nrows(), inverse.ncols(), |r, c| inverse[(r, c)] / columns[r] / rows[c]))
 }
 
 fn num(re: f64, im: f64) -> spectra::Complex {
@@ -296,7 +368,7 @@ impl Test for RandomTorque {
         let ratio = bench.declared.ratio;
         let mut outcome = Outcome::default();
         let mut found: Vec<(&Log, Identified)> = Vec::new();
-        for log in logs {
+        for log in logs.iter().copied() {
             match identify(log, ratio) {
                 Ok(identified) => {
                     outcome.logs.push(entry(log, &identified));
@@ -347,13 +419,14 @@ impl Test for RandomTorque {
             outcome.findings.push(finding);
             outcome.quantities.push(Quantity {
                 name,
-                estimate: pooled.estimate,
+                estimate: calibrated(pooled.estimate, &logs, GAINS),
                 unit: "kg*m^2",
                 remark: remark.into(),
             });
         }
         if let Some(with) = with {
-            rotor(&mut outcome, bench, with.estimate, without.map(|p| p.estimate));
+            rotor(&mut outcome, bench, with.estimate, without.map(|p| p.estimate), &logs);
+            outcome.findings.extend(calibration(&logs, &[Channel::Torque]));
         }
         charts(&mut outcome, &found);
         Some(outcome)
@@ -361,7 +434,7 @@ impl Test for RandomTorque {
 }
 
 /// The rotor's inertia from those at the output.
-fn rotor(outcome: &mut Outcome, bench: &Bench, with: Estimate, without: Option<Estimate>) {
+fn rotor(outcome: &mut Outcome, bench: &Bench, with: Estimate, without: Option<Estimate>, logs: &[&Log]) {
     let ratio = bench.declared.ratio;
     let k = 1.0 / (ratio * ratio);
     let (estimate, remark) = match without {
@@ -388,6 +461,8 @@ fn rotor(outcome: &mut Outcome, bench: &Bench, with: Estimate, without: Option<E
             (Estimate::combined(value, &[(k, with)]), "J_r/N² less what is declared of fixture and gear")
         }
     };
+    // The sensor's gain is that of both: it scales the difference.
+    let estimate = calibrated(estimate, logs, GAINS);
     if estimate.value <= estimate.half_width() {
         outcome.findings.push(Finding::new(
             "rotor_inertia",
@@ -439,6 +514,41 @@ const LOG_CHECKS: &[LogCheck] = &[
             (Weight::Note, format!("the {late} is {ms} ms late; it is taken out (left in, it passes for damping)"))
         } else {
             (Weight::Good, "torque and velocity come at the same time".into())
+        }
+    }),
+    ("averaging", |i| {
+        let (square, half) = (i.result.averaging.value, i.result.averaging.half_width());
+        let ms = number(1e3 * square.abs().sqrt());
+        match i.averaging {
+            Averaging::Declared if square == 0.0 => {
+                (Weight::Good, "the velocity is that of an instant, as its column says".into())
+            }
+            Averaging::Declared => {
+                (Weight::Good, format!("the velocity is a difference over {ms} ms, as its column says: taken out"))
+            }
+            Averaging::Fitted if square > half => (
+                Weight::Note,
+                format!(
+                    "the velocity reads low at high frequency, as a difference over {ms} ms does: taken out, and what that                      leaves is in the ±; `difference = \"…\"` in its column says it and narrows the ±"
+                ),
+            ),
+            Averaging::Fitted if square < -half => (
+                Weight::Note,
+                "speed on torque falls slower than 1/f: a resonance above the band (compliance between sensor and rotor), or                  a torque that is filtered; it is taken out to second order, and what that leaves is in the ±"
+                    .into(),
+            ),
+            Averaging::Fitted => (
+                Weight::Good,
+                "speed on torque falls as first order does; `difference = \"0 s\"` in the velocity's column (or over how long \
+                 it is one) narrows the ±"
+                    .into(),
+            ),
+            Averaging::Bracketed => (
+                Weight::Note,
+                "whether the velocity is a difference of positions is not said: anything up to one sample is in the ±; \
+                 `difference = \"1 ms\"` in its column (\"0 s\" for none) narrows it"
+                    .into(),
+            ),
         }
     }),
     ("coherence", |i| {

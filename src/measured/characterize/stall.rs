@@ -3,9 +3,9 @@
 //! Each step without its ends is one point; the zero is the log's own and no property of the motor. A log whose
 //! slope is of the wrong sign or far from the others' is named; the rest is pooled with the spread between logs.
 
-use super::estimate::{Estimate, pool};
+use super::estimate::{Estimate, bracket, pool};
 use super::line::{Line, TRIM, mean, steps, trimmed};
-use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, logs_of};
+use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::identify::artefacts::usual_gains;
 use crate::measured::signals;
@@ -20,6 +20,8 @@ const SHORTEST: f64 = 0.8;
 const MOVES: f64 = 1.0;
 /// A bend or drift smaller than this share is not spoken of.
 pub const SMALL: f64 = 0.03;
+/// A drift that is known no better than this share is not known.
+const UNTOLD: f64 = 0.05;
 
 /// The steps of one log as points of current (q axis) and torque at the motor, and how many steps moved.
 pub fn points(log: &Log, ratio: f64) -> (Vec<(f64, f64)>, usize) {
@@ -57,7 +59,7 @@ impl Test for Stall {
              line with a zero for each log; points are the steps, intervals Student's"
         ));
         let mut lines: Vec<(&Log, Line)> = Vec::new();
-        for log in logs {
+        for log in logs.iter().copied() {
             let (found, moving) = points(log, bench.declared.ratio);
             let mut remarks = Vec::new();
             if moving > 0 {
@@ -119,8 +121,15 @@ impl Test for Stall {
         }
         let estimates: Vec<Estimate> = used.iter().map(|(sign, l)| l.slope().scaled(*sign)).collect();
         let Some(pooled) = pool(&estimates) else { return Some(outcome) };
-        let k = pooled.estimate;
-        straightness(&mut outcome, &used);
+        let mut k = calibrated(pooled.estimate, &logs, &[(&[Channel::Torque], 1.0), (&[Channel::Current], 1.0)]);
+        outcome.findings.extend(calibration(&logs, &[Channel::Torque, Channel::Current]));
+        if straightness(&mut outcome, &used) {
+            // What K_T is depends on the current: the ± is to hold it from the first ampere to the largest's line.
+            let initial: Vec<Estimate> =
+                used.iter().map(|(s, l)| l.initial.unwrap_or_else(|| l.slope()).scaled(*s)).collect();
+            let initial = pool(&initial).map_or(k, |p| p.estimate);
+            k = bracket(&[k, initial]);
+        }
         zeros(&mut outcome, &used, k.value);
         warmth(&mut outcome, &lines);
         outcome.findings.push(between_logs(pooled.count, pooled.between, k.value));
@@ -212,22 +221,24 @@ pub fn between_logs(count: usize, between: f64, value: f64) -> Finding {
     }
 }
 
-fn straightness(outcome: &mut Outcome, used: &[(f64, &Line)]) {
+/// Judges whether torque is straight in current; whether it saturates.
+fn straightness(outcome: &mut Outcome, used: &[(f64, &Line)]) -> bool {
     let bends: Vec<f64> = used.iter().filter_map(|(_, l)| l.bend).filter(|b| b.abs() > SMALL).collect();
     let largest = used.iter().map(|(_, l)| l.largest()).fold(0.0, f64::max);
     let falls = bends.iter().filter(|b| **b < 0.0).count();
+    let saturates = !bends.is_empty() && 2 * falls > used.len();
     outcome.findings.push(if bends.is_empty() {
         let text = format!("torque is straight in current up to {} A (no bend beyond chance)", number(largest));
         Finding::new("linearity", Weight::Good, text)
-    } else if 2 * falls > used.len() {
+    } else if saturates {
         let worst = bends.iter().copied().fold(0.0, f64::min);
         Finding::new(
             "linearity",
             Weight::Warning,
             format!(
                 "torque is not straight in current: in {falls} of {} logs the slope falls, by up to {} % at {} A: iron \
-                 saturation (or a sensor near its end); the row has the straight line's, `identify` fits \
-                 torque_constant_saturation",
+                 saturation (or a sensor near its end, or a drift while the current goes in order); the ± reaches from \
+                 the slope at zero to the straight line's, `identify` fits torque_constant_saturation",
                 used.len(),
                 number(-100.0 * worst),
                 number(largest)
@@ -244,6 +255,7 @@ fn straightness(outcome: &mut Outcome, used: &[(f64, &Line)]) {
             ),
         )
     });
+    saturates
 }
 
 fn zeros(outcome: &mut Outcome, used: &[(f64, &Line)], slope: f64) {
@@ -265,7 +277,22 @@ fn zeros(outcome: &mut Outcome, used: &[(f64, &Line)], slope: f64) {
         .filter_map(|(_, l)| l.drift.map(|d| d / (slope * l.largest())))
         .filter(|d| d.abs() > SMALL)
         .fold(0.0_f64, |m, d| if d.abs() > m.abs() { d } else { m });
-    outcome.findings.push(if worst == 0.0 {
+    let blind = used.iter().map(|(_, l)| l.drift_half / (slope * l.largest())).fold(0.0_f64, f64::max);
+    outcome.findings.push(if worst == 0.0 && blind > UNTOLD {
+        Finding::new(
+            "zero_drift",
+            Weight::Note,
+            format!(
+                "whether a zero drifts cannot be told from the slope ({}): the current \
+                 goes in order, and a drift passes for slope or bend; steps in random order keep that out",
+                if blind < 1.0 {
+                    format!("to {} % of the largest torque only", number((100.0 * blind).round()))
+                } else {
+                    "not at all".into()
+                }
+            ),
+        )
+    } else if worst == 0.0 {
         Finding::new("zero_drift", Weight::Good, "no log's zero drifts beyond chance")
     } else {
         Finding::new(

@@ -6,7 +6,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::estimate::Estimate;
-use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, find, logs_of};
+use super::{
+    Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, find, logs_of,
+};
 use crate::actuator::thermal::COPPER;
 use crate::catalog::REFERENCE_TEMPERATURE;
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
@@ -19,6 +21,8 @@ pub struct ThermalStep;
 
 /// At most so many samples are fitted.
 const SAMPLES: usize = 1500;
+/// Temperatures that are less apart at the start count as alike \[K\].
+const APART: f64 = 0.5;
 /// Columns of the row, in the order of the unknowns.
 const NAMES: [(&str, &str); 4] = [
     ("thermal_resistance_winding_housing", "K/W"),
@@ -48,8 +52,15 @@ impl Heating {
         let thin = |values: &[f64]| values.iter().step_by(every).copied().collect::<Vec<f64>>();
         // Heat between two kept samples is that of all samples there: the mean of the squares.
         let current = log.channel(Channel::Current)?;
-        let heating =
-            current.chunks(every).map(|c| (c.iter().map(|i| i * i).sum::<f64>() / c.len() as f64).sqrt()).collect();
+        let heating = current.chunks(every).map(|c| super::line::mean(&c.iter().map(|i| i * i).collect::<Vec<_>>()));
+        // A missing current is the last that was seen: one cell that is not there must not stop the heat.
+        let first = current.iter().copied().find(|i| i.is_finite())?;
+        let heating = heating
+            .scan(first * first, |last, square| {
+                *last = square.unwrap_or(*last);
+                Some(last.sqrt())
+            })
+            .collect();
         Some(Heating {
             time: thin(&log.time),
             current: heating,
@@ -149,9 +160,9 @@ impl Heating {
         let inverse = (x.transpose() * &x).cholesky()?.inverse();
         let residual = DVector::from_column_slice(&left);
         let squares = residual.norm_squared();
-        // Neighbours that are alike count less: as for a first-order process.
-        let rho = (left.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / squares.max(f64::MIN_POSITIVE)).clamp(0.0, 0.99);
-        let effective = (n as f64 * (1.0 - rho) / (1.0 + rho)).max(8.0);
+        // Neighbours that are alike count less, by the channel where they are most alike.
+        let alike = left.chunks(self.time.len()).map(alike).fold(1.0, f64::max);
+        let effective = (n as f64 / alike).max(8.0);
         let variance = squares / n as f64 * (n as f64 / effective) * effective / (effective - 6.0);
         let of = |j: usize| Estimate {
             value: values[j],
@@ -161,6 +172,15 @@ impl Heating {
         let rmse = (squares / n as f64).sqrt();
         Some((values.clone(), [of(0), of(1), of(2), of(3)], rmse))
     }
+}
+
+/// By how much a mean of residuals scatters more than if they were independent: the sum of their autocorrelation up to
+/// where it is lost in chance. A first-order process would miss what noise on top of a slow wander hides.
+fn alike(left: &[f64]) -> f64 {
+    let squares = left.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
+    let lost = 2.0 / (left.len() as f64).sqrt();
+    let at = |lag: usize| left.iter().zip(&left[lag..]).map(|(a, b)| a * b).sum::<f64>() / squares;
+    1.0 + 2.0 * (1..left.len() / 4).map(at).take_while(|r| *r > lost).sum::<f64>()
 }
 
 impl Test for ThermalStep {
@@ -229,13 +249,15 @@ impl Test for ThermalStep {
             // Heat is R i²: its error is the resistances' too.
             let r = copper.resistance;
             let estimate = if k < 2 {
-                Estimate::combined(estimate.value, &[(1.0, estimate), (estimate.value / r.value, r)])
+                let with = Estimate::combined(estimate.value, &[(1.0, estimate), (estimate.value / r.value, r)]);
+                calibrated(with, &logs[..1], &[(&[Channel::Current], 2.0)])
             } else {
                 estimate
             };
             outcome.quantities.push(Quantity { name, estimate, unit, remark: String::new() });
         }
-        checks(&mut outcome, &heating, &values, rmse);
+        outcome.findings.extend(calibration(&logs[..1], &[Channel::Current]));
+        checks(&mut outcome, &heating, &values, ambient, rmse);
         entry.remarks.push(format!("residual {} K rms", number(rmse)));
         outcome.logs.push(entry);
         let model = heating.simulate(&values, copper, ambient);
@@ -266,7 +288,25 @@ impl Test for ThermalStep {
     }
 }
 
-fn checks(outcome: &mut Outcome, heating: &Heating, values: &[f64], rmse: f64) {
+fn checks(outcome: &mut Outcome, heating: &Heating, values: &[f64], ambient: f64, rmse: f64) {
+    let (winding, housing) = (values[4], values[5]);
+    let apart = (winding - housing).abs().max((housing - ambient).abs());
+    outcome.findings.push(if heating.housing.is_some() && apart > APART {
+        Finding::new(
+            "start",
+            Weight::Warning,
+            format!(
+                "at the start the winding reads {} degC and the housing {} degC in an ambient of {} degC: if the motor was \
+                 cold, sensors differ by that much, and each R_th is off by that over its own difference of temperature, \
+                 which is not in the ±; start cold and take the offset out",
+                number((10.0 * (winding - 273.15)).round() / 10.0),
+                number((10.0 * (housing - 273.15)).round() / 10.0),
+                number((10.0 * (ambient - 273.15)).round() / 10.0)
+            ),
+        )
+    } else {
+        Finding::new("start", Weight::Good, "at the start all temperatures are alike")
+    });
     let duration = heating.time[heating.time.len() - 1] - heating.time[0];
     outcome.findings.push(if duration < 2.0 * values[3] {
         Finding::new(

@@ -37,6 +37,10 @@ pub struct Column {
     pub bits: Option<u32>,
     /// What ampere means in it, for a current.
     pub convention: Option<CurrentConvention>,
+    /// Over how long a velocity is a difference \[s\], where that is said.
+    pub difference: Option<f64>,
+    /// ± (95 %) of its gain as a share, where that is said.
+    pub gain_tolerance: Option<f64>,
     /// What was assumed.
     pub remarks: Vec<String>,
 }
@@ -207,6 +211,16 @@ fn read_column(
             "expected the width of a word, 2 to 32",
         ));
     }
+    let difference = if quantity == Quantity::Velocity {
+        section.quantity("difference", &units::TIME, Range::NonNegative)
+    } else {
+        None
+    };
+    let gain_tolerance = if quantity == Quantity::Time {
+        None
+    } else {
+        section.quantity("gain_tolerance", &units::RATIO, Range::NonNegative)
+    };
     let mut remarks = Vec::new();
     let placed = place(&section, key, quantity, side, frame, &mut remarks);
     let said = if quantity == Quantity::Current && section.has("convention") {
@@ -224,7 +238,19 @@ fn read_column(
     let span = name.span();
     let name = name.into_inner().trim().to_string();
     let convention = (quantity == Quantity::Current).then(|| said.or(frame.current)).flatten();
-    Some(Column { target, key, name, span, gain, offset: zero * sign * factor, bits, convention, remarks })
+    Some(Column {
+        target,
+        key,
+        name,
+        span,
+        gain,
+        offset: zero * sign * factor,
+        bits,
+        convention,
+        difference,
+        gain_tolerance,
+        remarks,
+    })
 }
 
 /// What drives the other machine may be a current, a torque, a voltage or a duty cycle: only its course counts.

@@ -288,6 +288,23 @@ pub const BENCH: &[Table] = &[
         ],
     },
     Table {
+        path: "[velocity]",
+        keys: &[
+            ("name", "text", "in the log's header; required"),
+            ("unit", "unit", "required"),
+            ("side", "`motor`, `output`", "where it was measured; the output unless said"),
+            ("scale", "number", "factor on the column"),
+            ("sign", "1, -1", ""),
+            ("bits", "whole number", "width of a counter that wraps"),
+            (
+                "gain_tolerance",
+                "share",
+                "± (95 %) of the instrument's gain, for `characterize`; of every column but time",
+            ),
+            ("difference", "time", "over how long it is a difference of positions, or a mean; 0 s: that of an instant"),
+        ],
+    },
+    Table {
         path: "[load]",
         keys: &[
             ("inertia", "inertia", "at the output"),

@@ -1,7 +1,7 @@
 //! The tests of a motor as pictures: torque on current with the interval of its slope, gain and coherence with the
 //! fit (Urs et al., figure 5), drag on speed, temperature in time.
 
-use super::{Along, Axis, Dash, Figure, Group, Mark, Panel, Rule, Series, Shape, Tone, thinned};
+use super::{Along, Axis, Dash, Figure, Group, Mark, Panel, Rule, Series, Shape, Tone, thinned, unit};
 use crate::measured::Bench;
 use crate::measured::characterize::{Characterization, Chart, Role};
 
@@ -20,25 +20,28 @@ pub fn figure(bench: &Bench, result: &Characterization) -> Figure {
 }
 
 fn panel(chart: &Chart) -> Panel {
-    let axis = |label: &str, log: bool| if log { Axis::log(label) } else { Axis::linear(label) };
+    let axis = |label: &str, log: bool| if log { Axis::log(unit(label)) } else { Axis::linear(unit(label)) };
     let mut series = Vec::new();
     if !chart.band.is_empty() {
         series.push(Series::band(Tone::Sky, chart.band.iter().copied()).named("interval of 95 %"));
     }
     let mut measured = 0;
+    let over_curve = chart.curves.iter().any(|c| c.role == Role::Curve);
     for curve in &chart.curves {
         let points = thinned(curve.points.len(), POINTS).map(|k| curve.points[k]).collect();
-        // What was measured differs by colour and by shape or dash; what was fitted is black and solid.
+        // What was measured differs by colour and by shape or dash; what was fitted is black: solid among points, thin
+        // and dashed over a measured curve, which it would hide.
         let (tone, mark) = match curve.role {
             Role::Measured => {
                 ([Tone::Orange, Tone::Blue, Tone::Green][measured % 3], Mark::Points(Shape::nth(measured)))
             }
-            Role::Curve => (Tone::SERIES[(measured + 1) % 6], Mark::Thin(Dash::nth(measured))),
+            Role::Curve => (Tone::SERIES[(measured + 1) % 6], Mark::Line(Dash::nth(2 * measured))),
+            Role::Fit if over_curve => (Tone::Black, Mark::Thin(Dash::Dashed)),
             Role::Fit => (Tone::Black, Mark::Line(Dash::Solid)),
             Role::Stand => (Tone::Grey, Mark::Line(Dash::Dashed)),
         };
         measured += usize::from(matches!(curve.role, Role::Measured | Role::Curve));
-        series.push(Series::new(tone, mark, points).named(curve.name.clone()));
+        series.push(Series::new(tone, mark, points).named(unit(&curve.name)));
     }
     let rule = |at: &f64| Rule {
         along: Along::X,

@@ -152,9 +152,38 @@ impl Spectra {
         spectra
     }
 
+    /// With the velocity brought forward by a lag \[s\], and as it would read had it not been averaged (a difference of
+    /// positions over some time is a mean), by the square of that time \[s²\]; a negative square brings down a gain that
+    /// rises. The part of a sample is taken as phase: between samples an interpolation would read low too.
+    pub fn corrected(record: &Record, lag: f64, square: f64) -> Spectra {
+        let whole = (lag / record.step).round();
+        let rest = lag - whole * record.step;
+        let velocity = signals::shifted(&record.velocity, whole);
+        let mut spectra = Spectra::new(&Record { velocity, ..record.clone() });
+        for (k, frequency) in spectra.frequencies.iter().enumerate() {
+            let phase = std::f64::consts::TAU * frequency * rest;
+            let factor = Complex::from_polar(averaged_gain(*frequency, square).recip(), phase);
+            for values in [&mut spectra.velocity, &mut spectra.derivative] {
+                values.iter_mut().for_each(|window| window[k] *= factor);
+            }
+        }
+        spectra
+    }
+
     /// Number of windows.
     pub fn count(&self) -> usize {
         self.torque.len()
+    }
+}
+
+/// Gain of a mean over some time: sin(x)/x at x = π f T, from the square of T \[s²\].
+fn averaged_gain(frequency: f64, square: f64) -> f64 {
+    // Beyond a gain of about a quarter nothing can be brought back.
+    let x = (std::f64::consts::PI * frequency * square.abs().sqrt()).min(2.4);
+    match x {
+        x if x < 1e-4 => 1.0,
+        x if square > 0.0 => x.sin() / x,
+        x => x.sinh() / x,
     }
 }
 
