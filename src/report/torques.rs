@@ -102,6 +102,7 @@ pub fn text(answer: &Answer) -> String {
         ">peak power\n[W]".into(),
         format!(">per kg carried\n[{each}]"),
         "worst placed\nactuator".into(),
+        ">at t\n[s]".into(),
     ];
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let largest = answer.carried.iter().fold(0.0_f64, |a, c| a.max(c.largest().abs()));
@@ -117,10 +118,8 @@ pub fn text(answer: &Answer) -> String {
                 number(rounded(row.mean_power, row.peak_power)),
                 number(row.peak_power),
                 optional(row.worst.map(|c| rounded(c.largest(), largest))),
-                row.worst.map_or_else(
-                    || "carries none".into(),
-                    |c| format!("{}, t = {} s", answer.name(c.actuator), number(trajectory.time[c.worst()])),
-                ),
+                row.worst.map_or_else(|| "carries none".into(), |c| answer.name(c.actuator).to_string()),
+                row.worst.map_or_else(|| "–".into(), |c| number(trajectory.time[c.worst()])),
             ]
         })
         .collect();
