@@ -210,7 +210,7 @@ fn mistake(elbow: &str, spoilt: &[(&str, &str, &str)]) -> String {
 
 const ARM: &str = "arm.toml";
 /// A joint beside the arm, whose actuator sits on the forearm while the elbow's sits on it.
-const CIRCLE: &str = "actuator_at = { link = \"other\" }\n[[joint]]\nname = \"other\"\nratio = { min = 3, max = 9 }\nmechanism_joint = \"other_joint\"\nactuator_at = { link = \"fore\" }";
+const CIRCLE: &str = "actuator_at = { link = \"other\", at = [\"0.2 m\", \"0 m\", \"0 m\"] }\n[[joint]]\nname = \"other\"\nratio = { min = 3, max = 9 }\nmechanism_joint = \"other_joint\"\nactuator_at = { link = \"fore\", at = [\"0.1 m\", \"0 m\", \"0 m\"] }";
 const SEPARATE: &str = "actuators = \"separate\"";
 
 macro_rules! mistakes {

@@ -109,6 +109,7 @@ pub fn text(answer: &Answer) -> String {
     let rows: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
+            let felt = row.worst.filter(|c| rounded(c.largest(), largest) != 0.0);
             vec![
                 row.joint.name.clone(),
                 number(row.peak),
@@ -118,8 +119,11 @@ pub fn text(answer: &Answer) -> String {
                 number(rounded(row.mean_power, row.peak_power)),
                 number(row.peak_power),
                 optional(row.worst.map(|c| rounded(c.largest(), largest))),
-                row.worst.map_or_else(|| "carries none".into(), |c| answer.name(c.actuator).to_string()),
-                row.worst.map_or_else(|| "–".into(), |c| number(trajectory.time[c.worst()])),
+                row.worst.map_or_else(
+                    || "carries none".into(),
+                    |c| felt.map_or_else(|| "feels none".into(), |_| answer.name(c.actuator).to_string()),
+                ),
+                felt.map_or_else(|| "–".into(), |c| number(trajectory.time[c.worst()])),
             ]
         })
         .collect();
