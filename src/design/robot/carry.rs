@@ -18,6 +18,8 @@ use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
 
 /// How many boxes a joint's load is divided into at most.
 const BOXES: f64 = 400.0;
+/// Boxes times motors times samples at most: what the bounds take does not grow with the catalogue.
+const BOX_WORK: f64 = 4e6;
 /// Pieces of the range of ratios.
 const PIECES: usize = 16;
 
@@ -163,7 +165,8 @@ impl Boxes {
         let directions = directions(joint);
         let axes = Axes::new(joint, &directions, &reach);
         let reach = axes.intervals(&reach);
-        let counts = counts(&reach);
+        let work = (catalog.motors.len() * joint.motion.len()).max(1) as f64;
+        let counts = counts(&reach, (BOX_WORK / work).clamp(20.0, BOXES));
         let total = counts.iter().product();
         let bound = |index: usize| {
             let (mut rest, mut center, mut radius) = (index, loaded(joint, &axes.middle), 0.0);
@@ -210,7 +213,7 @@ impl Boxes {
 }
 
 /// Into how many boxes each axis is cut: boxes as even as they can be, and no more than there may be.
-fn counts(reach: &[(f64, f64)]) -> Vec<usize> {
+fn counts(reach: &[(f64, f64)], boxes: f64) -> Vec<usize> {
     let longest = reach.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
     let cut = |pieces: f64| -> Vec<usize> {
         let of = |(low, high): &(f64, f64)| {
@@ -219,8 +222,8 @@ fn counts(reach: &[(f64, f64)]) -> Vec<usize> {
         };
         reach.iter().map(of).collect()
     };
-    let fits = |pieces: &f64| cut(*pieces).iter().product::<usize>() as f64 <= BOXES;
-    let most = (1..=BOXES as usize).map(|pieces| pieces as f64).take_while(fits).last();
+    let fits = |pieces: &f64| cut(*pieces).iter().product::<usize>() as f64 <= boxes;
+    let most = (1..=boxes as usize).map(|pieces| pieces as f64).take_while(fits).last();
     cut(most.unwrap_or(1.0))
 }
 

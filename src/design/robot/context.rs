@@ -23,7 +23,7 @@ use crate::requirement::{Joint, RatioChoice, Robot};
 /// Menus of joints under loads of their own that are made at most.
 const MAX_MENUS: usize = 4000;
 /// Motors times samples over all those menus at most: what a search may take does not grow with the catalogue.
-const MENU_WORK: usize = 12_000_000;
+const MENU_WORK: usize = 6_000_000;
 
 /// Combinations whose programs give prices of power.
 const PRICES: usize = 6;
