@@ -38,8 +38,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             out.display()
         )));
     }
-    let _lock = Lock::take(out)?;
+    // Shards first: where they are wrong no folder is made.
     let shards = Shards::open(&arguments.shards)?;
+    let _lock = Lock::take(out)?;
     let summary = assemble(&shards, out).map_err(|e: StudyError| Failure::from(e))?;
     let text =
         if arguments.json { report::json_text(&summary) } else { super::study::written(out, report::text(&summary)) };

@@ -58,6 +58,7 @@ pub struct Table {
     records: Vec<csv::StringRecord>,
     starts: Vec<usize>,
     width: usize,
+    header: usize,
 }
 
 impl Table {
@@ -84,7 +85,8 @@ impl Table {
                 }
             }
         }
-        let mut table = Table { source: source.clone(), columns, heads: HashMap::new(), records, starts, width: 0 };
+        let mut table =
+            Table { source: source.clone(), columns, heads: HashMap::new(), records, starts, width: 0, header: 0 };
         if table.records.is_empty() {
             let names: Vec<&str> = table.columns.iter().filter(|c| c.required).map(|c| c.name.as_str()).collect();
             problems.push(
@@ -98,6 +100,7 @@ impl Table {
         let header = table.records.remove(0);
         let start = table.starts.remove(0);
         table.width = header.len();
+        table.header = start;
         if problems.len() > before {
             return None;
         }
@@ -174,6 +177,11 @@ impl Table {
                 );
             }
         }
+    }
+
+    /// The span of the header row.
+    pub fn header_span(&self) -> std::ops::Range<usize> {
+        line_span(self.source.text(), self.header)
     }
 
     /// Number of rows below the header.

@@ -261,6 +261,12 @@ impl Mechanism {
         true
     }
 
+    /// Whether a joint moves a body, by its index.
+    pub fn moves(&self, joint: usize, body: usize) -> bool {
+        let Some(mover) = self.moving().get(joint).copied() else { return false };
+        std::iter::successors(Some(body), |b| self.bodies[*b].parent).any(|b| b == mover)
+    }
+
     /// Where the actuator of a joint sits unless told otherwise: on the body that the joint hangs on, at the
     /// joint. `None` where that is the world, which carries it for nothing.
     pub fn actuator_place(&self, joint: usize) -> Option<Place> {

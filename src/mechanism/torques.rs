@@ -132,26 +132,29 @@ pub fn torques_per_mass(mechanism: &Mechanism, trajectory: &Trajectory, places: 
 /// what the description allows. For people.
 pub fn notes(mechanism: &Mechanism, trajectory: &Trajectory, torques: &Torques) -> Vec<String> {
     let mut notes = mechanism.notes.clone();
-    let list = |chosen: &dyn Fn(&super::Joint) -> f64| {
+    let list = |chosen: &dyn Fn(&super::Joint) -> f64, turning: &str, sliding: &str| {
         let found: Vec<String> = mechanism
             .joints()
             .filter(|j| chosen(j) != 0.0)
-            .map(|j| format!("{} {}", j.name, crate::report::number(chosen(j))))
+            .map(|j| {
+                let unit = if j.motion == Degree::Turns { turning } else { sliding };
+                format!("{} {} {unit}", j.name, crate::report::number(chosen(j)))
+            })
             .collect();
         (!found.is_empty()).then(|| found.join(", "))
     };
     let friction = if torques.joint_friction { "counted as load" } else { "left out, as asked" };
-    if let Some(list) = list(&|j| j.damping) {
-        notes.push(format!("damping of the joints is {friction} [N*m*s/rad]: {list}"));
+    if let Some(list) = list(&|j| j.damping, "N*m*s/rad", "N*s/m") {
+        notes.push(format!("damping of the joints is {friction}: {list}"));
     }
-    if let Some(list) = list(&|j| j.friction) {
-        notes.push(format!("Coulomb friction of the joints is {friction} [N*m]: {list}"));
+    if let Some(list) = list(&|j| j.friction, "N*m", "N") {
+        notes.push(format!("Coulomb friction of the joints is {friction}: {list}"));
     }
-    if let Some(list) = list(&|j| j.stiffness) {
-        notes.push(format!("springs of the joints are counted [N*m/rad]: {list}"));
+    if let Some(list) = list(&|j| j.stiffness, "N*m/rad", "N/m") {
+        notes.push(format!("springs of the joints are counted: {list}"));
     }
-    if let Some(list) = list(&|j| j.armature) {
-        notes.push(format!("armature is left out, the actuator brings its own rotor [kg*m^2]: {list}"));
+    if let Some(list) = list(&|j| j.armature, "kg*m^2", "kg") {
+        notes.push(format!("armature is left out, the actuator brings its own rotor: {list}"));
     }
     for (j, joint) in mechanism.joints().enumerate() {
         let far = |values: &[f64]| values.iter().fold(0.0_f64, |a, v| a.max(v.abs()));

@@ -104,7 +104,7 @@ fn columns(mechanism: &Mechanism) -> Vec<Column> {
     let mut columns = vec![column("time".into(), &units::TIME, true)];
     for joint in mechanism.joints() {
         for (suffix, kind) in kinds(joint) {
-            columns.push(column(format!("{}{suffix}", joint.name), kind, suffix.is_empty()));
+            columns.push(column(format!("{}{suffix}", joint.name), kind, false));
         }
     }
     for frame in mechanism.frames() {
@@ -146,6 +146,12 @@ fn read_table(
     problems: &mut Vec<Problem>,
 ) -> Option<Trajectory> {
     let table = Table::read(source, columns(mechanism), problems)?;
+    for joint in mechanism.joints().filter(|j| !table.has(&j.name)) {
+        let message = format!("`{}` is a joint of the model, but has no column", joint.name);
+        let example =
+            format!("add a column `{} [{}]`: its position; all zero where it stays", joint.name, joint.position_unit());
+        problems.push(Problem::at(table.header_span(), message, "not in this header").help(example));
+    }
     let mut read = |name: &str| -> Option<Vec<f64>> {
         if !table.has(name) {
             return None;

@@ -7,7 +7,7 @@ use super::table::{table, wrap};
 use super::{number, optional};
 use crate::design::optimize::Design;
 use crate::design::robot::{Change, Choice, Combination, Wanting};
-use crate::requirement::{Joint, Robot};
+use crate::requirement::{Joint, Regeneration, Robot};
 
 /// For people.
 pub fn text(choice: &Choice) -> String {
@@ -39,19 +39,22 @@ pub fn text(choice: &Choice) -> String {
             out.push_str(&format!("    {}\n", wrap(&change_text(choice, best, change), 6)));
         }
     }
-    if choice.changes.is_empty() && choice.robot.shared_power().is_some() {
+    if choice.others_left_out {
         out.push_str("\n  The search took long: what other budgets would give was not looked at.\n");
     }
     if choice.front.len() > 1 {
         out.push_str("\n  Less mass costs (the best for each mass, other budgets kept):\n");
-        let value = format!(">{} {}", choice.total.name, unit(choice));
+        let value = match unit(choice) {
+            "" => format!(">{}", choice.total.name),
+            unit => format!(">{} [{unit}]", choice.total.name),
+        };
         let rows = choice.front.iter().map(|c| {
             let differ = best.joints.iter().zip(&c.joints).filter(|(a, b)| name(a) != name(b)).count();
             let change = if differ > 2 { format!("{differ} joints differ") } else { differences(robot, best, c) };
             vec![optional(c.mass), number(c.objective), change]
         });
         let rows: Vec<Vec<String>> = rows.collect();
-        out.push_str(&indented(&table(&[">mass [kg]", value.trim_end(), "against the choice"], &rows)));
+        out.push_str(&indented(&table(&[">mass [kg]", &value, "against the choice"], &rows)));
     }
     out
 }
@@ -90,6 +93,12 @@ fn kept(choice: &Choice) -> String {
             }
         };
         parts.push(format!("at most {} W from the bus for all joints together ({how})", number(power)));
+        if let Regeneration::Limited(most) = robot.bus.regeneration {
+            parts.push(format!(
+                "each joint by itself may give back at most {} W, also where another could use more",
+                number(most)
+            ));
+        }
     }
     for joint in &robot.joints {
         if !joint.carries.is_empty() {
@@ -301,6 +310,7 @@ pub fn json(choice: &Choice) -> Value {
         "runner_ups": choice.combinations.iter().skip(1).map(|c| combination_json(robot, c)).collect::<Vec<_>>(),
         "wanting": wanting.collect::<Vec<_>>(),
         "other_budgets": changes.collect::<Vec<_>>(),
+        "other_budgets_left_out": choice.others_left_out,
         "front": choice.front.iter().map(|c| combination_json(robot, c)).collect::<Vec<_>>(),
         "left_out_without_mass": choice.without_mass.iter().map(|m| m.id.as_str()).collect::<Vec<_>>(),
     })

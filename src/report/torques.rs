@@ -102,12 +102,14 @@ pub fn text(answer: &Answer) -> String {
         ">peak power\n[W]".into(),
         format!(">per kg carried\n[{each}]"),
         "worst placed\nactuator".into(),
+        ">at t\n[s]".into(),
     ];
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let largest = answer.carried.iter().fold(0.0_f64, |a, c| a.max(c.largest().abs()));
     let rows: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
+            let felt = row.worst.filter(|c| rounded(c.largest(), largest) != 0.0);
             vec![
                 row.joint.name.clone(),
                 number(row.peak),
@@ -119,8 +121,9 @@ pub fn text(answer: &Answer) -> String {
                 optional(row.worst.map(|c| rounded(c.largest(), largest))),
                 row.worst.map_or_else(
                     || "carries none".into(),
-                    |c| format!("{}, t = {} s", answer.name(c.actuator), number(trajectory.time[c.worst()])),
+                    |c| felt.map_or_else(|| "feels none".into(), |_| answer.name(c.actuator).to_string()),
                 ),
+                felt.map_or_else(|| "–".into(), |c| number(trajectory.time[c.worst()])),
             ]
         })
         .collect();

@@ -3,6 +3,8 @@
 //! The one idea: what is carried is decided before what carries it, so names must exist and the relation
 //! must have no cycle. One that does is a mistake in the file, told with the way round.
 
+use std::ops::Range as Span;
+
 use toml::Spanned;
 
 use super::motion::CarriedColumn;
@@ -40,10 +42,15 @@ pub(super) fn read(section: &Section, columns: Vec<CarriedColumn>) -> Vec<Asked>
     asked
 }
 
-/// Finds the joints that are named, and the cycles.
-pub(super) fn resolve(root: &Section, joints: &mut [Joint], asked: Vec<Vec<Asked>>) -> Option<()> {
+/// Finds the joints that are named, and the cycles; `spans` is where each joint says what a description of the
+/// robot makes it carry.
+pub(super) fn resolve(
+    root: &Section,
+    joints: &mut [Joint],
+    asked: Vec<Vec<Asked>>,
+    mut spans: Vec<Span<usize>>,
+) -> Option<()> {
     let names: Vec<String> = joints.iter().map(|j| j.name.clone()).collect();
-    let mut spans = vec![0..0; joints.len()];
     let mut good = true;
     for (j, asked) in asked.into_iter().enumerate() {
         for Asked { name, value } in asked {
@@ -80,8 +87,8 @@ pub(super) fn resolve(root: &Section, joints: &mut [Joint], asked: Vec<Vec<Asked
     }
     if let Some(cycle) = cycle(joints) {
         let way: Vec<&str> = cycle.iter().chain(cycle.first()).map(|j| names[*j].as_str()).collect();
-        let message = format!("`torque_per_mass` goes round in a circle: {}", way.join(" carries "));
-        let help = "a joint carries the joints further out, never one further in";
+        let message = format!("joints carry each other's actuators in a circle: {}", way.join(" carries "));
+        let help = "a joint carries the joints further out, never one further in (`torque_per_mass`, `actuator_at`)";
         root.note(Problem::at(spans[cycle[0]].clone(), message, "one of them").help(help));
         return None;
     }

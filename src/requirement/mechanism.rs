@@ -34,7 +34,10 @@ pub struct Driven {
 impl Driven {
     /// Lets the joints carry what the description says that they carry, where it leaves the actuators out.
     pub(super) fn load(&self, joints: &mut [Joint]) {
-        for Carried { carrying, actuator, coefficients } in self.carried.iter().filter(|_| self.separate) {
+        let size = self.carried.iter().map(|c| c.largest().abs()).fold(0.0, f64::max);
+        // What only rounding says is nothing: the joint would be solved anew for each mass that it does not feel.
+        let felt = |c: &&Carried| self.separate && c.largest().abs() > 1e-12 * size;
+        for Carried { carrying, actuator, coefficients } in self.carried.iter().filter(felt) {
             let Joint { motion, carries, .. } = &mut joints[*carrying];
             let rate = match motion.course {
                 Course::Periodic(period) => spline::periodic(&motion.time, coefficients, period).first,
@@ -70,6 +73,8 @@ pub(super) struct Known {
 pub(super) struct Use {
     joint: usize,
     place: Option<Place>,
+    /// Where the requirement says where the actuator sits, or which joint it moves.
+    pub(super) said: std::ops::Range<usize>,
     /// Force over torque of the screw or belt that moves a sliding joint \[1/m\] inverted: travel per radian \[m\].
     travel: Option<f64>,
 }
@@ -194,6 +199,7 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
         section.missing("lead", "\"10 mm\"  # travel of this sliding joint per turn of the gear's output");
         return None;
     }
+    let said = if section.has("actuator_at") { section.span_of("actuator_at") } else { name.span() };
     let place = match section.section("actuator_at") {
         None => mechanism.actuator_place(joint),
         Some(table) => {
@@ -207,12 +213,20 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
                     .note(Problem::at(link.span(), message, "named here").suggest(link.get_ref(), mechanism.frames()));
                 return None;
             };
+            if known.separate && mechanism.moves(joint, body) {
+                let message =
+                    format!("the actuator of `{}` sits on what it moves itself, `{}`", name.get_ref(), link.get_ref());
+                section.note(Problem::at(link.span(), message, "moved by this joint").help(
+                    "name a link that comes before the joint; or let the description's masses contain the actuators (`actuators = \"included\"`)",
+                ));
+                return None;
+            }
             Some(Place { body, at: Vector3::from(at) })
         }
     };
     let travel = lead.filter(|_| !turns).map(|lead| lead / std::f64::consts::TAU);
     let motion = known.torques.motion(&known.trajectory, joint);
-    Some((travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r)), Use { joint, place, travel }))
+    Some((travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r)), Use { joint, place, said, travel }))
 }
 
 /// The motion of the screw that moves a sliding joint by `travel` \[m\] per radian.

@@ -414,7 +414,7 @@ fn read_samples(
     if !check_time(&table, &samples.time, problems) {
         return None;
     }
-    let course = take_course(&table, &mut samples, periodic, period, problems)?;
+    let course = take_course(&table, &mut samples, &carried, periodic, period, problems)?;
     if !check_length(&table, samples.time.len(), periodic, period, problems) {
         return None;
     }
@@ -554,6 +554,7 @@ pub(crate) fn course(
 fn take_course(
     table: &Table,
     samples: &mut Samples,
+    carried: &[Named],
     periodic: bool,
     period: Option<f64>,
     problems: &mut Vec<Problem>,
@@ -566,7 +567,10 @@ fn take_course(
         ("torque_rate", samples.torque_rate.as_ref()),
         ("jerk", samples.jerk.as_ref()),
     ];
-    let columns: Vec<(&str, &[f64])> = names.iter().filter_map(|(n, v)| Some((*n, v.as_ref()?.as_slice()))).collect();
+    let named: Vec<String> = carried.iter().map(|(joint, _)| format!("{TORQUE_PER_MASS}{joint}")).collect();
+    let own = names.iter().filter_map(|(n, v)| Some((*n, v.as_ref()?.as_slice())));
+    let more = named.iter().zip(carried).map(|(name, (_, values))| (name.as_str(), values.as_slice()));
+    let columns: Vec<(&str, &[f64])> = own.chain(more).collect();
     let (course, last_is_first) = course(table, &samples.time, &columns, periodic, period, problems)?;
     if !last_is_first {
         return Some(course);

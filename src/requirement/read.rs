@@ -164,11 +164,12 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
     if !complete {
         return None;
     }
+    let spans = uses.iter().map(|u| u.as_ref().map_or(0..0, |u| u.said.clone())).collect();
     let driven = mechanism::driven(model, &uses);
     if let Some(driven) = &driven {
         driven.load(&mut joints);
     }
-    carried::resolve(root, &mut joints, carried)?;
+    carried::resolve(root, &mut joints, carried, spans)?;
     Some(Robot { name: name?, bus: bus?, ambient: surroundings, budget: budget.unwrap_or_default(), joints, driven })
 }
 

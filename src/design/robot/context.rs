@@ -22,6 +22,8 @@ use crate::requirement::{Joint, RatioChoice, Robot};
 
 /// Menus of joints under loads of their own that are made at most.
 const MAX_MENUS: usize = 4000;
+/// Motors times samples over all those menus at most: what a search may take does not grow with the catalogue.
+const MENU_WORK: usize = 6_000_000;
 
 /// Combinations whose programs give prices of power.
 const PRICES: usize = 6;
@@ -398,8 +400,9 @@ fn reach(joint: &Joint, catalog: &Catalog, menu: Option<&Menu>) -> (f64, f64) {
             span(&mut allowed.filter_map(|g| g.mass))
         }
     };
-    let sum = (motor.0 + gear.0, motor.1 + gear.1);
-    if sum.0.is_finite() { sum } else { (0.0, 0.0) }
+    let heaviest = joint.limits.actuator_mass.map_or(motor.1 + gear.1, |limit| limit.min(motor.1 + gear.1));
+    let sum = (motor.0 + gear.0, heaviest * (1.0 + 1e-6));
+    if sum.0.is_finite() && sum.0 <= sum.1 { sum } else { (0.0, 0.0) }
 }
 
 /// A lower bound of an item's objective and of the power it draws at prices, over the ratios it may have.
@@ -471,7 +474,8 @@ impl<'a> Joints<'a> for Context<'a> {
         if let Some(menu) = self.made.get(&key) {
             return Some(menu.clone());
         }
-        if self.made.len() >= MAX_MENUS {
+        let work = self.catalog.motors.len() * self.robot.joints[joint].motion.len();
+        if self.made.len() >= MAX_MENUS.min(MENU_WORK / work.max(1)) {
             return None;
         }
         let loaded = carry::loaded(&self.robot.joints[joint], coordinates);

@@ -131,6 +131,8 @@ pub struct Choice<'a> {
     pub wanting: Vec<Wanting>,
     /// What other budgets would give.
     pub changes: Vec<Change<'a>>,
+    /// Whether other budgets were not looked at, because this one took long or was not settled.
+    pub others_left_out: bool,
     /// The best total for less and less mass.
     pub front: Vec<Combination<'a>>,
     /// Motors left out because their mass, or their gear's, is not known.
@@ -171,7 +173,9 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     };
     let (mut changes, mut front) = (Vec::new(), Vec::new());
     // Where the search was long once, it is not repeated for each other budget.
-    if options.budgets && !combinations.is_empty() && (context.power.is_none() || answer.solved <= LONG) {
+    let short = answer.finished && (context.power.is_none() || answer.solved <= LONG);
+    let others_left_out = options.budgets && !combinations.is_empty() && !short;
+    if options.budgets && !combinations.is_empty() && short {
         changes = other_budgets(&mut context, rules);
         front = mass_front(&mut context, rules);
     }
@@ -188,6 +192,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         proof,
         wanting,
         changes,
+        others_left_out,
         front,
         without_mass: without.into_iter().map(|m| &catalog.motors[m]).collect(),
         time_bases: groups.iter().map(|g| g.joints.iter().map(name).collect()).collect(),

@@ -14,6 +14,9 @@ use super::menu::Menu;
 /// Nodes after which the search gives up; what is left is reported as a gap.
 const MAX_NODES: usize = 2_000_000;
 
+/// The same where loads are open: bounds over loads take longer.
+const MAX_NODES_OPEN: usize = 60_000;
+
 /// Combinations that are solved at most where each takes a program of its own.
 const MAX_SOLVED: usize = 1500;
 
@@ -114,6 +117,9 @@ struct Search<'s, 'a, J: Joints<'a>> {
     all_motors: Vec<usize>,
     answer: Answer,
     menus: Vec<Option<Rc<Menu<'a>>>>,
+    /// Whether the search gave up.
+    ended: bool,
+    most_nodes: usize,
 }
 
 struct State<'a> {
@@ -142,8 +148,10 @@ pub(super) fn run<'a, J: Joints<'a>>(joints: &mut J, tables: &[Table], rules: Ru
         rules,
         order,
         answer: Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0 },
+        most_nodes: if menus.iter().all(Option::is_some) { MAX_NODES } else { MAX_NODES_OPEN },
         menus,
         joints,
+        ended: false,
     };
     search.prepare();
     let root = search.tables.iter().map(|t| search.constant(t)).collect();
@@ -210,14 +218,21 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
         self.answer.found.get(self.rules.keep - 1).map_or(f64::INFINITY, |f| f.value)
     }
 
-    /// What the joints from a depth on cost at least under a table.
-    fn rest(&self, t: usize, depth: usize, state: &State<'a>) -> f64 {
+    /// Least objective and mass of the joints from a depth on whose load is open.
+    fn open(&self, depth: usize, state: &State<'a>) -> Vec<(f64, f64)> {
+        let open = self.order[depth..].iter().filter(|j| self.menus[**j].is_none());
+        open.map(|j| self.joints.bound(*j, &state.masses)).collect()
+    }
+
+    /// What the joints from a depth on cost at least under a table; `open` as [`Search::open`] gives it.
+    fn rest(&self, t: usize, depth: usize, state: &State<'a>, open: &[(f64, f64)]) -> f64 {
+        let mut open = open.iter();
         let slots = self.rules.motors.map(|k| k.saturating_sub(state.used.len()));
         let (mut least, mut kept) = (0.0, 0.0);
         let mut certain = Vec::new();
         for joint in &self.order[depth..] {
             let Some(column) = &self.columns[t][*joint] else {
-                let (objective, mass) = self.joints.bound(*joint, &state.masses);
+                let (objective, mass) = open.next().copied().unwrap_or((0.0, 0.0));
                 let weight = self.joints.count(*joint) * mass;
                 let cost = match (self.rules.lightest, self.rules.mass) {
                     (true, _) => weight,
@@ -271,9 +286,7 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
             None => match self.joints.menu(joint, &state.coordinates[joint]) {
                 Some(menu) => menu,
                 None => {
-                    let bound = self.bound(depth, state);
-                    self.answer.lower = self.answer.lower.min(bound);
-                    self.answer.finished = false;
+                    self.give_up(depth, state);
                     return;
                 }
             },
@@ -288,6 +301,17 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
         let guide = self.tables.len() - 1;
         let mut items: Vec<usize> = (0..menu.items.len()).collect();
         items.sort_by(|a, b| costs[guide][*a].total_cmp(&costs[guide][*b]).then(a.cmp(b)));
+        // What is carried costs more than its own joint: where a load is open, the cheapest for all come first.
+        if !self.rules.lightest && self.order[depth + 1..].iter().any(|j| self.menus[*j].is_none()) {
+            let mut whole: Vec<f64> = Vec::with_capacity(menu.items.len());
+            for item in &menu.items {
+                state.masses[joint] = Some(item.mass);
+                whole.push(self.rest(guide, depth + 1, state, &self.open(depth + 1, state)));
+            }
+            state.masses[joint] = None;
+            let cost = |i: usize| costs[guide][i] + whole[i];
+            items.sort_by(|a, b| cost(*a).total_cmp(&cost(*b)).then(a.cmp(b)));
+        }
         let lightest = if self.rules.mass.is_some() { self.lightest(depth + 1, state) } else { 0.0 };
         for item in items {
             let chosen = &menu.items[item];
@@ -299,13 +323,11 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
             if new && self.rules.motors.is_some_and(|k| state.used.len() >= k) {
                 continue;
             }
-            self.answer.nodes += 1;
-            if self.answer.nodes > MAX_NODES {
-                let bound = self.bound(depth, state);
-                self.answer.lower = self.answer.lower.min(bound);
-                self.answer.finished = false;
+            if self.ended || self.answer.nodes >= self.most_nodes {
+                self.give_up(depth, state);
                 return;
             }
+            self.answer.nodes += 1;
             let before = (state.mass, state.sums.clone());
             state.mass = mass;
             state.masses[joint] = Some(chosen.mass);
@@ -333,18 +355,23 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
     }
 
     fn bound(&self, depth: usize, state: &State<'a>) -> f64 {
-        let of = |t: usize| state.sums[t] + self.rest(t, depth, state);
+        let open = self.open(depth, state);
+        let of = |t: usize| state.sums[t] + self.rest(t, depth, state, &open);
         (0..self.tables.len()).map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Nothing further is looked at: what is left counts with its bounds.
+    fn give_up(&mut self, depth: usize, state: &State<'a>) {
+        self.answer.lower = self.answer.lower.min(self.bound(depth, state));
+        self.answer.finished = false;
+        self.ended = true;
     }
 
     fn finish(&mut self, state: &State<'a>) {
         let menus: Vec<Rc<Menu>> = state.menus.iter().flatten().cloned().collect();
         self.answer.solved += 1;
         if self.joints.is_costly() && self.answer.solved > MAX_SOLVED {
-            self.answer.lower = self.answer.lower.min(self.bound(self.order.len(), state));
-            self.answer.finished = false;
-            // Nothing further is looked at: what is left counts with its bounds.
-            self.answer.nodes = MAX_NODES;
+            self.give_up(self.order.len(), state);
             return;
         }
         let Some(completed) = self.joints.complete(&menus, &state.items, &state.coordinates) else { return };

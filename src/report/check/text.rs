@@ -28,8 +28,15 @@ pub fn text(report: &Report, strict: bool) -> String {
     out.push_str(&joints(report));
     let (allowed, open): (Vec<&Finding>, Vec<&Finding>) = report.findings.iter().partition(|f| f.allowed.is_some());
     for severity in [Severity::Error, Severity::Warning, Severity::Note] {
+        let mut told: Vec<&Finding> = Vec::new();
         for finding in open.iter().filter(|f| f.severity == severity) {
-            out.push_str(&format!("\n{}", story(report, finding)));
+            if told.iter().any(|other| is_same(other, finding)) {
+                continue;
+            }
+            told.push(finding);
+            let joints = open.iter().filter(|f| is_same(f, finding)).filter_map(|f| f.joint.as_deref());
+            let joints: Vec<String> = joints.map(printable).collect();
+            out.push_str(&format!("\n{}", story(report, finding, &joints.join(", "))));
         }
     }
     if !allowed.is_empty() {
@@ -54,6 +61,11 @@ pub fn text(report: &Report, strict: bool) -> String {
     }
     out.push_str(&format!("\n{}\n", summary(report, strict)));
     out
+}
+
+/// Whether two findings say the same of two joints: of the row of a motor that both have.
+fn is_same(a: &Finding, b: &Finding) -> bool {
+    a.rule == b.rule && a.message == b.message && a.severity == b.severity && a.reason == b.reason && a.help == b.help
 }
 
 fn of(finding: &Finding) -> String {
@@ -96,12 +108,14 @@ fn joints(report: &Report) -> String {
     table(&["joint", ">count", "motor", "gear", ">N", "tightest", ">margin", ">loss [W]", ">mass [kg]"], &rows)
 }
 
-fn story(report: &Report, finding: &Finding) -> String {
+/// `joints` are all of which this is found; the place is the first one's.
+fn story(report: &Report, finding: &Finding, joints: &str) -> String {
     let rule = report.rule_of(finding);
     let head = format!("{} {} {}", finding.severity.name(), rule.code, rule.name);
     let head = if rule.code == rule.name { format!("{} {}", finding.severity.name(), rule.name) } else { head };
     let mut out = format!("{}: {head}\n", place(&finding.location));
-    out.push_str(&format!("  {}\n", wrap(&format!("{}{}", of(finding), printable(&finding.message)), 2)));
+    let of = if joints.is_empty() { String::new() } else { format!("{joints}: ") };
+    out.push_str(&format!("  {}\n", wrap(&format!("{of}{}", printable(&finding.message)), 2)));
     if let Some(asked) = &finding.asked {
         out.push_str(&format!("  asked for in {}\n", place(asked)));
     }

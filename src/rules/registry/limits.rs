@@ -171,7 +171,7 @@ pub const FRICTION_UNKNOWN: Rule = Rule {
     what: "Notes a motor whose row gives neither Coulomb nor viscous friction: the evaluation leaves both out.",
     why: "Friction and iron loss of a high-pole motor can be as large as the copper loss at speed (a drag of a few hundredths of N*m, times the ratio). All margins shown are then too good.",
     example: "A gimbal motor whose data sheet gives no no-load current.",
-    mend: "Take the no-load current from the sheet (`no_load_current`, then K_T I_0), or fit it from logs: `gearwise identify --fitted`.",
+    mend: "Take the no-load current from the sheet (`no_load_current`, then K_T I_0), or fit it from logs: `gearwise identify --write`.",
     test: Test::Joint(friction),
 };
 
