@@ -135,13 +135,13 @@ fn the_best_pair_of_motors_of_a_planar_arm_is_that_of_all_pairs_by_hand() {
     let elbow: Vec<f64> = MOTORS.iter().map(|m| least_loss(1, *m, 0.0)).collect();
     for budget in [0.5, 0.75, 0.9, 1.1, 1.6, 2.2] {
         let mut best = (f64::INFINITY, [0, 0]);
-        for e in 0..MOTORS.len() {
-            for s in 0..MOTORS.len() {
-                let mass = MOTORS[s][3] + MOTORS[e][3] + 2.0 * GEAR_MASS;
+        for (e, outer) in MOTORS.iter().enumerate() {
+            for (s, inner) in MOTORS.iter().enumerate() {
+                let mass = inner[3] + outer[3] + 2.0 * GEAR_MASS;
                 if mass > budget {
                     continue;
                 }
-                let total = least_loss(0, MOTORS[s], MOTORS[e][3] + GEAR_MASS) + elbow[e];
+                let total = least_loss(0, *inner, outer[3] + GEAR_MASS) + elbow[e];
                 if total < best.0 {
                     best = (total, [s, e]);
                 }

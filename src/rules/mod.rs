@@ -1,9 +1,9 @@
 //! Design rules: may this design be built?
 //!
 //! The one idea of this room: a rule is data. Its code, texts, default severity and what it looks at stand in one
-//! item of the [registry](RULES); [`check`] is the only place that runs them, applies a [rules file](file) to
+//! item of the [registry](RULES); [`check`] is the only place that runs them, applies a [rules file](mod@file) to
 //! them, and makes [findings](Finding) with a place. Limits are those of the model, evaluated by
-//! [`examine`](crate::design::examine::examine); nothing physical is computed here.
+//! [`examine`]; nothing physical is computed here.
 
 pub mod facts;
 pub mod file;
