@@ -30,6 +30,7 @@ pub mod study;
 pub mod sweep;
 pub mod table;
 pub mod torques;
+pub mod xml;
 
 use serde_json::Value;
 

@@ -1,28 +1,8 @@
 //! A check as JUnit XML, for the test view of any CI system: a suite for each joint and one for the robot, a
 //! case for each rule. The form is that of the schema that Jenkins' xunit plugin publishes.
 
+use crate::report::xml::escape;
 use crate::rules::{Finding, Judged, Report, Severity};
-
-/// Text for an XML attribute or element. What XML 1.0 cannot hold at all becomes U+FFFD; line ends of an
-/// attribute would be read as spaces and are written as references.
-fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\n' => out.push_str("&#10;"),
-            '\t' => out.push_str("&#9;"),
-            '\r' => out.push_str("&#13;"),
-            c if c.is_control() && (c as u32) < 0x20 => out.push('\u{fffd}'),
-            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
-    out
-}
 
 /// Whether a finding fails its case.
 fn fails(finding: &Finding, strict: bool) -> bool {

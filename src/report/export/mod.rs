@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 
 use crate::catalog::{Gear, Motor};
 use crate::design::simulated::SimulatedJoint;
+use crate::report::xml::{escape, is_xml};
 
 /// A design of one joint, with where it comes from.
 #[derive(Debug)]
@@ -171,30 +172,6 @@ fn tame(line: &str) -> String {
     }
     if out.ends_with('-') {
         out.push(' ');
-    }
-    out
-}
-
-/// Whether XML 1.0 allows the character.
-fn is_xml(c: char) -> bool {
-    matches!(c, '\t' | '\n' | '\r' | '\u{20}'..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..)
-}
-
-/// Text as the value of an attribute.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&apos;"),
-            '\n' | '\t' | '\r' => out.push_str(&format!("&#{};", c as u32)),
-            c if is_xml(c) => out.push(c),
-            // What XML cannot say at all.
-            _ => out.push('\u{fffd}'),
-        }
     }
     out
 }
