@@ -61,6 +61,9 @@ pub struct Table {
     header: usize,
 }
 
+/// Mistakes of a file after which its columns are not read on.
+const MOST_SHOWN: usize = 40;
+
 impl Table {
     /// Reads the header and splits the records. Columns must be among `columns`.
     pub fn read(source: &Arc<Source>, columns: Vec<Column>, problems: &mut Vec<Problem>) -> Option<Table> {
@@ -278,6 +281,29 @@ impl Table {
             );
         }
         found.map(|(_, value)| *value)
+    }
+
+    /// The numbers of a column without gaps, in SI; `None` where the file does not have the column. A blank cell is
+    /// noted with `gap`, which says what has none.
+    pub fn whole_column(&self, name: &str, gap: &str, problems: &mut Vec<Problem>) -> Option<Vec<f64>> {
+        if !self.has(name) {
+            return None;
+        }
+        let mut values = Vec::with_capacity(self.len());
+        for row in 0..self.len() {
+            let before = problems.len();
+            match self.number(row, name, problems) {
+                Some(number) => values.push(number.value),
+                None if problems.len() == before => {
+                    problems.push(Problem::at(self.cell_span(row, name), format!("`{name}` is blank"), gap));
+                }
+                None => {}
+            }
+            if problems.len() > MOST_SHOWN {
+                break;
+            }
+        }
+        Some(values)
     }
 
     /// The bytes of a cell, or of its row where the column is absent.

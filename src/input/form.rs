@@ -28,6 +28,22 @@ impl Form {
         Form::read_changed(source, &[], read)
     }
 
+    /// What was read of a file together with the mistakes of the files that it names: its own come first, and
+    /// it says nothing of its own where it failed only because of them.
+    ///
+    /// # Errors
+    /// All of them.
+    pub fn with_others<T>(read: Result<T, InputError>, others: Vec<InputError>) -> Result<T, Vec<InputError>> {
+        match read {
+            Ok(read) if others.is_empty() => Ok(read),
+            Ok(_) => Err(others),
+            Err(error) => {
+                let own = others.is_empty() || error.problems.iter().any(|p| p.span.is_some());
+                Err(own.then_some(error).into_iter().chain(others).collect())
+            }
+        }
+    }
+
     /// As [`Form::read`], with values put in the place of the file's own first.
     ///
     /// # Errors

@@ -58,17 +58,7 @@ fn read_file(path: &Path, catalog: Option<Catalog>, for_row: bool) -> Result<Ben
     let source = Source::read(path).map_err(|e| vec![e])?;
     let mut others = Vec::new();
     let bench = Form::read(&source, |root| read_bench(root, path, &source, catalog, for_row, &mut others));
-    match bench {
-        Ok(bench) if others.is_empty() => Ok(bench),
-        Ok(_) => Err(others),
-        Err(error) => {
-            let mut errors = vec![error];
-            // A file that failed only because of its logs says nothing of its own.
-            errors.retain(|e| others.is_empty() || e.problems.iter().any(|p| p.span.is_some()));
-            errors.extend(others);
-            Err(errors)
-        }
-    }
+    Form::with_others(bench, others)
 }
 
 /// A log as the bench file describes it.

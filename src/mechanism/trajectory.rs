@@ -152,28 +152,7 @@ fn read_table(
             format!("add a column `{} [{}]`: its position; all zero where it stays", joint.name, joint.position_unit());
         problems.push(Problem::at(table.header_span(), message, "not in this header").help(example));
     }
-    let mut read = |name: &str| -> Option<Vec<f64>> {
-        if !table.has(name) {
-            return None;
-        }
-        let mut values = Vec::with_capacity(table.len());
-        for row in 0..table.len() {
-            let before = problems.len();
-            match table.number(row, name, problems) {
-                Some(number) => values.push(number.value),
-                None if problems.len() == before => problems.push(Problem::at(
-                    table.cell_span(row, name),
-                    format!("`{name}` is blank"),
-                    "a trajectory has no gaps",
-                )),
-                None => {}
-            }
-            if problems.len() > 40 {
-                break;
-            }
-        }
-        Some(values)
-    };
+    let mut read = |name: &str| table.whole_column(name, "a trajectory has no gaps", problems);
     let mut time = read("time")?;
     let mut joints: Vec<[Option<Vec<f64>>; 3]> = Vec::new();
     for joint in mechanism.joints() {

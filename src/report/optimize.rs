@@ -138,16 +138,25 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
     out
 }
 
-fn joint_text(result: &JointResult, shown: Shown) -> String {
-    let joint = result.joint;
-    let ratio = match &joint.ratio {
+/// The ratios that a joint may have.
+pub(super) fn ratio_text(joint: &Joint) -> String {
+    match &joint.ratio {
         RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
         RatioChoice::Catalog { patterns, .. } => format!("gears {}", patterns.join(", ")),
-    };
-    let verdict = match &result.pruned {
+    }
+}
+
+/// How many motors can do a joint.
+pub(super) fn verdict(result: &JointResult) -> String {
+    match &result.pruned {
         None => format!("{} motors can do it, {} cannot", result.candidates.len(), result.rejected.len()),
         Some(pruned) => prune::verdict(result, pruned),
-    };
+    }
+}
+
+fn joint_text(result: &JointResult, shown: Shown) -> String {
+    let joint = result.joint;
+    let (ratio, verdict) = (ratio_text(joint), verdict(result));
     let mut out = format!("{} (×{}), {ratio}, least {}: {verdict}\n", joint.name, joint.count, joint.objective.name());
     if joint.motion.course == Course::Points(None) {
         out.push_str("  The operating points have no durations: they weigh alike, and heat is not checked.\n");

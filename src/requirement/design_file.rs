@@ -121,17 +121,7 @@ impl DesignFile {
     pub fn read_source(source: &Arc<Source>) -> Result<DesignFile, Vec<InputError>> {
         let mut others = Vec::new();
         let read = Form::read(source, |root| read_design(root, &mut others));
-        match read {
-            Ok(design) if others.is_empty() => Ok(design),
-            Ok(_) => Err(others),
-            Err(error) => {
-                let mut errors = vec![error];
-                // A file that failed only because of those it names says nothing of its own.
-                errors.retain(|e| others.is_empty() || e.problems.iter().any(|p| p.span.is_some()));
-                errors.extend(others);
-                Err(errors)
-            }
-        }
+        Form::with_others(read, others)
     }
 
     /// Looks up motors and gears.

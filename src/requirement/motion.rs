@@ -367,30 +367,7 @@ fn read_samples(
     problems: &mut Vec<Problem>,
 ) -> Option<(Motion, Vec<Named>)> {
     let table = Table::read(source, columns(joints), problems)?;
-    let mut read = |name: &str| -> Option<Vec<f64>> {
-        if !table.has(name) {
-            return None;
-        }
-        let mut values = Vec::with_capacity(table.len());
-        for row in 0..table.len() {
-            let before = problems.len();
-            match table.number(row, name, problems) {
-                Some(number) => values.push(number.value),
-                None if problems.len() == before => {
-                    problems.push(Problem::at(
-                        table.cell_span(row, name),
-                        format!("`{name}` is blank"),
-                        "a motion has no gaps",
-                    ));
-                }
-                None => {}
-            }
-            if problems.len() > 40 {
-                break;
-            }
-        }
-        Some(values)
-    };
+    let mut read = |name: &str| table.whole_column(name, "a motion has no gaps", problems);
     let mut samples = Samples {
         time: read("time")?,
         torque: read("torque")?,

@@ -97,18 +97,7 @@ fn read_as(
 ) -> Result<Robot, Vec<InputError>> {
     let mut reader = MotionReader { motions, errors: Vec::new() };
     let robot = Form::read_changed(source, changes, |root| read_robot(root, no_springs, &mut reader));
-    let motion_errors = reader.errors;
-    match robot {
-        Ok(robot) if motion_errors.is_empty() => Ok(robot),
-        Ok(_) => Err(motion_errors),
-        Err(error) => {
-            let mut errors = vec![error];
-            // A file that failed only because of its motions says nothing of its own.
-            errors.retain(|e| motion_errors.is_empty() || e.problems.iter().any(|p| p.span.is_some()));
-            errors.extend(motion_errors);
-            Err(errors)
-        }
-    }
+    Form::with_others(robot, reader.errors)
 }
 
 fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionReader) -> Option<Robot> {

@@ -427,12 +427,8 @@ fn priced(
     };
     let Ok(candidate) = candidate else { return f64::INFINITY };
     let prepared = Prepared::new(candidate);
-    let (drive, samples) = (robot.bus.drive_efficiency, joint.motion.len());
     let own = item.design.evaluation.ratio;
-    let profile = match candidate.is_evaluated() {
-        true => candidate.at_ratio(own, |here| Profile::new(here.load, samples, here.actuator, drive)),
-        false => Profile::new(load, samples, candidate.actuator, drive),
-    };
+    let profile = Profile::of(&prepared, robot.bus.drive_efficiency, own);
     let power = |n: f64| weights.iter().map(|(k, w)| w * profile.at(*k, n).0).sum::<f64>();
     if item.ratios.1 / item.ratios.0 - 1.0 <= 1e-12 {
         return scale * item.lower + power(own);

@@ -46,6 +46,19 @@ pub struct Stage {
     pub held_out_vaf: Option<f64>,
 }
 
+impl Stage {
+    /// From error and variance accounted for \[%\] on either part; without data to fit they are not numbers.
+    pub fn new(name: &str, fit: Option<(f64, f64)>, held_out: Option<(f64, f64)>) -> Stage {
+        Stage {
+            name: name.into(),
+            fit: fit.map_or(f64::NAN, |e| e.0),
+            fit_vaf: fit.map_or(f64::NAN, |e| e.1),
+            held_out: held_out.map(|e| e.0),
+            held_out_vaf: held_out.map(|e| e.1),
+        }
+    }
+}
+
 /// A parameter of the declared model, refitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
@@ -220,13 +233,7 @@ fn stage_of(name: &str, balance: &Balance, left: &[f64], target: &[f64]) -> Stag
         (count > 0.0).then(|| ((squares / count).sqrt(), vaf))
     };
     let (fit, held) = (error(true), error(false));
-    Stage {
-        name: name.into(),
-        fit: fit.map_or(f64::NAN, |e| e.0),
-        fit_vaf: fit.map_or(f64::NAN, |e| e.1),
-        held_out: held.map(|e| e.0),
-        held_out_vaf: held.map(|e| e.1),
-    }
+    Stage::new(name, fit, held)
 }
 
 /// The error as declared: nothing corrected.

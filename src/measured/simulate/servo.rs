@@ -355,13 +355,7 @@ fn is_added(candidate: Candidate, model: &Model, known_terms: usize) -> bool {
 fn stage(name: &str, tracks: &[&Track], model: &Model) -> Stage {
     let residuals = model.residuals(tracks);
     let (fit, held) = (error(tracks, &residuals, true), error(tracks, &residuals, false));
-    Stage {
-        name: name.into(),
-        fit: fit.map_or(f64::NAN, |e| e.0),
-        fit_vaf: fit.map_or(f64::NAN, |e| e.1),
-        held_out: held.map(|e| e.0),
-        held_out_vaf: held.map(|e| e.1),
-    }
+    Stage::new(name, fit, held)
 }
 
 /// The declared model's own parameters refitted; those that the logs don't show stay as declared.

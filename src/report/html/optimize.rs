@@ -7,7 +7,8 @@ use crate::design::optimize::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{LIMITS, limit_rows};
 use crate::report::optimize::{
-    asks_for_nothing, bind_text, choice_text, drive_current, margin_text, notes, proof, reason_text,
+    asks_for_nothing, bind_text, choice_text, drive_current, margin_text, notes, proof, ratio_text, reason_text,
+    verdict,
 };
 use crate::report::plot::design as plot;
 use crate::report::{number, optional, robot as robot_report, spring};
@@ -173,14 +174,7 @@ fn warned(result: &JointResult) -> Vec<String> {
 
 fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
     let joint = result.joint;
-    let ratio = match &joint.ratio {
-        RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
-        RatioChoice::Catalog { patterns, .. } => format!("gears {}", patterns.join(", ")),
-    };
-    let verdict = match &result.pruned {
-        None => format!("{} motors can do it, {} cannot", result.candidates.len(), result.rejected.len()),
-        Some(pruned) => crate::report::prune::verdict(result, pruned),
-    };
+    let (ratio, verdict) = (ratio_text(joint), verdict(result));
     let mut parts = vec![Part::Text(format!("{ratio}, least {}: {verdict}.", joint.objective.name()))];
     parts.extend(figure);
     parts.extend(candidates(result, names).part());
