@@ -1,76 +1,19 @@
 //! What the performance claims rest on: a motor-ratio pair of the sweep and a ratio program, at 100 to
 //! 10 000 samples, each beside the plain loop over all samples in the same run.
 
+mod common;
+
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use gearwise::actuator::Load;
-use gearwise::catalog::convention::Modulation;
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::optimize::{Options, optimize_with};
 use gearwise::design::program::{Certificate, Outcome, RatioProgram};
 use gearwise::design::{Prepared, continuous_candidate, optimize};
-use gearwise::requirement::{
-    Budget, Bus, Course, GearModel, Joint, Limits, Motion, Objective, Quantity, RatioChoice, Regeneration, Robot,
-    Samples, backdrive_efficiency,
-};
+use gearwise::requirement::{Joint, Regeneration, Robot};
 
-/// A periodic motion of a few harmonics, like a leg's.
-fn motion(samples: usize, seed: f64) -> Motion {
-    let period = 0.6;
-    let at = |k: usize| std::f64::consts::TAU * k as f64 / samples as f64;
-    let sum = |k: usize, terms: &[(f64, f64, f64)]| {
-        terms.iter().map(|(a, n, p)| a * (n * at(k) + p + seed).sin()).sum::<f64>()
-    };
-    let torque = [(9.0, 1.0, 0.3), (4.0, 2.0, 1.1), (2.0, 3.0, 2.0), (0.7, 7.0, 0.2)];
-    let velocity = [(5.0, 1.0, 1.0), (3.0, 2.0, 0.4), (1.0, 5.0, 0.9)];
-    let series = |terms: &[(f64, f64, f64)]| (0..samples).map(|k| sum(k, terms)).collect::<Vec<_>>();
-    let time = (0..samples).map(|k| period * k as f64 / samples as f64).collect();
-    let samples = Samples { time, torque: series(&torque), velocity: Some(series(&velocity)), ..Samples::default() };
-    Motion::from_samples(samples, Course::Periodic(period))
-}
-
-fn robot(samples: usize, joints: usize) -> Robot {
-    let joint = |i: usize| Joint {
-        name: format!("joint {i}"),
-        count: 1,
-        ratio: RatioChoice::Continuous { min: 3.0, max: 60.0 },
-        gear: GearModel {
-            efficiency: 0.92,
-            backdrive_efficiency: backdrive_efficiency(0.92),
-            inertia: 2e-6,
-            ..GearModel::IDEAL
-        },
-        motion: motion(samples, i as f64),
-        objective: Objective::single(Quantity::Loss),
-        limits: Limits {
-            reflected_inertia: Some(0.05),
-            winding_temperature: Some(383.15),
-            safety: 1.2,
-            ..Limits::default()
-        },
-        drive_current: None,
-        phases: Vec::new(),
-        carries: Vec::new(),
-    };
-    Robot {
-        name: "bench".into(),
-        bus: Bus {
-            voltage: 48.0,
-            modulation: Modulation::SpaceVector,
-            modulation_limit: 0.95,
-            drive_current: Some(40.0),
-            power: None,
-            current: None,
-            regeneration: Regeneration::Allowed,
-            drive_efficiency: 1.0,
-        },
-        ambient: 298.15,
-        budget: Budget::default(),
-        joints: (0..joints).map(joint).collect(),
-        driven: None,
-    }
-}
+use common::robot;
 
 /// Largest squared torque and voltage, and the mean squared torque, by one loop over all samples: what a
 /// spreadsheet or script does for each pair.
@@ -248,7 +191,7 @@ fn first_few(c: &mut Criterion) {
         let name = keep.map_or("all".to_string(), |k| format!("the first {k}"));
         group.bench_function(name, |b| b.iter(|| optimize_with(&robot, &catalog, options)));
     }
-    let mut alike = self::robot(1000, 1);
+    let mut alike = common::robot(1000, 1);
     alike.joints = vec![alike.joints[0].clone(); 100];
     let shipped = Catalog::builtin().expect("the shipped catalogue is sound");
     group.bench_function("shipped motors, 100 joints alike", |b| b.iter(|| optimize(&alike, &shipped)));
