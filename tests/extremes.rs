@@ -518,3 +518,13 @@ fn limits_that_contradict_each_other_are_named() {
     println!("{named} contradictions");
     assert!(named > 5);
 }
+
+/// One operating point whose motor torque vanishes at a ratio: the loss there is zero, and that is proved, although
+/// the range of ratios is nine decades wide and its bounds round accordingly.
+#[test]
+fn a_loss_of_zero_is_certified_over_nine_decades() {
+    let mut case = draw(150_421, false);
+    case.robot.joints[0].ratio = RatioChoice::Continuous { min: 1e-3, max: 1e6 };
+    let optimum = solve(&case.motor, &case.robot).expect("a choice");
+    assert!(optimum.objective < 1e-12 && certified(&optimum), "{optimum:?}");
+}

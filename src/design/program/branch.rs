@@ -134,8 +134,6 @@ struct Search<'a> {
     program: &'a RatioProgram<'a>,
     goal: Goal<'a>,
     best: Option<(f64, f64)>,
-    /// What rounding can do to a bound.
-    rounding: f64,
 }
 
 pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
@@ -146,7 +144,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let (min, max) = (low.ratio, high.ratio);
     let goal = Goal::new(program);
     let found = scan::scan(program, &goal, &low, &high);
-    let mut search = Search { program, best: found.best.map(|n| (n, goal.value(n))), goal, rounding: 0.0 };
+    let mut search = Search { program, best: found.best.map(|n| (n, goal.value(n))), goal };
     let (bound, finished) = search.run(min, max);
     let Some((ratio, value)) = search.best else {
         return match found.nearest {
@@ -164,8 +162,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         windows.push(scan::point(program, ratio));
         windows.sort_by(|a, b| a.min.total_cmp(&b.min));
     }
-    let reference = value.abs().max(1e-6 * search.goal.cut(ratio).size(ratio)).max(f64::MIN_POSITIVE);
-    let gap = ((value - bound) / reference).max(0.0);
+    let gap = ((value - bound) / search.reference(ratio, value)).max(0.0);
     let certificate = if finished && gap <= GAP_TOLERANCE {
         Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
     } else {
@@ -212,9 +209,14 @@ impl Search<'_> {
         (settled.min(left), false)
     }
 
+    /// What a gap is measured by: the value, or where its terms cancel, a millionth of their size.
+    fn reference(&self, ratio: f64, value: f64) -> f64 {
+        value.abs().max(1e-6 * self.goal.cut(ratio).size(ratio)).max(f64::MIN_POSITIVE)
+    }
+
     /// The value below which an interval is still of interest.
     fn target(&self) -> f64 {
-        self.best.map_or(f64::INFINITY, |(_, value)| value - 0.25 * GAP_TOLERANCE * value.abs() - self.rounding)
+        self.best.map_or(f64::INFINITY, |(ratio, value)| value - 0.25 * GAP_TOLERANCE * self.reference(ratio, value))
     }
 
     fn offer(&mut self, ratio: f64) {
@@ -247,10 +249,7 @@ impl Search<'_> {
         let cut = self.goal.cut((a * b).sqrt());
         let under = Underestimator::new(&cut, a, b);
         let least = under.minimum(a, b);
-        let rounding = 1e-14 * under.size;
-        self.rounding =
-            self.rounding.max(if self.best.is_some_and(|(n, _)| n >= a && n <= b) { rounding } else { 0.0 });
-        let bound = under.at(least) + steps - rounding;
+        let bound = under.at(least) + steps - 1e-14 * under.size;
         self.offer(least);
         if bound >= self.target() {
             return bound;
