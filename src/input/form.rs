@@ -67,7 +67,13 @@ impl Form {
             let message = error.message().lines().next().unwrap_or("not valid TOML").to_string();
             let end = source.text().len();
             let span = error.span().map_or(0..0, |s| s.start.min(end)..s.end.min(end));
-            form.note(Problem::at(span, format!("not valid TOML: {message}"), "here"));
+            let around = source.text().split_at_checked(span.start);
+            let digit = |c: char| c.is_ascii_digit();
+            let comma = around.is_some_and(|(before, after)| {
+                before.ends_with(digit) && after.strip_prefix(',').is_some_and(|rest| rest.starts_with(digit))
+            });
+            let problem = Problem::at(span, format!("not valid TOML: {message}"), "here");
+            form.note(if comma { problem.help("numbers have a decimal point, not a comma") } else { problem });
         }
         // After a syntax error the rest of the table is a guess: report the syntax alone.
         let result = if errors.is_empty() {

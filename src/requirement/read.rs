@@ -9,7 +9,7 @@ use super::mechanism::{self, Model, Use};
 use super::motion::{self, CarriedColumn, Motion, Point};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
-use crate::input::{Change, Form, InputError, Problem, Range, Section, Source};
+use crate::input::{Change, Form, InputError, Problem, Range, Section, Source, limits};
 use crate::units;
 
 /// Room temperature, where no ambient is given \[K\].
@@ -131,18 +131,31 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint");
     }
+    if let Some(extra) = sections.get(limits::JOINTS) {
+        let message = limits::too_many("joints", sections.len(), limits::JOINTS);
+        root.note(Problem::at(extra.span(), message, "one too many").help("split the robot into several requirements"));
+        return None;
+    }
     let model = mechanism::read(root, motions);
     let all: Vec<String> = sections.iter().filter_map(|s| s.text("name")).map(|n| n.into_inner()).collect();
     let mut names = HashSet::new();
     let (mut joints, mut uses, mut carried) = (Vec::new(), Vec::new(), Vec::new());
     let mut complete = true;
+    let mut samples = 0;
     for section in sections {
+        let span = section.span();
         let duplicate = section.text("name").filter(|n| !names.insert(n.get_ref().clone()));
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
         match read_joint(section, surroundings, no_springs, &all, &model, motions) {
             Some((joint, taken, carries)) => {
+                samples += joint.motion.len();
+                if samples > limits::SAMPLES {
+                    let message = limits::too_many("samples of all joints together", samples, limits::SAMPLES);
+                    root.note(Problem::at(span, message, "reached here").help("take every n-th row of the motions"));
+                    return None;
+                }
                 joints.push(joint);
                 uses.push(taken);
                 carried.push(carries);

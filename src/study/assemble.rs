@@ -130,7 +130,7 @@ impl Tables {
         let columns = columns::all(plan);
         let begin = |name: &'static str, header: &[&str]| -> Result<csv::Writer<Part>, StudyError> {
             let mut writer = csv::Writer::from_writer(Part::new(out, name)?);
-            writer.write_record(header).map_err(|e| cannot(name, &e))?;
+            crate::report::csv_row(&mut writer, header.iter().copied()).map_err(|e| cannot(name, &e))?;
             Ok(writer)
         };
         let header: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
@@ -154,14 +154,14 @@ impl Tables {
         let robot = || of_robot.into_iter().chain(columns::grid_cells(plan, point));
         for row in record.joints.iter().flat_map(|j| &j.rows) {
             let cells = || robot().chain(row.iter().map(String::as_str));
-            self.results.write_record(cells()).map_err(|e| cannot(FILES[0], &e))?;
+            crate::report::csv_row(&mut self.results, cells()).map_err(|e| cannot(FILES[0], &e))?;
             #[cfg(feature = "parquet")]
             self.typed.row(cells()).map_err(|e| cannot(FILES[1], &e))?;
         }
         if let Some(broken) = &record.broken {
             let mistakes = broken.mistakes.to_string();
             let cells = [mistakes.as_str(), broken.first.as_str(), broken.report.as_str()];
-            self.errors.write_record(robot().chain(cells)).map_err(|e| cannot(FILES[2], &e))?;
+            crate::report::csv_row(&mut self.errors, robot().chain(cells)).map_err(|e| cannot(FILES[2], &e))?;
         }
         Ok(())
     }
@@ -249,7 +249,7 @@ impl InputsOf {
                     "`{file}` was changed while the study ran; begin anew with `--force`"
                 )));
             }
-            table.write_record([requirement, file, hash]).map_err(|e| cannot(FILES[3], &e))?;
+            crate::report::csv_row(table, [requirement, file.as_str(), hash.as_str()]).map_err(|e| cannot(FILES[3], &e))?;
         }
         Ok(())
     }

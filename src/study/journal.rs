@@ -20,6 +20,8 @@ use crate::report::file::write_whole;
 
 /// Name of the journal's folder.
 const FOLDER: &str = "journal";
+/// Name of the lock.
+const LOCK: &str = ".study.lock";
 /// Digits of a line's checksum.
 const DIGITS: usize = 16;
 /// Most files whose hash is remembered while a journal is checked.
@@ -261,7 +263,7 @@ impl Lock {
     /// Another process works there, or the folder cannot be written.
     pub fn take(out: &Path) -> Result<Lock, StudyError> {
         fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
-        let path = out.join(".study.lock");
+        let path = out.join(LOCK);
         let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
         let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
         match file.try_lock() {
@@ -270,6 +272,17 @@ impl Lock {
                 Err(StudyError::Argument(format!("another process works on the study in `{}`", out.display())))
             }
             Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
+        }
+    }
+
+    /// Takes away a folder that was made for a study that did not begin; one with anything else in it stays.
+    pub fn forget(out: &Path) {
+        if Journal::is_in(out) {
+            return;
+        }
+        let entries = fs::read_dir(out).map(|entries| entries.count());
+        if matches!(entries, Ok(1)) && fs::remove_file(out.join(LOCK)).is_ok() {
+            let _ = fs::remove_dir(out);
         }
     }
 }

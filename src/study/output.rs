@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::StudyError;
 use super::plan::{Hashed, Plan};
+use crate::input::csv::unguarded;
 use crate::input::{Source, hex};
 
 /// Name of the manifest.
@@ -68,7 +69,7 @@ pub fn inputs_unchanged(out: &Path, base: &Path) -> Result<(), StudyError> {
     let mut hashes: HashMap<String, Option<String>> = HashMap::new();
     for row in reader.records() {
         let row = row.map_err(fail)?;
-        let (file, hash) = (row.get(1).unwrap_or_default(), row.get(2).unwrap_or_default());
+        let (file, hash) = (unguarded(row.get(1).unwrap_or_default()), row.get(2).unwrap_or_default());
         if hashes.len() >= KEPT {
             hashes.clear();
         }
