@@ -329,12 +329,7 @@ pub fn run() -> ExitCode {
                 tell_on!("{error}");
             }
             let mistakes: usize = errors.iter().map(|e| e.problems.len()).sum();
-            tell!(
-                "{mistakes} {} in {} {}",
-                plural(mistakes, "mistake"),
-                errors.len(),
-                plural(errors.len(), "file")
-            );
+            tell!("{mistakes} {} in {} {}", plural(mistakes, "mistake"), errors.len(), plural(errors.len(), "file"));
             ExitCode::from(2)
         }
         Err(Failure::Argument(message)) => {

@@ -36,7 +36,8 @@ impl Sheet {
         }
         let mut mechanism = None;
         if sheet.problems.borrow().is_empty() {
-            let options = ParsingOptions { allow_dtd: false, nodes_limit: limits::ELEMENTS, ..ParsingOptions::default() };
+            let options =
+                ParsingOptions { allow_dtd: false, nodes_limit: limits::ELEMENTS, ..ParsingOptions::default() };
             match Document::parse_with_options(text, options) {
                 Ok(document) => mechanism = read(&sheet, document.root_element()),
                 Err(error) => sheet.note(not_xml(text, &error)),

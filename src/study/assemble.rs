@@ -249,7 +249,8 @@ impl InputsOf {
                     "`{file}` was changed while the study ran; begin anew with `--force`"
                 )));
             }
-            crate::report::csv_row(table, [requirement, file.as_str(), hash.as_str()]).map_err(|e| cannot(FILES[3], &e))?;
+            crate::report::csv_row(table, [requirement, file.as_str(), hash.as_str()])
+                .map_err(|e| cannot(FILES[3], &e))?;
         }
         Ok(())
     }

@@ -101,15 +101,14 @@ fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal
         motors: study.catalog.motors.iter().map(|m| m.id.clone()).collect(),
         requirements,
         list_sha256,
-        robots: requirements
-            .checked_mul(study.inputs.grid.points())
-            .filter(|n| *n <= limits::ROBOTS)
-            .ok_or_else(|| {
+        robots: requirements.checked_mul(study.inputs.grid.points()).filter(|n| *n <= limits::ROBOTS).ok_or_else(
+            || {
                 StudyError::Argument(format!(
                     "the study has more than {} robots; split it into several studies, or take fewer values",
                     limits::ROBOTS
                 ))
-            })?,
+            },
+        )?,
     };
     let other = |why: String| {
         StudyError::Argument(format!("the study in `{}` is another: {why}; `--force` begins anew", out.display()))

@@ -191,9 +191,9 @@ pub fn read(
             let rows = record.position().map_or(0, Position::record);
             let most = limits::LOG_NUMBERS;
             let problem = Problem::whole(format!("the log has more than {most} numbers, reached at its row {rows}"));
-            return Err(wrong(problem.help(
-                "take part of it with `select`, keep every n-th row, or leave columns out of [columns]",
-            )));
+            return Err(wrong(
+                problem.help("take part of it with `select`, keep every n-th row, or leave columns out of [columns]"),
+            ));
         }
     }
     if !mistakes.problems.is_empty() {
