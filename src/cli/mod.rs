@@ -36,7 +36,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::catalog::{Catalog, Motor};
-use crate::input::{InputError, Recording};
+use crate::input::{InputError, Recording, tame};
 use crate::report::html;
 use crate::report::plot::{self, Figure};
 use crate::requirement::Robot;
@@ -349,7 +349,7 @@ fn plural(count: usize, word: &str) -> String {
 
 /// Says something on stderr. Where that cannot be written nobody can be told, and the work goes on.
 fn say(said: std::fmt::Arguments, end: &str) {
-    let _ = write!(std::io::stderr().lock(), "{said}{end}");
+    let _ = write!(std::io::stderr().lock(), "{}{end}", tame(&said.to_string()));
 }
 
 fn not_printed(error: &std::io::Error) -> ExitCode {
@@ -357,10 +357,10 @@ fn not_printed(error: &std::io::Error) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Writes to stdout; a reader that has seen enough and closed the pipe is no error.
+/// Writes to stdout, names from files included, which may not drive the terminal; a reader that has seen enough and closed the pipe is no error.
 fn print(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(tame(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }

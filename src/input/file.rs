@@ -107,6 +107,7 @@ pub(crate) fn reason(error: &io::Error) -> String {
     use io::ErrorKind as Kind;
     let words = match error.kind() {
         Kind::NotFound => "there is no such file",
+        Kind::AlreadyExists => "there is a file of this name",
         Kind::PermissionDenied => "permission denied",
         Kind::StorageFull => "the disk is full",
         Kind::QuotaExceeded => "the quota is used up",

@@ -20,6 +20,7 @@ pub use form::{Form, Section};
 pub use locate::{Step, locate};
 pub(crate) use recording::was_read;
 pub use recording::{InputFile, Recording, sha256};
+pub(crate) use source::tame;
 pub use source::{InputError, Problem, Source, hex};
 
 /// What values a number may have.

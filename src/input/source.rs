@@ -1,5 +1,6 @@
 //! A file's text, the problems found in it, and how they are shown.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -252,13 +253,13 @@ impl fmt::Display for InputError {
                     let (line, column) = self.source.position(s.start);
                     format!(":{line}:{column}")
                 });
-                writeln!(f, "error: {}", problem.message)?;
+                writeln!(f, "error: {}", tame(&problem.message))?;
                 writeln!(f, "  ┌─ {}{place}", printable(&self.source.name))?;
                 if !problem.label.is_empty() {
-                    writeln!(f, "  = {}", problem.label)?;
+                    writeln!(f, "  = {}", tame(&problem.label))?;
                 }
                 if let Some(help) = &problem.help {
-                    writeln!(f, "  = {help}")?;
+                    writeln!(f, "  = {}", tame(help))?;
                 }
                 writeln!(f)?;
                 continue;
@@ -269,7 +270,7 @@ impl fmt::Display for InputError {
                 .with_label(Label::primary((), span).with_message(&problem.label))
                 .with_notes(problem.help.iter().cloned().collect());
             let text = term::emit_into_string(&config, &file, &diagnostic).map_err(|_| fmt::Error)?;
-            f.write_str(&text)?;
+            f.write_str(&tame(&text))?;
         }
         let hidden = self.problems.len().saturating_sub(MAX_SHOWN);
         if hidden > 0 {
@@ -284,4 +285,11 @@ impl std::error::Error for InputError {}
 /// A name without control characters, so that it cannot drive the terminal.
 fn printable(name: &str) -> String {
     name.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+/// Lines of text of which parts come from files, without what could drive a terminal: control characters other than
+/// line ends and tabs.
+pub(crate) fn tame(text: &str) -> Cow<'_, str> {
+    let drives = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
+    if text.contains(drives) { text.replace(drives, "\u{fffd}").into() } else { text.into() }
 }

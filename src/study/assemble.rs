@@ -13,6 +13,7 @@ use super::output::{FILES, MANIFEST, Manifest, Part, place, seal, unsettle};
 use super::plan::{Plan, Shard};
 use super::summary::{Gatherer, Summary};
 use super::worker::Record;
+use crate::report::file::make_folder;
 use crate::report::study as report;
 
 /// Journals of all shards of one study, in order.
@@ -189,7 +190,7 @@ fn cannot(name: &str, error: &dyn std::fmt::Display) -> StudyError {
 /// written.
 pub fn assemble(shards: &Shards, out: &Path) -> Result<Summary, StudyError> {
     let plan = shards.plan();
-    std::fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
+    make_folder(out).map_err(StudyError::Argument)?;
     let mut tables = Tables::new(out, plan)?;
     let mut gatherer = Gatherer::default();
     let mut effects = Effects::new(out, plan)?;

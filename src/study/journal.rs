@@ -16,7 +16,7 @@ use super::plan::{BLOCK, Plan, Shard};
 use super::worker::Record;
 use super::{StudyError, work};
 use crate::input::{Source, hex};
-use crate::report::file::write_whole;
+use crate::report::file::{make_folder, write_whole};
 
 /// Name of the journal's folder.
 const FOLDER: &str = "journal";
@@ -65,7 +65,7 @@ impl Journal {
     pub fn begin(out: &Path, lock: Lock, plan: Plan, shard: Shard, list: &Path) -> Result<Journal, StudyError> {
         let folder = out.join(FOLDER);
         Journal::remove(out)?;
-        fs::create_dir_all(&folder).map_err(|e| StudyError::file("make the folder", &folder, &e))?;
+        make_folder(&folder).map_err(StudyError::Argument)?;
         let target = folder.join("list.txt");
         fs::rename(list, &target).map_err(|e| StudyError::file("write", &target, &e))?;
         let write =
@@ -262,7 +262,7 @@ impl Lock {
     /// # Errors
     /// Another process works there, or the folder cannot be written.
     pub fn take(out: &Path) -> Result<Lock, StudyError> {
-        fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
+        make_folder(out).map_err(StudyError::Argument)?;
         let path = out.join(LOCK);
         let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
         let file = file.map_err(|e| StudyError::file("write", &path, &e))?;

@@ -197,6 +197,8 @@ pub fn read(
         }
     }
     if !mistakes.problems.is_empty() {
+        // The mistakes may be those of two texts that were taken for one.
+        reader.into_inner().opened.unchanged(|_| Ok(true)).map_err(wrong)?;
         return Err(mistakes.into_error(&name));
     }
     if shared > 0 {
