@@ -195,6 +195,8 @@ impl Unit {
 pub enum UnitError {
     /// The number itself cannot be read, or is not finite.
     NotANumber(String),
+    /// A number with a comma in the place of the point.
+    DecimalComma(String),
     /// A number with a dimension stands without its unit.
     MissingUnit,
     /// A unit symbol that does not exist, with the nearest that does.
@@ -212,6 +214,7 @@ impl UnitError {
             UnitError::NotANumber(text) => {
                 format!("`{text}` is not a number (of at most 1e18 in SI units)")
             }
+            UnitError::DecimalComma(text) => format!("`{text}` has a decimal comma"),
             UnitError::MissingUnit => format!("{} needs its unit", kind.with_article()),
             UnitError::UnknownUnit(unit, _) => format!("unknown unit `{unit}`"),
             UnitError::BadExpression(text) => format!("`{text}` is not a unit"),
@@ -222,6 +225,9 @@ impl UnitError {
     /// What to write instead.
     pub fn help(&self, kind: &Kind) -> String {
         match self {
+            UnitError::DecimalComma(text) => {
+                format!("numbers have a decimal point: {}", text.replacen(',', ".", 1))
+            }
             UnitError::UnknownUnit(_, Some(near)) => {
                 format!("did you mean `{near}`? For example \"{}\"", kind.example)
             }
@@ -254,6 +260,9 @@ pub fn quantity(text: &str, kind: &Kind) -> Result<f64, UnitError> {
     let split = number_length(text);
     let (number, unit) = text.split_at(split);
     let value = number_value(if split == 0 { text } else { number })?;
+    if split > 0 && unit.strip_prefix(',').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit())) {
+        return Err(UnitError::DecimalComma(shorten(text)));
+    }
     let unit = unit.trim();
     if unit.is_empty() {
         return if kind.needs_unit() { Err(UnitError::MissingUnit) } else { Ok(value) };

@@ -117,5 +117,5 @@ fn manual_pages_of_all_commands() {
     // A folder that cannot be.
     let output = workspace.run(&["man".into(), "--out".into(), "robot.toml/x".into()]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot write to the folder"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot make the folder"));
 }

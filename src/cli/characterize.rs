@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
                 written.push(format!("The row is in {}.", path.display()));
             }
             Err(why) => {
-                eprintln!("warning: {why}");
+                tell!("warning: {why}");
                 satisfied = false;
             }
         }

@@ -72,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     write(&arguments.sarif, &|| json_text(&sarif::json(&report, &root)))?;
     if let Some(text) = written {
         file::write_whole(&lock_path, text.as_bytes()).map_err(Failure::Argument)?;
-        eprintln!("wrote {}", lock_path.display());
+        tell!("wrote {}", lock_path.display());
     }
     let text = match (arguments.json, arguments.github) {
         (true, _) => json_text(&json::json(&report, arguments.strict)),

@@ -1,7 +1,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use sha2::{Digest, Sha256};
 
 use super::chosen::Chosen;
 use super::{CatalogChoice, Done, Failure};
@@ -164,8 +163,7 @@ fn exported<'a>(
 fn origin(robot: &Robot, requirement: &Source, design: Option<&Source>) -> Origin {
     let file = |source: &Source| {
         let name = Path::new(source.name()).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        let sha256 = Sha256::digest(source.text().as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
-        NamedFile { name, sha256 }
+        NamedFile { name, sha256: source.sha256() }
     };
     Origin { robot: robot.name.clone(), requirement: file(requirement), design: design.map(file) }
 }
@@ -177,12 +175,11 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
         (Some(model), _) => {
             let names = names(&arguments.map, joints)?;
             let shown = model.display();
-            let old = std::fs::read_to_string(model)
-                .map_err(|error| Failure::Argument(format!("cannot read `{shown}`: {error}")))?;
-            let patched = patch::patch(&old, origin, joints, &names)
+            let old = Source::read(model).map_err(|e| vec![e])?;
+            let patched = patch::patch(old.text(), origin, joints, &names)
                 .map_err(|why| Failure::Argument(format!("`{shown}`: {why}")))?;
             for remark in &patched.remarks {
-                eprintln!("warning: {remark}");
+                tell!("warning: {remark}");
             }
             said.extend(patched.written.iter().map(|(joint, names)| format!("{joint}: {}", names.join(", "))));
             patched.text
@@ -192,7 +189,7 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
         (None, Some(To::Json) | None) => report::text(Format::Json, origin, joints),
     };
     for joint in joints.iter().filter(|j| !j.broken.is_empty()) {
-        eprintln!(
+        tell!(
             "warning: joint `{}`: {} at N = {} is not feasible, it breaks {}; exported all the same",
             joint.joint,
             joint.motor.id,

@@ -20,7 +20,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<Done, Failure>
     let failed = |error: std::io::Error| {
         Failure::Argument(format!("cannot write to the folder `{}`: {error}", arguments.out.display()))
     };
-    std::fs::create_dir_all(&arguments.out).map_err(failed)?;
+    file::make_folder(&arguments.out).map_err(Failure::Argument)?;
     let mut pages = vec![("gearwise".to_string(), page(&command).map_err(failed)?)];
     for sub in command.get_subcommands().filter(|c| c.get_name() != "help" && !c.is_hide_set()) {
         let name = format!("gearwise-{}", sub.get_name());

@@ -1,5 +1,14 @@
 //! The command line: arguments in, library call, report out. No physics.
 
+/// Says something on stderr, as a line of its own.
+macro_rules! tell {
+    ($($said:tt)*) => { $crate::cli::say(format_args!($($said)*), "\n") };
+}
+/// As `tell`, of what has its line end.
+macro_rules! tell_on {
+    ($($said:tt)*) => { $crate::cli::say(format_args!($($said)*), "") };
+}
+
 mod audit;
 mod characterize;
 mod check;
@@ -27,7 +36,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::catalog::{Catalog, Motor};
-use crate::input::{InputError, Recording};
+use crate::input::{InputError, Recording, tame};
 use crate::report::html;
 use crate::report::plot::{self, Figure};
 use crate::requirement::Robot;
@@ -277,14 +286,16 @@ pub fn run() -> ExitCode {
         Err(error) => {
             // Help and version are answers, not mistakes.
             let code = u8::from(error.use_stderr()) * 2;
-            let _ = error.print();
-            return ExitCode::from(code);
+            return match error.print() {
+                Err(why) if !error.use_stderr() && why.kind() != std::io::ErrorKind::BrokenPipe => not_printed(&why),
+                _ => ExitCode::from(code),
+            };
         }
     };
     if let Some(threads) = cli.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
         if let Err(error) = pool {
-            eprintln!("error: cannot start {threads} threads: {error}");
+            tell!("error: cannot start {threads} threads: {error}");
             return ExitCode::from(2);
         }
     }
@@ -311,30 +322,22 @@ pub fn run() -> ExitCode {
     match result {
         Ok(done) => match print(&done.text) {
             Ok(()) => ExitCode::from(u8::from(!done.satisfied)),
-            Err(error) => {
-                eprintln!("error: cannot write the result: {error}");
-                ExitCode::from(2)
-            }
+            Err(error) => not_printed(&error),
         },
         Err(Failure::Input(errors)) => {
             for error in &errors {
-                eprint!("{error}");
+                tell_on!("{error}");
             }
             let mistakes: usize = errors.iter().map(|e| e.problems.len()).sum();
-            eprintln!(
-                "{mistakes} {} in {} {}",
-                plural(mistakes, "mistake"),
-                errors.len(),
-                plural(errors.len(), "file")
-            );
+            tell!("{mistakes} {} in {} {}", plural(mistakes, "mistake"), errors.len(), plural(errors.len(), "file"));
             ExitCode::from(2)
         }
         Err(Failure::Argument(message)) => {
-            eprintln!("error: {message}");
+            tell!("error: {message}");
             ExitCode::from(2)
         }
         Err(Failure::Interrupted(message)) => {
-            eprintln!("{message}");
+            tell!("{message}");
             ExitCode::from(130)
         }
     }
@@ -344,10 +347,20 @@ fn plural(count: usize, word: &str) -> String {
     if count == 1 { word.into() } else { format!("{word}s") }
 }
 
-/// Writes to stdout; a reader that has seen enough and closed the pipe is no error.
+/// Says something on stderr. Where that cannot be written nobody can be told, and the work goes on.
+fn say(said: std::fmt::Arguments, end: &str) {
+    let _ = write!(std::io::stderr().lock(), "{}{end}", tame(&said.to_string()));
+}
+
+fn not_printed(error: &std::io::Error) -> ExitCode {
+    tell!("error: cannot write the result: {}", crate::input::reason(error));
+    ExitCode::from(2)
+}
+
+/// Writes to stdout, names from files included, which may not drive the terminal; a reader that has seen enough and closed the pipe is no error.
 fn print(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(tame(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }

@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
     if robot.is_coupled() && (arguments.pareto.is_some() || arguments.robust) {
-        eprintln!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
+        tell!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
     }
     if let Some(names) = &arguments.pareto {
         let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
@@ -163,7 +163,7 @@ fn write_design(
         Ok(text) => write_whole(path, text.as_bytes()).map_err(Failure::Argument),
         // Not satisfied is said by the table and the exit status; here only why there is no file.
         Err(why) => {
-            eprintln!("no design written: {why}");
+            tell!("no design written: {why}");
             Ok(())
         }
     }

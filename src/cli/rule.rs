@@ -29,8 +29,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         Some(name) => {
             let found = rule(name).ok_or_else(|| {
                 let names = RULES.iter().flat_map(|r| [r.name, r.code]);
-                let help = nearest(name, names)
-                    .map_or_else(|| "`gearwise rule` lists them".to_string(), |n| format!("did you mean `{n}`?"));
+                let help = match nearest(name, names) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("there are {}", RULES.iter().map(|r| r.name).collect::<Vec<_>>().join(", ")),
+                };
                 Failure::Argument(format!("there is no rule `{name}`; {help}"))
             })?;
             if arguments.json { json_text(&report::json(found)) } else { report::text(found) }

@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         Journal::remove(out)?;
     } else {
         let them = if summary.broken == 1 { "1 robot" } else { &format!("{} robots", summary.broken) };
-        eprintln!(
+        tell!(
             "{them} could not be worked on, see `{}`; mend them, and `--resume` does those again and keeps the rest",
             out.join("errors.csv").display()
         );
@@ -154,7 +154,7 @@ pub(super) fn written(out: &Path, text: String) -> String {
 
 /// The results are there, of this very study.
 fn finished_before(arguments: &Arguments) -> Result<Done, Failure> {
-    eprintln!("the study in `{}` is finished already", arguments.out.display());
+    tell!("the study in `{}` is finished already", arguments.out.display());
     // A journal is kept where robots are broken, so here none is.
     let path = arguments.out.join("summary.json");
     let text = std::fs::read_to_string(&path)
@@ -230,7 +230,7 @@ fn watched(arguments: &Arguments, study: &Study, journal: &Journal) -> Result<u6
             (done.load(Ordering::Relaxed), of.load(Ordering::Relaxed), before.load(Ordering::Relaxed));
         let rate = (done - before) as f64 / began.elapsed().as_secs_f64().max(1e-3);
         let left = if rate > 0.0 { format!(", {:.0} s left", (of - done) as f64 / rate) } else { String::new() };
-        eprintln!("{done} of {of} robots, {} robots/s{left}", number(rate));
+        tell!("{done} of {of} robots, {} robots/s{left}", number(rate));
     };
     let reported = AtomicU64::new(0);
     let watch = Watch {
@@ -243,7 +243,7 @@ fn watched(arguments: &Arguments, study: &Study, journal: &Journal) -> Result<u6
             bar.set_position(finished);
             bar.reset_eta();
             if finished > 0 {
-                bar.suspend(|| eprintln!("{finished} of {all} robots were finished before"));
+                bar.suspend(|| tell!("{finished} of {all} robots were finished before"));
             }
         },
         tick: &|| {
@@ -255,8 +255,8 @@ fn watched(arguments: &Arguments, study: &Study, journal: &Journal) -> Result<u6
             let count = reported.fetch_add(1, Ordering::Relaxed);
             let at = if point.is_empty() { String::new() } else { format!(" with {point}") };
             bar.suspend(|| match count {
-                0..REPORTED => eprint!("robot {robot}, `{requirement}`{at}:\n{}", why.report),
-                REPORTED => eprintln!("further broken robots are listed in errors.csv only"),
+                0..REPORTED => tell_on!("robot {robot}, `{requirement}`{at}:\n{}", why.report),
+                REPORTED => tell!("further broken robots are listed in errors.csv only"),
                 _ => {}
             });
         },

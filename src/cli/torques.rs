@@ -7,7 +7,7 @@ use super::{Done, Failure, Output};
 use crate::input::Source;
 use crate::mechanism::torques::{actuator_places, notes, torques, torques_per_mass};
 use crate::mechanism::{Mechanism, Payload, trajectory};
-use crate::report::file::write_whole;
+use crate::report::file::{make_folder, write_whole};
 use crate::report::torques::{self as report, Answer};
 use crate::units::{self, Kind};
 
@@ -80,13 +80,12 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let answer = Answer { mechanism: &mechanism, trajectory: &trajectory, torques: &torques, carried, notes, shown };
     let mut written = Vec::new();
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::Argument(format!("cannot make the folder `{}`: {e}", folder.display())))?;
+        make_folder(folder).map_err(Failure::Argument)?;
         for (name, text) in report::files(&answer) {
             write_whole(&folder.join(&name), text.as_bytes()).map_err(Failure::Argument)?;
             written.push(folder.join(name).display().to_string());
         }
-        eprintln!("written: {}", written.join(", "));
+        tell!("written: {}", written.join(", "));
     }
     let text = arguments.output.choose(|| report::text(&answer), || report::json(&answer), || report::csv(&answer));
     Ok(Done { text, satisfied: true })

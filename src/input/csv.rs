@@ -1,11 +1,12 @@
 //! A CSV file read as a table: the header names each column and its unit, every cell knows its
 //! place.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::Arc;
 
-use super::{Problem, Range, Source};
+use super::{Problem, Range, Source, limits};
 use crate::units::{self, Kind, Unit};
 
 /// What a column holds.
@@ -43,7 +44,9 @@ pub struct Number {
 
 #[derive(Debug)]
 struct Head {
+    // Its place in the file, and in the list of known columns.
     column: usize,
+    known: usize,
     unit: Option<Unit>,
     relative: bool,
 }
@@ -63,6 +66,51 @@ pub struct Table {
 
 /// Mistakes of a file after which its columns are not read on.
 const MOST_SHOWN: usize = 40;
+/// So many rows with too many cells are a slip each; if there are more, they have one cause.
+const FEW_RAGGED: usize = 3;
+
+/// Letters that make a spreadsheet take a cell for a formula and run it, also in their full width.
+const RUNS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
+
+/// A text as it stands in a cell of the CSV files that are written: what a spreadsheet would run has a `'` before it,
+/// and [`unguarded`] takes that away again. A number stays as it is.
+///
+/// ```
+/// use gearwise::input::csv::{guarded, unguarded};
+/// assert_eq!(guarded("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
+/// assert_eq!((guarded("-1.5").as_ref(), guarded("knee").as_ref()), ("-1.5", "knee"));
+/// for text in ["-left", "'-left", "'quoted'", "+5", "=1", "@x", "\tx", ""] {
+///     assert_eq!(unguarded(&guarded(text)), text);
+/// }
+/// ```
+pub fn guarded(text: &str) -> Cow<'_, str> {
+    if runs(text) && text.parse::<f64>().is_err() { format!("'{text}").into() } else { text.into() }
+}
+
+/// The text of a cell without the `'` that [`guarded`] has put before it.
+pub fn unguarded(cell: &str) -> &str {
+    cell.strip_prefix('\'').filter(|_| runs(cell)).unwrap_or(cell)
+}
+
+/// Whether a spreadsheet would run the text, or would were it not for quotes before it.
+fn runs(text: &str) -> bool {
+    let bare = text.trim_start_matches('\'');
+    bare.starts_with(['\t', '\r', '\n']) || bare.trim_start().starts_with(RUNS)
+}
+
+/// That the cells of a header are separated by something else than commas: what is wrong, and what to do.
+pub(crate) fn other_separator<'a>(header: impl Iterator<Item = &'a str> + Clone) -> Option<(String, &'static str)> {
+    for (separator, word) in [(';', "semicolons"), ('\t', "tabs")] {
+        let found: usize = header.clone().map(|cell| cell.matches(separator).count()).sum();
+        if found > 0 && found >= header.clone().count() {
+            return Some((
+                format!("the cells of this file are separated by {word}"),
+                "save it with commas between cells and points in numbers (a spreadsheet set to English does)",
+            ));
+        }
+    }
+    None
+}
 
 impl Table {
     /// Reads the header and splits the records. Columns must be among `columns`.
@@ -81,6 +129,11 @@ impl Table {
                 Ok(true) => {
                     starts.push(past_comments(source.text(), record.position().map_or(0, |p| p.byte() as usize)));
                     records.push(record.clone());
+                    if records.len() > limits::TABLE_ROWS + 1 {
+                        let message = format!("the table has more than {} rows", limits::TABLE_ROWS);
+                        problems.push(Problem::whole(message).help("split the file, or leave rows out"));
+                        return None;
+                    }
                 }
                 Err(error) => {
                     problems.push(Problem::whole(format!("not a CSV file: {error}")));
@@ -99,6 +152,10 @@ impl Table {
             return None;
         }
         let before = problems.len();
+        if let Some((message, help)) = other_separator(table.records[0].iter()) {
+            problems.push(Problem::at(table.record_span(0), message, "expected commas").help(help));
+            return None;
+        }
         table.read_header(problems);
         let header = table.records.remove(0);
         let start = table.starts.remove(0);
@@ -118,7 +175,21 @@ impl Table {
     /// cannot be known.
     fn remove_ragged_rows(&mut self, problems: &mut Vec<Problem>) {
         let width = self.width;
-        for (record, start) in self.records.iter().zip(&self.starts) {
+        let ragged = self.records.iter().filter(|r| r.len() != width).count();
+        let one_cause = ragged > FEW_RAGGED && self.records.iter().all(|r| r.len() >= width);
+        if one_cause {
+            let first = self.records.iter().position(|r| r.len() != width).unwrap_or(0);
+            let message = format!(
+                "this row has {} cells, the header has {width}; {ragged} rows of {} have too many",
+                self.records[first].len(),
+                self.records.len()
+            );
+            problems.push(
+                Problem::at(line_span(self.source.text(), self.starts[first]), message, "the first of them")
+                    .help("numbers have a decimal point, not a comma; text with commas needs double quotes"),
+            );
+        }
+        for (record, start) in self.records.iter().zip(&self.starts).filter(|_| !one_cause) {
             if record.len() != width {
                 let message = format!("this row has {} cells, the header has {width}", record.len());
                 problems.push(
@@ -137,8 +208,8 @@ impl Table {
         let header = self.records[0].clone();
         for (position, cell) in header.iter().enumerate() {
             let span = self.cell_span_in(0, position);
-            let (name, unit) = split_unit(cell);
-            let Some(column) = self.columns.iter().find(|c| c.name == name) else {
+            let (name, unit) = split_unit(unguarded(cell));
+            let Some(known) = self.columns.iter().position(|c| c.name == name) else {
                 let shown: String = name.chars().take(60).collect();
                 problems.push(
                     Problem::at(span, format!("unknown column `{shown}`"), "not a column of this kind of file")
@@ -149,14 +220,14 @@ impl Table {
                 }
                 continue;
             };
-            let head = match header_unit(column, unit) {
-                Ok((unit, relative)) => Head { column: position, unit, relative },
+            let head = match header_unit(&self.columns[known], unit) {
+                Ok((unit, relative)) => Head { column: position, known, unit, relative },
                 Err((message, help)) => {
                     problems.push(
                         Problem::at(span, format!("column `{name}`: {message}"), "the unit stands in brackets")
                             .help(help),
                     );
-                    Head { column: position, unit: None, relative: false }
+                    Head { column: position, known, unit: None, relative: false }
                 }
             };
             if self.heads.insert(name.to_string(), head).is_some() {
@@ -202,10 +273,11 @@ impl Table {
         self.heads.contains_key(name)
     }
 
-    /// The text of a cell; `None` where it is blank or the file does not have the column.
+    /// The text of a cell, without the `'` that keeps a spreadsheet from running it; `None` where it is blank or the
+    /// file does not have the column.
     pub fn text(&self, row: usize, name: &str) -> Option<&str> {
         let head = self.heads.get(name)?;
-        self.records[row].get(head.column).filter(|t| !t.is_empty())
+        self.records[row].get(head.column).map(unguarded).filter(|t| !t.is_empty())
     }
 
     /// The number in a cell, in SI; `None` where it is blank. What is not a number of the column's
@@ -213,7 +285,7 @@ impl Table {
     pub fn number(&self, row: usize, name: &str, problems: &mut Vec<Problem>) -> Option<Number> {
         let head = self.heads.get(name)?;
         let text = self.records[row].get(head.column).filter(|t| !t.is_empty())?;
-        let column = self.columns.iter().find(|c| c.name == name)?;
+        let column = &self.columns[head.known];
         let (range, expected) = match column.content {
             Content::Quantity(_, range) => (range, range.expected()),
             Content::Tolerance(_) => (Range::NonNegative, Range::NonNegative.expected()),

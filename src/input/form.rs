@@ -67,7 +67,13 @@ impl Form {
             let message = error.message().lines().next().unwrap_or("not valid TOML").to_string();
             let end = source.text().len();
             let span = error.span().map_or(0..0, |s| s.start.min(end)..s.end.min(end));
-            form.note(Problem::at(span, format!("not valid TOML: {message}"), "here"));
+            let comma = decimal_comma(source.text(), span.start);
+            let problem = Problem::at(span, format!("not valid TOML: {message}"), "here");
+            let problem = if comma { problem.help("numbers have a decimal point, not a comma") } else { problem };
+            // The parser may say one thing twice while it finds its way.
+            if !form.problems.borrow().contains(&problem) {
+                form.note(problem);
+            }
         }
         // After a syntax error the rest of the table is a guess: report the syntax alone.
         let result = if errors.is_empty() {
@@ -582,6 +588,16 @@ impl<'a> Section<'a> {
             );
         }
     }
+}
+
+/// Whether a number with a comma stands where TOML did not understand: before the place, or around it.
+fn decimal_comma(text: &str, at: usize) -> bool {
+    let Some((before, after)) = text.split_at_checked(at) else { return false };
+    let digit = |c: char| c.is_ascii_digit();
+    let around = before.ends_with(digit) && after.strip_prefix(',').is_some_and(|rest| rest.starts_with(digit));
+    let behind = before.trim_end().trim_end_matches(digit);
+    let passed = behind.len() < before.trim_end().len();
+    around || passed && behind.strip_suffix(',').is_some_and(|rest| rest.ends_with(digit))
 }
 
 fn article(word: &str) -> &'static str {

@@ -7,17 +7,21 @@
 
 mod change;
 pub mod csv;
+mod file;
 mod form;
+pub mod limits;
 mod locate;
 mod recording;
 mod source;
 
 pub use change::Change;
+pub(crate) use file::{Opened, reason, utf_16};
 pub use form::{Form, Section};
 pub use locate::{Step, locate};
 pub(crate) use recording::was_read;
 pub use recording::{InputFile, Recording, sha256};
-pub use source::{InputError, MAX_FILE_BYTES, Problem, Source, hex};
+pub(crate) use source::tame;
+pub use source::{InputError, Problem, Source, hex};
 
 /// What values a number may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,6 @@
 //! A file's text, the problems found in it, and how they are shown.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -10,8 +11,8 @@ use codespan_reporting::files::{self, Files, SimpleFile};
 use codespan_reporting::term;
 use sha2::{Digest, Sha256};
 
-/// A file larger than this is refused with a message instead of being read \[bytes\].
-pub const MAX_FILE_BYTES: u64 = 4 << 30;
+use super::file::{self, Opened};
+use super::limits;
 
 /// At most this many problems of one file are printed; the rest are counted.
 const MAX_SHOWN: usize = 50;
@@ -32,41 +33,24 @@ impl Source {
     /// Reads a file.
     ///
     /// # Errors
-    /// The file is missing, a folder, too large, or not UTF-8; the message names the nearest file
-    /// of the same folder where one is missing.
+    /// The file is missing, no file, too large (see [`limits`]), changed while it was read, or not UTF-8; the message
+    /// names the nearest file of the same folder where one is missing.
     pub fn read(path: &Path) -> Result<Arc<Source>, InputError> {
         let name = path.display().to_string();
-        let fail = |what: String, help: Option<String>| InputError {
+        let fail = |problem: Problem| InputError {
             source: Arc::new(Source::new(name.clone(), String::new())),
-            problems: vec![Problem { help, ..Problem::whole(what) }],
+            problems: vec![problem],
         };
-        let meta = std::fs::metadata(path).map_err(|e| {
-            fail(
-                format!("cannot read the file: {}", reason(&e)),
-                neighbour(path).map(|n| format!("there is `{n}` in that folder")),
-            )
+        let table = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+        let most = if table { limits::TABLE_BYTES } else { limits::TEXT_BYTES };
+        let opened = Opened::new(path, most).map_err(|problem| {
+            let missing = !path.exists();
+            let near = neighbour(path).filter(|_| missing).map(|n| format!("there is `{n}` in that folder"));
+            fail(Problem { help: problem.help.clone().or(near), ..problem })
         })?;
-        if meta.is_dir() {
-            return Err(fail("this is a folder, not a file".into(), None));
-        }
-        if meta.len() > MAX_FILE_BYTES {
-            return Err(fail(format!("the file has {} bytes; at most {MAX_FILE_BYTES} are read", meta.len()), None));
-        }
-        let bytes = std::fs::read(path).map_err(|e| fail(format!("cannot read the file: {}", reason(&e)), None))?;
+        let bytes = opened.read(most).map_err(fail)?;
         super::was_read(&name, || super::sha256([bytes.as_slice()]));
-        let text = match String::from_utf8(bytes) {
-            Ok(text) => text,
-            Err(error) => {
-                let valid = error.utf8_error().valid_up_to();
-                let before = &error.as_bytes()[..valid];
-                let line = before.iter().filter(|b| **b == b'\n').count() + 1;
-                let column = valid - before.iter().rposition(|b| *b == b'\n').map_or(0, |p| p + 1) + 1;
-                return Err(fail(
-                    format!("not a text file: byte {} (line {line}, column {column}) is not UTF-8", valid + 1),
-                    Some("save the file as UTF-8".into()),
-                ));
-            }
-        };
+        let text = file::text(bytes).map_err(fail)?;
         Ok(Arc::new(Source { path: path.to_path_buf(), ..Source::new(name, text) }))
     }
 
@@ -165,14 +149,6 @@ impl<'a> Files<'a> for Numbered<'a> {
 /// Bytes in hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
-}
-
-fn reason(error: &std::io::Error) -> String {
-    match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".into(),
-        std::io::ErrorKind::PermissionDenied => "permission denied".into(),
-        _ => error.to_string(),
-    }
 }
 
 fn neighbour(path: &Path) -> Option<String> {
@@ -277,13 +253,13 @@ impl fmt::Display for InputError {
                     let (line, column) = self.source.position(s.start);
                     format!(":{line}:{column}")
                 });
-                writeln!(f, "error: {}", problem.message)?;
+                writeln!(f, "error: {}", tame(&problem.message))?;
                 writeln!(f, "  ┌─ {}{place}", printable(&self.source.name))?;
                 if !problem.label.is_empty() {
-                    writeln!(f, "  = {}", problem.label)?;
+                    writeln!(f, "  = {}", tame(&problem.label))?;
                 }
                 if let Some(help) = &problem.help {
-                    writeln!(f, "  = {help}")?;
+                    writeln!(f, "  = {}", tame(help))?;
                 }
                 writeln!(f)?;
                 continue;
@@ -294,7 +270,7 @@ impl fmt::Display for InputError {
                 .with_label(Label::primary((), span).with_message(&problem.label))
                 .with_notes(problem.help.iter().cloned().collect());
             let text = term::emit_into_string(&config, &file, &diagnostic).map_err(|_| fmt::Error)?;
-            f.write_str(&text)?;
+            f.write_str(&tame(&text))?;
         }
         let hidden = self.problems.len().saturating_sub(MAX_SHOWN);
         if hidden > 0 {
@@ -309,4 +285,11 @@ impl std::error::Error for InputError {}
 /// A name without control characters, so that it cannot drive the terminal.
 fn printable(name: &str) -> String {
     name.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+/// Lines of text of which parts come from files, without what could drive a terminal: control characters other than
+/// line ends and tabs.
+pub(crate) fn tame(text: &str) -> Cow<'_, str> {
+    let drives = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
+    if text.contains(drives) { text.replace(drives, "\u{fffd}").into() } else { text.into() }
 }

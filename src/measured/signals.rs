@@ -28,6 +28,17 @@ pub fn median_step(time: &[f64]) -> f64 {
     median(steps).unwrap_or(0.0)
 }
 
+/// How many whole steps a time has, from their quotient: what is whole but for rounding is whole. Times of day, or a
+/// log that begins at another second, must not give one sample less.
+///
+/// ```
+/// use gearwise::measured::signals::whole;
+/// assert_eq!((whole(0.3 / 0.1), whole(2.5), whole(-1.0)), (3, 2, 0));
+/// ```
+pub fn whole(steps: f64) -> usize {
+    (steps + 1e-6).floor().max(0.0) as usize
+}
+
 /// The median of the finite values; `None` where there is none.
 pub fn median(values: Vec<f64>) -> Option<f64> {
     quantile(values, 0.5)

@@ -8,10 +8,7 @@ use roxmltree::Attribute;
 use super::geom::Shape;
 use super::xml::{El, Sheet, children, span};
 use super::{Body, Inertia, Joint, Mechanism, Motion, pose};
-use crate::input::{Problem, Range};
-
-/// Bodies in bodies; deeper ones are refused.
-const MAX_DEPTH: usize = 200;
+use crate::input::{Problem, Range, limits};
 
 const TOP: &[&str] = &[
     "compiler",
@@ -342,7 +339,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn class(&mut self, node: El<'a>, inside: Option<&'a str>, depth: usize) {
-        if depth > MAX_DEPTH {
+        if depth > limits::DEPTH {
             self.sheet.refuse(node, "default classes are nested too deep", "at most 200 deep");
             return;
         }
@@ -486,7 +483,7 @@ impl<'a> Reader<'a, '_> {
         depth: usize,
     ) {
         let sheet = self.sheet;
-        if depth > MAX_DEPTH {
+        if depth > limits::DEPTH {
             sheet.refuse(node, "bodies are nested too deep", "at most 200 deep");
             return;
         }

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use super::dynamics::{State, Wrench};
 use super::{Joint, Mechanism, Motion as Degree};
 use crate::input::csv::{Column, Content, Table};
-use crate::input::{InputError, Problem, Range, Source};
+use crate::input::{InputError, Problem, Range, Source, limits};
 use crate::requirement::motion::{check_length, check_time, course, repeats};
 use crate::requirement::{Course, Motion, Samples};
 use crate::units::{self, Kind};
@@ -146,6 +146,12 @@ fn read_table(
     problems: &mut Vec<Problem>,
 ) -> Option<Trajectory> {
     let table = Table::read(source, columns(mechanism), problems)?;
+    let values = table.len().saturating_mul(mechanism.joints().count());
+    if values > limits::SAMPLES {
+        let message = limits::too_many("samples of all joints together", values, limits::SAMPLES);
+        problems.push(Problem::whole(message).help("take every n-th row of the trajectory"));
+        return None;
+    }
     for joint in mechanism.joints().filter(|j| !table.has(&j.name)) {
         let message = format!("`{}` is a joint of the model, but has no column", joint.name);
         let example =

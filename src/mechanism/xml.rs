@@ -10,14 +10,11 @@ use nalgebra::{UnitVector3, Vector3};
 use roxmltree::{Attribute, Document, Error, Node, ParsingOptions};
 
 use super::Mechanism;
-use crate::input::{InputError, Problem, Range, Source};
+use crate::input::{InputError, Problem, Range, Source, limits};
 use crate::units;
 
 /// An element of a document that outlives the reader.
 pub(super) type El<'a> = Node<'a, 'a>;
-
-/// Elements of one description; more is refused instead of filling the memory.
-const MAX_NODES: u32 = 5_000_000;
 
 /// The file as it is read.
 pub(super) struct Sheet {
@@ -39,7 +36,8 @@ impl Sheet {
         }
         let mut mechanism = None;
         if sheet.problems.borrow().is_empty() {
-            let options = ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+            let options =
+                ParsingOptions { allow_dtd: false, nodes_limit: limits::ELEMENTS, ..ParsingOptions::default() };
             match Document::parse_with_options(text, options) {
                 Ok(document) => mechanism = read(&sheet, document.root_element()),
                 Err(error) => sheet.note(not_xml(text, &error)),

@@ -34,6 +34,8 @@ pub mod xml;
 
 use serde_json::Value;
 
+use crate::input::csv::guarded;
+
 /// A number with four significant digits, without needless zeros.
 ///
 /// ```
@@ -66,6 +68,11 @@ pub fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "–".into(), number)
 }
 
+/// `1 joint`, `2 joints`.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// JSON text, two spaces deep, with a final newline.
 pub fn json_text(value: &Value) -> String {
     let mut text = serde_json::to_string_pretty(value).unwrap_or_default();
@@ -73,13 +80,28 @@ pub fn json_text(value: &Value) -> String {
     text
 }
 
+/// Writes one row of a CSV file: every one that the program writes goes through here, so that no spreadsheet runs
+/// what stands in a cell (see [`guarded`]).
+///
+/// # Errors
+/// Those of the writer.
+pub fn csv_row<'a, W: std::io::Write>(
+    writer: &mut csv::Writer<W>,
+    cells: impl IntoIterator<Item = &'a str>,
+) -> csv::Result<()> {
+    for cell in cells {
+        writer.write_field(guarded(cell).as_ref())?;
+    }
+    writer.write_record(None::<&[u8]>)
+}
+
 /// CSV text of a header and rows.
 pub fn csv_text(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory does not fail; rows have the header's length by construction.
-    let _ = writer.write_record(header);
+    let _ = csv_row(&mut writer, header.iter().copied());
     for row in rows {
-        let _ = writer.write_record(row);
+        let _ = csv_row(&mut writer, row.iter().map(String::as_str));
     }
     writer.into_inner().ok().and_then(|bytes| String::from_utf8(bytes).ok()).unwrap_or_default()
 }

@@ -121,9 +121,10 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
     let mut out = format!(
-        "{}: {} joints, {motors} motors, bus {} V; currents are phase amplitudes (DC if brushed)\n",
+        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed)\n",
         robot.name,
-        robot.joints.len(),
+        super::counted(robot.joints.len(), "joint"),
+        super::counted(motors, "motor"),
         number(robot.bus.voltage)
     );
     if let Some(driven) = &robot.driven {

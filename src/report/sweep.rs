@@ -65,7 +65,7 @@ pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -
 
 /// For people.
 pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infeasible: bool) -> String {
-    let mut out = format!("{}: {} joints\n", robot.name, robot.joints.len());
+    let mut out = format!("{}: {}\n", robot.name, super::counted(robot.joints.len(), "joint"));
     for sweep in sweeps {
         let feasible = sweep.designs.iter().filter(|d| d.evaluation.feasible).count();
         out.push_str(&format!("\n{}: {} designs, {feasible} feasible\n\n", sweep.joint.name, sweep.designs.len()));

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use serde_json::{Map, Value, json};
 
-use super::{csv_number, number, optional};
+use super::{counted, csv_number, number, optional};
 use crate::mechanism::torques::{Carried, Torques};
 use crate::mechanism::trajectory::Trajectory;
 use crate::mechanism::{Joint, Mechanism, Motion as Degree};
@@ -82,11 +82,11 @@ pub fn text(answer: &Answer) -> String {
         Course::Points(_) => String::new(),
     };
     let mut out = format!(
-        "{}: {} joints, {} kg with payload, {} samples, {course}\n\n",
+        "{}: {}, {} kg with payload, {}, {course}\n\n",
         answer.mechanism.name,
-        answer.mechanism.moving().len(),
+        counted(answer.mechanism.moving().len(), "joint"),
         number(answer.mechanism.mass()),
-        trajectory.len()
+        counted(trajectory.len(), "sample")
     );
     let rows = answer.rows();
     let slides = rows.iter().any(|row| row.joint.motion == Degree::Slides);

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::robot::{Joint, RatioChoice, Robot};
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern, read_fitted};
-use crate::input::{Form, InputError, Problem, Range, Section, Source, nearest};
+use crate::input::{Form, InputError, Problem, Range, Section, Source, limits, nearest};
 use crate::report::number;
 use crate::units;
 
@@ -223,6 +223,11 @@ fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFil
     let sections = root.sections("joint");
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint of the requirement");
+    }
+    if let Some(extra) = sections.get(limits::JOINTS) {
+        let message = limits::too_many("joints", sections.len(), limits::JOINTS);
+        root.note(Problem::at(extra.span(), message, "one too many").help("split the design into several"));
+        return None;
     }
     let mut found: HashMap<String, JointDesign> = HashMap::new();
     let (mut seen, mut complete) = (HashMap::new(), true);

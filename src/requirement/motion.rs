@@ -339,6 +339,12 @@ pub fn read_carrying(
 /// A column of torque per mass: the joint that is carried, and the values \[N·m/kg\].
 type Named = (String, Vec<f64>);
 
+/// Whether a motion has a column of torque per mass, or one that could be meant for it.
+pub(crate) fn may_carry(source: &Source) -> bool {
+    let header = source.text().lines().find(|line| !line.starts_with('#') && !line.trim().is_empty());
+    header.is_some_and(|header| header.contains("mass"))
+}
+
 /// The columns that a motion may have, with those for actuators of `joints` that are carried.
 pub fn columns(joints: &[String]) -> Vec<Column> {
     let column = |name: &str, kind, required| Column {

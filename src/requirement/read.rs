@@ -1,7 +1,7 @@
 //! Requirement files: TOML to a robot, every mistake with its place.
 
-use std::collections::HashSet;
-use std::path::Path;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::carried::{self, Asked};
@@ -9,7 +9,7 @@ use super::mechanism::{self, Model, Use};
 use super::motion::{self, CarriedColumn, Motion, Point};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
-use crate::input::{Change, Form, InputError, Problem, Range, Section, Source};
+use crate::input::{Change, Form, InputError, Problem, Range, Section, Source, limits};
 use crate::units;
 
 /// Room temperature, where no ambient is given \[K\].
@@ -29,7 +29,7 @@ pub fn read(path: &Path) -> Result<Robot, Vec<InputError>> {
 /// # Errors
 /// As [`read`], and every spring.
 pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputError>> {
-    read_as(&Source::read(path).map_err(|e| vec![e])?, &[], Some(what), &mut FromDisk)
+    read_as(&Source::read(path).map_err(|e| vec![e])?, &[], Some(what), &mut FromDisk::default())
 }
 
 /// Reads a requirement from a source; motions are looked for beside it.
@@ -37,7 +37,7 @@ pub fn read_without_springs(path: &Path, what: &str) -> Result<Robot, Vec<InputE
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<Robot, Vec<InputError>> {
-    read_as(source, &[], None, &mut FromDisk)
+    read_as(source, &[], None, &mut FromDisk::default())
 }
 
 /// As [`read_source`], with values in the place of the file's own, and motions from a store.
@@ -77,11 +77,20 @@ pub trait Motions {
     }
 }
 
-/// Motions are read each time.
-#[derive(Debug)]
-pub struct FromDisk;
+/// Each file is read once, whatever joints name it: all of them see the same motion.
+#[derive(Debug, Default)]
+pub struct FromDisk(HashMap<PathBuf, Arc<Source>>);
 
-impl Motions for FromDisk {}
+impl Motions for FromDisk {
+    fn open(&mut self, path: &Path) -> Result<Arc<Source>, InputError> {
+        if let Some(known) = self.0.get(path) {
+            return Ok(known.clone());
+        }
+        let source = Source::read(path)?;
+        self.0.insert(path.to_path_buf(), source.clone());
+        Ok(source)
+    }
+}
 
 /// Where a reading's motions come from, and what was wrong with them.
 pub(super) struct MotionReader<'m> {
@@ -131,18 +140,31 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint");
     }
+    if let Some(extra) = sections.get(limits::JOINTS) {
+        let message = limits::too_many("joints", sections.len(), limits::JOINTS);
+        root.note(Problem::at(extra.span(), message, "one too many").help("split the robot into several requirements"));
+        return None;
+    }
     let model = mechanism::read(root, motions);
     let all: Vec<String> = sections.iter().filter_map(|s| s.text("name")).map(|n| n.into_inner()).collect();
     let mut names = HashSet::new();
     let (mut joints, mut uses, mut carried) = (Vec::new(), Vec::new(), Vec::new());
     let mut complete = true;
+    let mut samples = 0;
     for section in sections {
+        let span = section.span();
         let duplicate = section.text("name").filter(|n| !names.insert(n.get_ref().clone()));
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
         match read_joint(section, surroundings, no_springs, &all, &model, motions) {
             Some((joint, taken, carries)) => {
+                samples += joint.motion.len();
+                if samples > limits::SAMPLES {
+                    let message = limits::too_many("samples of all joints together", samples, limits::SAMPLES);
+                    root.note(Problem::at(span, message, "reached here").help("take every n-th row of the motions"));
+                    return None;
+                }
                 joints.push(joint);
                 uses.push(taken);
                 carried.push(carries);
@@ -223,12 +245,11 @@ fn read_joint(
         }
         None => GearModel::IDEAL,
     };
-    let others: Vec<String> = joints.iter().filter(|j| name.as_ref() != Some(j)).cloned().collect();
     let (read, taken) = if section.has("mechanism_joint") {
         let (motion, taken) = mechanism::read_joint(&section, model).unzip();
         (motion.map(|m| (m, Vec::new())), taken)
     } else {
-        (read_motion(&section, &others, motions), None)
+        (read_motion(&section, joints, name.as_ref(), motions), None)
     };
     let (motion, columns) = read.unzip();
     let objective = read_objective(&section);
@@ -428,6 +449,7 @@ fn read_gear(section: Section) -> GearModel {
 fn read_motion(
     section: &Section,
     joints: &[String],
+    name: Option<&String>,
     motions: &mut MotionReader,
 ) -> Option<(Motion, Vec<CarriedColumn>)> {
     let periodic = section.boolean("periodic").unwrap_or(true);
@@ -454,7 +476,12 @@ fn read_motion(
             let path = section.source().folder().join(file.get_ref());
             match motions.motions.open(&path) {
                 Ok(source) => {
-                    motions.motions.motion(&source, periodic, period, joints).map_err(|e| motions.errors.push(e)).ok()
+                    // Many joints have many motions: the names of all others are for the few that ask for them.
+                    let others: Vec<String> = match motion::may_carry(&source) {
+                        true => joints.iter().filter(|j| name != Some(*j)).cloned().collect(),
+                        false => Vec::new(),
+                    };
+                    motions.motions.motion(&source, periodic, period, &others).map_err(|e| motions.errors.push(e)).ok()
                 }
                 Err(error) => {
                     let first = error.problems.into_iter().next();

@@ -13,6 +13,7 @@ use super::output::{FILES, MANIFEST, Manifest, Part, place, seal, unsettle};
 use super::plan::{Plan, Shard};
 use super::summary::{Gatherer, Summary};
 use super::worker::Record;
+use crate::report::file::make_folder;
 use crate::report::study as report;
 
 /// Journals of all shards of one study, in order.
@@ -130,7 +131,7 @@ impl Tables {
         let columns = columns::all(plan);
         let begin = |name: &'static str, header: &[&str]| -> Result<csv::Writer<Part>, StudyError> {
             let mut writer = csv::Writer::from_writer(Part::new(out, name)?);
-            writer.write_record(header).map_err(|e| cannot(name, &e))?;
+            crate::report::csv_row(&mut writer, header.iter().copied()).map_err(|e| cannot(name, &e))?;
             Ok(writer)
         };
         let header: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
@@ -154,14 +155,14 @@ impl Tables {
         let robot = || of_robot.into_iter().chain(columns::grid_cells(plan, point));
         for row in record.joints.iter().flat_map(|j| &j.rows) {
             let cells = || robot().chain(row.iter().map(String::as_str));
-            self.results.write_record(cells()).map_err(|e| cannot(FILES[0], &e))?;
+            crate::report::csv_row(&mut self.results, cells()).map_err(|e| cannot(FILES[0], &e))?;
             #[cfg(feature = "parquet")]
             self.typed.row(cells()).map_err(|e| cannot(FILES[1], &e))?;
         }
         if let Some(broken) = &record.broken {
             let mistakes = broken.mistakes.to_string();
             let cells = [mistakes.as_str(), broken.first.as_str(), broken.report.as_str()];
-            self.errors.write_record(robot().chain(cells)).map_err(|e| cannot(FILES[2], &e))?;
+            crate::report::csv_row(&mut self.errors, robot().chain(cells)).map_err(|e| cannot(FILES[2], &e))?;
         }
         Ok(())
     }
@@ -189,7 +190,7 @@ fn cannot(name: &str, error: &dyn std::fmt::Display) -> StudyError {
 /// written.
 pub fn assemble(shards: &Shards, out: &Path) -> Result<Summary, StudyError> {
     let plan = shards.plan();
-    std::fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
+    make_folder(out).map_err(StudyError::Argument)?;
     let mut tables = Tables::new(out, plan)?;
     let mut gatherer = Gatherer::default();
     let mut effects = Effects::new(out, plan)?;
@@ -249,7 +250,8 @@ impl InputsOf {
                     "`{file}` was changed while the study ran; begin anew with `--force`"
                 )));
             }
-            table.write_record([requirement, file, hash]).map_err(|e| cannot(FILES[3], &e))?;
+            crate::report::csv_row(table, [requirement, file.as_str(), hash.as_str()])
+                .map_err(|e| cannot(FILES[3], &e))?;
         }
         Ok(())
     }

@@ -4,10 +4,8 @@
 //! many as it likes.
 
 use crate::input::Change;
+use crate::input::limits::GRID_POINTS;
 use crate::units;
-
-/// Most points of a grid.
-const MOST: u64 = 1_000_000_000;
 
 /// One parameter and its values.
 #[derive(Debug, Clone)]
@@ -79,8 +77,8 @@ impl Grid {
     /// In words, where it has too many points.
     pub fn new(mut parameters: Vec<Parameter>) -> Result<Grid, String> {
         let points = parameters.iter().try_fold(1_u64, |n, p| n.checked_mul(p.changes.len() as u64));
-        if points.is_none_or(|n| n > MOST) {
-            return Err(format!("the grid has more than {MOST} points"));
+        if points.is_none_or(|n| n > GRID_POINTS) {
+            return Err(format!("the grid has more than {GRID_POINTS} points; take fewer values, or split the study"));
         }
         // Two keys may give one column's name: the later is numbered.
         for k in 0..parameters.len() {

@@ -16,10 +16,12 @@ use super::plan::{BLOCK, Plan, Shard};
 use super::worker::Record;
 use super::{StudyError, work};
 use crate::input::{Source, hex};
-use crate::report::file::write_whole;
+use crate::report::file::{make_folder, write_whole};
 
 /// Name of the journal's folder.
 const FOLDER: &str = "journal";
+/// Name of the lock.
+const LOCK: &str = ".study.lock";
 /// Digits of a line's checksum.
 const DIGITS: usize = 16;
 /// Most files whose hash is remembered while a journal is checked.
@@ -63,7 +65,7 @@ impl Journal {
     pub fn begin(out: &Path, lock: Lock, plan: Plan, shard: Shard, list: &Path) -> Result<Journal, StudyError> {
         let folder = out.join(FOLDER);
         Journal::remove(out)?;
-        fs::create_dir_all(&folder).map_err(|e| StudyError::file("make the folder", &folder, &e))?;
+        make_folder(&folder).map_err(StudyError::Argument)?;
         let target = folder.join("list.txt");
         fs::rename(list, &target).map_err(|e| StudyError::file("write", &target, &e))?;
         let write =
@@ -260,8 +262,8 @@ impl Lock {
     /// # Errors
     /// Another process works there, or the folder cannot be written.
     pub fn take(out: &Path) -> Result<Lock, StudyError> {
-        fs::create_dir_all(out).map_err(|e| StudyError::file("make the folder", out, &e))?;
-        let path = out.join(".study.lock");
+        make_folder(out).map_err(StudyError::Argument)?;
+        let path = out.join(LOCK);
         let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
         let file = file.map_err(|e| StudyError::file("write", &path, &e))?;
         match file.try_lock() {
@@ -270,6 +272,17 @@ impl Lock {
                 Err(StudyError::Argument(format!("another process works on the study in `{}`", out.display())))
             }
             Err(TryLockError::Error(_)) => Ok(Lock { _file: None }),
+        }
+    }
+
+    /// Takes away a folder that was made for a study that did not begin; one with anything else in it stays.
+    pub fn forget(out: &Path) {
+        if Journal::is_in(out) {
+            return;
+        }
+        let entries = fs::read_dir(out).map(|entries| entries.count());
+        if matches!(entries, Ok(1)) && fs::remove_file(out.join(LOCK)).is_ok() {
+            let _ = fs::remove_dir(out);
         }
     }
 }

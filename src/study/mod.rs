@@ -54,6 +54,6 @@ impl From<Vec<InputError>> for StudyError {
 impl StudyError {
     /// A file that could not be written or read.
     pub fn file(what: &str, path: &Path, error: &std::io::Error) -> StudyError {
-        StudyError::Argument(format!("cannot {what} `{}`: {error}", path.display()))
+        StudyError::Argument(format!("cannot {what} `{}`: {}", path.display(), crate::input::reason(error)))
     }
 }

@@ -11,7 +11,8 @@ use sha2::{Digest, Sha256};
 
 use super::StudyError;
 use super::plan::{Hashed, Plan};
-use crate::input::{Source, hex};
+use crate::input::csv::unguarded;
+use crate::input::{Source, hex, reason};
 
 /// Name of the manifest.
 pub const MANIFEST: &str = "manifest.json";
@@ -68,7 +69,7 @@ pub fn inputs_unchanged(out: &Path, base: &Path) -> Result<(), StudyError> {
     let mut hashes: HashMap<String, Option<String>> = HashMap::new();
     for row in reader.records() {
         let row = row.map_err(fail)?;
-        let (file, hash) = (row.get(1).unwrap_or_default(), row.get(2).unwrap_or_default());
+        let (file, hash) = (unguarded(row.get(1).unwrap_or_default()), row.get(2).unwrap_or_default());
         if hashes.len() >= KEPT {
             hashes.clear();
         }
@@ -129,14 +130,19 @@ impl Part {
 
 impl Write for Part {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let written = self.file.write(bytes)?;
+        let written = self.file.write(bytes).map_err(worded)?;
         self.hash.update(&bytes[..written]);
         Ok(written)
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
-        self.file.flush()
+        self.file.flush().map_err(worded)
     }
+}
+
+/// An error of the system in our words, for writers that tell it on.
+fn worded(error: std::io::Error) -> std::io::Error {
+    std::io::Error::new(error.kind(), reason(&error))
 }
 
 impl Drop for Part {
@@ -154,7 +160,7 @@ pub fn seal(parts: &mut [Part]) -> Result<Vec<Hashed>, StudyError> {
     let mut sealed = Vec::new();
     for part in parts {
         let done = part.file.flush().and_then(|()| part.file.get_ref().sync_all());
-        done.map_err(|e| part.fail(e))?;
+        done.map_err(|e| part.fail(reason(&e)))?;
         sealed.push(Hashed { file: part.name.into(), sha256: hex(&part.hash.clone().finalize()) });
     }
     Ok(sealed)
@@ -178,7 +184,7 @@ pub fn unsettle(out: &Path) -> Result<(), StudyError> {
 /// One cannot be moved.
 pub fn place(parts: &[Part]) -> Result<(), StudyError> {
     for part in parts {
-        fs::rename(&part.temporary, &part.target).map_err(|e| part.fail(e))?;
+        fs::rename(&part.temporary, &part.target).map_err(|e| part.fail(reason(&e)))?;
     }
     Ok(())
 }

@@ -12,7 +12,7 @@ use super::plan::{Hashed, Inputs, Plan, Settings, Shard, path_name};
 use super::worker::{Broken, Record, Store, Worker};
 use super::{StudyError, output};
 use crate::catalog::Catalog;
-use crate::input::{InputError, Source};
+use crate::input::{InputError, Source, limits};
 
 /// Everything that a study needs.
 #[derive(Debug)]
@@ -65,6 +65,15 @@ impl std::fmt::Debug for Watch<'_> {
 /// # Errors
 /// The folder has another study, or one that may not be touched; inputs that are wrong or have changed.
 pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal>, StudyError> {
+    let new = !out.exists();
+    let prepared = begin(study, out, existing);
+    if new && prepared.is_err() {
+        Lock::forget(out);
+    }
+    prepared
+}
+
+fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal>, StudyError> {
     let lock = Lock::take(out)?;
     let list = ListFile(out.join(".list.part"));
     let there = Journal::is_in(out);
@@ -92,10 +101,14 @@ pub fn prepare(study: &Study, out: &Path, existing: Existing) -> Result<Option<J
         motors: study.catalog.motors.iter().map(|m| m.id.clone()).collect(),
         requirements,
         list_sha256,
-        robots: requirements
-            .checked_mul(study.inputs.grid.points())
-            .filter(|n| *n <= 1 << 40)
-            .ok_or_else(|| StudyError::Argument("the study has more robots than can be counted".into()))?,
+        robots: requirements.checked_mul(study.inputs.grid.points()).filter(|n| *n <= limits::ROBOTS).ok_or_else(
+            || {
+                StudyError::Argument(format!(
+                    "the study has more than {} robots; split it into several studies, or take fewer values",
+                    limits::ROBOTS
+                ))
+            },
+        )?,
     };
     let other = |why: String| {
         StudyError::Argument(format!("the study in `{}` is another: {why}; `--force` begins anew", out.display()))

@@ -160,7 +160,7 @@ fn why_nothing(base: &Path, root: &Path, parts: &[Part]) -> String {
 /// The names in a folder, in order.
 fn names(folder: &Path) -> Result<Vec<String>, StudyError> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let fail = |e: std::io::Error| StudyError::Argument(format!("cannot read the folder `{}`: {e}", folder.display()));
+    let fail = |e: std::io::Error| StudyError::file("read the folder", folder, &e);
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(fail)? {
         // A name that is not UTF-8 cannot stand in the results.

@@ -4,14 +4,15 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Import, MotorSheet};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, word};
 use crate::catalog::{Catalog, FIELDS, Gear, GearKind, SourceKind};
-use crate::input::{InputError, Source};
+use crate::input::{InputError, Source, reason};
+use crate::report::file::{Beside, Place};
 use crate::units;
 
 /// A catalogue file to be written.
@@ -82,11 +83,9 @@ pub(crate) fn cell(value: Option<f64>) -> String {
     }
 }
 
-/// Text that can stand in a cell of any program: one line, and nothing that a spreadsheet runs.
+/// Text as one line. That no spreadsheet runs it is seen to where CSV is written.
 pub(crate) fn safe(text: &str) -> String {
-    let text = text.replace(|c: char| c.is_control(), " ");
-    let text = text.trim();
-    if text.starts_with(['=', '+', '-', '@']) { format!("'{text}") } else { text.into() }
+    text.replace(|c: char| c.is_control(), " ").trim().into()
 }
 
 pub(crate) fn head(name: &str, kind: &units::Kind) -> String {
@@ -178,7 +177,7 @@ pub enum WriteError {
     /// Files that are there already.
     Exist(Vec<PathBuf>),
     /// What could not be done to which path.
-    Io(&'static str, PathBuf, io::Error),
+    Io(&'static str, PathBuf, String),
 }
 
 impl fmt::Display for WriteError {
@@ -223,9 +222,8 @@ pub fn write(out: &Path, files: &[CatalogFile], replace: bool) -> Result<Vec<Pat
 /// Files on their way: what is not committed is taken back when this is dropped.
 #[derive(Debug, Default)]
 struct Staged {
-    // Temporary file and its place.
-    waiting: Vec<(PathBuf, PathBuf)>,
-    // A second name of what stood at a place before, and its place.
+    waiting: Vec<Beside>,
+    // What stood at a place before, under a second name, and its place.
     aside: Vec<(PathBuf, PathBuf)>,
     placed: Vec<PathBuf>,
 }
@@ -233,28 +231,25 @@ struct Staged {
 impl Staged {
     fn add(&mut self, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         let folder = target.parent().unwrap_or(Path::new("."));
-        fs::create_dir_all(folder).map_err(|e| WriteError::Io("create the folder", folder.into(), e))?;
-        if target.is_dir() {
-            let error = io::Error::new(io::ErrorKind::IsADirectory, "there is a folder of this name");
-            return Err(WriteError::Io("write", target.into(), error));
-        }
-        let temporary = beside(target, "new");
-        let fail = |e| WriteError::Io("write", temporary.clone(), e);
-        let mut file = fs::File::create_new(&temporary).map_err(fail)?;
-        self.waiting.push((temporary.clone(), target.to_path_buf()));
-        file.write_all(bytes).and_then(|()| file.sync_all()).map_err(fail)
+        fs::create_dir_all(folder).map_err(|e| WriteError::Io("create the folder", folder.into(), reason(&e)))?;
+        let fail = |why| WriteError::Io("write", target.into(), why);
+        let mut file = Place::of(target).and_then(|place| Beside::new(&place)).map_err(fail)?;
+        file.write(bytes).map_err(|e| fail(reason(&e)))?;
+        self.waiting.push(file);
+        Ok(())
     }
 
     fn commit(mut self) -> Result<(), WriteError> {
-        for (temporary, target) in &self.waiting {
-            let fail = |e| WriteError::Io("write", target.clone(), e);
-            if target.symlink_metadata().is_ok() {
-                let old = beside(target, "old");
-                fs::hard_link(target, &old).or_else(|_| fs::copy(target, &old).map(|_| ())).map_err(fail)?;
+        for file in &mut self.waiting {
+            let target = file.target().to_path_buf();
+            let fail = |e: io::Error| WriteError::Io("write", target.clone(), reason(&e));
+            if target.exists() {
+                let old = second_name(&target);
+                fs::hard_link(&target, &old).or_else(|_| fs::copy(&target, &old).map(|_| ())).map_err(fail)?;
                 self.aside.push((old, target.clone()));
             }
-            fs::rename(temporary, target).map_err(fail)?;
-            self.placed.push(target.clone());
+            file.place().map_err(fail)?;
+            self.placed.push(target);
         }
         self.placed.clear();
         for (old, _) in self.aside.drain(..) {
@@ -266,8 +261,8 @@ impl Staged {
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        // After a success the temporary files have moved and there is nothing to take back.
-        for path in self.placed.iter().chain(self.waiting.iter().map(|(temporary, _)| temporary)) {
+        // After a success there is nothing to take back.
+        for path in &self.placed {
             let _ = fs::remove_file(path);
         }
         for (old, target) in &self.aside {
@@ -276,10 +271,15 @@ impl Drop for Staged {
     }
 }
 
-/// A name in the same folder that no catalogue reader takes for a catalogue.
-fn beside(target: &Path, what: &str) -> PathBuf {
+/// A name in the same folder that nothing has and no catalogue reader takes for a catalogue.
+fn second_name(target: &Path) -> PathBuf {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
-    target.with_file_name(format!(".{name}.{}-{what}", std::process::id()))
+    let numbered = |number: usize| target.with_file_name(format!(".{name}.{}-{number}.old", std::process::id()));
+    let mut number = 0;
+    while numbered(number).symlink_metadata().is_ok() {
+        number += 1;
+    }
+    numbered(number)
 }
 
 #[cfg(test)]
@@ -295,6 +295,7 @@ mod tests {
         for target in &targets {
             staged.add(target, b"new").unwrap();
         }
+        assert_eq!(fs::read_to_string(&targets[0]).unwrap(), "old");
         // Someone puts a folder where the last file should go.
         fs::create_dir(&targets[2]).unwrap();
         assert!(staged.commit().is_err());
@@ -304,7 +305,8 @@ mod tests {
 
     #[test]
     fn cells_and_names_are_safe() {
-        assert_eq!(safe("=1+1\n"), "'=1+1");
+        assert_eq!(safe("=1+1\n"), "=1+1");
+        assert_eq!(csv(&["model".into()], [vec![safe("=1+1\n")]]), "model\n'=1+1\n");
         assert_eq!(safe("EC-4pole 22"), "EC-4pole 22");
         assert_eq!((file_name("Allied Motion").as_str(), file_name("../..").as_str()), ("allied-motion", "other"));
         for value in [0.28, 3e-10, 2.0000000000000003e-6, 1e17, 0.0, 65.7222222222222] {

@@ -17,7 +17,7 @@ pub use motor::{Friction, Machine, friction, no_load_current};
 
 use super::{FileRead, Holds, Import, Lines, Remark, RemarkKind, Row, folder_error};
 use crate::input::csv::{Column, Content, Table};
-use crate::input::{InputError, Problem, Source, nearest};
+use crate::input::{InputError, Problem, Source, nearest, reason};
 use cells::Cells;
 
 /// What is assumed of every row of MGDB.
@@ -145,7 +145,7 @@ fn find(folder: &Path) -> Result<Found, Problem> {
         let cannot = |e: std::io::Error| match e.kind() {
             std::io::ErrorKind::NotFound => Problem::whole("there is no such folder"),
             std::io::ErrorKind::NotADirectory => Problem::whole("this is a file, not a folder"),
-            _ => Problem::whole(format!("cannot read the folder `{}`: {e}", folder.display())),
+            _ => Problem::whole(format!("cannot read the folder `{}`: {}", folder.display(), reason(&e))),
         };
         let entries: Result<Vec<_>, _> = std::fs::read_dir(folder).map_err(cannot)?.collect();
         let mut paths: Vec<PathBuf> = entries.map_err(cannot)?.into_iter().map(|e| e.path()).collect();

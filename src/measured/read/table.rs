@@ -12,7 +12,8 @@ use csv::{ByteRecord, Position};
 use sha2::{Digest, Sha256};
 
 use super::columns::{Column, Target};
-use crate::input::{InputError, MAX_FILE_BYTES, Problem, Source, nearest};
+use crate::input::csv::other_separator;
+use crate::input::{InputError, Opened, Problem, Source, limits, nearest, utf_16};
 use crate::measured::bench::Channel;
 use crate::units;
 
@@ -67,16 +68,40 @@ pub struct Rows {
 }
 
 /// Feeds all bytes that are read through the hash.
-struct Hashing<R> {
-    inner: R,
+struct Hashing {
+    opened: Opened,
     hash: Sha256,
+    count: u64,
 }
 
-impl<R: Read> Read for Hashing<R> {
+impl Read for Hashing {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.inner.read(buffer)?;
+        let count = self.opened.file.read(buffer)?;
         self.hash.update(&buffer[..count]);
+        self.count += count as u64;
+        // It was smaller when it was opened.
+        if self.count > limits::LOG_BYTES {
+            return Err(io::Error::other("it grows faster than it can be read"));
+        }
         Ok(count)
+    }
+}
+
+impl Hashing {
+    /// The hash of all that was read, where the file is still what it was.
+    fn finish(self) -> Result<String, Problem> {
+        let hash = self.hash.finalize();
+        let again = |file: &mut File| {
+            let mut hash_again = Sha256::new();
+            let mut buffer = vec![0; 1 << 16];
+            loop {
+                match file.read(&mut buffer)? {
+                    0 => return Ok(hash_again.finalize() == hash),
+                    count => hash_again.update(&buffer[..count]),
+                }
+            }
+        };
+        self.opened.unchanged(again).map(|()| crate::input::hex(&hash))
     }
 }
 
@@ -85,19 +110,15 @@ impl<R: Read> Read for Hashing<R> {
 /// # Errors
 /// Why not, and what stands beside it.
 pub fn probe(path: &Path) -> Result<(), (String, Option<String>)> {
-    let size = match std::fs::metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(("this is a folder, not a file".into(), None)),
-        Ok(meta) => meta.len(),
+    match Opened::new(path, limits::LOG_BYTES) {
+        Ok(_) => Ok(()),
         // The message of a file that is not there, with its neighbour.
-        Err(_) => {
+        Err(_) if !path.exists() => {
             let first = Source::read(path).err().and_then(|e| e.problems.into_iter().next());
-            return Err(first.map_or_else(|| ("cannot read the file".into(), None), |p| (p.message, p.help)));
+            Err(first.map_or_else(|| ("cannot read the file".into(), None), |p| (p.message, p.help)))
         }
-    };
-    if size > MAX_FILE_BYTES {
-        return Err((format!("the file has {size} bytes; at most {MAX_FILE_BYTES} are read"), None));
+        Err(problem) => Err((problem.message, problem.help)),
     }
-    Ok(())
 }
 
 /// Reads the logs that come from one file, in one pass. What is wrong with the bench file (a column
@@ -112,12 +133,11 @@ pub fn read(
 ) -> Result<Option<(String, Vec<Rows>)>, InputError> {
     let name = path.display().to_string();
     let mut mistakes = Mistakes { path, lines: Vec::new(), problems: Vec::new() };
-    let whole = |message: String| InputError {
-        source: Arc::new(Source::new(name.clone(), "")),
-        problems: vec![Problem::whole(message)],
-    };
-    let file = File::open(path).map_err(|e| whole(format!("cannot read the file: {e}")))?;
-    let hashing = Hashing { inner: file, hash: Sha256::new() };
+    let wrong =
+        |problem: Problem| InputError { source: Arc::new(Source::new(name.clone(), "")), problems: vec![problem] };
+    let whole = |message: String| wrong(Problem::whole(message));
+    let opened = Opened::new(path, limits::LOG_BYTES).map_err(wrong)?;
+    let hashing = Hashing { opened, hash: Sha256::new(), count: 0 };
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -139,6 +159,7 @@ pub fn read(
 
     let width = header.len();
     let mut shared = 0_usize;
+    let mut numbers = 0_usize;
     while reader.read_byte_record(&mut record).map_err(failed)? {
         if record.len() != width {
             if record.len() == 1 && record[0].trim_ascii().is_empty() {
@@ -158,6 +179,7 @@ pub fn read(
                 if log.selects(&record, &mut mistakes) {
                     *(if log.wanted.held_out { &mut held_out } else { &mut fit }) = true;
                     log.take(&record, &mut mistakes);
+                    numbers += log.cells.len() + 1;
                 }
             }
             shared += usize::from(fit && held_out);
@@ -165,8 +187,18 @@ pub fn read(
         if mistakes.problems.len() >= MAX_PROBLEMS {
             break;
         }
+        if numbers > limits::LOG_NUMBERS {
+            let rows = record.position().map_or(0, Position::record);
+            let most = limits::LOG_NUMBERS;
+            let problem = Problem::whole(format!("the log has more than {most} numbers, reached at its row {rows}"));
+            return Err(wrong(
+                problem.help("take part of it with `select`, keep every n-th row, or leave columns out of [columns]"),
+            ));
+        }
     }
     if !mistakes.problems.is_empty() {
+        // The mistakes may be those of two texts that were taken for one.
+        reader.into_inner().opened.unchanged(|_| Ok(true)).map_err(wrong)?;
         return Err(mistakes.into_error(&name));
     }
     if shared > 0 {
@@ -177,13 +209,16 @@ pub fn read(
         );
         return Ok(None);
     }
-    let hash = reader.into_inner().hash.finalize();
-    let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+    let hash = reader.into_inner().finish().map_err(wrong)?;
     let rows: Vec<Option<Rows>> = logs.into_iter().map(|log| log.finish(&name, note)).collect();
     Ok(rows.into_iter().collect::<Option<Vec<Rows>>>().map(|rows| (hash, rows)))
 }
 
 fn read_header(record: &ByteRecord, mistakes: &mut Mistakes) -> Option<Vec<String>> {
+    if let Some(problem) = utf_16(record.as_slice()) {
+        mistakes.problems.push(problem);
+        return None;
+    }
     let mut header = Vec::new();
     for cell in record {
         match std::str::from_utf8(cell.trim_ascii()) {
@@ -200,18 +235,9 @@ fn read_header(record: &ByteRecord, mistakes: &mut Mistakes) -> Option<Vec<Strin
         mistakes.problems.push(Problem::whole("the file is empty: it has no header row"));
         return None;
     }
-    for (separator, word) in [(';', "semicolons"), ('\t', "tabs")] {
-        let count = header.iter().map(|cell| cell.matches(separator).count()).sum::<usize>();
-        if count >= header.len() {
-            mistakes.add(
-                record,
-                None,
-                format!("the cells of this file are separated by {word}"),
-                "expected commas",
-                "save it with commas between cells and points in numbers",
-            );
-            return None;
-        }
+    if let Some((message, help)) = other_separator(header.iter().map(String::as_str)) {
+        mistakes.add(record, None, message, "expected commas", help);
+        return None;
     }
     Some(header)
 }

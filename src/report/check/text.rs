@@ -1,7 +1,7 @@
 //! A check for people.
 
 use crate::report::table::{table, wrap};
-use crate::report::{number, optional};
+use crate::report::{counted, number, optional};
 use crate::rules::lock::LockState;
 use crate::rules::{Finding, Location, Report, Severity, Test, rule};
 
@@ -20,9 +20,10 @@ pub fn text(report: &Report, strict: bool) -> String {
     let design = report.facts.design;
     let actuators: u32 = design.robot.joints.iter().map(|j| j.count).sum();
     let mut out = format!(
-        "{}: {} joints, {actuators} actuators, {} rules\n\n",
+        "{}: {}, {}, {} rules\n\n",
         printable(&design.robot.name),
-        design.joints.len(),
+        counted(design.joints.len(), "joint"),
+        counted(actuators as usize, "actuator"),
         report.rules.iter().filter(|r| r.severity != Severity::Off).count()
     );
     out.push_str(&joints(report));

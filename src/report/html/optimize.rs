@@ -30,7 +30,13 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
                 0 => String::new(),
                 n => format!("; at {n} of them the first choice has limits that could not be checked"),
             };
-            format!("Every one of {} joints can be built, with {motors} {word}{but}.", joints.len())
+            {
+                let all = match joints.len() {
+                    1 => "The joint".to_string(),
+                    n => format!("Every one of {n} joints"),
+                };
+                format!("{all} can be built, with {motors} {word}{but}.")
+            }
         }
         (names, _) => format!("No motor of the catalogue can do: {}.", names.join(", ")),
     };

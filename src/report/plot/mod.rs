@@ -32,6 +32,7 @@ pub use labels::{Placed, Rect, Wanted, overlap, place};
 pub use pen::{escaped, text_width};
 
 use super::file;
+use crate::input::limits::PIXELS;
 use crate::requirement::Objective;
 
 /// Pixels of a PNG for each pixel of the SVG.
@@ -478,7 +479,13 @@ pub fn png(figure: &Figure) -> Result<Vec<u8>, String> {
     let options = usvg::Options { fontdb: Arc::new(fonts), font_family: "DejaVu Sans".into(), ..Default::default() };
     let tree = usvg::Tree::from_str(&text, &options).map_err(|e| cannot(&e))?;
     let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or("the picture has no size")?;
-    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
+    let (width, height) = (size.width(), size.height());
+    if u64::from(width) * u64::from(height) > PIXELS {
+        return Err(format!(
+            "cannot draw the picture: {width} x {height} pixels are more than {PIXELS}; draw an .svg, or show less (`--joint`)"
+        ));
+    }
+    let mut pixels = tiny_skia::Pixmap::new(width, height).ok_or("the picture is too large")?;
     resvg::render(&tree, tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE), &mut pixels.as_mut());
     pixels.encode_png().map_err(|e| cannot(&e))
 }

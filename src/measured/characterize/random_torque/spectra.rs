@@ -37,7 +37,7 @@ impl Record {
         if time.len() < 500 || step <= 0.0 {
             return Err(format!("{} samples without a gap are too few", time.len()));
         }
-        let count = ((time[time.len() - 1] - time[0]) / step).floor() as usize + 1;
+        let count = signals::whole((time[time.len() - 1] - time[0]) / step) + 1;
         let grid = |values: &[f64]| {
             signals::on_grid(time, &values[longest.clone()], time[0], step, count).ok_or("it has no numbers")
         };
@@ -56,7 +56,7 @@ impl Record {
     pub fn align(&mut self) -> bool {
         if let Some(command) = &self.command {
             // The lag with the largest covariance, on whole samples: an instrument need not be exact.
-            let most = ((0.05 / self.step) as isize).min(self.torque.len() as isize / 8);
+            let most = (signals::whole(0.05 / self.step) as isize).min(self.torque.len() as isize / 8);
             let covariance = |lag: isize| {
                 let n = self.torque.len() as isize;
                 let (from, to) = (0.max(lag), n.min(n + lag));
@@ -109,7 +109,7 @@ impl Spectra {
         let n = record.torque.len();
         let duration = n as f64 * record.step;
         let seconds = (duration / WINDOWS).clamp(WINDOW.0, WINDOW.1);
-        let length = (((seconds / record.step) as usize) / 2 * 2).clamp(32, n.max(32) / 2 * 2);
+        let length = (signals::whole(seconds / record.step) / 2 * 2).clamp(32, n.max(32) / 2 * 2);
         let turn = std::f64::consts::TAU / length as f64;
         let hann: Vec<f64> = (0..length).map(|k| 0.5 - 0.5 * (turn * k as f64).cos()).collect();
         let slope: Vec<f64> = (0..length).map(|k| 0.5 * turn / record.step * (turn * k as f64).sin()).collect();
