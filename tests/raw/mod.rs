@@ -366,8 +366,13 @@ pub struct Scan {
 
 impl Scan {
     pub fn new(case: &Case) -> Scan {
+        Scan::over(case, RATIOS)
+    }
+
+    /// As [`Scan::new`], with so many ratios to begin with.
+    pub fn over(case: &Case, ratios: usize) -> Scan {
         let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
-        let mut grid: Vec<f64> = (1..RATIOS).map(|i| min * (max / min).powf(i as f64 / RATIOS as f64)).collect();
+        let mut grid: Vec<f64> = (1..ratios).map(|i| min * (max / min).powf(i as f64 / ratios as f64)).collect();
         grid.extend([min, max]);
         let stages = case.robot.joints[0].gear.mass_per_stage.map(|(_, ratio)| (0..30).map(move |k| ratio.powi(k)));
         grid.extend(stages.into_iter().flatten().filter(|n| (min..max).contains(n)));
