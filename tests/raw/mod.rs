@@ -101,7 +101,7 @@ impl Case {
         let watt = largest(raw, &power) / bus.drive_efficiency;
         let back = largest(raw, &|p| -power(p)) * bus.drive_efficiency;
         let speed = n * largest(raw, &|p| p.velocity.abs());
-        let stages = |ratio: f64| (0..99).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
+        let stages = |ratio: f64| (0..300).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
         let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
         let (inertia, mass) = (n * n * j, motor.mass.unwrap() + of_gear);
         // Bounds.
