@@ -21,7 +21,8 @@ if [ "${1:-}" = keep ]; then keep=1; shift; fi
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || mapfile -t targets < <(ls targets | sed 's/\.rs$//')
 
-"${fuzz[@]}" build --sanitizer none 2>&1 | tail -n 1
+# BUILT: a folder with targets that are built already.
+if [ -n "${BUILT:-}" ]; then built=$BUILT; else "${fuzz[@]}" build --sanitizer none 2>&1 | tail -n 1; fi
 
 longest() { # how large inputs may get [bytes]
     case $1 in
@@ -32,15 +33,24 @@ longest() { # how large inputs may get [bytes]
     esac
 }
 
+patience() { # after how long an input counts as a hang [s]: of a solver on a machine that has more to do, longer
+    case $1 in
+        optimize | solve) echo 60 ;;
+        *) echo 10 ;;
+    esac
+}
+
 run_one() {
     local target=$1 log="work/$1.log"
     mkdir -p "work/$target" "corpus/$target" "artifacts/$target" "work/seeds/$target"
     local dictionary=()
     [ -f "dictionaries/$target.dict" ] && dictionary=("-dict=dictionaries/$target.dict")
+    # Bytes that are drawn from are best long from the beginning.
+    [ "$target" = optimize ] && dictionary=(-len_control=0)
     local status=0
     # libFuzzer goes on after a slow input or one that takes much memory only where it is told so; a panic ends it.
     nice -n 5 "$built/$target" "work/$target" "corpus/$target" "work/seeds/$target" "${dictionary[@]}" \
-        -artifact_prefix="artifacts/$target/" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 \
+        -artifact_prefix="artifacts/$target/" -max_total_time="$seconds" -timeout="$(patience "$target")" -rss_limit_mb=1024 \
         -max_len="$(longest "$target")" -print_final_stats=1 > "$log" 2>&1 || status=$?
     report "$target" "$log" "$status"
 }
@@ -73,7 +83,7 @@ keep_one() {
     mkdir -p "work/$target" "corpus/$target" work/least
     rm -rf "work/least/$target"
     mkdir -p "work/least/$target"
-    "$built/$target" -merge=1 -max_len="$(longest "$target")" -timeout=10 -rss_limit_mb=1024 \
+    "$built/$target" -merge=1 -max_len="$(longest "$target")" -timeout="$(patience "$target")" -rss_limit_mb=1024 \
         "work/least/$target" "corpus/$target" "work/seeds/$target" "work/$target" > "work/$target.merge.log" 2>&1
     rm -rf "corpus/$target"
     mkdir "corpus/$target"
