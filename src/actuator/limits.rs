@@ -152,6 +152,9 @@ impl Limit {
     }
 }
 
+/// What a demand may be of the terms whose sum it is and still count as nothing.
+const ROUNDING: f64 = 1e-9;
+
 impl Asked {
     /// The functional's value that the bound corresponds to.
     pub fn raw_bound(&self) -> f64 {
@@ -202,15 +205,43 @@ impl Asked {
         }
     }
 
-    /// `1 − demand/limit`. A limit of zero has margin 0 where it is kept and −1 where it is not; a demand
-    /// without end has −10⁶.
-    pub fn margin(&self, demand: f64) -> f64 {
+    /// The polynomial of the ratio that is the demand's functional at a ratio (of a limit over samples: that of the
+    /// sample that has it), and its sample. It is nowhere above the functional. `None` for limits that are no
+    /// polynomial, or certainly kept.
+    pub fn polynomial_at(&self, candidate: &Candidate, ratio: f64) -> Option<(Laurent, Option<usize>)> {
+        match self.demand {
+            Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
+            Demand::Samples(functional) | Demand::Bandwidth(functional) => {
+                let bandwidth = matches!(self.demand, Demand::Bandwidth(_));
+                let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
+                let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
+                Some((functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin)))
+            }
+            Demand::WindingPeak(_) if self.is_certainly_kept(candidate, ratio) => None,
+            Demand::WindingPeak(node) => {
+                let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, self.raw_bound());
+                Some((cut, self.raw_demand(candidate, ratio).1))
+            }
+            Demand::MeanCurrentSquared(worst_phase) => {
+                Some((candidate.load.mean_current_squared_cut(&candidate.actuator, worst_phase, ratio), None))
+            }
+            Demand::Fixed(..) | Demand::Mass => None,
+        }
+    }
+
+    /// `1 − demand/limit` at a ratio, for the functional's value there. A limit of zero has margin 0 where it is kept
+    /// and −1 where it is not: what rounding leaves of terms that cancel does not break it. A demand without end has
+    /// −10⁶.
+    pub fn margin(&self, candidate: &Candidate, ratio: f64, raw: f64) -> f64 {
+        let demand = self.natural(raw);
         // Thermal runaway is beyond any limit; a finite number is what programs can read.
         if demand == f64::INFINITY {
             return -1e6;
         }
         if self.bound == 0.0 {
-            return if demand <= 0.0 { 0.0 } else { -1.0 };
+            let rounding =
+                || self.polynomial_at(candidate, ratio).is_some_and(|(terms, _)| raw <= ROUNDING * terms.size(ratio));
+            return if demand <= 0.0 || rounding() { 0.0 } else { -1.0 };
         }
         1.0 - demand.max(0.0) / self.bound
     }

@@ -164,7 +164,7 @@ impl<'a> Prepared<'a> {
                 _ => asked.raw_demand(candidate, ratio),
             };
             let demand = asked.natural(raw);
-            let margin = asked.margin(demand);
+            let margin = asked.margin(candidate, ratio, raw);
             feasible &= margin >= -FEASIBILITY_TOLERANCE;
             margins.push(Margin {
                 limit: asked.limit.name,

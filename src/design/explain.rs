@@ -254,8 +254,9 @@ fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<R
 /// The limits that a fixed ratio exceeds, each with what it would have to be.
 fn remedies_at(prepared: &Prepared, ratio: f64) -> Vec<Remedy> {
     let broken = prepared.asked.iter().filter_map(|asked| {
-        let needed = asked.natural(asked.raw_demand(&prepared.candidate, ratio).0);
-        let exceeded = asked.margin(needed) < -super::evaluate::FEASIBILITY_TOLERANCE;
+        let (raw, _) = asked.raw_demand(&prepared.candidate, ratio);
+        let needed = asked.natural(raw);
+        let exceeded = asked.margin(&prepared.candidate, ratio, raw) < -super::evaluate::FEASIBILITY_TOLERANCE;
         exceeded.then_some(Remedy::new(asked, needed, ratio))
     });
     broken.collect()

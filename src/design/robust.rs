@@ -480,7 +480,7 @@ impl<'p> Boxed<'p> {
         let margin = |Limited { candidate, asked }: Limited| {
             let (raw, sample) = asked.raw_demand(candidate, ratio);
             let demand = asked.natural(raw);
-            let margin = asked.margin(demand);
+            let margin = asked.margin(candidate, ratio, raw);
             Margin {
                 limit: asked.limit.name,
                 unit: asked.limit.unit,

@@ -130,7 +130,7 @@ impl<'a> Files<'a> for Numbered<'a> {
     }
 
     fn source(&'a self, (): ()) -> Result<&'a str, files::Error> {
-        Ok(&self.source.text)
+        Ok(self.file.source())
     }
 
     fn line_index(&'a self, (): (), byte: usize) -> Result<usize, files::Error> {
@@ -235,13 +235,13 @@ impl InputError {
 
 impl fmt::Display for InputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Long lines are cut, so that a file of noise does not print itself.
-        let file = Numbered {
-            source: &self.source,
-            file: SimpleFile::new(printable(&self.source.name), self.source.text.as_str()),
-        };
+        // Nothing of the file drives the terminal, and long lines are cut, so that a file of noise does not print itself.
+        let (name, shown) = (printable(&self.source.name), in_place(&self.source.text));
+        let file = Numbered { source: &self.source, file: SimpleFile::new(name.clone(), &*shown) };
         let config = term::Config::default();
         for problem in self.problems.iter().take(MAX_SHOWN) {
+            let (message, label) = (tame(&problem.message), tame(&problem.label));
+            let help = problem.help.as_deref().map(tame);
             let long = problem.span.as_ref().is_some_and(|s| {
                 let text = &self.source.text;
                 let start = text[..s.start.min(text.len())].rfind('\n').map_or(0, |p| p + 1);
@@ -253,28 +253,28 @@ impl fmt::Display for InputError {
                     let (line, column) = self.source.position(s.start);
                     format!(":{line}:{column}")
                 });
-                writeln!(f, "error: {}", tame(&problem.message))?;
-                writeln!(f, "  ┌─ {}{place}", printable(&self.source.name))?;
-                if !problem.label.is_empty() {
-                    writeln!(f, "  = {}", tame(&problem.label))?;
+                writeln!(f, "error: {message}")?;
+                writeln!(f, "  ┌─ {name}{place}")?;
+                if !label.is_empty() {
+                    writeln!(f, "  = {label}")?;
                 }
-                if let Some(help) = &problem.help {
-                    writeln!(f, "  = {}", tame(help))?;
+                if let Some(help) = &help {
+                    writeln!(f, "  = {help}")?;
                 }
                 writeln!(f)?;
                 continue;
             }
             let span = problem.span.clone().unwrap_or(0..0);
             let diagnostic = Diagnostic::error()
-                .with_message(&problem.message)
-                .with_label(Label::primary((), span).with_message(&problem.label))
-                .with_notes(problem.help.iter().cloned().collect());
+                .with_message(message)
+                .with_label(Label::primary((), span).with_message(label))
+                .with_notes(help.into_iter().map(Cow::into_owned).collect());
             let text = term::emit_into_string(&config, &file, &diagnostic).map_err(|_| fmt::Error)?;
-            f.write_str(&tame(&text))?;
+            f.write_str(&text)?;
         }
         let hidden = self.problems.len().saturating_sub(MAX_SHOWN);
         if hidden > 0 {
-            writeln!(f, "and {hidden} more mistakes in {}", printable(&self.source.name))?;
+            writeln!(f, "and {hidden} more mistakes in {name}")?;
         }
         Ok(())
     }
@@ -287,9 +287,51 @@ fn printable(name: &str) -> String {
     name.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
-/// Lines of text of which parts come from files, without what could drive a terminal: control characters other than
-/// line ends and tabs.
+/// Whether a character could drive a terminal: control characters other than line ends and tabs.
+fn drives(c: char, next: Option<char>) -> bool {
+    match c {
+        '\n' | '\t' => false,
+        '\r' => next != Some('\n'),
+        _ => c.is_control(),
+    }
+}
+
+/// Lines of text of which parts come from files, without what could drive a terminal.
 pub(crate) fn tame(text: &str) -> Cow<'_, str> {
-    let drives = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
-    if text.contains(drives) { text.replace(drives, "\u{fffd}").into() } else { text.into() }
+    if !text.contains(|c: char| c.is_control() && c != '\n') {
+        return text.into();
+    }
+    let next = text.chars().skip(1).map(Some).chain([None]);
+    text.chars().zip(next).map(|(c, next)| if drives(c, next) { '\u{fffd}' } else { c }).collect()
+}
+
+/// A text whose control characters, but for those of blanks and line ends, are replaced by signs as long, so that
+/// every span stays where it is.
+fn in_place(text: &str) -> Cow<'_, str> {
+    let mut shown = Cow::Borrowed(text);
+    let mut characters = text.char_indices().peekable();
+    while let Some((at, c)) = characters.next() {
+        if drives(c, characters.peek().map(|(_, next)| *next)) {
+            // All control characters have one byte or two.
+            let sign = if c.len_utf8() == 1 { "?" } else { "¿" };
+            shown.to_mut().replace_range(at..at + c.len_utf8(), sign);
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_does_not_drive_the_terminal() {
+        let text = "a = \"\u{1b}[2J\u{9b}31m\rb\"\r\nc = 1";
+        assert_eq!(in_place(text), "a = \"?[2J¿31m?b\"\r\nc = 1");
+        let source = Arc::new(Source::new("\u{1b}.toml", text));
+        let problem = Problem::at(5..9, "what \u{7}is\nwrong", "here\u{1b}").help("\u{0}");
+        let report = InputError { source, problems: vec![problem, Problem::whole("\u{1b}]0;title\u{7}")] }.to_string();
+        assert!(report.chars().all(|c| c == '\n' || !c.is_control()), "{report:?}");
+        assert!(report.contains("1 │ a = \"?[2J¿31m?b\"\n") && report.contains("  ^^^^ here\u{fffd}"), "{report}");
+    }
 }

@@ -101,7 +101,7 @@ impl Case {
         let watt = largest(raw, &power) / bus.drive_efficiency;
         let back = largest(raw, &|p| -power(p)) * bus.drive_efficiency;
         let speed = n * largest(raw, &|p| p.velocity.abs());
-        let stages = |ratio: f64| (0..99).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
+        let stages = |ratio: f64| (0..300).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
         let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
         let (inertia, mass) = (n * n * j, motor.mass.unwrap() + of_gear);
         // Bounds.
@@ -366,8 +366,13 @@ pub struct Scan {
 
 impl Scan {
     pub fn new(case: &Case) -> Scan {
+        Scan::over(case, RATIOS)
+    }
+
+    /// As [`Scan::new`], with so many ratios to begin with.
+    pub fn over(case: &Case, ratios: usize) -> Scan {
         let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
-        let mut grid: Vec<f64> = (1..RATIOS).map(|i| min * (max / min).powf(i as f64 / RATIOS as f64)).collect();
+        let mut grid: Vec<f64> = (1..ratios).map(|i| min * (max / min).powf(i as f64 / ratios as f64)).collect();
         grid.extend([min, max]);
         let stages = case.robot.joints[0].gear.mass_per_stage.map(|(_, ratio)| (0..30).map(move |k| ratio.powi(k)));
         grid.extend(stages.into_iter().flatten().filter(|n| (min..max).contains(n)));

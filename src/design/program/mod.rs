@@ -360,28 +360,10 @@ impl<'a> RatioProgram<'a> {
         Ok((low, high))
     }
 
-    /// The polynomial of a limit that is largest at a ratio (over samples), and its sample. It is
-    /// nowhere above the limit's demand. `None` for limits that are no polynomial, or certainly kept.
+    /// [`Asked::polynomial_at`] of a limit.
     fn polynomial_at(&self, index: usize, ratio: f64) -> Option<(Laurent, Option<usize>)> {
         let Limited { candidate, asked } = self.limits[index];
-        match asked.demand {
-            Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
-            Demand::Samples(functional) | Demand::Bandwidth(functional) => {
-                let bandwidth = matches!(asked.demand, Demand::Bandwidth(_));
-                let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
-                let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
-                Some((functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin)))
-            }
-            Demand::WindingPeak(_) if asked.is_certainly_kept(candidate, ratio) => None,
-            Demand::WindingPeak(node) => {
-                let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, asked.raw_bound());
-                Some((cut, asked.raw_demand(candidate, ratio).1))
-            }
-            Demand::MeanCurrentSquared(worst_phase) => {
-                Some((candidate.load.mean_current_squared_cut(&candidate.actuator, worst_phase, ratio), None))
-            }
-            Demand::Fixed(..) | Demand::Mass => None,
-        }
+        asked.polynomial_at(candidate, ratio)
     }
 
     /// By how much the demand of a limit exceeds its bound at a ratio.

@@ -1,0 +1,36 @@
+//! The bodies of the fuzz targets: any bytes in, and a panic where a promise is broken.
+//!
+//! The one idea: a reader may refuse whatever it likes, but it says where and why; what it accepts is sane, and
+//! what follows from it is computed to the end.
+
+mod bench;
+mod joint;
+mod parts;
+mod readers;
+mod sane;
+mod solve;
+
+/// Every target with its name.
+pub const TARGETS: &[(&str, fn(&[u8]))] = &[
+    ("catalogue", readers::catalogue),
+    ("requirement", readers::requirement),
+    ("motion", readers::motion),
+    ("rules", readers::rules),
+    ("study", readers::study),
+    ("urdf", readers::mechanism),
+    ("mjcf", readers::mechanism),
+    ("bench", bench::bench),
+    ("log", bench::log),
+    ("mgdb", bench::mgdb),
+    ("solve", solve::solve),
+    ("optimize", joint::optimize),
+];
+
+/// Runs one target.
+///
+/// # Panics
+/// Where a promise is broken, and where there is no such target.
+pub fn run(target: &str, bytes: &[u8]) {
+    let (_, body) = TARGETS.iter().find(|(name, _)| *name == target).expect("a target of the list");
+    body(bytes);
+}
