@@ -13,7 +13,7 @@ use gearwise::requirement::{self, Objective, Quantity};
 #[test]
 fn every_quantity_of_an_objective_is_minimised_as_it_is_evaluated() {
     let mut catalog = Catalog::builtin().unwrap();
-    catalog.motors.retain(|m| m.id.starts_with("t-motor") && m.mass.is_some() && m.inductance.is_some());
+    catalog.motors.retain(|m| ["t-motor-u8-lee", "mit-mini-cheetah"].contains(&m.id.as_str()));
     for (file, joint) in [("quadruped_mini_cheetah", 2), ("ankle_prosthesis_parallel_spring", 0)] {
         let mut robot = requirement::read(&repository(&format!("requirements/{file}.toml"))).unwrap();
         robot.joints = vec![robot.joints.remove(joint)];
