@@ -259,6 +259,17 @@ fn every_rule_has_a_design_that_breaks_it() {
         if !found.iter().any(|code| code == rule.code) {
             failures.push(format!("{rule:?}: only {found:?}"));
         }
+        // A limit that the requirement sets is shown where the requirement asks for it.
+        let case = breaking(rule.code);
+        if matches!(rule.test, gearwise::rules::Test::Limit(_)) && !case.robot.is_empty() {
+            let shown = checked(case, lock, |report| {
+                let of = |f: &&Finding| report.rule_of(f).code == rule.code;
+                report.findings.iter().filter(of).all(|f| f.asked.is_some())
+            });
+            if !shown {
+                failures.push(format!("{rule:?}: rules/place.rs does not know where it is asked for"));
+            }
+        }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

@@ -312,11 +312,11 @@ fn check(seed: u64, kind: Kind) -> Tally {
             if !(k0..=k1).contains(&spring.stiffness) || !(q0..=q1).contains(&rest) {
                 wrong.push(format!("the spring {spring:?} is outside its range"));
             }
-            match design.optimum.certificate {
+            match &design.optimum.certificate {
                 Certificate::Certified { lower_bound, gap, .. } => {
                     tally.certified = 1;
-                    tally.gap = gap;
-                    if gap > 1e-6 {
+                    tally.gap = *gap;
+                    if *gap > 1e-6 {
                         wrong.push(format!("gap {gap}"));
                     }
                     if scan.is_some_and(|(best, _)| best < lower_bound - 1e-9 * lower_bound.abs()) {

@@ -6,7 +6,7 @@
 //! becomes one [`Shortfall`] of the actuator, which turns torques into currents for every limit. What
 //! depends on the motor's own speed in no polynomial way is a [`drag`], evaluated at a ratio.
 
-use super::effects::{Effect, Enters, Operating, effect};
+use super::effects::{EFFECTS, Effect, Enters, Operating, effect};
 use super::shaft::{Feature, ShaftForm};
 use crate::catalog::Motor;
 use crate::requirement::{GearModel, Joint, RatioChoice, backdrive_efficiency};
@@ -284,15 +284,12 @@ pub fn drag(motor: &Motor, speed: f64, direction: f64) -> (f64, f64) {
     })
 }
 
-/// Why a program with evaluated effects has no certificate.
-pub fn why_evaluated(motor: &Motor) -> Option<&'static str> {
+/// Why a program with evaluated effects has no certificate; empty where the motor has none.
+pub fn why_evaluated(motor: &Motor) -> String {
     let has = |name: &str| evaluated(motor).any(|e| e.name() == name);
-    match (has("stribeck_friction"), has("eddy_drag")) {
-        (true, true) => Some("stribeck_friction and eddy_drag are evaluated on a grid of ratios"),
-        (true, false) => Some("stribeck_friction is evaluated on a grid of ratios"),
-        (false, true) => Some("eddy_drag is evaluated on a grid of ratios"),
-        (false, false) => None,
-    }
+    let names: Vec<&str> = EFFECTS.iter().map(|e| e.name()).filter(|name| has(name)).collect();
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{} {verb} evaluated on a grid of ratios", names.join(" and "))
 }
 
 /// Torque constant of the hottest motor \[N·m/A\], where magnets were found to lose flux.

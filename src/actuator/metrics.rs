@@ -80,6 +80,17 @@ pub struct Estimate {
     pub complete: bool,
 }
 
+/// Where a metric is shown without being asked for; ordering by it, JSON and rules have them all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Shown {
+    /// Nowhere.
+    WhenAsked,
+    /// In the table of `rank`.
+    InRank,
+    /// There, and `optimize` says how well its order agrees with the task's.
+    AsOrder,
+}
+
 /// A metric of a motor.
 #[derive(Debug)]
 pub struct Metric {
@@ -93,6 +104,8 @@ pub struct Metric {
     pub si_suffix: &'static str,
     /// Whether less is better.
     pub lower_is_better: bool,
+    /// Where it is shown.
+    pub shown: Shown,
     /// What it is.
     pub meaning: &'static str,
     exponents: &'static [(Parameter, f64)],
@@ -110,6 +123,7 @@ pub const METRICS: &[Metric] = &[
         unit: "ms",
         si_suffix: "s",
         lower_is_better: true,
+        shown: Shown::AsOrder,
         meaning: "responsiveness J_m/K_M²: the mechanical time constant for L = 0 (Urs et al., eq. 11)",
         exponents: &[(RotorInertia, 1.0), (Resistance, 1.0), (TorqueConstant, -1.0), (BackEmfConstant, -1.0)],
     },
@@ -119,6 +133,7 @@ pub const METRICS: &[Metric] = &[
         unit: "g*(A/N)^2",
         si_suffix: "kgm2a2_per_nm2",
         lower_is_better: true,
+        shown: Shown::AsOrder,
         meaning: "torque-specific inertia J_m/K_T² (Urs et al., eq. 12)",
         exponents: &[(RotorInertia, 1.0), (TorqueConstant, -2.0)],
     },
@@ -128,6 +143,7 @@ pub const METRICS: &[Metric] = &[
         unit: "g*ms",
         si_suffix: "kgs",
         lower_is_better: true,
+        shown: Shown::AsOrder,
         meaning: "responsiveness weighted by mass",
         exponents: &[
             (Mass, 1.0),
@@ -143,6 +159,7 @@ pub const METRICS: &[Metric] = &[
         unit: "kg*g*(A/N)^2",
         si_suffix: "kg2m2a2_per_nm2",
         lower_is_better: true,
+        shown: Shown::AsOrder,
         meaning: "torque-specific inertia weighted by mass",
         exponents: &[(Mass, 1.0), (RotorInertia, 1.0), (TorqueConstant, -2.0)],
     },
@@ -152,6 +169,7 @@ pub const METRICS: &[Metric] = &[
         unit: "N*m/W^0.5",
         si_suffix: "nm_per_sqrt_w",
         lower_is_better: false,
+        shown: Shown::AsOrder,
         meaning: "motor constant √(K_T K_B/R)",
         exponents: &[(TorqueConstant, 0.5), (BackEmfConstant, 0.5), (Resistance, -0.5)],
     },
@@ -161,6 +179,7 @@ pub const METRICS: &[Metric] = &[
         unit: "N*m/A",
         si_suffix: "nm_per_a",
         lower_is_better: false,
+        shown: Shown::WhenAsked,
         meaning: "torque constant, q axis",
         exponents: &[(TorqueConstant, 1.0)],
     },
@@ -170,6 +189,7 @@ pub const METRICS: &[Metric] = &[
         unit: "N*m/(A*kg)",
         si_suffix: "nm_per_a_kg",
         lower_is_better: false,
+        shown: Shown::InRank,
         meaning: "torque density",
         exponents: &[(TorqueConstant, 1.0), (Mass, -1.0)],
     },
@@ -179,6 +199,7 @@ pub const METRICS: &[Metric] = &[
         unit: "N*m/(kg*K^0.5)",
         si_suffix: "nm_per_kg_sqrt_k",
         lower_is_better: false,
+        shown: Shown::AsOrder,
         meaning: "thermal specific torque (K_T/m) √(1/(R_th R)) (Kenneally et al.)",
         exponents: &[(TorqueConstant, 1.0), (Mass, -1.0), (ThermalResistance, -0.5), (Resistance, -0.5)],
     },
@@ -188,6 +209,7 @@ pub const METRICS: &[Metric] = &[
         unit: "mm",
         si_suffix: "m",
         lower_is_better: false,
+        shown: Shown::AsOrder,
         meaning: "gap radius, the traditional criterion",
         exponents: &[(GapRadius, 1.0)],
     },
@@ -197,6 +219,7 @@ pub const METRICS: &[Metric] = &[
         unit: "g*cm^2",
         si_suffix: "kgm2",
         lower_is_better: true,
+        shown: Shown::WhenAsked,
         meaning: "rotor inertia",
         exponents: &[(RotorInertia, 1.0)],
     },
@@ -206,6 +229,7 @@ pub const METRICS: &[Metric] = &[
         unit: "g",
         si_suffix: "kg",
         lower_is_better: true,
+        shown: Shown::WhenAsked,
         meaning: "mass",
         exponents: &[(Mass, 1.0)],
     },
@@ -215,6 +239,7 @@ pub const METRICS: &[Metric] = &[
         unit: "ms",
         si_suffix: "s",
         lower_is_better: true,
+        shown: Shown::InRank,
         meaning: "electrical time constant",
         exponents: &[(Inductance, 1.0), (Resistance, -1.0)],
     },

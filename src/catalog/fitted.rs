@@ -240,8 +240,8 @@ fn read_effects(section: &Section, motor: Option<&Motor>, fit: &mut Fit) -> Vec<
 
 /// The values of one instance of an effect.
 fn read_values(section: &Section, effect: &dyn Effect, tolerances: &[&'static str], fit: &mut Fit) -> Option<Vec<f64>> {
-    // Amplitudes of cosine and sine, offsets and differences have a sign; friction and drops have none.
-    let signed = effect.linear() == 2 || matches!(effect.name(), "torque_offset" | "direction_asymmetry");
+    // Friction and drops have no sign.
+    let signed = effect.is_signed();
     let mut values = Vec::new();
     for (index, (parameter, tolerance)) in effect.parameters().iter().zip(tolerances).enumerate() {
         let range = match () {

@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::chosen::Chosen;
 use super::{CatalogChoice, Done, Failure};
@@ -12,7 +13,7 @@ use crate::design::explain::explain;
 use crate::design::simulated::{LeftOut, SimulatedJoint};
 use crate::design::{Evaluation, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::input::Source;
-use crate::report::export::{self as report, Exported, Format, NamedFile, Origin, patch};
+use crate::report::export::{Exported, FORMATS, NamedFile, Origin, patch};
 use crate::report::file;
 use crate::requirement::{self, DesignFile, Joint, Robot};
 
@@ -30,8 +31,8 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     joint: Option<String>,
     /// Format: MuJoCo, URDF, or all facts in SI
-    #[arg(long, value_name = "FORMAT", required_unless_present = "into")]
-    to: Option<To>,
+    #[arg(long, value_name = "FORMAT", required_unless_present = "into", value_parser = PossibleValuesParser::new(FORMATS.iter().map(|f| PossibleValue::new(f.name).help(f.about))))]
+    to: Option<String>,
     /// Write into this model, MJCF or URDF by its root; the result goes to `--out` or stdout
     #[arg(long, value_name = "MODEL", conflicts_with = "to")]
     into: Option<PathBuf>,
@@ -43,17 +44,6 @@ pub struct Arguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     catalog: CatalogChoice,
-}
-
-/// Formats by the words of `--to`.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum To {
-    /// MuJoCo's XML: default classes and motors, to be included in a model
-    Mjcf,
-    /// Limits, friction and transmissions
-    Urdf,
-    /// All facts in SI, the unit in the key
-    Json,
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
@@ -171,7 +161,8 @@ fn origin(robot: &Robot, requirement: &Source, design: Option<&Source>) -> Origi
 /// Warns, makes the text and puts it where it belongs.
 fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result<Done, Failure> {
     let mut said = Vec::new();
-    let text = match (&arguments.into, arguments.to) {
+    let format = FORMATS.iter().find(|f| Some(f.name) == arguments.to.as_deref());
+    let text = match (&arguments.into, format) {
         (Some(model), _) => {
             let names = names(&arguments.map, joints)?;
             let shown = model.display();
@@ -184,9 +175,8 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             said.extend(patched.written.iter().map(|(joint, names)| format!("{joint}: {}", names.join(", "))));
             patched.text
         }
-        (None, Some(To::Mjcf)) => report::text(Format::Mjcf, origin, joints),
-        (None, Some(To::Urdf)) => report::text(Format::Urdf, origin, joints),
-        (None, Some(To::Json) | None) => report::text(Format::Json, origin, joints),
+        (None, Some(format)) => (format.text)(origin, joints),
+        (None, None) => return Err(Failure::Argument("a format (`--to`) or a model (`--into`) is needed".into())),
     };
     for joint in joints.iter().filter(|j| !j.broken.is_empty()) {
         tell!(

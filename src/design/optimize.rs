@@ -7,7 +7,7 @@ use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgr
 use super::prune::{self, Pruned};
 use super::spring::SpringChoice;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
-use crate::actuator::metrics::METRICS;
+use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
 
@@ -327,7 +327,7 @@ fn best_gear<'a>(
 fn agreement(candidates: &[Design]) -> Vec<Agreement> {
     METRICS
         .iter()
-        .filter(|m| matches!(m.name, "s_m" | "s_t" | "mass_s_m" | "mass_s_t" | "k_m" | "gap_radius" | "k_ts"))
+        .filter(|m| m.shown == Shown::AsOrder)
         .map(|metric| {
             let sign = if metric.lower_is_better { 1.0 } else { -1.0 };
             let pairs: Vec<(f64, f64)> =

@@ -406,7 +406,7 @@ pub fn best_robust<'a>(
                 Outcome::NotSolved(why) => return Err(Reason::NotSolved(why)),
             };
             if let Some(why) = unproved(robot, &boxed.nominal, &all) {
-                optimum.certificate = Certificate::NotCertified(why);
+                optimum.certificate = Certificate::NotCertified(why.into());
             }
             Ok(boxed.design(nominal, all, None, optimum))
         }
@@ -430,7 +430,7 @@ pub fn best_robust<'a>(
                 let method = "all gears evaluated";
                 let certificate = match unproved(robot, &boxed.nominal, &all) {
                     None => Certificate::Certified { lower_bound: objective, gap: 0.0, method },
-                    Some(why) => Certificate::NotCertified(why),
+                    Some(why) => Certificate::NotCertified(why.into()),
                 };
                 let window = Window { min: gear.ratio, max: gear.ratio, low: bind.clone(), high: bind };
                 let optimum = Optimum {

@@ -194,10 +194,10 @@ fn best_gear<'a>(
                 let method = "all gears, each with its best spring";
                 Certificate::Certified { lower_bound: lower_bound.min(objective), gap, method }
             }
-            _ => Certificate::NotCertified("another gear's spring could not be bounded closely enough"),
+            _ => Certificate::NotCertified("another gear's spring could not be bounded closely enough".into()),
         };
     } else if bound.is_none() {
-        design.optimum.certificate = Certificate::NotCertified("another gear's spring could not be solved for");
+        design.optimum.certificate = Certificate::NotCertified("another gear's spring could not be solved for".into());
     }
     if let Some(spring) = &mut design.spring {
         (spring.lower_bound, spring.gap) = (bound, gap);

@@ -462,11 +462,6 @@ impl<'a> Section<'a> {
         sections
     }
 
-    /// Names and numbers of a table whose keys are `names` (weights, references).
-    pub fn numbers(&self, names: &'static [&'static str], range: Range) -> Vec<(&'static str, f64)> {
-        names.iter().filter_map(|name| Some((*name, self.number(name, range)?))).collect()
-    }
-
     /// Numbers without dimension in a list, if the key is there.
     pub fn number_list(&self, key: &'static str, range: Range) -> Option<Vec<f64>> {
         let value = self.value(key)?;

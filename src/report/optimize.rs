@@ -309,7 +309,7 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
         for note in fitted_notes(design.motor, result.joint) {
             add(format!("fitted: {} {}", note.effect, note.how), place);
         }
-        if let Certificate::NotCertified(why) = design.optimum.certificate {
+        if let Certificate::NotCertified(why) = &design.optimum.certificate {
             let found = match design.spring.map(|s| s.gap) {
                 Some(Some(gap)) => format!("the best that was found, within {gap:.0e} of the bound"),
                 Some(None) => "the best that was found, without a bound".into(),

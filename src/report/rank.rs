@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::{csv_number, number};
-use crate::actuator::metrics::{Estimate, METRICS, Metric};
+use crate::actuator::metrics::{Estimate, METRICS, Metric, Shown};
 use crate::catalog::Motor;
 use crate::units::in_unit;
 
@@ -56,14 +56,11 @@ pub fn with_tolerance(metric: &Metric, estimate: Option<Estimate>) -> String {
     }
 }
 
-const SHOWN: &[&str] =
-    &["s_m", "s_t", "mass_s_m", "mass_s_t", "k_m", "k_t_per_mass", "k_ts", "gap_radius", "electrical_time_constant"];
-
 /// For people.
 pub fn text(ranking: &Ranking, top: usize) -> String {
     let metric = ranking.metric;
     let mut columns: Vec<&Metric> = vec![metric];
-    columns.extend(METRICS.iter().filter(|m| SHOWN.contains(&m.name) && m.name != metric.name));
+    columns.extend(METRICS.iter().filter(|m| m.shown >= Shown::InRank && m.name != metric.name));
     let mut header = vec![">#".to_string(), "motor".into()];
     header.extend(columns.iter().map(|m| format!(">{}\n[{}]", m.symbol, m.unit)));
     header.insert(3, ">ahead\nof next".into());

@@ -144,7 +144,7 @@ fn details(design: &RobustDesign, result: &RobustJoint) -> String {
     if let Some(m) = &design.tightest {
         out.push_str(&format!("; tightest margin at worst {} {:.0} %", m.limit, (100.0 * m.margin).max(0.0)));
     }
-    if let Certificate::NotCertified(why) = design.optimum.certificate {
+    if let Certificate::NotCertified(why) = &design.optimum.certificate {
         out.push_str(&format!("; not certified: {why}"));
     }
     out

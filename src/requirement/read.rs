@@ -542,7 +542,6 @@ fn read_points(section: &Section) -> Option<Motion> {
 }
 
 fn read_objective(section: &Section) -> Option<Objective> {
-    const NAMES: &[&str] = &["loss", "reflected_inertia", "peak_current", "mass", "energy", "peak_power"];
     if !section.has("objective") {
         return Some(Objective::single(Quantity::Loss));
     }
@@ -550,7 +549,10 @@ fn read_objective(section: &Section) -> Option<Objective> {
         return section.choice("objective", Quantity::NAMES).map(Objective::single);
     }
     let table = section.section("objective")?;
-    let weights = table.numbers(NAMES, Range::NonNegative);
+    let weight = |(name, quantity): &(&'static str, Quantity)| {
+        table.number(name, Range::NonNegative).map(|weight| (*name, *quantity, weight))
+    };
+    let weights: Vec<_> = Quantity::NAMES.iter().filter_map(weight).collect();
     let span = table.span();
     table.finish();
     let reference_span;
@@ -569,7 +571,7 @@ fn read_objective(section: &Section) -> Option<Objective> {
             reference_span = span.clone();
         }
     }
-    if !weights.iter().any(|(_, weight)| *weight > 0.0) {
+    if !weights.iter().any(|(.., weight)| *weight > 0.0) {
         section.note(Problem::at(
             span,
             "the objective has no weight above zero",
@@ -578,13 +580,9 @@ fn read_objective(section: &Section) -> Option<Objective> {
         return None;
     }
     let mut terms = Vec::new();
-    for (name, weight) in weights {
-        if weight == 0.0 {
-            continue;
-        }
-        let Some((_, quantity)) = Quantity::NAMES.iter().find(|(n, _)| *n == name) else { continue };
+    for (name, quantity, weight) in weights.into_iter().filter(|(.., weight)| *weight != 0.0) {
         match references.iter().find(|(n, _)| *n == name) {
-            Some((_, reference)) => terms.push((*quantity, weight / reference)),
+            Some((_, reference)) => terms.push((quantity, weight / reference)),
             None => section.note(
                 Problem::at(
                     reference_span.clone(),

@@ -36,6 +36,10 @@ impl Effect for DirectionAsymmetry {
         )
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn enters(&self) -> Enters {
         Enters::Convex
     }

@@ -295,6 +295,11 @@ pub trait Effect: Sync {
         self.parameters().len() - usize::from(self.shape() != Shape::None)
     }
 
+    /// Whether its linear parameters may be negative: amplitudes of a cosine and a sine, offsets, differences.
+    fn is_signed(&self) -> bool {
+        self.linear() == 2
+    }
+
     /// What values add to the equation at an operating point.
     fn value(&self, values: &[f64], at: &Operating) -> f64 {
         let shape = if self.shape() == Shape::None { 0.0 } else { values[self.linear()] };
@@ -376,7 +381,6 @@ mod tests {
     #[test]
     fn the_list_is_sound() {
         let mut names = HashSet::new();
-        assert_eq!(EFFECTS.len(), 18);
         for effect in EFFECTS {
             assert!(names.insert(effect.name()), "{} stands twice", effect.name());
             assert!(!effect.equation().is_empty() && !effect.parameters().is_empty() && !effect.needs().is_empty());
@@ -412,6 +416,53 @@ mod tests {
                     + form[Feature::Speed] * speed.abs()
                     + form[Feature::One];
                 approx::assert_relative_eq!(features, effect.value(&values, &at), max_relative = 1e-12);
+            }
+        }
+    }
+
+    /// What an effect says of the limits is what the code does with it: none is left out of a list somewhere.
+    #[test]
+    fn every_effect_enters_the_limits_as_it_says() {
+        use super::super::fitted::{
+            FittedEffect, Shortfall, evaluated, gear_with_fit, hot_torque_constant, why_evaluated,
+        };
+        use crate::requirement::GearModel;
+        let row = crate::catalog::Catalog::builtin().unwrap().motors.remove(0);
+        let k_t = row.torque_constant;
+        for effect in EFFECTS {
+            let name = effect.name();
+            let mut values = vec![0.01; effect.linear()];
+            if effect.shape() != Shape::None {
+                values.push(4.0);
+            }
+            let mut form = ShaftForm::default();
+            effect.shaft(&values, &mut form);
+            let motor = crate::catalog::Motor {
+                effects: vec![FittedEffect { effect: *effect, values: values.clone() }],
+                ..row.clone()
+            };
+            let hot = hot_torque_constant(&motor, Some(motor.reference_temperature + 50.0));
+            let here = [
+                form != ShaftForm::default(),
+                gear_with_fit(&motor, &GearModel::IDEAL) != GearModel::IDEAL,
+                Shortfall::new(&motor, k_t, true) != Shortfall::none(k_t) || hot != k_t,
+                evaluated(&motor).next().is_some() && why_evaluated(&motor).contains(name),
+            ];
+            let says = match effect.enters() {
+                Enters::Convex | Enters::Laurent => [true, false, false, false],
+                Enters::Efficiency => [false, true, false, false],
+                Enters::Bound => [false, false, true, false],
+                Enters::Evaluated => [false, false, false, true],
+                Enters::NotAtAll(_) => [false; 4],
+            };
+            assert_eq!(here, says, "{name}: in shaft torque, gear, bounds, evaluated");
+            if effect.enters() == Enters::Evaluated {
+                for speed in [3.0, 30.0] {
+                    let at = |speed: f64| effect.value(&values, &Operating { speed, direction: 1.0, ..point() });
+                    let slope = effect.speed_slope(&values, &Operating { speed, direction: 1.0, ..point() });
+                    let difference = (at(speed + 1e-4) - at(speed - 1e-4)) / 2e-4;
+                    approx::assert_relative_eq!(slope, difference, max_relative = 1e-6, epsilon = 1e-9);
+                }
             }
         }
     }

@@ -31,6 +31,10 @@ impl Effect for TorqueOffset {
         positive("the offset", values[0].abs(), scale.torque, "the largest torque on the bench")
     }
 
+    fn is_signed(&self) -> bool {
+        true
+    }
+
     fn enters(&self) -> Enters {
         Enters::Laurent
     }

@@ -45,11 +45,7 @@ impl Import {
         let database = self.database.to_lowercase();
         let path = |folder: &str, maker: &str| Path::new(folder).join(format!("{database}-{maker}.csv"));
         let heading = |what: &str| {
-            format!(
-                "# {what} of the public database {}, imported by gearwise. The database carries no licence: for your \
-                 own use.\n",
-                self.database
-            )
+            format!("# {what} of the public database {}, imported by gearwise. {}\n", self.database, self.licence)
         };
         let mut files = Vec::new();
         for (maker, rows) in motors {

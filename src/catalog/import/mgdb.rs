@@ -193,6 +193,7 @@ impl Default for Reader {
     fn default() -> Reader {
         let import = Import {
             database: "MGDB",
+            licence: "The database carries no licence: for your own use.",
             files: Vec::new(),
             motors: Vec::new(),
             gears: Vec::new(),

@@ -37,6 +37,8 @@ pub const IMPORTERS: &[Importer] = &[Importer {
 pub struct Import {
     /// What the database is called.
     pub database: &'static str,
+    /// What its licence lets one do with the rows, in a sentence for the head of each file.
+    pub licence: &'static str,
     /// The files that were read, in their order.
     pub files: Vec<FileRead>,
     /// The motors that were taken.

@@ -37,7 +37,7 @@ impl RatioProgram<'_> {
         if self.fixed_limits().is_some() {
             return None;
         }
-        if self.why_evaluated().is_some() {
+        if self.is_evaluated() {
             return None;
         }
         let (low, high) = self.ends().ok()?;
@@ -55,7 +55,7 @@ impl RatioProgram<'_> {
     /// Where the program is not convex solving is dear, and this is a few looks at the limits; where it is convex
     /// nothing is tried. `false` says nothing.
     pub fn is_impossible(&self) -> bool {
-        if self.why_evaluated().is_some() || self.why_not_convex().is_none() {
+        if self.is_evaluated() || self.why_not_convex().is_none() {
             return false;
         }
         if self.fixed_limits().is_some() {

@@ -166,7 +166,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let certificate = if finished && gap <= GAP_TOLERANCE {
         Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
     } else {
-        Certificate::NotCertified(why)
+        Certificate::NotCertified(why.into())
     };
     let optimum = Optimum {
         ratio,

@@ -6,11 +6,12 @@
 
 use super::objective::Goal;
 use super::{Certificate, End, Optimum, Outcome, RatioProgram, ShadowPrice, Window, scan};
+use crate::actuator::fitted::why_evaluated;
 
 /// Relative step of the differences.
 const STEP: f64 = 1e-6;
 
-pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
+pub(super) fn solve(program: &RatioProgram) -> Outcome {
     let (low, high) = match program.ends() {
         Ok(ends) => ends,
         Err(infeasible) => return Outcome::Infeasible(infeasible),
@@ -24,7 +25,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         objective,
         shadow_prices: prices(program, &goal, &found.windows, ratio, &low, &high),
         windows: found.windows,
-        certificate: Certificate::NotCertified(why),
+        certificate: Certificate::NotCertified(why_evaluated(program.prepared.candidate.motor).into()),
     })
 }
 

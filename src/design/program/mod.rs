@@ -18,8 +18,9 @@ mod scan;
 pub mod spring;
 mod window;
 
+use std::borrow::Cow;
+
 use crate::actuator::Laurent;
-use crate::actuator::fitted;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
 use crate::requirement::{Objective, Quantity};
 
@@ -104,7 +105,7 @@ pub enum Certificate {
         method: &'static str,
     },
     /// The best that was found; why there is no proof.
-    NotCertified(&'static str),
+    NotCertified(Cow<'static, str>),
 }
 
 /// What one more unit of a limit is worth.
@@ -254,8 +255,8 @@ impl<'a> RatioProgram<'a> {
         if self.objective.sole() == Some(Quantity::Mass) {
             return self.least_mass();
         }
-        if let Some(why) = self.why_evaluated() {
-            return evaluated::solve(self, why);
+        if self.is_evaluated() {
+            return evaluated::solve(self);
         }
         match self.why_not_convex() {
             None => self.solve_convex(),
@@ -275,10 +276,9 @@ impl<'a> RatioProgram<'a> {
         (goal.cut(ratio), goal.steps(ratio))
     }
 
-    /// Why ratios have to be evaluated one by one, if they have.
-    fn why_evaluated(&self) -> Option<&'static str> {
-        let candidate = &self.prepared.candidate;
-        fitted::why_evaluated(candidate.motor).filter(|_| candidate.is_evaluated())
+    /// Whether ratios have to be evaluated one by one.
+    fn is_evaluated(&self) -> bool {
+        self.prepared.candidate.is_evaluated()
     }
 
     /// The reason why the program is not the convex one, if there is one.
@@ -325,7 +325,7 @@ impl<'a> RatioProgram<'a> {
         let mut high =
             End { ratio: max, bind: Bind { limit: "ratio_max", sample: None }, ratio_per_bound: 1.0, bound: max };
         for Limited { candidate, asked } in self.limits.iter().filter(|l| l.asked.limit.class == Class::UpperBound) {
-            let (ratio, sample) = match asked.demand {
+            let (ratio, sample, ratio_per_bound) = match asked.demand {
                 Demand::Mass => {
                     let ratio = largest_ratio_by_mass(candidate, asked);
                     if ratio == 0.0 {
@@ -333,17 +333,15 @@ impl<'a> RatioProgram<'a> {
                         let bind = Bind { limit: asked.limit.name, sample: None };
                         return Err(Infeasible::Never { bind, least, ratio: min });
                     }
-                    (ratio, None)
+                    (ratio, None, 0.0)
                 }
                 Demand::Polynomial(polynomial, sample) => {
-                    (largest_ratio_by_monomial(&polynomial, asked.raw_bound()), sample)
+                    let ratio = largest_ratio_by_monomial(&polynomial, asked.raw_bound());
+                    (ratio, sample, 1.0 / (asked.factor * polynomial.slope(ratio)))
                 }
                 _ => continue,
             };
             if ratio < high.ratio {
-                // A monomial c N^p at its bound b: N = (b/c)^(1/p), so dN/db = N/(p b).
-                let power = if asked.limit.name == "reflected_inertia" { 2.0 } else { 1.0 };
-                let ratio_per_bound = if asked.demand == Demand::Mass { 0.0 } else { ratio / (power * asked.bound) };
                 high =
                     End { ratio, bind: Bind { limit: asked.limit.name, sample }, ratio_per_bound, bound: asked.bound };
             }
@@ -492,13 +490,13 @@ fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
     }
 }
 
-/// The largest N with `c N^p ≤ bound` for a monomial with p = 1 or 2.
+/// The largest N with `c N^p ≤ bound` for a monomial with p of 1 to 4.
 fn largest_ratio_by_monomial(polynomial: &Laurent, bound: f64) -> f64 {
-    if polynomial[1] > 0.0 {
-        bound / polynomial[1]
-    } else if polynomial[2] > 0.0 {
-        (bound / polynomial[2]).sqrt()
-    } else {
-        f64::INFINITY
+    let Some(power) = (1..=4).find(|power| polynomial[*power] > 0.0) else { return f64::INFINITY };
+    let quotient = bound / polynomial[power];
+    match power {
+        1 => quotient,
+        2 => quotient.sqrt(),
+        _ => quotient.powf(1.0 / f64::from(power)),
     }
 }

@@ -52,7 +52,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
         }
         if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 {
             // Most valleys lie where every ratio is out of the question, as where the winding's temperature runs away.
-            let certain = program.why_evaluated().is_none() && program.is_broken_between(left.0, right.0);
+            let certain = !program.is_evaluated() && program.is_broken_between(left.0, right.0);
             turns.push(Turn { ends: (left.0, right.0), sign: 1.0, certain });
         } else if here.1 <= 0.0 && here.1 >= left.1 && here.1 >= right.1 {
             turns.push(Turn { ends: (left.0, right.0), sign: -1.0, certain: false });
@@ -97,7 +97,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
 /// The limit that is most exceeded at a ratio: its relative excess, and itself.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
-    if program.why_evaluated().is_some() {
+    if program.is_evaluated() {
         return worst_evaluated(program, ratio);
     }
     for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
@@ -143,7 +143,7 @@ fn worst_evaluated(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
 
 /// How many points the grid has: evaluating effects at each takes its time.
 fn count(program: &RatioProgram) -> usize {
-    if program.why_evaluated().is_some() { EVALUATED_POINTS } else { POINTS }
+    if program.is_evaluated() { EVALUATED_POINTS } else { POINTS }
 }
 
 /// The feasible end of the bracket between an infeasible and a feasible ratio, and what binds there.

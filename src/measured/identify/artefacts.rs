@@ -143,8 +143,9 @@ pub fn find(bench: &Bench, balance: Balance, setting: &impl Fn(Corrections) -> S
     corrections
 }
 
-/// What the corrections say, as a list.
-pub fn list(balance: &Balance, corrections: &Corrections) -> Vec<Artefact> {
+/// The artefacts of all channels. One that is only told, not taken out, is looked for here in the bench's logs.
+pub fn list(work: &Work, corrections: &Corrections) -> Vec<Artefact> {
+    let balance = &work.balance;
     let channel = match balance.target {
         Target::Torque => "torque",
         Target::Drive => "current",

@@ -448,7 +448,7 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     }
     selection.drop_superfluous(&mut work);
     work.settle_saturation();
-    let found = artefacts::list(&work.balance, &corrections);
+    let found = artefacts::list(&work, &corrections);
     Some(verdict::report(work, selection, stages, found, held))
 }
 

@@ -51,25 +51,30 @@ pub struct NamedFile {
     pub sha256: String,
 }
 
-/// Format of an export.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// MuJoCo's XML.
-    Mjcf,
-    /// The Unified Robot Description Format.
-    Urdf,
-    /// All facts in SI.
-    Json,
+/// A format of an export.
+pub struct Format {
+    /// The word of `--to`.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub about: &'static str,
+    /// Its text.
+    pub text: fn(&Origin, &[Exported]) -> String,
 }
 
-/// The text of an export.
-pub fn text(format: Format, origin: &Origin, joints: &[Exported]) -> String {
-    match format {
-        Format::Mjcf => mjcf::text(origin, joints),
-        Format::Urdf => urdf::text(origin, joints),
-        Format::Json => super::json_text(&json(origin, joints)),
-    }
-}
+/// Every format.
+pub const FORMATS: &[Format] = &[
+    Format {
+        name: "mjcf",
+        about: "MuJoCo's XML: default classes and motors, to be included in a model",
+        text: mjcf::text,
+    },
+    Format { name: "urdf", about: "Limits, friction and transmissions", text: urdf::text },
+    Format {
+        name: "json",
+        about: "All facts in SI, the unit in the key",
+        text: |origin, joints| super::json_text(&json(origin, joints)),
+    },
+];
 
 /// All facts, SI, the unit in the key; what is not known is null.
 pub fn json(origin: &Origin, joints: &[Exported]) -> Value {

@@ -6,8 +6,9 @@ use crate::rules::place::{Place, asked_for};
 use crate::rules::rule::{Remark, Rule, Severity, Test};
 
 macro_rules! limits {
-    ($($id:ident $code:literal $name:literal $limit:literal, $summary:literal, why $why:literal, example $example:literal, mend $mend:literal;)*) => {
-        $(pub(super) const $id: Rule = Rule {
+    ($($code:literal $name:literal $limit:literal, $summary:literal, why $why:literal, example $example:literal, mend $mend:literal;)*) => {
+        /// One rule for each limit, in the order of their codes.
+        pub(super) const OF_LIMITS: &[Rule] = &[$(Rule {
             code: $code,
             name: $name,
             summary: $summary,
@@ -17,102 +18,102 @@ macro_rules! limits {
             example: $example,
             mend: $mend,
             test: Test::Limit($limit),
-        };)*
+        }),*];
     };
 }
 
 limits! {
-    PEAK_CURRENT "GW001" "peak-current" "peak_current",
+    "GW001" "peak-current" "peak_current",
         "the largest current stays within that of motor and drive",
         why "The drive cuts off or limits the current, so the torque is not delivered at the very moment it is needed; above the motor's own limit magnets demagnetise.",
         example "A knee that needs 52 A at touch-down from a drive of 40 A.",
         mend "A larger ratio, a motor with a larger torque constant, or a larger drive.";
-    PEAK_TORQUE "GW002" "peak-torque" "peak_torque",
+    "GW002" "peak-torque" "peak_torque",
         "the largest shaft torque stays within the motor's peak torque",
         why "Beyond its peak torque a motor saturates: more current gives heat, not torque, and the row's torque constant no longer holds.",
         example "A landing that asks 3.1 N*m of a motor with a peak torque of 2.7 N*m.",
         mend "A larger ratio or a larger motor.";
-    CONTINUOUS_CURRENT "GW003" "continuous-current" "continuous_current",
+    "GW003" "continuous-current" "continuous_current",
         "the rms current stays within the motor's continuous current",
         why "The continuous current is what the maker warrants for ever; above it the winding ends hotter than its class.",
         example "A hip with 9 A rms on a motor of 7.2 A.",
         mend "A larger ratio (less current, more speed), a motor with a higher K_M, or pauses in the motion.";
-    CONTINUOUS_TORQUE "GW004" "continuous-torque" "continuous_torque",
+    "GW004" "continuous-torque" "continuous_torque",
         "the rms shaft torque stays within the motor's continuous torque",
         why "As for the continuous current: it is the torque that the maker warrants for ever.",
         example "0.9 N*m rms at the shaft of a motor rated 0.7 N*m.",
         mend "A larger ratio, or a motor with a higher continuous torque.";
-    WINDING_TEMPERATURE "GW005" "winding-temperature" "winding_temperature",
+    "GW005" "winding-temperature" "winding_temperature",
         "in steady state the winding stays below its highest temperature",
         why "Copper loss is computed with hot copper, whose resistance is higher: near the limit the temperature runs away from what a cold calculation says. Insulation that is too hot fails early.",
         example "A shoulder that holds a load and settles at 138 degC with a limit of 100 degC.",
         mend "A larger ratio, a motor with a higher K_M or a lower thermal resistance, or better cooling (measured, and in the row).";
-    WINDING_PEAK_TEMPERATURE "GW006" "winding-peak-temperature" "winding_peak_temperature",
+    "GW006" "winding-peak-temperature" "winding_peak_temperature",
         "over the motion the winding stays below its highest temperature",
         why "The winding is light and follows single pushes within seconds: the mean may be cool while each jump is too hot.",
         example "A jump that takes the winding from 60 degC to 130 degC in two seconds.",
         mend "A motor with a larger winding, a larger ratio, or longer pauses.";
-    STANDSTILL_HOLDING "GW007" "standstill-holding" "standstill_holding",
+    "GW007" "standstill-holding" "standstill_holding",
         "holding at standstill stays within what the hottest phase can carry",
         why "At standstill one phase carries up to two thirds of the heat (2 R i_phase² of 3/2 R î²), so a motor holds less than its continuous torque.",
         example "An arm that holds its payload for minutes at 90 % of the continuous current.",
         mend "A brake, a counterbalance or spring, a larger ratio, or a larger motor.";
-    VOLTAGE "GW008" "voltage" "voltage",
+    "GW008" "voltage" "voltage",
         "the voltage for speed, current and its changes is there",
         why "Where the voltage circle is left the current controller saturates: the joint lags and torque ripple rises, first when the battery is low.",
         example "A swing phase at 40 rad/s whose back-EMF leaves nothing for the current.",
         mend "A smaller ratio, a winding with a smaller K_T, or a higher bus voltage.";
-    MAX_SPEED "GW009" "max-speed" "max_speed",
+    "GW009" "max-speed" "max_speed",
         "the motor stays below its largest speed",
         why "Bearings, magnets and rotor bandage are made for it.",
         example "A ratio of 20 that takes the rotor to 9000 rpm with 8000 rpm allowed.",
         mend "A smaller ratio.";
-    GEAR_INPUT_SPEED "GW010" "gear-input-speed" "gear_input_speed",
+    "GW010" "gear-input-speed" "gear_input_speed",
         "the gear's input stays below its largest speed",
         why "Lubrication and wear are rated up to it; a strain-wave gear heats up quickly above.",
         example "A strain-wave gear at 7000 rpm with 5600 rpm allowed.",
         mend "A smaller ratio, or a gear made for the speed.";
-    GEAR_PEAK_TORQUE "GW011" "gear-peak-torque" "gear_peak_torque",
+    "GW011" "gear-peak-torque" "gear_peak_torque",
         "the largest torque stays within the gear's peak torque",
         why "Above it teeth skip or break; the ratio does not help, because the torque is that of the output.",
         example "A 17 N*m landing through a gear of 12 N*m.",
         mend "A stronger gear, or a slip clutch or compliance that takes the peak.";
-    GEAR_CONTINUOUS_TORQUE "GW012" "gear-continuous-torque" "gear_continuous_torque",
+    "GW012" "gear-continuous-torque" "gear_continuous_torque",
         "the rms torque stays within the gear's continuous torque",
         why "The gear's life is rated at it, and falls with about the third power of the torque (rolling bearings, ISO 281).",
         example "An rms of 9 N*m through a gear rated 6 N*m.",
         mend "A stronger gear.";
-    REFLECTED_INERTIA "GW013" "reflected-inertia" "reflected_inertia",
+    "GW013" "reflected-inertia" "reflected_inertia",
         "rotor and gear, seen at the output, stay within the allowed inertia",
         why "Reflected inertia is what hits the ground with the foot and what a person feels at an exoskeleton; it cannot be controlled away above the bandwidth.",
         example "A ratio of 20 that makes 0.02 kg*m^2 of a small rotor where 0.01 are allowed.",
         mend "A smaller ratio, or a motor with a lower S_M.";
-    TORQUE_BANDWIDTH_CURRENT "GW014" "torque-bandwidth-current" "torque_bandwidth_current",
+    "GW014" "torque-bandwidth-current" "torque_bandwidth_current",
         "the current for the asked torque bandwidth is there",
         why "The torque that was asked for on top of the motion is needed to balance or to feel; without current it is not there.",
         example "2 N*m at 30 Hz on top of a motion that uses all of the drive's current.",
         mend "A larger drive, or a motor with more torque per ampere.";
-    TORQUE_BANDWIDTH_VOLTAGE "GW015" "torque-bandwidth-voltage" "torque_bandwidth_voltage",
+    "GW015" "torque-bandwidth-voltage" "torque_bandwidth_voltage",
         "the voltage for the asked torque bandwidth is there",
         why "Current through an inductance needs L di/dt: at speed little of the bus is left for it. A motor with a good S_M and a large inductance fails here.",
         example "5 N*m at 60 Hz with a winding of 2.6 mH on 48 V.",
         mend "A winding with fewer turns (the same motor at a smaller K_T), a higher bus voltage, or a smaller ratio.";
-    BUS_POWER "GW016" "bus-power" "bus_power",
+    "GW016" "bus-power" "bus_power",
         "the joint's largest electrical power stays within the bus's",
         why "The bus sags or its protection trips.",
         example "A push-off of 620 W on a bus that gives one joint 500 W.",
         mend "A motor with less loss, or a stronger supply.";
-    BUS_CURRENT "GW017" "bus-current" "bus_current",
+    "GW017" "bus-current" "bus_current",
         "the joint's largest bus current stays within the bus's",
         why "Wires, connectors and fuses are made for it.",
         example "31 A through a connector of 30 A.",
         mend "A higher bus voltage, or a motor with less loss.";
-    REGENERATION "GW018" "regeneration" "regeneration",
+    "GW018" "regeneration" "regeneration",
         "what the joint gives back stays within what the bus takes",
         why "Power that the supply does not take raises the bus voltage until a drive shuts down, often in a landing.",
         example "180 W of braking on a bench supply, which takes none.",
         mend "A brake resistor or a battery on the bus, or a gear that wastes more of it.";
-    ACTUATOR_MASS "GW019" "actuator-mass" "actuator_mass",
+    "GW019" "actuator-mass" "actuator_mass",
         "motor and gear stay within the joint's mass",
         why "Mass at a joint is carried by all joints before it.",
         example "A 720 g actuator at a knee that may have 550 g.",

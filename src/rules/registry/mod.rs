@@ -1,4 +1,5 @@
-//! The list of rules. A new one is one item in a file here and one line in [`RULES`].
+//! The list of rules. A new one is one item in a file here and one line in [`OTHERS`]; that of a limit is a row in
+//! [`limits`] alone.
 
 mod limits;
 mod practice;
@@ -9,27 +10,8 @@ use super::rule::Rule;
 
 pub use robot::{SELECTS_NOTHING, UNUSED_ALLOW};
 
-/// Every rule, in the order of their codes.
-pub const RULES: &[&Rule] = &[
-    &limits::PEAK_CURRENT,
-    &limits::PEAK_TORQUE,
-    &limits::CONTINUOUS_CURRENT,
-    &limits::CONTINUOUS_TORQUE,
-    &limits::WINDING_TEMPERATURE,
-    &limits::WINDING_PEAK_TEMPERATURE,
-    &limits::STANDSTILL_HOLDING,
-    &limits::VOLTAGE,
-    &limits::MAX_SPEED,
-    &limits::GEAR_INPUT_SPEED,
-    &limits::GEAR_PEAK_TORQUE,
-    &limits::GEAR_CONTINUOUS_TORQUE,
-    &limits::REFLECTED_INERTIA,
-    &limits::TORQUE_BANDWIDTH_CURRENT,
-    &limits::TORQUE_BANDWIDTH_VOLTAGE,
-    &limits::BUS_POWER,
-    &limits::BUS_CURRENT,
-    &limits::REGENERATION,
-    &limits::ACTUATOR_MASS,
+/// Every rule but those of the limits, in the order of their codes.
+const OTHERS: &[&Rule] = &[
     &limits::NOT_EVALUATED,
     &limits::UNCHECKED_LIMIT,
     &limits::FRICTION_UNKNOWN,
@@ -55,6 +37,20 @@ pub const RULES: &[&Rule] = &[
     &robot::UNUSED_ALLOW,
     &robot::SELECTS_NOTHING,
 ];
+
+/// Every rule, in the order of their codes: first one for each limit of the model.
+pub const RULES: &[&Rule] = &all();
+
+const fn all() -> [&'static Rule; limits::OF_LIMITS.len() + OTHERS.len()] {
+    let mut rules = [OTHERS[0]; limits::OF_LIMITS.len() + OTHERS.len()];
+    let mut k = 0;
+    while k < rules.len() {
+        let limit = k < limits::OF_LIMITS.len();
+        rules[k] = if limit { &limits::OF_LIMITS[k] } else { OTHERS[k - limits::OF_LIMITS.len()] };
+        k += 1;
+    }
+    rules
+}
 
 /// The rule of a code or name.
 pub fn rule(code_or_name: &str) -> Option<&'static Rule> {

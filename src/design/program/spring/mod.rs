@@ -168,7 +168,7 @@ impl Solver<'_> {
                 gap,
                 method: if why.is_none() { "conic duality (with spring)" } else { "branch and bound (with spring)" },
             },
-            (_, why) => Certificate::NotCertified(why.unwrap_or("the bounds of ratio and spring did not meet")),
+            (_, why) => Certificate::NotCertified(why.unwrap_or("the bounds of ratio and spring did not meet").into()),
         };
         Ok(SpringOptimum {
             stiffness,
