@@ -1,6 +1,8 @@
 //! A gearbox of the catalogue.
 
 use super::sheet::SourceKind;
+use crate::input::Range;
+use crate::units::{self, Kind};
 
 /// How a gear reduces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,3 +108,92 @@ pub fn matches_pattern(pattern: &str, text: &str) -> bool {
         Some(last) => rest.ends_with(last),
     }
 }
+
+/// One numeric column of a gear catalogue; the number of stages, a whole one, stands beside them.
+#[derive(Debug)]
+pub struct GearField {
+    /// Column name.
+    pub name: &'static str,
+    /// What it measures.
+    pub kind: &'static Kind,
+    /// What values it may have.
+    pub range: Range,
+    /// Reads it from a gear, SI.
+    pub get: fn(&Gear) -> Option<f64>,
+    /// Writes it to a gear, SI.
+    pub set: fn(&mut Gear, f64),
+}
+
+/// The numeric columns of a gear catalogue: what is read, written by importers and kept by locks.
+pub const GEAR_FIELDS: &[GearField] = &[
+    GearField {
+        name: "ratio",
+        kind: &units::RATIO,
+        range: Range::Positive,
+        get: |g| Some(g.ratio),
+        set: |g, v| g.ratio = v,
+    },
+    GearField {
+        name: "efficiency",
+        kind: &units::RATIO,
+        range: Range::Fraction,
+        get: |g| g.efficiency,
+        set: |g, v| g.efficiency = Some(v),
+    },
+    GearField {
+        name: "backdrive_efficiency",
+        kind: &units::RATIO,
+        range: Range::Any,
+        get: |g| g.backdrive_efficiency,
+        set: |g, v| g.backdrive_efficiency = Some(v),
+    },
+    GearField {
+        name: "mass",
+        kind: &units::MASS,
+        range: Range::NonNegative,
+        get: |g| g.mass,
+        set: |g, v| g.mass = Some(v),
+    },
+    GearField {
+        name: "inertia",
+        kind: &units::INERTIA,
+        range: Range::NonNegative,
+        get: |g| g.inertia,
+        set: |g, v| g.inertia = Some(v),
+    },
+    GearField {
+        name: "continuous_torque",
+        kind: &units::TORQUE,
+        range: Range::Positive,
+        get: |g| g.continuous_torque,
+        set: |g, v| g.continuous_torque = Some(v),
+    },
+    GearField {
+        name: "peak_torque",
+        kind: &units::TORQUE,
+        range: Range::Positive,
+        get: |g| g.peak_torque,
+        set: |g, v| g.peak_torque = Some(v),
+    },
+    GearField {
+        name: "max_input_speed",
+        kind: &units::SPEED,
+        range: Range::Positive,
+        get: |g| g.max_input_speed,
+        set: |g, v| g.max_input_speed = Some(v),
+    },
+    GearField {
+        name: "backlash",
+        kind: &units::ANGLE,
+        range: Range::NonNegative,
+        get: |g| g.backlash,
+        set: |g, v| g.backlash = Some(v),
+    },
+    GearField {
+        name: "stiffness",
+        kind: &units::STIFFNESS,
+        range: Range::Positive,
+        get: |g| g.stiffness,
+        set: |g, v| g.stiffness = Some(v),
+    },
+];

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use fitted::{Fit, Provenance, read_fitted};
-pub use gear::{Gear, GearKind, matches_pattern};
+pub use gear::{GEAR_FIELDS, Gear, GearField, GearKind, matches_pattern};
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE};
 pub use read::{gear_columns, motor_columns, read_gears, read_motors};
 pub use sheet::{Conventions, FIELDS, Field, Printed, Sheet, SourceKind};

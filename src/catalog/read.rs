@@ -6,12 +6,11 @@ use std::sync::Arc;
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding,
 };
-use super::gear::{Gear, GearKind};
+use super::gear::{GEAR_FIELDS, Gear, GearKind};
 use super::motor::{Identity, Incomplete, Motor};
 use super::sheet::{Conventions, FIELDS, Printed, Sheet, SourceKind};
 use crate::input::csv::{Column, Content, Table};
-use crate::input::{InputError, Problem, Range, Source};
-use crate::units;
+use crate::input::{InputError, Problem, Source};
 
 const MOTOR_TEXTS: &[&str] = &[
     "manufacturer",
@@ -27,47 +26,6 @@ const MOTOR_REQUIRED: &[&str] = &["id", "terminals", "current", "source", "sourc
 
 const GEAR_TEXTS: &[&str] = &["manufacturer", "model", "fits", "note"];
 const GEAR_REQUIRED: &[&str] = &["id", "kind", "source", "source_kind"];
-
-/// A numeric column of a gear catalogue.
-struct GearField {
-    name: &'static str,
-    kind: &'static units::Kind,
-    range: Range,
-    set: fn(&mut Gear, f64),
-}
-
-const GEAR_FIELDS: &[GearField] = &[
-    GearField { name: "ratio", kind: &units::RATIO, range: Range::Positive, set: |g, v| g.ratio = v },
-    GearField { name: "efficiency", kind: &units::RATIO, range: Range::Fraction, set: |g, v| g.efficiency = Some(v) },
-    GearField {
-        name: "backdrive_efficiency",
-        kind: &units::RATIO,
-        range: Range::Any,
-        set: |g, v| g.backdrive_efficiency = Some(v),
-    },
-    GearField { name: "mass", kind: &units::MASS, range: Range::NonNegative, set: |g, v| g.mass = Some(v) },
-    GearField { name: "inertia", kind: &units::INERTIA, range: Range::NonNegative, set: |g, v| g.inertia = Some(v) },
-    GearField {
-        name: "continuous_torque",
-        kind: &units::TORQUE,
-        range: Range::Positive,
-        set: |g, v| g.continuous_torque = Some(v),
-    },
-    GearField {
-        name: "peak_torque",
-        kind: &units::TORQUE,
-        range: Range::Positive,
-        set: |g, v| g.peak_torque = Some(v),
-    },
-    GearField {
-        name: "max_input_speed",
-        kind: &units::SPEED,
-        range: Range::Positive,
-        set: |g, v| g.max_input_speed = Some(v),
-    },
-    GearField { name: "backlash", kind: &units::ANGLE, range: Range::NonNegative, set: |g, v| g.backlash = Some(v) },
-    GearField { name: "stiffness", kind: &units::STIFFNESS, range: Range::Positive, set: |g, v| g.stiffness = Some(v) },
-];
 
 fn text_columns(names: &[&str], required: bool) -> impl Iterator<Item = Column> {
     names

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use crate::catalog::convention::word;
-use crate::catalog::{FIELDS, Gear, GearKind, Motor, SourceKind};
+use crate::catalog::{FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, Motor, SourceKind};
 use crate::input::{Form, InputError, Problem, Section, Source};
 use crate::requirement::{Choice, DesignFile};
 
@@ -145,19 +145,8 @@ impl Row {
 
     /// Every value of a gear's row.
     pub fn of_gear(gear: &Gear) -> Row {
-        let numbers = [
-            ("ratio", Some(gear.ratio), "1"),
-            ("stages", gear.stages.map(f64::from), "1"),
-            ("efficiency", gear.efficiency, "1"),
-            ("backdrive_efficiency", gear.backdrive_efficiency, "1"),
-            ("mass", gear.mass, "kg"),
-            ("inertia", gear.inertia, "kg*m^2"),
-            ("continuous_torque", gear.continuous_torque, "N*m"),
-            ("peak_torque", gear.peak_torque, "N*m"),
-            ("max_input_speed", gear.max_input_speed, "rad/s"),
-            ("backlash", gear.backlash, "rad"),
-            ("stiffness", gear.stiffness, "N*m/rad"),
-        ];
+        let stages = gear.stages.map(|stages| ("stages".to_string(), stages.to_string()));
+        let number = |f: &GearField| Some((f.name.to_string(), with_unit((f.get)(gear)?, f.kind.si)));
         let texts = [
             ("manufacturer", gear.manufacturer.clone()),
             ("model", gear.model.clone()),
@@ -166,8 +155,7 @@ impl Row {
             ("source", gear.source.clone()),
             ("source_kind", word(SourceKind::NAMES, &gear.source_kind).into()),
         ];
-        let numbers =
-            numbers.into_iter().filter_map(|(name, value, unit)| Some((name.to_string(), with_unit(value?, unit))));
+        let numbers = GEAR_FIELDS.iter().filter_map(number).chain(stages);
         let values = numbers.chain(texts.map(|(name, value)| (name.to_string(), value))).collect();
         Row::sorted(RowKind::Gear, &gear.id, values)
     }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::{Import, MotorSheet};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, word};
-use crate::catalog::{Catalog, FIELDS, Gear, GearKind, SourceKind};
+use crate::catalog::{Catalog, FIELDS, GEAR_FIELDS, Gear, GearKind, SourceKind};
 use crate::input::{InputError, Source, reason};
 use crate::report::file::{Beside, Place};
 use crate::units;
@@ -127,25 +127,10 @@ fn motor_text(motors: &[&MotorSheet]) -> String {
     csv(&header, rows)
 }
 
-type GearColumn = (&'static str, &'static units::Kind, fn(&Gear) -> Option<f64>);
-
-const GEAR_COLUMNS: &[GearColumn] = &[
-    ("ratio", &units::RATIO, |g| Some(g.ratio)),
-    ("efficiency", &units::RATIO, |g| g.efficiency),
-    ("backdrive_efficiency", &units::RATIO, |g| g.backdrive_efficiency),
-    ("mass", &units::MASS, |g| g.mass),
-    ("inertia", &units::INERTIA, |g| g.inertia),
-    ("continuous_torque", &units::TORQUE, |g| g.continuous_torque),
-    ("peak_torque", &units::TORQUE, |g| g.peak_torque),
-    ("max_input_speed", &units::SPEED, |g| g.max_input_speed),
-    ("backlash", &units::ANGLE, |g| g.backlash),
-    ("stiffness", &units::STIFFNESS, |g| g.stiffness),
-];
-
 fn gear_text(gears: &[&Gear]) -> String {
-    let columns: Vec<_> = GEAR_COLUMNS.iter().filter(|(_, _, get)| gears.iter().any(|g| get(g).is_some())).collect();
+    let columns: Vec<_> = GEAR_FIELDS.iter().filter(|f| gears.iter().any(|g| (f.get)(g).is_some())).collect();
     let mut header: Vec<String> = ["id", "manufacturer", "model", "kind", "stages"].map(String::from).to_vec();
-    header.extend(columns.iter().map(|(name, kind, _)| head(name, kind)));
+    header.extend(columns.iter().map(|f| head(f.name, f.kind)));
     header.extend(["fits", "source", "source_kind", "note"].map(String::from));
     let rows = gears.iter().map(|gear| {
         let mut row = vec![
@@ -155,7 +140,7 @@ fn gear_text(gears: &[&Gear]) -> String {
             word(GearKind::NAMES, &gear.kind).into(),
             gear.stages.map_or_else(String::new, |s| s.to_string()),
         ];
-        row.extend(columns.iter().map(|(_, _, get)| cell(get(gear))));
+        row.extend(columns.iter().map(|f| cell((f.get)(gear))));
         row.extend([
             gear.fits.join(";"),
             safe(&gear.source),
