@@ -546,7 +546,7 @@ const READERS: &[(&[&str], &str)] = &[
     (&["study", "study.toml", "--out", "out", "--catalog", "motors.csv", "--force"], "study.toml"),
     (&["torques", "model.urdf", "trajectory.csv"], "model.urdf"),
     (&["torques", "model.urdf", "trajectory.csv"], "trajectory.csv"),
-    (&["export", "design.toml", "--to", "urdf", "--into", "model.urdf", "--map", "knee=elbow"], "model.urdf"),
+    (&["export", "design.toml", "--into", "model.urdf", "--map", "knee=elbow"], "model.urdf"),
     (&["characterize", "bench.toml"], "bench.toml"),
     (&["characterize", "bench.toml"], "log.csv"),
 ];

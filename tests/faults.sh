@@ -131,13 +131,19 @@ if wanted kill; then
     sums kill > whole
     whole=0; none=0; broken=""
     for k in $(seq "$KILLS"); do
+      # Of two, one with the files of before and at a random moment, one as soon as anything appears in the folder.
       [ $((k % 2)) = 0 ] || rm -rf kill/* kill/.[!.]*
       command="${OUTPUTS[$name]//OUT/$WORK/kill/x}"
-      (cd "$DESK" && exec setsid "$G" $command > /dev/null 2>&1) &
+      (cd "$DESK" && exec "$G" $command > /dev/null 2>&1) &
       pid=$!
-      # From half of the time on: before that nothing is written.
-      ms=$((takes / 2 + RANDOM % (takes / 2 + 10)))
-      sleep "$(printf '%d.%03d' $((ms / 1000)) $((ms % 1000)))"
+      if [ $((k % 2)) = 0 ]; then
+        ms=$((takes / 5 + RANDOM % (takes + 1)))
+        sleep "$(printf '%d.%03d' $((ms / 1000)) $((ms % 1000)))"
+      else
+        shopt -s nullglob dotglob
+        while here=(kill/* kill/x/*); [ ${#here[@]} = 0 ] && kill -0 $pid 2> /dev/null; do :; done
+        shopt -u nullglob dotglob
+      fi
       kill -9 $pid 2> /dev/null; wait $pid 2> /dev/null
       sums kill > now
       if [ -s now ]; then
@@ -150,7 +156,7 @@ if wanted kill; then
     result="ok: $whole whole, $none nothing, $((KILLS - whole - none)) some files of several; $left hidden leftovers; then right"
     cmp -s whole now || result="NOT: the next run gave something else"
     [ -z "$broken" ] || result="NOT: half a file:$broken"
-    line "kill -9: $name" "$KILLS kills in the second half of its $takes ms" "$result"
+    line "kill -9: $name" "$KILLS kills, half of them when its first file appears, half at random in its $takes ms" "$result"
   done
 fi
 

@@ -177,7 +177,8 @@ fn broken_of(journal: &Journal) -> Result<u64, Failure> {
 /// The study file, where the one path is one.
 fn study_file(paths: &[PathBuf]) -> Result<Option<StudyFile>, Failure> {
     let [path] = paths else { return Ok(None) };
-    if !path.is_file() {
+    // A pattern, or nothing. What is there and is no file is refused by the reader.
+    if path.is_dir() || path.symlink_metadata().is_err() {
         return Ok(None);
     }
     let source: Arc<Source> = Source::read(path).map_err(|e| vec![e])?;
