@@ -478,7 +478,7 @@ fn a_file_that_changes_is_never_read_as_a_mixture() {
             let mut k = 0_u64;
             while !stop.load(Ordering::Relaxed) {
                 k += 1;
-                let text = if k % 2 == 0 { &old } else { &new };
+                let text = if k.is_multiple_of(2) { &old } else { &new };
                 match k % 3 {
                     // In place and of the same length: nothing but the content says so.
                     0 => {
@@ -663,7 +663,7 @@ fn names_with_spaces_and_letters_of_any_script_are_names() {
         "requirements = [\"ro bot*.toml\"]\ncatalog = [\"mo toren.csv\"]\n[grid]\n\"bus.voltage\" = [\"24 V\"]\n";
     desk.write(&place("Stu die.toml"), study.as_bytes());
     let (robot, motors) = (place("ro bot ☃.toml"), place("mo toren.csv"));
-    let outputs = ["o ü.html", "o ü.svg", "Ent wurf.toml"].map(|o| place(o));
+    let outputs = ["o ü.html", "o ü.svg", "Ent wurf.toml"].map(place);
     let design = place("Ent wurf.toml");
     for arguments in [
         &[
