@@ -302,7 +302,7 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ("N*m/A", &[("mN*m/A", 1e3), ("ozf*in/A", 16.0 / (POUND * GRAVITY * INCH)), ("mV*s/rad", 1e3)]),
     ("V*s/rad", &[("mV*s/rad", 1e3), ("V/rpm", TAU / 60.0), ("mV/rpm", 1e3 * TAU / 60.0)]),
     ("rpm/V", &[("rad/(V*s)", TAU / 60.0), ("rpm/mV", 1e-3)]),
-    ("N*m/W^0.5", &[("mN*m/sqrt(W)", 1e3), ("N*m/kW^0.5", 1e3_f64 * 0.031_622_776_601_683_794)]),
+    ("N*m/W^0.5", &[("mN*m/sqrt(W)", 1e3), ("N*m/kW^0.5", 31.622_776_601_683_793)]),
     ("N*m*s/rad", &[("mN*m*s/rad", 1e3), ("N*m/rpm", TAU / 60.0)]),
     ("N*m/rad", &[("mN*m/rad", 1e3), ("N*m/deg", TAU / 360.0)]),
     ("arcmin", &[("rad", TAU / 21600.0), ("deg", 1.0 / 60.0)]),
@@ -693,9 +693,12 @@ fn a_motor_that_is_not_chosen_can_be_left_out() {
     }
 }
 
+/// A value of the requirement by its path, and how it is widened.
+type Wider<'w> = (&'w str, &'w dyn Fn(&str) -> String);
+
 #[test]
 fn a_wider_limit_never_makes_anything_worse() {
-    let paths: [(&str, &dyn Fn(&str) -> String); 10] = [
+    let paths: [Wider; 10] = [
         ("bus.voltage", &|v| scaled(v, 1.3)),
         ("bus.drive_current", &|v| scaled(v, 1.3)),
         ("bus.modulation_limit", &|_| "1.0".into()),

@@ -482,7 +482,7 @@ pub fn png(figure: &Figure) -> Result<Vec<u8>, String> {
     let (width, height) = (size.width(), size.height());
     if u64::from(width) * u64::from(height) > PIXELS {
         return Err(format!(
-            "cannot draw the picture: {width} x {height} pixels are more than {PIXELS}; draw an .svg, or show less (`--joint`)"
+            "cannot draw the picture: {width} x {height} pixels are more than {PIXELS}; draw an .svg, or fewer joints"
         ));
     }
     let mut pixels = tiny_skia::Pixmap::new(width, height).ok_or("the picture is too large")?;
