@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Fuzzes every target, two at a time: fuzz/run.sh [SECONDS [TARGET…]], 600 seconds each by default. Prints a line for each
 # and appends it to fuzz/results.csv. New inputs that reach new code go to fuzz/work/<target>; what breaks a promise goes
-# to fuzz/artifacts/<target>. `fuzz/run.sh keep [TARGET…]` puts the least of them that reach the same code into fuzz/corpus.
+# to fuzz/artifacts/<target>. `fuzz/run.sh keep [TARGET…]` puts some of the least that reach the same code into fuzz/corpus.
+# PARALLEL: how many at a time. BUILT: a folder with targets that are built already. KEEP: how many inputs are kept.
 #
 # Needs a nightly toolchain and cargo-fuzz (`cargo install cargo-fuzz`). Without a sanitizer: there is no `unsafe` in the
-# program, and twice as many inputs are run; overflow checks and debug assertions are on.
+# program of its own, and a sanitizer costs time; overflow checks and debug assertions are on.
 set -euo pipefail
 cd "$(dirname "$0")"
 fuzz=(cargo +nightly fuzz)
@@ -21,7 +22,6 @@ if [ "${1:-}" = keep ]; then keep=1; shift; fi
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || mapfile -t targets < <(ls targets | sed 's/\.rs$//')
 
-# BUILT: a folder with targets that are built already.
 if [ -n "${BUILT:-}" ]; then built=$BUILT; else "${fuzz[@]}" build --sanitizer none 2>&1 | tail -n 1; fi
 
 longest() { # how large inputs may get [bytes]
@@ -35,7 +35,7 @@ longest() { # how large inputs may get [bytes]
 
 patience() { # after how long an input counts as a hang [s]: of a solver on a machine that has more to do, longer
     case $1 in
-        optimize | solve) echo 60 ;;
+        optimize | solve) echo 120 ;;
         *) echo 10 ;;
     esac
 }
@@ -78,19 +78,19 @@ report() { # target, log, exit status
     fi
 }
 
-keep_one() {
-    local target=$1
-    mkdir -p "work/$target" "corpus/$target" work/least
-    rm -rf "work/least/$target"
-    mkdir -p "work/least/$target"
-    "$built/$target" -merge=1 -max_len="$(longest "$target")" -timeout="$(patience "$target")" -rss_limit_mb=1024 \
-        "work/least/$target" "corpus/$target" "work/seeds/$target" "work/$target" > "work/$target.merge.log" 2>&1
+keep_one() { # a small set that reaches the same lines; of that, inputs of all sizes up to 4 kB, for the test run has to be quick
+    local target=$1 least="work/least/$1" most=${KEEP:-40}
+    mkdir -p "work/$target" "corpus/$target"
+    rm -rf "$least"
+    mkdir -p "$least"
+    "$built/$target" -set_cover_merge=1 -use_counters=0 -max_len="$(longest "$target")" -timeout="$(patience "$target")" \
+        -rss_limit_mb=1024 "$least" "work/$target" "corpus/$target" "work/seeds/$target" > "work/$target.merge.log" 2>&1
+    find "$least" -type f -size -4097c -printf '%s %p\n' | sort -n > "$least.list"
     rm -rf "corpus/$target"
     mkdir "corpus/$target"
-    # The smallest first: a few of them reach most of the code, and the test run has to be quick.
-    find "work/least/$target" -type f -printf '%s %p\n' | sort -n | head -n "${KEEP:-40}" | cut -d' ' -f2- \
-        | xargs -I{} cp {} "corpus/$target/"
-    echo "$target: $(ls "work/least/$target" | wc -l) inputs reach all, $(ls "corpus/$target" | wc -l) kept"
+    awk -v most="$most" '{ path[NR] = $2 } END { for (k = 0; k < most && k < NR; k++)
+        print path[NR <= most ? k + 1 : int(k * (NR - 1) / (most - 1)) + 1] }' "$least.list" | xargs -I{} cp {} "corpus/$target/"
+    echo "$target: $(find "$least" -type f | wc -l) inputs reach all, $(find "corpus/$target" -type f | wc -l) kept"
 }
 
 ./seeds.sh work/seeds

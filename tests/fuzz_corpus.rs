@@ -8,7 +8,9 @@ mod raw;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use bodies::TARGETS;
+use bodies::{TARGETS, joint};
+use gearwise::design::optimize::{Design, Reason, optimize};
+use gearwise::design::program::{Bind, Infeasible};
 use rayon::prelude::*;
 
 fn inputs(folder: &str, target: &str) -> Vec<PathBuf> {
@@ -44,4 +46,47 @@ fn the_corpus_breaks_nothing() {
         assert!(!inputs("corpus", target).is_empty(), "there is no corpus for {target}");
     }
     assert!(replay("corpus") > 100);
+}
+
+/// Whether the scan of the target `optimize` says no to an answer.
+fn is_caught(input: &Path, spoil: impl Fn(&mut Design) -> Option<Reason>) -> Option<bool> {
+    let (robot, catalog) = joint::draw(&fs::read(input).unwrap())?;
+    // What a list of gears or a spring is asked for is judged by other bounds.
+    robot.joints[0].limits.spring.is_none().then_some(())?;
+    let mut design = optimize(&robot, &catalog).joints.remove(0).candidates.into_iter().next()?;
+    let reason = spoil(&mut design);
+    let judged = || joint::judge(&robot, &catalog, reason.as_ref().map_or(Ok(&design), Err));
+    Some(std::panic::catch_unwind(std::panic::AssertUnwindSafe(judged)).is_err())
+}
+
+#[test]
+fn a_wrong_answer_is_caught() {
+    fn nowhere() -> Reason {
+        let bind = Bind { limit: "voltage", sample: None };
+        Reason::Infeasible(Infeasible::Nowhere { bind, least: 2.0, ratio: 1.0 })
+    }
+    type Spoil = dyn Fn(&mut Design) -> Option<Reason> + Sync;
+    // Where a limit binds at every ratio that is left, the scan has nothing to say against "impossible".
+    let spoils: [(&str, usize, &Spoil); 4] = [
+        ("an objective that is not that of the design", 80, &|d| {
+            d.optimum.objective *= 1.01;
+            None
+        }),
+        ("a loss that is not that of the design", 80, &|d| {
+            d.evaluation.loss *= 1.001;
+            None
+        }),
+        ("a ratio outside its window", 80, &|d| {
+            d.optimum.ratio = d.optimum.window().max * 1.1;
+            None
+        }),
+        ("a design said to be impossible", 40, &|_| Some(nowhere())),
+    ];
+    let inputs = inputs("corpus", "optimize");
+    for (what, least, spoil) in spoils {
+        let judged: Vec<bool> = inputs.par_iter().filter_map(|input| is_caught(input, spoil)).collect();
+        let caught = judged.iter().filter(|caught| **caught).count();
+        println!("{what}: {caught} of {} caught", judged.len());
+        assert!(judged.len() > 5 && caught * 100 >= judged.len() * least, "{what}: {caught} of {}", judged.len());
+    }
 }

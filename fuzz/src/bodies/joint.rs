@@ -23,7 +23,7 @@ use super::parts::Parts;
 use super::solve::numbers;
 
 /// Ratios that the scan looks at before it refines.
-const RATIOS: usize = 160;
+const RATIOS: usize = 100;
 /// Stiffnesses and rest angles of a spring that are looked at, each.
 const SPRINGS: usize = 5;
 
@@ -289,7 +289,13 @@ fn draw_reduction(draw: &mut Draw, asked: &mut Asked, [torque, inertia, middle]:
 }
 
 /// Limits around what the middle ratio needs, and what is minimised.
-fn draw_limits(draw: &mut Draw, asked: &mut Asked, need: &BTreeMap<&str, f64>, quantities: [f64; 6], resistance: f64) {
+fn draw_limits(
+    draw: &mut Draw,
+    asked: &mut Asked,
+    need: &BTreeMap<&str, f64>,
+    quantities: [f64; 6],
+    [resistance, duration]: [f64; 2],
+) {
     let often = draw.pick(&[8, 4, 2]);
     let mut allow = |name: &str| {
         let there = draw.once_in(often);
@@ -345,8 +351,10 @@ fn draw_limits(draw: &mut Draw, asked: &mut Asked, need: &BTreeMap<&str, f64>, q
         asked.motor.insert("thermal_resistance_winding_housing [K/W]", format!("{:e}", total * share));
         asked.motor.insert("thermal_resistance_housing_ambient [K/W]", format!("{:e}", total * (1.0 - share)));
         if draw.once_in(2) {
-            asked.motor.insert("thermal_time_constant_winding [s]", format!("{:e}", draw.decades(-1.0, 2.0)));
-            asked.motor.insert("thermal_time_constant_housing [s]", format!("{:e}", draw.decades(1.0, 4.0)));
+            asked
+                .motor
+                .insert("thermal_time_constant_winding [s]", format!("{:e}", duration * draw.decades(-1.0, 2.0)));
+            asked.motor.insert("thermal_time_constant_housing [s]", format!("{:e}", duration * draw.decades(1.0, 4.0)));
         }
         asked.motor.insert("max_winding_temperature [degC]", draw.pick(&["120", "60", "155"]).into());
         if draw.once_in(2) {
@@ -434,6 +442,9 @@ fn looks_the_same(case: &Case, design: &Design) {
     let (over, limit) = case.worst(n);
     assert!(over < doubt, "{limit} is exceeded by {over} at {n}");
     let look = case.look(n);
+    let size = size_of(case, look.objective);
+    let apart = (design.optimum.objective - look.objective).abs();
+    assert!(apart <= doubt.max(1e-6) * size, "{:?}: the plain look has {}", design.optimum, look.objective);
     let reported =
         [Some(at.loss), Some(at.reflected_inertia), Some(at.peak_current), at.mass, at.energy, at.peak_power];
     // The energy that comes back is taken from what is drawn: it is measured by both.
@@ -449,39 +460,52 @@ fn looks_the_same(case: &Case, design: &Design) {
     }
 }
 
-/// Bytes as a joint; the answer against the scan.
-pub fn optimize(bytes: &[u8]) {
+/// Bytes as a robot with one joint, and a catalogue with one motor. `None` where the readers refuse them.
+pub fn draw(bytes: &[u8]) -> Option<(Robot, Catalog)> {
     let mut draw = Draw(Unstructured::new(bytes));
     let (mut asked, middle) = draw_asked(&mut draw);
     // What the middle ratio needs.
-    let (Some(free), Some(catalog)) = (asked.robot(), asked.catalog()) else { return };
+    let (free, catalog) = (asked.robot()?, asked.catalog()?);
     let gear = catalog.gears.first().map_or(free.joints[0].gear, model);
     let at = case_of(&free, &catalog.motors[0], gear, (middle, middle)).look(middle);
     let need: BTreeMap<&str, f64> = at.limits.iter().map(|limit| (limit.0, limit.1)).collect();
-    draw_limits(&mut draw, &mut asked, &need, at.quantities, catalog.motors[0].resistance);
-    let (Some(robot), Some(catalog)) = (asked.robot(), asked.catalog()) else { return };
+    let scale = [catalog.motors[0].resistance, free.joints[0].motion.duration().unwrap_or(1.0)];
+    draw_limits(&mut draw, &mut asked, &need, at.quantities, scale);
+    let found = (asked.robot()?, asked.catalog()?);
     // For whoever looks into a finding.
     if std::env::var_os("FUZZ_SHOW").is_some() {
         eprintln!("{}", asked.shown());
     }
+    Some(found)
+}
+
+/// Bytes as a joint; the answer against the scan.
+pub fn optimize(bytes: &[u8]) {
+    let Some((robot, catalog)) = draw(bytes) else { return };
     let found = solve_all(&robot, &catalog).joints.remove(0);
-    let (joint, motor) = (&robot.joints[0], &catalog.motors[0]);
     let answer = match (found.candidates.first(), found.rejected.first()) {
         (Some(design), None) => Ok(design),
         (None, Some(rejected)) => Err(&rejected.reason),
         other => panic!("one motor, one answer: {other:?}"),
     };
+    if std::env::var_os("FUZZ_SHOW").is_some() {
+        eprintln!("== answer ==\n{:?}", answer.map(|design| &design.optimum));
+    }
+    judge(&robot, &catalog, answer);
+}
+
+/// Holds an answer against the scan.
+pub fn judge(robot: &Robot, catalog: &Catalog, answer: Result<&Design, &Reason>) {
+    let (joint, motor) = (&robot.joints[0], &catalog.motors[0]);
     if let Ok(design) = answer {
         numbers(design);
     }
     match (&joint.ratio, joint.limits.spring) {
         (RatioChoice::Continuous { min, max }, None) => {
-            one_ratio(&case_of(&robot, motor, joint.gear, (*min, *max)), answer);
+            one_ratio(&case_of(robot, motor, joint.gear, (*min, *max)), answer);
         }
-        (RatioChoice::Continuous { min, max }, Some(_)) => {
-            with_springs(&robot, motor, joint.gear, (*min, *max), answer)
-        }
-        (RatioChoice::Catalog { .. }, None) => of_gears(&robot, motor, &catalog.gears, answer),
+        (RatioChoice::Continuous { min, max }, Some(_)) => with_springs(robot, motor, joint.gear, (*min, *max), answer),
+        (RatioChoice::Catalog { .. }, None) => of_gears(robot, motor, &catalog.gears, answer),
         // A spring with gears of a list is each gear's own problem.
         (RatioChoice::Catalog { .. }, Some(_)) => {}
     }
@@ -519,7 +543,8 @@ fn size_of(case: &Case, value: f64) -> f64 {
 
 /// A continuous ratio against the scan.
 fn one_ratio(case: &Case, answer: Result<&Design, &Reason>) {
-    let scan = Scan::over(case, RATIOS);
+    let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
+    let scan = Scan::over(case, if min == max { 1 } else { RATIOS });
     let best = best_of(case, &scan);
     match answer {
         Ok(design) => {

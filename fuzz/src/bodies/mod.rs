@@ -4,14 +4,17 @@
 //! what follows from it is computed to the end.
 
 mod bench;
-mod joint;
+pub mod joint;
 mod parts;
 mod readers;
 mod sane;
 mod solve;
 
+/// A body.
+pub type Target = fn(&[u8]);
+
 /// Every target with its name.
-pub const TARGETS: &[(&str, fn(&[u8]))] = &[
+pub const TARGETS: &[(&str, Target)] = &[
     ("catalogue", readers::catalogue),
     ("requirement", readers::requirement),
     ("motion", readers::motion),
