@@ -1,0 +1,372 @@
+//! Every number that identification reports, a second time: benches of steady points whose equation stands on one
+//! line, least squares from dense matrices, errors, shares and uncertainties from their definitions.
+//!
+//! Steady points need no filter, so that what a row of the regression is can be written down: the torque sensor
+//! sees `τ = N K_T i − N (friction) + zero of its log + noise`.
+
+use std::fmt::Write;
+use std::fs;
+
+use approx::assert_relative_eq;
+use gearwise::measured::identify::{Options, Report, Verdict, identify};
+use nalgebra::{DMatrix, DVector};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+const RATIO: f64 = 6.0;
+const DECLARED: f64 = 0.1;
+const TRUE: f64 = 0.104;
+const LOGS: usize = 4;
+const SAMPLES: usize = 300;
+
+/// A steady point of a log: motor speed \[rad/s\], current \[A\], torque at the sensor \[N·m\].
+#[derive(Clone, Copy)]
+struct Point {
+    log: usize,
+    speed: f64,
+    current: f64,
+    torque: f64,
+}
+
+impl Point {
+    fn sign(&self) -> f64 {
+        self.speed.signum()
+    }
+}
+
+/// Points of four logs, each with a zero of its own; `drag` is the torque at the motor that the declared constant
+/// does not explain.
+fn points(seed: u64, noise: f64, drag: impl Fn(&Point) -> f64) -> Vec<Point> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut points = Vec::new();
+    for log in 0..LOGS {
+        for _ in 0..SAMPLES {
+            // The slowest is fast enough for its direction to be known.
+            let speed: f64 = random.random_range(1.0..100.0) * if random.random_bool(0.5) { 1.0 } else { -1.0 };
+            let current = random.random_range(-5.0..5.0);
+            let mut point = Point { log, speed, current, torque: 0.0 };
+            let noise: f64 = (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>() * noise;
+            point.torque = RATIO * (TRUE * current - drag(&point)) + [0.3, -0.2, 0.1, 0.5][log] + noise;
+            points.push(point);
+        }
+    }
+    points
+}
+
+/// Identification of points; the last log is held out. `row` are further columns of the motor's row.
+fn identified(points: &[Point], columns: &str, row: &str) -> Report {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let motors = format!(
+        "id,commutation,terminals,current,resistance [ohm],torque_constant [N*m/A],source,source_kind{columns}\n\
+         m,brushless,q_axis,q_axis,0.5,{DECLARED},a sheet,datasheet{row}\n"
+    );
+    write("motors.csv", &motors);
+    let mut bench = format!(
+        "catalog = [\"motors.csv\"]\nactuator = {{ motor = \"m\", ratio = {RATIO} }}\nkind = \"steady_table\"\n[columns]\n\
+         current = {{ name = \"i\", unit = \"A\", convention = \"q_axis\" }}\n\
+         velocity = {{ name = \"w\", unit = \"rad/s\", side = \"motor\" }}\n\
+         torque = {{ name = \"tau\", unit = \"N*m\", side = \"output\" }}\n"
+    );
+    for log in 0..LOGS {
+        let mut text = String::from("i,w,tau\n");
+        for p in points.iter().filter(|p| p.log == log) {
+            writeln!(text, "{:?},{:?},{:?}", p.current, p.speed, p.torque).unwrap();
+        }
+        write(&format!("log{log}.csv"), &text);
+        let usage = if log + 1 == LOGS { "held_out" } else { "fit" };
+        writeln!(bench, "[[log]]\nfile = \"log{log}.csv\"\nuse = \"{usage}\"").unwrap();
+    }
+    write("bench.toml", &bench);
+    let bench = gearwise::measured::read::read(&folder.path().join("bench.toml")).unwrap_or_else(|e| panic!("{e:?}"));
+    identify(&bench, &Options::default()).unwrap_or_else(|e| panic!("{e}")).remove(0)
+}
+
+/// A regression by hand.
+struct Hand<'a> {
+    points: &'a [Point],
+    /// Columns without the mean of each log.
+    columns: Vec<DVector<f64>>,
+    target: DVector<f64>,
+    coefficients: DVector<f64>,
+}
+
+/// A column without the mean of each log: its zero is the log's.
+fn centred(points: &[Point], f: impl Fn(&Point) -> f64) -> DVector<f64> {
+    let mean = |log: usize| points.iter().filter(|p| p.log == log).map(&f).sum::<f64>() / SAMPLES as f64;
+    let means: Vec<f64> = (0..LOGS).map(mean).collect();
+    DVector::from_iterator(points.len(), points.iter().map(|p| f(p) - means[p.log]))
+}
+
+/// Least squares by an orthogonal decomposition, over the rows that are taken.
+fn solved(columns: &[DVector<f64>], target: &DVector<f64>, take: &dyn Fn(usize) -> bool) -> DVector<f64> {
+    let rows: Vec<usize> = (0..target.len()).filter(|k| take(*k)).collect();
+    let matrix = DMatrix::from_fn(rows.len(), columns.len(), |i, j| columns[j][rows[i]]);
+    let right = DVector::from_fn(rows.len(), |i, _| target[rows[i]]);
+    matrix.svd(true, true).solve(&right, 1e-12).unwrap()
+}
+
+impl<'a> Hand<'a> {
+    fn new(points: &'a [Point], functions: &[&dyn Fn(&Point) -> f64]) -> Hand<'a> {
+        let columns: Vec<_> = functions.iter().map(|f| centred(points, f)).collect();
+        let target = centred(points, |p| p.torque);
+        let coefficients = solved(&columns, &target, &|k| points[k].log + 1 < LOGS);
+        Hand { points, columns, target, coefficients }
+    }
+
+    fn residual(&self) -> DVector<f64> {
+        self.columns.iter().zip(self.coefficients.iter()).fold(self.target.clone(), |left, (x, b)| left - x * *b)
+    }
+
+    /// Root mean square and variance accounted for \[%\] of a residual, on the logs to fit or on the other.
+    fn error(&self, left: &DVector<f64>, fitting: bool) -> (f64, f64) {
+        let take = |k: &usize| (self.points[*k].log + 1 < LOGS) == fitting;
+        let rows: Vec<usize> = (0..left.len()).filter(take).collect();
+        let sum = |v: &DVector<f64>| rows.iter().map(|k| v[*k] * v[*k]).sum::<f64>();
+        ((sum(left) / rows.len() as f64).sqrt(), 100.0 * (1.0 - sum(left) / sum(&self.target)))
+    }
+
+    /// Block of each row: thirty blocks' length over all, evenly within a log.
+    fn block(&self, row: usize) -> usize {
+        let length = (LOGS * SAMPLES).div_ceil((LOGS * SAMPLES / 40).clamp(20, 60));
+        let blocks = SAMPLES.div_ceil(length);
+        self.points[row].log * blocks + row % SAMPLES / SAMPLES.div_ceil(blocks)
+    }
+
+    fn blocks_to_fit(&self) -> usize {
+        self.block((LOGS - 1) * SAMPLES)
+    }
+
+    /// Root mean square of what is left out, each block with its fold of eight.
+    fn left_out(&self) -> f64 {
+        let fits = |k: usize| self.block(k) < self.blocks_to_fit();
+        let mut sum = 0.0;
+        for fold in 0..8 {
+            let out = |k: usize| fits(k) && self.block(k) % 8 == fold;
+            let beta = solved(&self.columns, &self.target, &|k| fits(k) && !out(k));
+            for k in (0..self.target.len()).filter(|k| out(*k)) {
+                let model: f64 = self.columns.iter().zip(beta.iter()).map(|(x, b)| x[k] * b).sum();
+                sum += (self.target[k] - model).powi(2);
+            }
+        }
+        (sum / ((LOGS - 1) * SAMPLES) as f64).sqrt()
+    }
+
+    /// Covariance of coefficients from the scatter of the blocks' scores: `(XᵀX)⁻¹ Σ s sᵀ (XᵀX)⁻¹ n/(n − p − 1)`.
+    fn covariance(&self, columns: &[DVector<f64>]) -> DMatrix<f64> {
+        let (left, p, n) = (self.residual(), columns.len(), self.blocks_to_fit());
+        let mut normal = DMatrix::zeros(p, p);
+        let mut scores = vec![DVector::zeros(p); n];
+        for k in (0..left.len()).filter(|k| self.block(*k) < n) {
+            let row = DVector::from_fn(p, |j, _| columns[j][k]);
+            normal += &row * row.transpose();
+            scores[self.block(k)] += row * left[k];
+        }
+        let inverse = normal.try_inverse().unwrap();
+        let middle = scores.iter().fold(DMatrix::zeros(p, p), |sum, s| sum + s * s.transpose());
+        &inverse * middle * &inverse * (n as f64 / (n as f64 - p as f64 - 1.0))
+    }
+}
+
+fn same(value: f64, expected: f64, what: &str) {
+    assert!((value - expected).abs() <= 1e-7 * expected.abs().max(1e-6), "{what}: {value}, by hand {expected}");
+}
+
+fn stage_is(report: &Report, name: &str, hand: &Hand, left: &DVector<f64>) {
+    let stage = report.stages.iter().find(|s| s.name == name).unwrap_or_else(|| panic!("no stage {name}"));
+    let (fit, held) = (hand.error(left, true), hand.error(left, false));
+    same(stage.fit, fit.0, name);
+    same(stage.fit_vaf, fit.1, name);
+    same(stage.held_out.unwrap(), held.0, name);
+    same(stage.held_out_vaf.unwrap(), held.1, name);
+}
+
+fn current(p: &Point) -> f64 {
+    RATIO * p.current
+}
+
+#[test]
+fn two_kinds_of_friction_are_found_with_all_their_numbers() {
+    let (b, c) = (1.5e-3, 0.05);
+    let points = points(1, 0.02, |p| b * p.speed + c * p.sign());
+    let report = identified(&points, "", "");
+    assert_eq!(report.verdict, Verdict::Explained);
+    assert_eq!((report.unit, report.band, report.samples), ("N*m", None, (LOGS * SAMPLES, LOGS * SAMPLES)));
+    assert!(report.unexplained.is_empty() && report.remarks.is_empty());
+    let mut found: Vec<&str> = report.effects.iter().map(|e| e.name).collect();
+    assert_eq!(report.stages.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), {
+        let mut all = vec!["declared", "artefacts", "refit"];
+        all.extend(&found);
+        all.push("final");
+        all
+    });
+    let (viscous, coulomb) = (|p: &Point| -RATIO * p.speed, |p: &Point| -RATIO * p.sign());
+    let both: [&dyn Fn(&Point) -> f64; 2] = match found[0] {
+        "viscous_friction" => [&viscous, &coulomb],
+        _ => [&coulomb, &viscous],
+    };
+    // The story: as declared with the zero of each log in it, without the zeros, refitted, with one effect, with both.
+    let last = Hand::new(&points, &[&current, both[0], both[1]]);
+    let raw = DVector::from_iterator(points.len(), points.iter().map(|p| p.torque - DECLARED * current(p)));
+    stage_is(&report, "declared", &last, &raw);
+    let without_zeros = centred(&points, |p| p.torque - DECLARED * current(p));
+    stage_is(&report, "artefacts", &last, &without_zeros);
+    let refit = Hand::new(&points, &[&current]);
+    stage_is(&report, "refit", &refit, &refit.residual());
+    let one = Hand::new(&points, &[&current, both[0]]);
+    stage_is(&report, found[0], &one, &one.residual());
+    stage_is(&report, found[1], &last, &last.residual());
+    stage_is(&report, "final", &last, &last.residual());
+    same(report.noise_floor, last.left_out(), "noise floor");
+    // Parameters with their uncertainty; the spread of the truth around them is what they say.
+    let covariance = last.covariance(&last.columns);
+    assert_eq!(report.parameters.len(), 1);
+    let constant = &report.parameters[0];
+    assert_eq!(
+        (constant.name.as_str(), constant.declared, constant.unit),
+        ("torque_constant", Some(DECLARED), "N*m/A")
+    );
+    same(constant.fitted, last.coefficients[0], "torque constant");
+    same(constant.standard_error.unwrap(), covariance[(0, 0)].sqrt(), "its error");
+    assert!((constant.fitted - TRUE).abs() < 4.0 * constant.standard_error.unwrap());
+    for (j, effect) in report.effects.iter().enumerate() {
+        let parameter = &effect.parameters[0];
+        same(parameter.fitted, last.coefficients[j + 1], effect.name);
+        same(effect.instances[0][0], last.coefficients[j + 1], effect.name);
+        assert_eq!((effect.instances.len(), effect.instances[0].len(), effect.parameters.len()), (1, 1, 1));
+        assert_eq!(parameter.declared, None);
+        same(parameter.standard_error.unwrap(), covariance[(j + 1, j + 1)].sqrt(), effect.name);
+        let truth = if effect.name == "viscous_friction" { b } else { c };
+        assert!((parameter.fitted - truth).abs() < 4.0 * parameter.standard_error.unwrap(), "{}", effect.name);
+        // What it adds, over all rows; the held-out error without it and with it.
+        let part = &last.columns[j + 1] * last.coefficients[j + 1];
+        same(effect.size, part.norm() / (points.len() as f64).sqrt(), "size");
+        let others: Vec<&dyn Fn(&Point) -> f64> = vec![&current, both[1 - j]];
+        let without = Hand::new(&points, &others);
+        same(effect.held_out_before.unwrap(), without.error(&without.residual(), false).0, "before");
+        same(effect.held_out_after.unwrap(), last.error(&last.residual(), false).0, "after");
+    }
+    for i in 0..3 {
+        for j in 0..3 {
+            let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+            assert!((report.covariance[i][j] - covariance[(i, j)]).abs() < 1e-7 * size);
+        }
+    }
+    assert_eq!(report.fitted_names.len(), 3);
+    // The zero of each log: what the model leaves of its mean.
+    let zeros: Vec<_> = report.artefacts.iter().filter(|a| a.kind == "zero").collect();
+    assert_eq!((zeros.len(), report.artefacts.len()), (LOGS, LOGS));
+    for (log, zero) in zeros.iter().enumerate() {
+        let of_log = points.iter().filter(|p| p.log == log);
+        let functions: [&dyn Fn(&Point) -> f64; 3] = [&current, both[0], both[1]];
+        let model = |p: &Point| functions.iter().zip(last.coefficients.iter()).map(|(f, b)| b * f(p)).sum::<f64>();
+        same(zero.value, of_log.map(|p| p.torque - model(p)).sum::<f64>() / SAMPLES as f64, "zero");
+        assert!((zero.value - [0.3, -0.2, 0.1, 0.5][log]).abs() < 0.02);
+        assert_eq!((zero.unit, zero.channel.as_str()), ("N*m", format!("torque of log{log}.csv").as_str()));
+    }
+    // The pictures show every row before and after.
+    let after = last.residual();
+    for (k, p) in points.iter().enumerate() {
+        assert!((report.pictures.after[k] - after[k]).abs() < 1e-9);
+        assert!((report.pictures.before[k] - without_zeros[k]).abs() < 1e-9);
+        assert_eq!((report.pictures.speed[k], report.pictures.log[k]), (p.speed, p.log));
+        assert_relative_eq!(report.pictures.current[k], p.current, max_relative = 1e-12);
+    }
+    assert!(report.next_runs.iter().any(|r| r.starts_with("friction before or behind the gear")));
+    found.sort_unstable();
+    assert_eq!(found, ["coulomb_friction", "viscous_friction"]);
+    assert!(report.refused.iter().all(|r| !found.contains(&r.name.as_str())));
+}
+
+#[test]
+fn declared_friction_is_refitted_and_nothing_is_missing() {
+    let (b, c) = (1.5e-3, 0.05);
+    let points = points(2, 0.02, |p| b * p.speed + c * p.sign());
+    let report = identified(&points, ",viscous_friction [N*m*s/rad],coulomb_friction [N*m]", ",0.0013,0.06");
+    assert_eq!(report.verdict, Verdict::NothingMissing);
+    assert!(report.effects.is_empty() && report.unexplained.is_empty() && report.next_runs.is_empty());
+    let (viscous, coulomb) = (|p: &Point| -RATIO * p.speed, |p: &Point| -RATIO * p.sign());
+    let hand = Hand::new(&points, &[&current, &viscous, &coulomb]);
+    let as_declared = |p: &Point| p.torque - DECLARED * current(p) - 0.0013 * viscous(p) - 0.06 * coulomb(p);
+    stage_is(&report, "declared", &hand, &DVector::from_iterator(points.len(), points.iter().map(as_declared)));
+    stage_is(&report, "artefacts", &hand, &centred(&points, as_declared));
+    stage_is(&report, "refit", &hand, &hand.residual());
+    stage_is(&report, "final", &hand, &hand.residual());
+    let covariance = hand.covariance(&hand.columns);
+    let expected = [
+        ("torque_constant", DECLARED, "N*m/A"),
+        ("viscous_friction.coefficient", 0.0013, "N*m*s/rad"),
+        ("coulomb_friction.torque", 0.06, "N*m"),
+    ];
+    assert_eq!(report.parameters.len(), expected.len());
+    for (j, (parameter, (name, declared, unit))) in report.parameters.iter().zip(expected).enumerate() {
+        assert_eq!((parameter.name.as_str(), parameter.declared), (name, Some(declared)));
+        assert_eq!(parameter.unit, unit);
+        same(parameter.fitted, hand.coefficients[j], name);
+        same(parameter.standard_error.unwrap(), covariance[(j, j)].sqrt(), name);
+    }
+    assert_eq!(report.fitted_names, expected.map(|e| e.0));
+    // The zeros are what is left with the declared effects in.
+    for (log, zero) in report.artefacts.iter().enumerate() {
+        let of_log = points.iter().filter(|p| p.log == log);
+        let beta = &hand.coefficients;
+        let left = of_log.map(|p| p.torque - beta[0] * current(p) - beta[1] * viscous(p) - beta[2] * coulomb(p));
+        same(zero.value, left.sum::<f64>() / SAMPLES as f64, "zero");
+    }
+}
+
+/// A drag that flattens has a shape parameter, whose uncertainty comes with the others'.
+#[test]
+fn a_shape_parameter_has_its_uncertainty() {
+    let (most, knee) = (0.08, 20.0);
+    let drag = |w: f64, knee: f64| 2.0 / (w / knee + knee / w);
+    let points = points(3, 0.01, |p| most * drag(p.speed, knee));
+    let report = identified(&points, "", "");
+    assert_eq!(report.effects.iter().map(|e| e.name).collect::<Vec<_>>(), ["eddy_drag"]);
+    assert_eq!(report.verdict, Verdict::Explained);
+    let effect = &report.effects[0];
+    let [amplitude, speed] = [effect.instances[0][0], effect.instances[0][1]];
+    let basis = |p: &Point| -RATIO * drag(p.speed, speed);
+    let hand = Hand::new(&points, &[&current, &basis]);
+    same(amplitude, hand.coefficients[1], "amplitude");
+    // The shape that was found leaves the least error.
+    for other in [0.99 * speed, 1.01 * speed] {
+        let worse = |p: &Point| -RATIO * drag(p.speed, other);
+        let worse = Hand::new(&points, &[&current, &worse]);
+        assert!(worse.error(&worse.residual(), true).0 > hand.error(&hand.residual(), true).0);
+    }
+    // d/dω_k of 2/(ω/ω_k + ω_k/ω) = −2 (1/ω − ω/ω_k²)/(…)², times the amplitude.
+    let slope = |p: &Point| {
+        let w = p.speed;
+        RATIO * amplitude * 2.0 * (1.0 / w - w / (speed * speed)) / (w / speed + speed / w).powi(2)
+    };
+    let columns = [hand.columns[0].clone(), hand.columns[1].clone(), centred(&points, slope)];
+    let covariance = hand.covariance(&columns);
+    let errors: Vec<f64> = effect.parameters.iter().map(|p| p.standard_error.unwrap()).collect();
+    assert_eq!(effect.parameters.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["torque", "speed"]);
+    for (error, j) in [(report.parameters[0].standard_error.unwrap(), 0), (errors[0], 1), (errors[1], 2)] {
+        assert_relative_eq!(error, covariance[(j, j)].sqrt(), max_relative = 1e-4);
+    }
+    assert!((speed - knee).abs() < 4.0 * errors[1] && (amplitude - most).abs() < 4.0 * errors[0]);
+}
+
+/// What no effect of the library is like: torque that waves with speed.
+#[test]
+fn structure_without_a_name_is_told_with_its_share() {
+    let wave = |p: &Point| 0.02 * (p.speed.abs() / 12.0).cos();
+    let points = points(4, 0.02, wave);
+    let report = identified(&points, "", "");
+    assert!(report.effects.is_empty(), "{:?}", report.effects);
+    assert_eq!(report.verdict, Verdict::UnexplainedStructure);
+    let first = &report.unexplained[0];
+    assert_eq!(first.depends_on, "speed");
+    // Error of the model against the noise: what a function of speed could take away at most.
+    let last = report.stages.last().unwrap().fit;
+    let most = 100.0 * (1.0 - 0.02 / last);
+    let told: f64 = first.detail.split("error by ").nth(1).unwrap().trim_end_matches(" %").parse().unwrap();
+    assert!(told > 10.0 && told < most, "{told} {most}");
+    // The noise floor is what is left out, less that share.
+    let hand = Hand::new(&points, &[&current]);
+    let floor = hand.left_out() * (1.0 - told / 100.0);
+    assert!((report.noise_floor / floor - 1.0).abs() < 0.01, "{} {floor}", report.noise_floor);
+}
