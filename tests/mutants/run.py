@@ -39,7 +39,7 @@ def execute(test, tree, seconds, **variables):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    environment = {**os.environ, "INSTA_UPDATE": "no", "RUST_BACKTRACE": "0", "CARGO_MANIFEST_DIR": str(tree), **variables}
+    environment = {**os.environ, "INSTA_UPDATE": "no", "RUST_BACKTRACE": "0", "RAYON_NUM_THREADS": "1", "CARGO_MANIFEST_DIR": str(tree), **variables}
     try:
         status = subprocess.run([test["path"], "--exact", test["name"]], cwd=tree, env=environment, timeout=40 * seconds,
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=limits).returncode

@@ -55,7 +55,7 @@ fn slow(first: u32) -> u32 {
         }
     }
     let awake = AWAKE.load(Relaxed);
-    if awake == RECORD && SEEN[first as usize].swap(1, Relaxed) == 0 {
+    if awake == RECORD && SEEN[first as usize].load(Relaxed) == 0 && SEEN[first as usize].swap(1, Relaxed) == 0 {
         if let Some(file) = FILE.lock().unwrap().as_mut() {
             let _ = file.write_all(format!("{first}\\n").as_bytes());
         }
