@@ -10,6 +10,8 @@ pub mod artefacts;
 pub mod balance;
 mod candidates;
 pub mod regression;
+#[cfg(test)]
+mod steady;
 mod structure;
 mod verdict;
 
