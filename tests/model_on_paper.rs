@@ -7,11 +7,14 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use approx::assert_relative_eq;
+use gearwise::actuator::envelope::Steady;
 use gearwise::actuator::fitted::{self, FittedEffect, FittedGear, Shortfall};
 use gearwise::actuator::limits::{Asked, Check, Class, Demand, LIMITS};
 use gearwise::actuator::metrics::{Estimate, METRICS, at_matched_inertia, metric};
+use gearwise::actuator::shaft::Flow;
 use gearwise::actuator::step_response::{simulate, simulate_and_watch};
-use gearwise::actuator::thermal_motion::TwoNode;
+use gearwise::actuator::thermal_motion::{Heat, TwoNode};
+use gearwise::actuator::waveform::Functional;
 use gearwise::actuator::{Actuator, Laurent, Load};
 use gearwise::catalog::convention::*;
 use gearwise::catalog::{Catalog, Motor, Printed};
@@ -669,4 +672,252 @@ fn mean_power_is_heat_and_work() {
             assert!((load.mean_power(&actuator).at(n) - power).abs() < 1e-9 * size, "{i}");
         }
     }
+}
+
+/// A joint with a motor whose ripple and iron matter at its middle ratio.
+fn with_iron(i: u64, convex: bool) -> (raw::Case, f64) {
+    let mut case = draw(i, convex);
+    let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
+    let n = (min * max).sqrt();
+    let k_t = case.motor.torque_constant;
+    let current = (case.look(n).quantities[0] / case.motor.resistance).sqrt().max(1e-9);
+    let ripple = [0.2 * k_t * current, -0.1 * k_t * current, 12.0];
+    let share = [0.1 * k_t, 0.05 * k_t, 6.0];
+    let iron = [0.6 * k_t, 1.5 * current];
+    let all: [(&str, &[f64]); 3] =
+        [("cogging", &ripple), ("torque_ripple", &share), ("torque_constant_saturation", &iron)];
+    case.motor = match i % 4 {
+        0 => case.motor,
+        1 => with(&case.motor, &all[..2]),
+        2 => with(&case.motor, &all[2..]),
+        _ => with(&case.motor, &all),
+    };
+    (case, n)
+}
+
+/// What a cut must be: equal to the function where it was made, with its slope, and nowhere above it.
+fn is_a_cut(what: &str, cut: &Laurent, n: f64, value: &dyn Fn(f64) -> f64, smooth: bool) {
+    let size = value(n).abs().max(1e-9 * cut.size(n)).max(1e-300);
+    assert!((cut.at(n) - value(n)).abs() <= 1e-9 * size.max(1e-6 * cut.size(n)), "{what}: {} {}", cut.at(n), value(n));
+    for factor in [0.3, 0.6, 0.9, 0.99, 1.01, 1.1, 1.7, 3.0] {
+        let other = factor * n;
+        let rounding = 1e-9 * cut.size(other).max(value(other).abs());
+        assert!(cut.at(other) <= value(other) + rounding, "{what} at {factor}: {} {}", cut.at(other), value(other));
+    }
+    if smooth {
+        let h = 1e-4 * n;
+        let slope = (value(n + h) - value(n - h)) / (2.0 * h);
+        let scale = slope.abs().max(value(n).abs() / n).max(1e-9 * cut.size(n) / n);
+        assert!((cut.slope(n) - slope).abs() <= 1e-4 * scale, "{what}: slope {} {slope}", cut.slope(n));
+    }
+}
+
+/// Means of squared current and energy, sample by sample, and their cuts.
+#[test]
+fn cuts_of_heat_and_energy_touch_and_stay_below() {
+    for i in 0..80 {
+        let (case, n) = with_iron(i, i % 3 != 0);
+        let (joint, motor) = (&case.robot.joints[0], &case.motor);
+        let load = Load::new(&joint.motion, None);
+        let actuator = Actuator::new(motor, motor.rotor_inertia.unwrap(), &joint.gear);
+        let torque = |p: &Point, n: f64| {
+            let phi =
+                if p.torque * p.velocity < 0.0 { joint.gear.backdrive_efficiency } else { 1.0 / joint.gear.efficiency };
+            let j = motor.rotor_inertia.unwrap() + joint.gear.inertia;
+            let rubs =
+                if p.velocity == 0.0 { 0.0 } else { motor.coulomb_friction.unwrap_or(0.0) * p.velocity.signum() };
+            phi * p.torque / n + n * (j * p.acceleration + motor.viscous_friction.unwrap_or(0.0) * p.velocity) + rubs
+        };
+        let squared = |p: &Point, n: f64| actuator.shortfall.current_squared(torque(p, n).powi(2)).0;
+        for worst in [false, true] {
+            let mean = |n: f64| {
+                let share = |s: &[f64; 2]| s[0] + if worst { s[1] } else { 0.0 };
+                case.raw.iter().zip(&case.shares).map(|(p, s)| share(s) * squared(p, n)).sum::<f64>()
+            };
+            for n in [n, 0.4 * n, 2.0 * n] {
+                assert_relative_eq!(load.mean_current_squared(&actuator, worst, n), mean(n), max_relative = 1e-9);
+            }
+            let cut = load.mean_current_squared_cut(&actuator, worst, n);
+            is_a_cut(&format!("{i} mean current"), &cut, n, &mean, true);
+        }
+        let Some(duration) = load.duration else { continue };
+        let drive = 0.87;
+        let energy = |n: f64| {
+            let of = |p: &Point| {
+                let heat = motor.resistance * squared(p, n);
+                let power = heat + motor.back_emf_constant * n * p.velocity * torque(p, n) / motor.torque_constant;
+                if power > 0.0 { power / drive } else { power * drive }
+            };
+            duration * case.raw.iter().zip(&case.shares).map(|(p, s)| s[0] * of(p)).sum::<f64>()
+        };
+        for n in [0.5 * n, n, 1.8 * n] {
+            is_a_cut(&format!("{i} energy"), &load.energy_cut(&actuator, drive, n).unwrap(), n, &energy, false);
+        }
+    }
+}
+
+/// The cut of the winding's largest rise; where the heat runs away it is above the bound, and still below what
+/// settles.
+#[test]
+fn cuts_of_the_windings_temperature_touch_and_stay_below() {
+    let (mut settled, mut away) = (0, 0);
+    for i in 0..60 {
+        let (case, n) = with_iron(i, true);
+        let joint = &case.robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        let Some(duration) = load.duration.filter(|_| load.has_course()) else { continue };
+        let actuator = Actuator::new(&case.motor, case.motor.rotor_inertia.unwrap(), &joint.gear);
+        let mean = load.mean_current_squared(&actuator, false, n) * case.motor.resistance;
+        for (rise, bound) in [(30.0, 50.0), (600.0, 300.0)] {
+            let node = TwoNode {
+                resistance_winding_housing: 0.4 * rise / mean,
+                resistance_housing_ambient: 0.6 * rise / mean,
+                time_constant_winding: 3.0 * duration,
+                time_constant_housing: 20.0 * duration,
+                ambient: case.robot.ambient,
+                reference: case.motor.reference_temperature,
+            };
+            let peak = |n: f64| load.winding_peak(&actuator, &node, n).0;
+            let cut = load.winding_peak_cut(&actuator, &node, n, bound);
+            if peak(n).is_finite() {
+                is_a_cut(&format!("{i} winding"), &cut, n, &peak, false);
+                settled += 1;
+                continue;
+            }
+            away += 1;
+            let here = cut.at(n);
+            assert!(here > bound && here.is_finite(), "{i}: {here}");
+            for factor in [0.1, 0.3, 0.5, 0.8, 1.3, 2.0, 5.0, 20.0] {
+                let other = peak(factor * n);
+                assert!(
+                    cut.at(factor * n) <= other * (1.0 + 1e-9) + 1e-9 * cut.size(factor * n).min(1e9),
+                    "{i} {factor}"
+                );
+            }
+            // The number is that of whole periods from cold: doubled until it is beyond the bound, and no further.
+            let heat: Vec<f64> = {
+                let sample = |p: &Point| {
+                    let j = case.motor.rotor_inertia.unwrap() + joint.gear.inertia;
+                    let phi = if p.torque * p.velocity < 0.0 {
+                        joint.gear.backdrive_efficiency
+                    } else {
+                        1.0 / joint.gear.efficiency
+                    };
+                    let torque = phi * p.torque / n
+                        + n * (j * p.acceleration + case.motor.viscous_friction.unwrap_or(0.0) * p.velocity);
+                    case.motor.resistance * actuator.shortfall.current_squared(torque * torque).0
+                };
+                case.raw.iter().map(sample).collect()
+            };
+            let after = |periods: usize| {
+                let times: Vec<f64> =
+                    (0..periods).flat_map(|k| joint.motion.time.iter().map(move |t| t + k as f64 * duration)).collect();
+                let heat: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
+                let course = Heat { times: &times, period_or_duration: periods as f64 * duration, heat: &heat };
+                node.from_cold(&course).peak - node.ambient
+            };
+            let mut periods = 1;
+            while after(periods) <= bound {
+                periods *= 2;
+            }
+            assert_relative_eq!(here, after(periods), max_relative = 1e-9);
+        }
+    }
+    assert!(settled > 20 && away > 20, "{settled} {away}");
+}
+
+/// The boundary of every functional: at the torque that was found the functional is at its bound, and nowhere
+/// before; where nothing bounds it, it is infinite, and where not even no torque is allowed, there is none.
+#[test]
+fn the_envelope_is_where_its_functional_meets_the_bound() {
+    let (mut met, mut none, mut endless) = (0, 0, 0);
+    for i in 0..80 {
+        let mut case = draw(i, i % 2 == 0);
+        if i % 5 == 0 {
+            // A gear that locks passes nothing of a braking torque on.
+            case.robot.joints[0].gear.backdrive_efficiency = 0.0;
+        }
+        let joint = &case.robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        let candidate = continuous_candidate(&case.robot, joint, &load, &case.motor).unwrap();
+        let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
+        let n = (min * max).sqrt();
+        let steady = Steady::new(&candidate, n);
+        let (motor, gear) = (&case.motor, &joint.gear);
+        let fastest = case.raw.iter().map(|p| p.velocity.abs()).fold(0.0, f64::max);
+        for (flow, functional, share) in [Flow::Driving, Flow::Braking]
+            .into_iter()
+            .flat_map(|f| {
+                [Functional::TorqueSquared, Functional::VoltageSquared, Functional::Power, Functional::PowerBack]
+                    .map(|q| (f, q))
+            })
+            .flat_map(|(f, q)| [0.0, 0.3, 1.0].map(|s| (f, q, s)))
+        {
+            let (speed, sign) = (share * fastest, if flow == Flow::Driving { 1.0 } else { -1.0 });
+            let phi = if flow == Flow::Driving { 1.0 / gear.efficiency } else { gear.backdrive_efficiency };
+            // From the plain equations of a steady sample.
+            let value = |load: f64| {
+                let rubs = motor.coulomb_friction.unwrap_or(0.0) + motor.viscous_friction.unwrap_or(0.0) * n * speed;
+                let current = (phi * sign * load / n + rubs) / motor.torque_constant;
+                let poles = motor.inductance_and_poles().map_or(0.0, |(l, p)| l * p);
+                let v_q = motor.resistance * current + motor.back_emf_constant * n * speed;
+                let v_d = poles * n * speed * current;
+                let power = motor.resistance * current * current + motor.back_emf_constant * n * speed * current;
+                match functional {
+                    Functional::TorqueSquared => (current * motor.torque_constant).powi(2),
+                    Functional::VoltageSquared => v_q * v_q + v_d * v_d,
+                    Functional::Power => power,
+                    Functional::PowerBack => -power,
+                }
+            };
+            let usual = case.raw.iter().map(|p| p.torque.abs()).fold(0.0, f64::max);
+            let (here, size) = (steady.at(functional, flow, sign * usual, speed), value(2.0 * usual).abs());
+            assert!((here - value(usual)).abs() <= 1e-9 * value(usual).abs().max(1e-12 * size), "{i} {functional:?}");
+            // Power that comes back is no convex function of torque: it has no such boundary.
+            if functional == Functional::PowerBack {
+                continue;
+            }
+            let bounds =
+                [value(0.7 * usual), value(0.0) - 0.1 * value(usual).abs() - 1e-12, 2.0 * value(3.0 * usual).abs()];
+            for bound in bounds {
+                let size = value(usual).abs().max(bound.abs()).max(value(0.0).abs());
+                match steady.largest_torque(functional, bound, flow, speed) {
+                    Some(torque) if torque.is_finite() => {
+                        assert!(torque * sign >= 0.0);
+                        let found = torque.abs();
+                        let size = size.max(value(found).abs());
+                        assert!(
+                            (value(found) - bound).abs() <= 1e-7 * size,
+                            "{i} {functional:?}: {} {bound}",
+                            value(found)
+                        );
+                        // Just beyond it the bound is broken, for good or at a minimum of the functional.
+                        assert!(
+                            value(found * 1.01 + 1e-9 * usual) >= bound - 1e-7 * size,
+                            "{i} {functional:?} {flow:?}"
+                        );
+                        met += 1;
+                    }
+                    Some(_) => {
+                        // Never exceeded, however large.
+                        for far in [1.0, 1e3, 1e6] {
+                            assert!(
+                                value(far * usual) <= bound + 1e-7 * size.max(value(far * usual).abs()),
+                                "{i} {functional:?}"
+                            );
+                        }
+                        endless += 1;
+                    }
+                    None => {
+                        // Exceeded without torque, and with any.
+                        for far in [0.0, 0.01, 0.1, 1.0, 10.0, 1e3] {
+                            assert!(value(far * usual) > bound - 1e-7 * size, "{i} {functional:?}: {far}");
+                        }
+                        none += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(met > 300 && none > 50 && endless > 20, "{met} {none} {endless}");
 }
