@@ -10,8 +10,6 @@ pub mod artefacts;
 pub mod balance;
 mod candidates;
 pub mod regression;
-#[cfg(test)]
-mod steady;
 mod structure;
 mod verdict;
 
@@ -464,3 +462,6 @@ fn projection(total: &DMatrix<f64>, p: usize, extra: usize) -> DMatrix<f64> {
     let inverse = solve(&padded).inverse;
     inverse * cross
 }
+
+#[cfg(test)]
+mod steady;

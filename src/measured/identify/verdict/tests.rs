@@ -101,8 +101,8 @@ fn runs_are_proposed_for_what_is_open() {
 fn a_name_of_the_wrong_shape_is_doubtful() {
     for (name, shape, tolerated) in [("viscous_friction", 0.0, 0.15), ("eddy_drag", 40.0, 0.04)] {
         let torque = |w: f64| match name {
-            "viscous_friction" => 1e-3 * w,
-            _ => 0.1 * (w / 40.0) / (1.0 + (w / 40.0).powi(2)),
+            "viscous_friction" => 2e-4 * w,
+            _ => 0.04 * (w / 40.0) / (1.0 + (w / 40.0).powi(2)),
         };
         let points = (0..800).map(|k| {
             let (w, i) = (100.0 * noise(k), 5.0 * noise(k + 5000));
