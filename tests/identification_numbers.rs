@@ -619,3 +619,80 @@ fn the_usual_gain_is_that_of_most_logs() {
     assert_eq!(gains(&[0.9, 0.95, 1.0, 1.05, 1.2], None), [1.0; 5]);
     assert_eq!(gains(&[0.9, 0.95, 1.0, 1.05, 1.23], None), [1.0, 1.0, 1.0, 1.0, 1.0 / 1.23]);
 }
+
+/// Logs over time, a kilosample a second for four seconds: a random current, a speed that sweeps, and what `hum`
+/// adds to the sensor; `line` is the amplitude of 31 Hz in the current. The
+/// band is 60 Hz.
+fn over_time(hum: impl Fn(usize, f64) -> f64, line: f64) -> Report {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "motors.csv",
+        &format!(
+            "id,terminals,current,resistance [ohm],torque_constant [N*m/A],source,source_kind\n\
+             m,q_axis,q_axis,0.5,{DECLARED},-,derived\n"
+        ),
+    );
+    let mut bench = format!(
+        "catalog = [\"motors.csv\"]\nactuator = {{ motor = \"m\", ratio = {RATIO} }}\nkind = \"dynamometer\"\n[columns]\n\
+         time = {{ name = \"t\", unit = \"s\" }}\ncurrent = {{ name = \"i\", unit = \"A\", convention = \"q_axis\" }}\n\
+         velocity = {{ name = \"w\", unit = \"rad/s\", side = \"motor\" }}\n\
+         torque = {{ name = \"tau\", unit = \"N*m\", side = \"output\" }}\n"
+    );
+    let mut random = Pcg64::seed_from_u64(9);
+    for log in 0..LOGS {
+        let mut text = String::from("t,i,w,tau\n");
+        for k in 0..4000 {
+            let t = f64::from(k) * 1e-3;
+            let line = line * (std::f64::consts::TAU * 31.0 * t + log as f64).sin();
+            let current = random.random_range(-3.0..3.0) + line;
+            // An encoder's noise: what is smoother than any encoder has a line wherever one looks.
+            let speed = 60.0 + 30.0 * (1.3 * t + log as f64).sin() + random.random_range(-0.3..0.3);
+            let noise: f64 = (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>() * 0.02;
+            let torque = RATIO * TRUE * current + noise + hum(log, t);
+            writeln!(text, "{t:?},{current:?},{speed:?},{torque:?}").unwrap();
+        }
+        write(&format!("log{log}.csv"), &text);
+        let usage = if log + 1 == LOGS { "held_out" } else { "fit" };
+        writeln!(bench, "[[log]]\nfile = \"log{log}.csv\"\nuse = \"{usage}\"").unwrap();
+    }
+    write("bench.toml", &bench);
+    let bench = gearwise::measured::read::read(&folder.path().join("bench.toml")).unwrap_or_else(|e| panic!("{e:?}"));
+    identify(&bench, &Options { band: Some(60.0) }).unwrap_or_else(|e| panic!("{e}")).remove(0)
+}
+
+/// A line that no motion has, in most of the logs: its frequency and its share of what is left.
+#[test]
+fn a_hum_is_told_with_its_frequency() {
+    let sine = |hertz: f64, size: f64| {
+        move |log: usize, t: f64| size * (std::f64::consts::TAU * hertz * t + 2.0 * log as f64).sin()
+    };
+    let told = |report: &Report| -> Option<(f64, f64)> {
+        let line = report.unexplained.iter().find(|u| u.detail.starts_with("a line at"))?;
+        assert_eq!((line.depends_on.as_str(), report.verdict), ("time", Verdict::UnexplainedStructure));
+        let number = |after: &str, before: &str| line.detail.split(after).nth(1)?.split(before).next()?.parse().ok();
+        Some((number("a line at ", " Hz")?, number("explains holds ", " %")?))
+    };
+    // Noise of 0.02 N·m over 500 Hz, of which the filter leaves what is below 60 Hz.
+    let noise = 0.02_f64.powi(2) * 60.0 / 500.0;
+    for (hertz, size) in [(31.0, 0.01), (31.0, 0.02), (44.0, 0.015), (20.0, 0.02)] {
+        let report = over_time(sine(hertz, size), 0.0);
+        let (found, share) = told(&report).unwrap_or_else(|| panic!("no hum at {hertz}: {:?}", report.unexplained));
+        assert!((found - hertz).abs() <= 1.0, "{found} {hertz}");
+        let power = 0.5 * size * size;
+        let expected = 100.0 * power / (power + noise);
+        assert!((share - expected).abs() < 12.0, "{share} {expected}");
+    }
+    assert_eq!(told(&over_time(|_, _| 0.0, 0.0)), None);
+    // Too small a share of what is left.
+    assert_eq!(told(&over_time(sine(31.0, 0.0025), 0.0)), None);
+    // Of four logs three must have it, at one frequency.
+    let own = sine(31.0, 0.02);
+    assert!(told(&over_time(|log, t| if log < 3 { own(log, t) } else { 0.0 }, 0.0)).is_some());
+    assert_eq!(told(&over_time(|log, t| if log < 2 { own(log, t) } else { 0.0 }, 0.0)), None);
+    let other = sine(45.0, 0.02);
+    assert_eq!(told(&over_time(|log, t| if log % 2 == 0 { own(log, t) } else { other(log, t) }, 0.0)), None);
+    // What moves at the same frequency may be its reason.
+    assert_eq!(told(&over_time(own, 1.0)), None);
+    assert!(told(&over_time(other, 1.0)).is_some_and(|(found, _)| (found - 45.0).abs() <= 1.0));
+}
