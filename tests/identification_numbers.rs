@@ -620,10 +620,9 @@ fn the_usual_gain_is_that_of_most_logs() {
     assert_eq!(gains(&[0.9, 0.95, 1.0, 1.05, 1.23], None), [1.0, 1.0, 1.0, 1.0, 1.0 / 1.23]);
 }
 
-/// Logs over time, a kilosample a second for four seconds: a random current, a speed that sweeps, and what `hum`
-/// adds to the sensor; `line` is the amplitude of 31 Hz in the current. The
-/// band is 60 Hz.
-fn over_time(hum: impl Fn(usize, f64) -> f64, line: f64) -> Report {
+/// Logs over time, a kilosample a second for four seconds: `at(log, t)` gives what stands in the columns of current,
+/// speed and torque; the noises of speed and torque come on top.
+fn over_time(band: Option<f64>, at: impl Fn(usize, f64) -> [f64; 3]) -> Report {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     write(
@@ -644,13 +643,11 @@ fn over_time(hum: impl Fn(usize, f64) -> f64, line: f64) -> Report {
         let mut text = String::from("t,i,w,tau\n");
         for k in 0..4000 {
             let t = f64::from(k) * 1e-3;
-            let line = line * (std::f64::consts::TAU * 31.0 * t + log as f64).sin();
-            let current = random.random_range(-3.0..3.0) + line;
+            let [current, speed, torque] = at(log, t);
             // An encoder's noise: what is smoother than any encoder has a line wherever one looks.
-            let speed = 60.0 + 30.0 * (1.3 * t + log as f64).sin() + random.random_range(-0.3..0.3);
+            let speed = speed + random.random_range(-0.3..0.3);
             let noise: f64 = (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>() * 0.02;
-            let torque = RATIO * TRUE * current + noise + hum(log, t);
-            writeln!(text, "{t:?},{current:?},{speed:?},{torque:?}").unwrap();
+            writeln!(text, "{t:?},{current:?},{speed:?},{:?}", torque + noise).unwrap();
         }
         write(&format!("log{log}.csv"), &text);
         let usage = if log + 1 == LOGS { "held_out" } else { "fit" };
@@ -658,7 +655,58 @@ fn over_time(hum: impl Fn(usize, f64) -> f64, line: f64) -> Report {
     }
     write("bench.toml", &bench);
     let bench = gearwise::measured::read::read(&folder.path().join("bench.toml")).unwrap_or_else(|e| panic!("{e:?}"));
-    identify(&bench, &Options { band: Some(60.0) }).unwrap_or_else(|e| panic!("{e}")).remove(0)
+    identify(&bench, &Options { band }).unwrap_or_else(|e| panic!("{e}")).remove(0)
+}
+
+/// A random number between −1 and 1 for each millisecond of each log.
+fn wild(log: usize, t: f64) -> f64 {
+    Pcg64::seed_from_u64(1_000_000 * log as u64 + (1e3 * t).round() as u64).random_range(-1.0..1.0)
+}
+
+/// A random current and a speed that sweeps; `hum` comes on top of the torque, and a line of 31 Hz on the current.
+fn humming(hum: impl Fn(usize, f64) -> f64, line: f64) -> Report {
+    over_time(Some(60.0), |log, t| {
+        let line = line * (std::f64::consts::TAU * 31.0 * t + log as f64).sin();
+        let current = 3.0 * wild(log, t) + line;
+        [current, 60.0 + 30.0 * (1.3 * t + log as f64).sin(), RATIO * TRUE * current + hum(log, t)]
+    })
+}
+
+/// A sensor that is late, or early, is put right by as much, fractions of a sample and all. (A late speed is
+/// not told from inertia where friction is viscous: `b ω(t − δ) = b ω − b δ α`.)
+#[test]
+fn a_late_sensor_is_put_right() {
+    use std::f64::consts::TAU;
+    for late in [0.0, 0.0025, -0.0015, 0.011] {
+        let report = over_time(None, |log, t| {
+            let current = |t: f64| {
+                let phase = log as f64;
+                2.0 * (TAU * 3.1 * t + phase).sin() + 1.5 * (TAU * 7.3 * t).cos() + (TAU * 13.7 * t + 2.0 * phase).sin()
+            };
+            let speed = |t: f64| 40.0 * (TAU * 2.3 * t + log as f64).sin() + 25.0 * (TAU * 5.9 * t).cos() + 30.0;
+            let torque = |t: f64| RATIO * (TRUE * current(t) - 2e-3 * speed(t));
+            [current(t), speed(t), torque(t - late)]
+        });
+        let lag = report.artefacts.iter().find(|a| a.kind == "lag" && a.channel == "torque");
+        let found = lag.map_or(0.0, |a| a.value);
+        assert!((found - late).abs() < 2.5e-4, "{found} of {late}");
+        assert!(lag.is_none_or(|a| a.unit == "s"));
+        assert_eq!(report.effects.iter().map(|e| e.name).collect::<Vec<_>>(), ["viscous_friction"], "{late}");
+        assert!((report.effects[0].parameters[0].fitted / 2e-3 - 1.0).abs() < 0.02);
+    }
+}
+
+/// Torque that falls off in the course of each log is a drift, and no friction of any kind.
+#[test]
+fn a_drift_is_no_effect() {
+    let report = over_time(Some(60.0), |log, t| {
+        let current = 3.0 * wild(log, t);
+        let speed = 50.0 + 20.0 * t;
+        [current, speed, RATIO * TRUE * current - 0.2 * (t / 1.5).sin()]
+    });
+    assert!(report.effects.is_empty(), "{:?}", report.effects);
+    assert_eq!(report.verdict, Verdict::UnexplainedStructure);
+    assert!(report.unexplained.iter().any(|u| u.depends_on == "time"), "{:?}", report.unexplained);
 }
 
 /// A line that no motion has, in most of the logs: its frequency and its share of what is left.
@@ -676,23 +724,23 @@ fn a_hum_is_told_with_its_frequency() {
     // Noise of 0.02 N·m over 500 Hz, of which the filter leaves what is below 60 Hz.
     let noise = 0.02_f64.powi(2) * 60.0 / 500.0;
     for (hertz, size) in [(31.0, 0.01), (31.0, 0.02), (44.0, 0.015), (20.0, 0.02)] {
-        let report = over_time(sine(hertz, size), 0.0);
+        let report = humming(sine(hertz, size), 0.0);
         let (found, share) = told(&report).unwrap_or_else(|| panic!("no hum at {hertz}: {:?}", report.unexplained));
         assert!((found - hertz).abs() <= 1.0, "{found} {hertz}");
         let power = 0.5 * size * size;
         let expected = 100.0 * power / (power + noise);
         assert!((share - expected).abs() < 12.0, "{share} {expected}");
     }
-    assert_eq!(told(&over_time(|_, _| 0.0, 0.0)), None);
+    assert_eq!(told(&humming(|_, _| 0.0, 0.0)), None);
     // Too small a share of what is left.
-    assert_eq!(told(&over_time(sine(31.0, 0.0025), 0.0)), None);
+    assert_eq!(told(&humming(sine(31.0, 0.0025), 0.0)), None);
     // Of four logs three must have it, at one frequency.
     let own = sine(31.0, 0.02);
-    assert!(told(&over_time(|log, t| if log < 3 { own(log, t) } else { 0.0 }, 0.0)).is_some());
-    assert_eq!(told(&over_time(|log, t| if log < 2 { own(log, t) } else { 0.0 }, 0.0)), None);
+    assert!(told(&humming(|log, t| if log < 3 { own(log, t) } else { 0.0 }, 0.0)).is_some());
+    assert_eq!(told(&humming(|log, t| if log < 2 { own(log, t) } else { 0.0 }, 0.0)), None);
     let other = sine(45.0, 0.02);
-    assert_eq!(told(&over_time(|log, t| if log % 2 == 0 { own(log, t) } else { other(log, t) }, 0.0)), None);
+    assert_eq!(told(&humming(|log, t| if log % 2 == 0 { own(log, t) } else { other(log, t) }, 0.0)), None);
     // What moves at the same frequency may be its reason.
-    assert_eq!(told(&over_time(own, 1.0)), None);
-    assert!(told(&over_time(other, 1.0)).is_some_and(|(found, _)| (found - 45.0).abs() <= 1.0));
+    assert_eq!(told(&humming(own, 1.0)), None);
+    assert!(told(&humming(other, 1.0)).is_some_and(|(found, _)| (found - 45.0).abs() <= 1.0));
 }

@@ -190,6 +190,8 @@ fn certificates_say_how_and_are_tight() {
                 w.min <= optimum.ratio * (1.0 + 1e-9) && optimum.ratio <= w.max * (1.0 + 1e-9)
             };
             assert!(optimum.windows.iter().any(inside) && inside(optimum.window()));
+            // Windows lie apart, from left to right.
+            assert!(optimum.windows.windows(2).all(|pair| pair[0].max < pair[1].min), "{i}: {:?}", optimum.windows);
         }
         println!("{own} of {all} by {how}, {loose} with a gap beyond 3e-7");
         // Some objectives have a proof of their own (least mass); those of a third kind would be a fallback.
