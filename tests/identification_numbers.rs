@@ -88,6 +88,9 @@ fn with_angles(points: &[Point], columns: &str, row: &str, angles: bool) -> Repo
     identify(&bench, &Options::default()).unwrap_or_else(|e| panic!("{e}")).remove(0)
 }
 
+/// A function of a point: a column of a regression.
+type Function = Box<dyn Fn(&Point) -> f64>;
+
 /// A regression by hand.
 struct Hand<'a> {
     points: &'a [Point],
@@ -397,12 +400,12 @@ fn structure_without_a_name_is_told_with_its_share() {
 }
 
 /// The current, a free function of a variable (piecewise linear over nine quantiles) and, for speed, the direction.
-fn free_of(points: &[Point], of: fn(&Point) -> f64) -> Vec<Box<dyn Fn(&Point) -> f64>> {
+fn free_of(points: &[Point], of: fn(&Point) -> f64) -> Vec<Function> {
     let mut sorted: Vec<f64> = points.iter().map(of).collect();
     sorted.sort_by(f64::total_cmp);
     let knot = |k: usize| sorted[((sorted.len() - 1) as f64 * k as f64 / 8.0).round() as usize];
     let knots: Vec<f64> = (0..9).map(knot).collect();
-    let mut functions: Vec<Box<dyn Fn(&Point) -> f64>> = vec![Box::new(current)];
+    let mut functions: Vec<Function> = vec![Box::new(current)];
     for k in 0..9 {
         let (knots, middle) = (knots.clone(), knots[k]);
         functions.push(Box::new(move |p| {
@@ -417,7 +420,7 @@ fn free_of(points: &[Point], of: fn(&Point) -> f64) -> Vec<Box<dyn Fn(&Point) ->
     functions
 }
 
-fn references(functions: &[Box<dyn Fn(&Point) -> f64>]) -> Vec<&dyn Fn(&Point) -> f64> {
+fn references(functions: &[Function]) -> Vec<&dyn Fn(&Point) -> f64> {
     functions.iter().map(AsRef::as_ref).collect()
 }
 
@@ -504,7 +507,7 @@ fn cogging_of_two_orders_is_found_with_its_numbers() {
     let steps: Vec<&str> = report.stages.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(steps, ["declared", "artefacts", "refit", "cogging order 12", "cogging order 6", "final"]);
     // The stronger order first; a cosine and a sine each.
-    let functions: [Box<dyn Fn(&Point) -> f64>; 4] = [
+    let functions: [Function; 4] = [
         Box::new(move |p| -RATIO * twelve(p).cos()),
         Box::new(move |p| -RATIO * twelve(p).sin()),
         Box::new(move |p| -RATIO * six(p).cos()),
