@@ -1,7 +1,8 @@
 //! An independent check of the ratio program: random joints are solved by `design::optimize`, and again
 //! in `raw` by looking at more than a thousand ratios, one after the other, straight from the raw waveforms.
 //!
-//! `GEARWISE_CASES=10` makes it ten times as many cases, `GEARWISE_TELL=1` prints those that disagree in full.
+//! `GEARWISE_CASES=10` makes it ten times as many cases (`0.1` a tenth, which is too few to say how often what
+//! occurs), `GEARWISE_TELL=1` prints those that disagree in full.
 
 mod raw;
 
@@ -144,22 +145,28 @@ fn run(cases: std::ops::Range<u64>, convex: bool, limits: usize) {
         }
     }
     assert!(wrong.is_empty(), "{} cases disagree: {:?}", wrong.len(), wrong.iter().map(|w| w.0).collect::<Vec<_>>());
-    assert!(close * 50 < all && feasible * 9 > all * 4 && feasible * 5 < all * 4 && binding.len() >= limits);
+    if times() >= 1.0 {
+        assert!(close * 50 < all && feasible * 9 > all * 4 && feasible * 5 < all * 4 && binding.len() >= limits);
+    }
 }
 
 /// How many times the usual number of cases.
-fn times() -> u64 {
-    std::env::var("GEARWISE_CASES").map_or(1, |cases| cases.parse().expect("GEARWISE_CASES is a number"))
+fn times() -> f64 {
+    std::env::var("GEARWISE_CASES").map_or(1.0, |cases| cases.parse().expect("GEARWISE_CASES is a number"))
+}
+
+fn cases(first: u64, usual: f64) -> std::ops::Range<u64> {
+    first..first + (usual * times()).round() as u64
 }
 
 #[test]
 fn convex_programs_agree_with_a_scan_of_the_raw_waveforms() {
-    run(0..1400 * times(), true, 20);
+    run(cases(0, 1400.0), true, 20);
 }
 
 #[test]
 fn other_programs_agree_with_a_scan_of_the_raw_waveforms() {
-    run(100_000..100_000 + 700 * times(), false, 21);
+    run(cases(100_000, 700.0), false, 21);
 }
 
 /// Parts of constant heat are the model's own approximation: here heat is linear between samples, the

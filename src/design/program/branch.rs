@@ -286,3 +286,94 @@ pub(super) fn worst_row(program: &RatioProgram, ratio: f64, among: impl Fn(&Dema
     // A limit counts as kept within the tolerance everywhere.
     worst.map(|(_, polynomial, bound)| (polynomial, bound + ROW_TOLERANCE * bound.abs()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    /// Random polynomials: the underestimate is convex, below, equal at the ends, least where a scan says, and the
+    /// part on which it keeps a bound is that part.
+    #[test]
+    fn underestimates_are_below_and_as_near_as_secants_are() {
+        let mut random = Pcg64::seed_from_u64(5);
+        let (mut parts, mut empty) = (0, 0);
+        for _ in 0..300 {
+            let middle = 10.0_f64.powf(random.random_range(-1.0..2.0));
+            let (a, b) = (middle, middle * random.random_range(1.01..20.0));
+            let terms: Vec<(f64, i32)> =
+                (-2..=4).map(|p| (random.random_range(-1.0..1.0) * middle.powi(-p), p)).collect();
+            let polynomial =
+                terms.iter().map(|(c, p)| Laurent::monomial(*c, *p)).fold(Laurent::default(), |x, y| x + y);
+            let under = Underestimator::new(&polynomial, a, b);
+            let largest = |n: f64| terms.iter().map(|(c, p)| (c * n.powi(*p)).abs()).sum::<f64>();
+            let size = largest(a).max(largest(b));
+            // Every term at its worst end.
+            let worst: f64 = terms.iter().map(|(c, p)| c.abs() * a.powi(*p).max(b.powi(*p))).sum();
+            assert!((under.size / worst - 1.0).abs() < 1e-12);
+            // Concave terms are on their secants: the ends are met.
+            for end in [a, b] {
+                assert!((under.at(end) - polynomial.at(end)).abs() <= 1e-12 * size);
+            }
+            let grid: Vec<f64> = (0..=600).map(|k| (a + (b - a) * f64::from(k) / 600.0).min(b)).collect();
+            for n in &grid {
+                // Term by term: convex ones as they are, the others on their secant between the ends.
+                let by_hand: f64 = terms
+                    .iter()
+                    .map(|(c, p)| {
+                        let at = |n: f64| c * n.powi(*p);
+                        if *c >= 0.0 || *p == 0 || *p == 1 {
+                            at(*n)
+                        } else {
+                            at(a) + (at(b) - at(a)) * (n - a) / (b - a)
+                        }
+                    })
+                    .sum();
+                assert!((under.at(*n) - by_hand).abs() <= 1e-11 * size, "{} {by_hand}", under.at(*n));
+                assert!(under.at(*n) <= polynomial.at(*n) + 1e-12 * size);
+            }
+            let least = under.minimum(a, b);
+            let scanned = grid.iter().map(|n| under.at(*n)).fold(f64::INFINITY, f64::min);
+            assert!(least >= a && least <= b && under.at(least) <= scanned + 1e-13 * size);
+            // Within half a step of the grid's best.
+            let bound =
+                under.at(least) + random.random_range(-0.2..1.0) * (under.at(a).max(under.at(b)) - under.at(least));
+            match under.below(bound, a, b) {
+                None => {
+                    empty += 1;
+                    assert!(under.at(least) > bound);
+                }
+                Some((start, end)) => {
+                    parts += 1;
+                    assert!(start >= a && end <= b && start <= end);
+                    for n in &grid {
+                        let inside = *n >= start && *n <= end;
+                        assert!(inside || under.at(*n) > bound - 1e-12 * size);
+                        assert!(!inside || under.at(*n) <= bound + 1e-9 * size, "{n} in {start} {end}");
+                    }
+                }
+            }
+        }
+        assert!(parts > 150 && empty > 20, "{parts} {empty}");
+        // An interval of one ratio.
+        let point = Underestimator::new(&Laurent::monomial(-2.0, 2), 3.0, 3.0);
+        assert_eq!(
+            (point.at(3.0), point.minimum(3.0, 3.0), point.below(-18.0, 3.0, 3.0)),
+            (-18.0, 3.0, Some((3.0, 3.0)))
+        );
+        assert_eq!(point.below(-18.1, 3.0, 3.0), None);
+    }
+
+    /// The heap gives the least bound first, and of equal ones the leftmost.
+    #[test]
+    fn the_most_promising_interval_comes_first() {
+        let interval = |a: f64, bound: f64| Interval { a, b: a + 1.0, bound };
+        let mut heap =
+            BinaryHeap::from([interval(3.0, 2.0), interval(2.0, 1.0), interval(1.0, 1.0), interval(0.0, 5.0)]);
+        let order: Vec<f64> = std::iter::from_fn(|| heap.pop().map(|i| i.a)).collect();
+        assert_eq!(order, [1.0, 2.0, 3.0, 0.0]);
+        assert!(interval(1.0, 2.0) == interval(1.0, 2.0) && interval(1.0, 2.0) != interval(1.0, 3.0));
+        assert!(interval(1.0, 2.0) != interval(2.0, 2.0) && interval(1.0, 2.0) > interval(1.0, 3.0));
+    }
+}

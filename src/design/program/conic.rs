@@ -261,3 +261,6 @@ fn balanced_bound(f: &[f64; 4], rows: &[Row], u: f64, low: f64, high: f64) -> f6
     let binding = rows.iter().filter(|r| r.excess(u).abs() < 1e-7);
     binding.map(|r| lower_bound(f, &[(*r, balancing_multiplier(f, r, u))], low, high)).fold(free, f64::max)
 }
+
+#[cfg(test)]
+mod tests;

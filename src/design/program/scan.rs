@@ -235,3 +235,39 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
         .unwrap_or(f64::INFINITY);
     Infeasible::Nowhere { bind, least: over, ratio: least.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bottom_of_a_valley_is_found_to_the_root_of_rounding() {
+        for (place, a, b) in [(2.0, 1.0, 10.0), (9.9, 1.0, 10.0), (1.01, 1.0, 10.0), (-3.0, -7.0, 1.0), (5e6, 1.0, 1e7)]
+        {
+            let found = golden(&|x: f64| (x - place).powi(2), a, b);
+            assert!((found - place).abs() < 1e-7 * (b - a), "{found} {place}");
+            // A kink is found to its last digits.
+            let found = golden(&|x: f64| (x - place).abs(), a, b);
+            assert!((found - place).abs() < 1e-12 * b.abs().max(a.abs()), "{found} {place}");
+        }
+        // Monotone functions have their least value at an end.
+        assert!(golden(&|x: f64| x, 1.0, 2.0) < 1.0 + 1e-12 && golden(&|x: f64| -x, 1.0, 2.0) > 2.0 - 1e-12);
+    }
+
+    #[test]
+    fn the_least_value_over_intervals_is_refined_in_every_valley() {
+        // Two valleys, the lower one narrow and to the right.
+        let f = |x: f64| ((x - 2.0).powi(2) + 0.1).min(50.0 * (x - 7.3).powi(2));
+        let (n, v) = least(&f, &[(1.0, 10.0)], 200).unwrap();
+        assert!((n - 7.3).abs() < 1e-6 && v < 1e-9);
+        // Cut off by the intervals: the first one's valley, the others' ends.
+        let (n, v) = least(&f, &[(1.0, 5.0), (8.0, 9.0)], 200).unwrap();
+        assert!((n - 2.0).abs() < 1e-6 && (v - 0.1).abs() < 1e-9);
+        assert_eq!(least(&f, &[(3.0, 5.0)], 200).unwrap().0, 3.0);
+        assert_eq!(least(&f, &[(4.0, 4.0)], 200), Some((4.0, f(4.0))));
+        assert_eq!(least(&f, &[], 200), None);
+        assert_eq!(least(&|_| f64::INFINITY, &[(1.0, 2.0)], 20), None);
+        // Of equal values the first.
+        assert_eq!(least(&|_| 1.0, &[(1.0, 2.0), (3.0, 4.0)], 20).unwrap().0, 1.0);
+    }
+}

@@ -134,3 +134,6 @@ fn root(row: &Row, outside: f64, inside: f64) -> f64 {
     }
     if row.excess(u) <= ROW_TOLERANCE { u } else { good }
 }
+
+#[cfg(test)]
+mod tests;

@@ -526,3 +526,6 @@ fn squares_given(total: &DMatrix<f64>, p: usize, given: &[f64]) -> f64 {
     let small = map.transpose() * total * map;
     super::regression::squares(&small, &solve(&small).coefficients)
 }
+
+#[cfg(test)]
+mod tests;

@@ -462,3 +462,6 @@ fn projection(total: &DMatrix<f64>, p: usize, extra: usize) -> DMatrix<f64> {
     let inverse = solve(&padded).inverse;
     inverse * cross
 }
+
+#[cfg(test)]
+mod steady;

@@ -259,4 +259,17 @@ mod tests {
             assert!(column[range].iter().sum::<f64>().abs() < 1e-10);
         }
     }
+
+    /// `t = mean / √(variance/n)` of the differences between blocks.
+    #[test]
+    fn a_paired_comparison_is_in_standard_errors() {
+        // Differences 1, 2, 3, 4: mean 2.5, variance 5/3.
+        let (before, after) = ([3.0, 4.0, 5.0, 6.0, f64::NAN], [2.0, 2.0, 2.0, 2.0, 1.0]);
+        assert_relative_eq!(paired(&before, &after), 2.5 / (5.0_f64 / 3.0 / 4.0).sqrt(), max_relative = 1e-12);
+        assert_relative_eq!(paired(&after, &before), -paired(&before, &after));
+        // Three blocks say nothing, nor do differences that are all the same.
+        assert_eq!(paired(&before[..3], &after[..3]), 0.0);
+        assert_eq!(paired(&[2.0; 6], &[1.0; 6]), 0.0);
+        assert_eq!(finite_sum(&[1.0, f64::NAN, 2.0, f64::INFINITY]), 3.0);
+    }
 }

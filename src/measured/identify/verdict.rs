@@ -589,3 +589,6 @@ fn separating_run(a: &str, b: &str) -> &'static str {
         "a run in which speed, load and current vary independently would separate them"
     }
 }
+
+#[cfg(test)]
+mod tests;

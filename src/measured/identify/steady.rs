@@ -1,0 +1,64 @@
+//! Benches of steady points, for the tests of this room: no filter stands between what is written here and the
+//! rows of the regression.
+
+use std::fmt::Write;
+
+use super::balance::{Balance, Corrections, Setting, Target};
+use super::{ROWS, Term, Work};
+use crate::actuator::effects::effect;
+use crate::measured::{Bench, read};
+
+/// Torque constant of the declared motor \[N·m/A\].
+pub const CONSTANT: f64 = 0.1;
+
+/// A number between −1 and 1 that depends on its place alone.
+pub fn noise(place: usize) -> f64 {
+    let mut x = (place as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+/// Logs of speed \[rad/s\], current \[A\] and torque at the sensor \[N·m\]; the last `held_out` of them only judge.
+pub fn bench(ratio: f64, logs: &[Vec<[f64; 3]>], held_out: usize) -> Bench {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("it can be written");
+    write(
+        "motors.csv",
+        &format!(
+            "id,terminals,current,resistance [ohm],torque_constant [N*m/A],source,source_kind\n\
+             m,q_axis,q_axis,0.5,{CONSTANT},-,derived\n"
+        ),
+    );
+    let mut text = format!(
+        "catalog = [\"motors.csv\"]\nactuator = {{ motor = \"m\", ratio = {ratio} }}\nkind = \"steady_table\"\n[columns]\n\
+         current = {{ name = \"i\", unit = \"A\", convention = \"q_axis\" }}\n\
+         velocity = {{ name = \"w\", unit = \"rad/s\", side = \"motor\" }}\n\
+         torque = {{ name = \"tau\", unit = \"N*m\", side = \"output\" }}\n"
+    );
+    for (k, log) in logs.iter().enumerate() {
+        let mut rows = String::from("w,i,tau\n");
+        for [w, i, tau] in log {
+            writeln!(rows, "{w:?},{i:?},{tau:?}").expect("text grows");
+        }
+        write(&format!("{k}.csv"), &rows);
+        let usage = if k + held_out < logs.len() { "fit" } else { "held_out" };
+        writeln!(text, "[[log]]\nfile = \"{k}.csv\"\nuse = \"{usage}\"").expect("text grows");
+    }
+    write("bench.toml", &text);
+    read::read(&folder.path().join("bench.toml")).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+/// The model of a bench before anything is looked for.
+pub fn work(bench: &Bench) -> Work<'_> {
+    let logs = bench.logs.len();
+    let setting = Setting { corrections: Corrections::none(logs), band: None, rows: ROWS, samples: usize::MAX };
+    Work::new(bench, Balance::new(bench, Target::Torque, &setting).expect("rows"))
+}
+
+/// Adds an effect that the declared model lacks.
+pub fn add(work: &mut Work, name: &str, shape: f64) {
+    let effect = effect(name).expect("an effect");
+    let columns = work.balance.effect_columns(effect, shape);
+    work.terms.push(Term { kind: super::Kind::Effect(effect, shape), columns, declared: None });
+}
