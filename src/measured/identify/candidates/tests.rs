@@ -44,7 +44,7 @@ fn chance_is_a_random_walk() {
     assert!(threshold > 4.5 && threshold < 9.0, "{threshold} of {blocks} blocks");
     // (Σ ±1)²/n: n less an even number, squared.
     let steps = (threshold * blocks as f64).sqrt();
-    assert!((steps - steps.round()).abs() < 1e-5 && (steps.round() as usize + blocks) % 2 == 0, "{steps}");
+    assert!((steps - steps.round()).abs() < 1e-5 && (steps.round() as usize + blocks).is_multiple_of(2), "{steps}");
     // The best of many walks goes farther than one, and nothing goes nowhere.
     let many: Vec<Candidate> = (0..20)
         .map(|c| candidate((0..blocks).map(|b| DVector::from_element(1, noise(1000 * c + b))).collect()))

@@ -57,7 +57,7 @@ fn every_pair_of_look_alikes_has_its_run() {
 #[test]
 fn runs_are_proposed_for_what_is_open() {
     let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), 0.0]).collect();
-    let (geared, direct) = (bench(6.0, &[points.clone()], 0), bench(1.0, &[points], 0));
+    let (geared, direct) = (bench(6.0, std::slice::from_ref(&points), 0), bench(1.0, &[points], 0));
     let (geared, direct) = (work(&geared), work(&direct));
     let selection = |refused: Vec<Refused>| Selection { refused, open: Vec::new() };
     let none = selection(Vec::new());
