@@ -9,7 +9,7 @@ use std::sync::Arc;
 use approx::assert_relative_eq;
 use gearwise::actuator::envelope::Steady;
 use gearwise::actuator::fitted::{self, FittedEffect, FittedGear, Shortfall};
-use gearwise::actuator::limits::{Asked, Check, Class, Demand, LIMITS};
+use gearwise::actuator::limits::{Asked, Candidate, Check, Class, Demand, LIMITS};
 use gearwise::actuator::metrics::{Estimate, METRICS, at_matched_inertia, metric};
 use gearwise::actuator::shaft::Flow;
 use gearwise::actuator::step_response::{simulate, simulate_and_watch};
@@ -536,6 +536,10 @@ fn limits_say_whose_they_are_and_what_is_left() {
     }
     case.motor.conventions.commutation = Commutation::Brushed;
     assert_relative_eq!(at(&case, "peak_current").unwrap().bound, 4.0, max_relative = 1e-12);
+    // Of two that are equal it is the motor's.
+    case.motor.peak_current = Some(at(&case, "peak_current").unwrap().bound);
+    assert_eq!(at(&case, "peak_current").unwrap().owner, "motor");
+    case.motor.peak_current = Some(5.0);
     case.motor.conventions.commutation = Commutation::Brushless;
     // The lower of two temperatures.
     case.motor.thermal_resistance = Some(2.0);
@@ -544,6 +548,7 @@ fn limits_say_whose_they_are_and_what_is_left() {
         (None, Some(390.0), 390.0, "requirement"),
         (Some(400.0), Some(390.0), 390.0, "requirement"),
         (Some(380.0), Some(390.0), 380.0, "motor"),
+        (Some(390.0), Some(390.0), 390.0, "motor"),
     ] {
         case.motor.max_winding_temperature = motor;
         case.robot.joints[0].limits.winding_temperature = asked;
@@ -920,4 +925,55 @@ fn the_envelope_is_where_its_functional_meets_the_bound() {
         }
     }
     assert!(met > 300 && none > 50 && endless > 20, "{met} {none} {endless}");
+}
+
+/// A waveform with changed features has the same points but for these, in both directions of power.
+#[test]
+fn changed_waveforms_have_the_same_points() {
+    let mut flows = [0, 0];
+    for i in 0..20 {
+        let case = draw(i, false);
+        let joint = &case.robot.joints[0];
+        let wave = Load::new(&joint.motion, None).waveform;
+        let changed = wave.changed(|x| x[0] *= 3.0);
+        let actuator = Actuator::new(&case.motor, case.motor.rotor_inertia.unwrap(), &joint.gear);
+        assert_eq!(changed.len(), wave.len());
+        for i in 0..wave.len() {
+            let mut expected = wave.point(i);
+            expected.features[0] *= 3.0;
+            assert_eq!(changed.point(i), expected);
+            flows[expected.flow as usize] += 1;
+        }
+        for n in [2.0, 20.0, 200.0] {
+            for functional in [Functional::TorqueSquared, Functional::VoltageSquared, Functional::Power] {
+                let found = changed.largest(functional, &actuator, n);
+                let at = |i: usize| {
+                    let p = changed.point(i);
+                    functional.polynomial(&actuator, p.flow, &p.features).at(n)
+                };
+                let most = (0..changed.len()).map(at).fold(f64::NEG_INFINITY, f64::max);
+                let size = (0..changed.len()).map(|i| at(i).abs()).fold(0.0, f64::max);
+                assert!((found.value - most).abs() <= 1e-9 * size && (at(found.index) - most).abs() <= 1e-9 * size);
+            }
+        }
+    }
+    assert!(flows[0] > 100 && flows[1] > 100, "{flows:?}");
+}
+
+/// What a gear of the catalogue does not say cannot be checked; a requirement that says nothing asks for nothing.
+#[test]
+fn a_gear_of_the_catalogue_that_is_silent_is_unknown() {
+    let mut case = draw(3, true);
+    let gear = &mut case.robot.joints[0].gear;
+    (gear.peak_torque, gear.continuous_torque) = (None, None);
+    let joint = &case.robot.joints[0];
+    let load = Load::new(&joint.motion, None);
+    let asked = continuous_candidate(&case.robot, joint, &load, &case.motor).unwrap();
+    let catalog = Catalog::builtin().unwrap();
+    let listed = Candidate { catalog_gear: catalog.gears.first(), ..asked };
+    for name in ["gear_peak_torque", "gear_continuous_torque"] {
+        let limit = LIMITS.iter().find(|l| l.name == name).unwrap();
+        assert!(matches!(limit.check(&asked), Check::NotAsked), "{name}");
+        assert!(matches!(limit.check(&listed), Check::Unknown(why) if why.ends_with("torque is not known")), "{name}");
+    }
 }

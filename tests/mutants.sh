@@ -11,6 +11,7 @@
 # Results go to tests/mutants.csv (one line for each room) and target/mutants/<room>.jsonl (one for each mutant).
 # Needs Python 3 with venv and PyPI for tree-sitter. BUDGET: seconds of processor that one mutant may cost.
 set -euo pipefail
+export PYTHONDONTWRITEBYTECODE=1
 cd "$(dirname "$0")/.."
 work=target/mutants
 tree=$work/tree

@@ -182,7 +182,7 @@ fn certificates_say_how_and_are_tight() {
             let Certificate::Certified { lower_bound, gap, method } = optimum.certificate else {
                 panic!("{i} is not certified")
             };
-            assert!(lower_bound <= optimum.objective && gap <= 1e-6 && gap >= 0.0);
+            assert!(lower_bound <= optimum.objective && (0.0..=1e-6).contains(&gap));
             all += 1;
             own += usize::from(method == how);
             loose += usize::from(gap > 3e-7);

@@ -169,13 +169,13 @@ impl Shortfall {
 
     /// Largest current of a largest torque of the motion \[A\].
     pub fn peak_current(&self, torque: f64) -> f64 {
-        if self.saturation.is_none() {
+        let Some(saturation) = self.saturation else {
             return match self.ripple == 0.0 && self.proportional == 0.0 {
                 true => torque / self.torque_constant,
                 false => (torque + self.ripple) / (self.torque_constant * (1.0 - self.proportional).max(0.0)),
             };
-        }
-        self.saturated((torque + self.ripple) / (1.0 - self.proportional).max(0.0)).0
+        };
+        self.saturated(saturation, (torque + self.ripple) / (1.0 - self.proportional).max(0.0)).0
     }
 
     /// Derivative of [`Self::peak_current`] \[A/(N·m)\].
@@ -183,7 +183,7 @@ impl Shortfall {
         let share = (1.0 - self.proportional).max(0.0);
         match self.saturation {
             None => 1.0 / (self.torque_constant * share),
-            Some(_) => self.saturated((torque + self.ripple) / share).1 / share,
+            Some(saturation) => self.saturated(saturation, (torque + self.ripple) / share).1 / share,
         }
     }
 
@@ -201,22 +201,19 @@ impl Shortfall {
     /// function. Ripple is added in its mean square.
     pub fn current_squared(&self, torque_squared: f64) -> (f64, f64) {
         let squared = (torque_squared + self.ripple_mean_square) * self.proportional_heat;
-        if self.saturation.is_none() {
+        let Some(saturation) = self.saturation else {
             let per_square = 1.0 / (self.torque_constant * self.torque_constant);
             return (squared * per_square, self.proportional_heat * per_square);
-        }
+        };
         let torque = squared.sqrt();
-        let (current, slope) = self.saturated(torque);
+        let (current, slope) = self.saturated(saturation, torque);
         // d(i²)/d(T²) = i i'/T, which is 1/K_T² where both vanish.
         let per_square = if torque > 0.0 { current * slope / torque } else { self.torque_constant.powi(-2) };
         (current * current, per_square * self.proportional_heat)
     }
 
     /// Current at a torque ≥ 0 of the saturated curve \[A\] and its derivative \[A/(N·m)\].
-    fn saturated(&self, torque: f64) -> (f64, f64) {
-        let Some(saturation) = self.saturation else {
-            return (torque / self.torque_constant, 1.0 / self.torque_constant);
-        };
+    fn saturated(&self, saturation: Saturation, torque: f64) -> (f64, f64) {
         let k_t = self.torque_constant;
         let end = saturation.torque(k_t, saturation.last);
         if torque > end.0 {

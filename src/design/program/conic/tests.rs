@@ -131,7 +131,7 @@ fn the_valley_of_an_objective_is_found_and_proved_without_the_solver() {
                     assert_eq!(lowest(&goal, 1.0, 0.5 * valley), 0.5 * valley);
                     assert_eq!(lowest(&goal, 2.0 * valley, 1e4), 2.0 * valley);
                 }
-                if valley < 1.0001 || valley > 9000.0 {
+                if !(1.0001..=9000.0).contains(&valley) {
                     continue;
                 }
                 // Near the proposal only: a thousandth to either side, and within the window.

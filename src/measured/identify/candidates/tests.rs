@@ -44,7 +44,7 @@ fn chance_is_a_random_walk() {
     assert!(threshold > 4.5 && threshold < 9.0, "{threshold} of {blocks} blocks");
     // (Σ ±1)²/n: n less an even number, squared.
     let steps = (threshold * blocks as f64).sqrt();
-    assert!((steps - steps.round()).abs() < 1e-5 && (steps.round() as usize + blocks) % 2 == 0, "{steps}");
+    assert!((steps - steps.round()).abs() < 1e-5 && (steps.round() as usize + blocks).is_multiple_of(2), "{steps}");
     // The best of many walks goes farther than one, and nothing goes nowhere.
     let many: Vec<Candidate> = (0..20)
         .map(|c| candidate((0..blocks).map(|b| DVector::from_element(1, noise(1000 * c + b))).collect()))
@@ -84,6 +84,19 @@ fn a_log_that_gets_worse_objects() {
     assert_eq!(object(&|log, w| if log == 2 { 0.0 } else { 0.05 } * w.signum()), Some(2));
     // A log with half as much is better off with it than without.
     assert_eq!(object(&|log, w| if log == 2 { 0.035 } else { 0.05 } * w.signum()), None);
+    // Two logs are enough to object.
+    let pair = |log: usize| -> Vec<[f64; 3]> {
+        let sign = if log == 0 { 1.0 } else { -1.0 };
+        let point = |k: usize| {
+            let (w, i) = (100.0 * noise(300 * log + k), 5.0 * noise(300 * log + k + 5000));
+            [w, i, RATIO * (CONSTANT * i - sign * 0.05 * w.signum()) + 0.03 * noise(300 * log + k + 9000)]
+        };
+        (0..300).map(point).collect()
+    };
+    let two = super::super::steady::bench(RATIO, &[pair(0), pair(1)], 0);
+    let of_two = super::super::steady::work(&two);
+    let candidate = evaluate(&of_two, &of_two.fit(), coulomb, 0.0).unwrap();
+    assert_eq!(log_that_objects(&of_two, &candidate), Some(0));
     let alone: Vec<[f64; 3]> = (0..300).map(|k| [100.0 * noise(k), noise(k + 500), noise(k + 900)]).collect();
     let bench = bench(RATIO, &[alone], 0);
     let work = work(&bench);

@@ -57,7 +57,7 @@ fn every_pair_of_look_alikes_has_its_run() {
 #[test]
 fn runs_are_proposed_for_what_is_open() {
     let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), 0.0]).collect();
-    let (geared, direct) = (bench(6.0, &[points.clone()], 0), bench(1.0, &[points], 0));
+    let (geared, direct) = (bench(6.0, std::slice::from_ref(&points), 0), bench(1.0, &[points], 0));
     let (geared, direct) = (work(&geared), work(&direct));
     let selection = |refused: Vec<Refused>| Selection { refused, open: Vec::new() };
     let none = selection(Vec::new());
@@ -145,4 +145,31 @@ fn verdicts_and_stages_have_their_words() {
     assert_eq!(label(effect("eddy_drag"), 12.0), "eddy_drag");
     assert_eq!(number_name(effect("cogging"), 12.0, "sine"), "cogging.12.sine");
     assert_eq!(number_name(effect("eddy_drag"), 12.0, "speed"), "eddy_drag.speed");
+}
+
+/// A load that seems scaled by s is a torque constant that is scaled by 1/s; what is held stays as declared.
+#[test]
+fn parameters_are_told_with_their_errors() {
+    let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), noise(k + 900)]).collect();
+    let bench = bench(6.0, &[points], 0);
+    let mut work = work(&bench);
+    let first = work.balance.base[0].name;
+    let names = [first.to_string()];
+    let matrix = nalgebra::DMatrix::from_element(1, 1, 4e-4);
+    let told = parameters(&work, &names, &matrix, &[1.25], &[]);
+    assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
+    assert_eq!((told[0].fitted, told[0].standard_error, told[0].unit), (1.25, Some(0.02), "N*m/A"));
+    // 0.1/1.25 = 0.08, with 0.1 · 0.02/1.25².
+    work.balance.base[0].name = "load_scale";
+    let told = parameters(&work, &["load_scale".to_string()], &matrix, &[1.25], &[]);
+    assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
+    assert!((told[0].fitted - 0.08).abs() < 1e-15 && told[0].unit == "N*m/A");
+    assert!((told[0].standard_error.unwrap() - 0.00128).abs() < 1e-15);
+    work.balance.base[0].name = first;
+    let held = parameters(&work, &[], &matrix, &[], &[first]);
+    assert_eq!(
+        (held.len(), held[0].declared, held[0].fitted, held[0].standard_error),
+        (1, Some(CONSTANT), CONSTANT, None)
+    );
+    assert!(parameters(&work, &[], &matrix, &[], &[]).is_empty());
 }
