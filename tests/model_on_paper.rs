@@ -490,16 +490,13 @@ fn what_was_fitted_is_said_with_how_it_enters() {
         fitted::notes(&with_gear, &joint, None).iter().any(|n| n.effect == "gear" && n.how.contains("is not used"))
     );
     for (effects, why) in [
-        (
-            vec![("stribeck_friction", [0.01, 5.0].as_slice())],
-            Some("stribeck_friction is evaluated on a grid of ratios"),
-        ),
-        (vec![("eddy_drag", [0.01, 5.0].as_slice())], Some("eddy_drag is evaluated on a grid of ratios")),
+        (vec![("stribeck_friction", [0.01, 5.0].as_slice())], "stribeck_friction is evaluated on a grid of ratios"),
+        (vec![("eddy_drag", [0.01, 5.0].as_slice())], "eddy_drag is evaluated on a grid of ratios"),
         (
             vec![("eddy_drag", [0.01, 5.0].as_slice()), ("stribeck_friction", [0.01, 5.0].as_slice())],
-            Some("stribeck_friction and eddy_drag are evaluated on a grid of ratios"),
+            "eddy_drag and stribeck_friction are evaluated on a grid of ratios",
         ),
-        (vec![("coulomb_friction", [0.01].as_slice())], None),
+        (vec![("coulomb_friction", [0.01].as_slice())], ""),
     ] {
         assert_eq!(fitted::why_evaluated(&with(&plain, &effects)), why);
     }
@@ -564,12 +561,17 @@ fn limits_say_whose_they_are_and_what_is_left() {
     case.robot.ambient = 500.0;
     assert_eq!(at(&case, "winding_temperature").unwrap().bound, 0.0);
     let asked = at(&case, "peak_current").unwrap();
-    let bounded = |bound: f64| Asked { bound, ..asked };
-    assert_eq!(bounded(8.0).margin(2.0), 0.75);
-    assert_eq!(bounded(8.0).margin(-2.0), 1.0);
-    assert_eq!(bounded(8.0).margin(10.0), -0.25);
-    assert_eq!((bounded(0.0).margin(0.0), bounded(0.0).margin(-1.0), bounded(0.0).margin(1e-9)), (0.0, 0.0, -1.0));
-    assert_eq!(bounded(8.0).margin(f64::INFINITY), -1e6);
+    let joint = &case.robot.joints[0];
+    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let candidate = continuous_candidate(&case.robot, joint, &load, &case.motor).unwrap();
+    let margin =
+        |bound: f64, demand: f64| Asked { bound, squared: false, factor: 1.0, ..asked }.margin(&candidate, 3.0, demand);
+    assert_eq!((margin(8.0, 2.0), margin(8.0, -2.0), margin(8.0, 10.0)), (0.75, 1.0, -0.25));
+    assert_eq!(margin(8.0, f64::INFINITY), -1e6);
+    // Of a limit of zero, what rounding leaves of the terms that cancel is nothing.
+    let size = asked.polynomial_at(&candidate, 3.0).unwrap().0.size(3.0);
+    assert_eq!((margin(0.0, 0.0), margin(0.0, -1.0)), (0.0, 0.0));
+    assert_eq!((margin(0.0, 0.5e-9 * size), margin(0.0, 2e-9 * size)), (0.0, -1.0));
     // The functional is the square of the demand, with the sign kept; and back.
     let square = Asked { squared: true, factor: 2.0, ..asked };
     let straight = Asked { squared: false, factor: 2.0, ..asked };

@@ -29,7 +29,9 @@ fn made_again(page: &str) -> (String, usize) {
     let mut lines = page.split_inclusive('\n').peekable();
     while let Some(line) = lines.next() {
         out.push_str(line);
-        let Some(path) = line.trim().strip_prefix("<!-- rows of ").and_then(|l| l.strip_suffix(" -->")) else { continue };
+        let Some(path) = line.trim().strip_prefix("<!-- rows of ").and_then(|l| l.strip_suffix(" -->")) else {
+            continue;
+        };
         while lines.next_if(|l| l.starts_with('|')).is_some() {}
         out.push_str(&table(path));
         tables += 1;
@@ -45,7 +47,10 @@ fn the_tables_are_what_the_scripts_wrote() {
     if std::env::var("INSTA_UPDATE").is_ok_and(|v| v == "always") {
         fs::write(PAGE, &again).expect("the page can be written");
     } else {
-        assert_eq!(page, again, "{PAGE} is not what the scripts wrote: INSTA_UPDATE=always cargo test --test reliability");
+        assert_eq!(
+            page, again,
+            "{PAGE} is not what the scripts wrote: INSTA_UPDATE=always cargo test --test reliability"
+        );
     }
 }
 

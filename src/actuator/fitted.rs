@@ -285,7 +285,11 @@ pub fn drag(motor: &Motor, speed: f64, direction: f64) -> (f64, f64) {
 pub fn why_evaluated(motor: &Motor) -> String {
     let has = |name: &str| evaluated(motor).any(|e| e.name() == name);
     let names: Vec<&str> = EFFECTS.iter().map(|e| e.name()).filter(|name| has(name)).collect();
-    let verb = if names.len() == 1 { "is" } else { "are" };
+    let verb = match names.len() {
+        0 => return String::new(),
+        1 => "is",
+        _ => "are",
+    };
     format!("{} {verb} evaluated on a grid of ratios", names.join(" and "))
 }
 
