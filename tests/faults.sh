@@ -3,6 +3,7 @@
 #
 #   tests/faults.sh [GEARWISE]        the program (default: target/release/gearwise, else target/debug/gearwise)
 #   KILLS=200 tests/faults.sh         more kills for each kind of output (default 40)
+#   RECORD=tests/faults.csv tests/faults.sh   the lines as a CSV file too, for docs/reliability.md
 #   ONLY='disk|kill' tests/faults.sh  some of them: disk, folder, kill, change, log, rows, joints, motion
 #
 # As root it mounts small file systems; otherwise those lines say that they were left out. Exit status 1 if a line is
@@ -25,7 +26,10 @@ cleanup() {
 trap cleanup EXIT
 cd "$WORK" || exit 2
 
-line() { printf '%s | %s | %s\n' "$1" "$2" "$3"; case $3 in ok*|left\ out*) ;; *) bad=1 ;; esac; }
+RECORD=${RECORD:+$(realpath "$RECORD")}
+[ -z "$RECORD" ] || echo 'what,how,result' > "$RECORD"
+record() { [ -z "$RECORD" ] || printf '"%s","%s","%s"\n' "${1//\"/\"\"}" "${2//\"/\"\"}" "${3//\"/\"\"}" >> "$RECORD"; }
+line() { record "$@"; printf '%s | %s | %s\n' "$1" "$2" "$3"; case $3 in ok*|left\ out*) ;; *) bad=1 ;; esac; }
 wanted() { [[ $1 =~ $ONLY ]]; }
 
 # What every line needs: a robot, motors, a design, a bench, a database.

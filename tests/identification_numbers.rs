@@ -747,3 +747,18 @@ fn a_hum_is_told_with_its_frequency() {
     assert_eq!(told(&humming(own, 1.0)), None);
     assert!(told(&humming(other, 1.0)).is_some_and(|(found, _)| (found - 45.0).abs() <= 1.0));
 }
+
+/// The same where the band is as wide as the sampling allows: what the filter leaves above it is no measure of a line.
+#[test]
+fn a_hum_is_told_at_the_widest_band() {
+    for hertz in [31.0, 50.0, 150.0] {
+        let report = over_time(Some(200.0), |log, t| {
+            let hum = 0.05 * (std::f64::consts::TAU * hertz * t + 2.0 * log as f64).sin();
+            let current = 3.0 * wild(log, t);
+            [current, 60.0 + 30.0 * (1.3 * t + log as f64).sin(), RATIO * TRUE * current + hum]
+        });
+        let line = report.unexplained.iter().find_map(|u| u.detail.strip_prefix("a line at ")?.split(" Hz").next());
+        let found: f64 = line.unwrap_or_else(|| panic!("{hertz}: {:?}", report.unexplained)).parse().unwrap();
+        assert!((found - hertz).abs() <= 1.0, "{found} {hertz}");
+    }
+}

@@ -228,8 +228,14 @@ fn hum(work: &Work, fit: &Fit) -> Option<(f64, f64)> {
         if at.len() < 256 || step <= 0.0 {
             continue;
         }
-        let values: Vec<f64> = at.iter().map(|k| residual[*k]).collect();
-        let density = signals::welch(&values, step, 512);
+        // Above the band the filter leaves nothing: bins there would make any motion look like a line.
+        let density_of = |signal: &[f64]| {
+            let values: Vec<f64> = at.iter().map(|k| signal[*k]).collect();
+            let mut density = signals::welch(&values, step, 512);
+            density.retain(|d| work.balance.band.is_none_or(|band| d.0 <= band));
+            density
+        };
+        let density = density_of(&residual);
         let total: f64 = density.iter().skip(2).map(|d| d.1).sum();
         let Some(peak) = (3..density.len().saturating_sub(2)).max_by(|a, b| density[*a].1.total_cmp(&density[*b].1))
         else {
@@ -242,8 +248,7 @@ fn hum(work: &Work, fit: &Fit) -> Option<(f64, f64)> {
         let share = line / total.max(f64::MIN_POSITIVE);
         // Not where the motion itself has a line.
         let motion = [&speed, &direction, &current].iter().any(|signal| {
-            let values: Vec<f64> = at.iter().map(|k| signal[*k]).collect();
-            let own = signals::welch(&values, step, 512);
+            let own = density_of(signal);
             let usual = signals::median(own.iter().map(|d| d.1).collect()).unwrap_or(0.0);
             own.get(peak).is_some_and(|d| d.1.is_finite() && d.1 > 25.0 * usual)
         });
