@@ -32,10 +32,10 @@ worse=0
 counts=$(mktemp)
 trap 'rm -f "$counts"' EXIT
 printf '# compiler: %s\n# processor: %s\ncase,instructions\n' "$compiler" "$processor" > "$counts"
-for case in $("$program"); do
+while read -r case times; do
     prepared=$(count "$case" 0)
-    whole=$(count "$case" 1)
-    work=$((whole - prepared))
+    whole=$(count "$case" "$times")
+    work=$(((whole - prepared) / times))
     echo "$case,$work" >> "$counts"
     before=$(sed -n "s/^$case,//p" "$baseline" 2>/dev/null || true)
     if [ -z "$before" ]; then
@@ -48,7 +48,7 @@ for case in $("$program"); do
         worse=1
         echo "  more than 5 % above $before"
     fi
-done
+done < <("$program")
 if [ "${1:-}" = --update ]; then
     mv "$counts" "$baseline"
     trap - EXIT

@@ -16,6 +16,7 @@ if [ -z "$G" ]; then G=target/release/gearwise; [ -x "$G" ] || G=target/debug/ge
 G=$(realpath "$G") || exit 2
 KILLS=${KILLS:-40}
 ONLY=${ONLY:-.}
+RECORD=${RECORD:+$(realpath "$RECORD")}
 WORK=$(mktemp -d)
 MOUNTED=()
 bad=0
@@ -26,7 +27,6 @@ cleanup() {
 trap cleanup EXIT
 cd "$WORK" || exit 2
 
-RECORD=${RECORD:+$(realpath "$RECORD")}
 [ -z "$RECORD" ] || echo 'what,how,result' > "$RECORD"
 record() { [ -z "$RECORD" ] || printf '"%s","%s","%s"\n' "${1//\"/\"\"}" "${2//\"/\"\"}" "${3//\"/\"\"}" >> "$RECORD"; }
 line() { record "$@"; printf '%s | %s | %s\n' "$1" "$2" "$3"; case $3 in ok*|left\ out*) ;; *) bad=1 ;; esac; }

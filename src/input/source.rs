@@ -240,8 +240,10 @@ impl fmt::Display for InputError {
         let file = Numbered { source: &self.source, file: SimpleFile::new(name.clone(), &*shown) };
         let config = term::Config::default();
         for problem in self.problems.iter().take(MAX_SHOWN) {
-            let (message, label) = (tame(&problem.message), tame(&problem.label));
-            let help = problem.help.as_deref().map(tame);
+            // A tab in what is said of a file would only tear its line apart.
+            let told = |text: &str| tame(text).replace('\t', " ");
+            let (message, label) = (told(&problem.message), told(&problem.label));
+            let help = problem.help.as_deref().map(told);
             let long = problem.span.as_ref().is_some_and(|s| {
                 let text = &self.source.text;
                 let start = text[..s.start.min(text.len())].rfind('\n').map_or(0, |p| p + 1);
@@ -268,7 +270,7 @@ impl fmt::Display for InputError {
             let diagnostic = Diagnostic::error()
                 .with_message(message)
                 .with_label(Label::primary((), span).with_message(label))
-                .with_notes(help.into_iter().map(Cow::into_owned).collect());
+                .with_notes(help.into_iter().collect());
             let text = term::emit_into_string(&config, &file, &diagnostic).map_err(|_| fmt::Error)?;
             f.write_str(&text)?;
         }
