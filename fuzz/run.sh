@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fuzzes every target, two at a time: fuzz/run.sh [SECONDS [TARGET…]], 600 seconds each by default. Prints a line for each
-# and appends it to fuzz/results.csv. New inputs that reach new code go to fuzz/work/<target>; what breaks a promise goes
+# and appends it to fuzz/results.csv. New inputs that reach new code go to `work`, below here; what breaks a promise goes
 # to fuzz/artifacts/<target>. `fuzz/run.sh keep [TARGET…]` puts some of the least that reach the same code into fuzz/corpus.
 # PARALLEL: how many at a time. BUILT: a folder with targets that are built already. KEEP: how many inputs are kept.
 #
