@@ -9,7 +9,6 @@ use std::sync::Arc;
 use codespan_reporting::diagnostic::{Diagnostic, Label};
 use codespan_reporting::files::{self, Files, SimpleFile};
 use codespan_reporting::term;
-use sha2::{Digest, Sha256};
 
 use super::file::{self, Opened};
 use super::limits;
@@ -88,12 +87,8 @@ impl Source {
 
     /// SHA-256 of the file as it was read, in hexadecimal digits.
     pub fn sha256(&self) -> String {
-        let mut hash = Sha256::new();
-        if self.marked {
-            hash.update([0xef, 0xbb, 0xbf]);
-        }
-        hash.update(&self.text);
-        hex(&hash.finalize())
+        let mark: &[u8] = if self.marked { &[0xef, 0xbb, 0xbf] } else { &[] };
+        super::sha256([mark, self.text.as_bytes()])
     }
 
     /// The folder that relative paths in this file start from.

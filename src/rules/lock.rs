@@ -8,11 +8,9 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use sha2::{Digest, Sha256};
-
 use crate::catalog::convention::word;
 use crate::catalog::{FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, Motor, SourceKind};
-use crate::input::{Form, InputError, Problem, Section, Source};
+use crate::input::{Form, InputError, Problem, Section, Source, sha256};
 use crate::requirement::{Choice, DesignFile};
 
 /// Version of the lock's form.
@@ -93,15 +91,9 @@ pub fn path_of(design: &Path) -> PathBuf {
 impl Row {
     /// SHA-256 over all columns and values, in hexadecimal.
     pub fn sha256(&self) -> String {
-        let mut hash = Sha256::new();
-        for (name, value) in &self.values {
-            // Lengths keep ("ab", "c") and ("a", "bc") apart.
-            hash.update(format!("{}:{name}={}:{value}\n", name.len(), value.len()));
-        }
-        hash.finalize().iter().fold(String::new(), |mut text, byte| {
-            let _ = write!(text, "{byte:02x}");
-            text
-        })
+        // Lengths keep ("ab", "c") and ("a", "bc") apart.
+        let line = |(name, value): &(String, String)| format!("{}:{name}={}:{value}\n", name.len(), value.len());
+        sha256([self.values.iter().map(line).collect::<String>().as_bytes()])
     }
 
     fn sorted(kind: RowKind, id: &str, mut values: Vec<(String, String)>) -> Row {

@@ -15,7 +15,7 @@ use sha2::{Digest, Sha256};
 use super::plan::{BLOCK, Plan, Shard};
 use super::worker::Record;
 use super::{StudyError, work};
-use crate::input::{Source, hex};
+use crate::input::{Source, hex, sha256};
 use crate::report::file::{make_folder, write_whole};
 
 /// Name of the journal's folder.
@@ -240,7 +240,7 @@ fn json(value: &impl serde::Serialize) -> Result<String, StudyError> {
 }
 
 fn checksum(text: &[u8]) -> String {
-    hex(&Sha256::digest(text))[..DIGITS].to_string()
+    sha256([text])[..DIGITS].to_string()
 }
 
 fn line_of(record: &Record) -> Result<Vec<u8>, StudyError> {

@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
-use sha2::{Digest, Sha256};
 
 use super::relative;
+use crate::input::sha256;
 use crate::rules::{Applied, Finding, Location, Report, Severity};
 
 /// Where the form is described.
@@ -70,8 +70,7 @@ fn result(report: &Report, finding: &Finding, root: &Path) -> Value {
     let help = finding.help.as_ref().map_or_else(String::new, |h| format!(". {h}"));
     let reason = finding.reason.as_ref().map_or_else(String::new, |r| format!(" (rules file: {r})"));
     let (design, _) = uri(report.facts.design.source.name(), root);
-    let fingerprint = Sha256::digest(format!("{design}\n{}", finding.identity(rule)));
-    let fingerprint: String = fingerprint.iter().map(|byte| format!("{byte:02x}")).collect();
+    let fingerprint = sha256([format!("{design}\n{}", finding.identity(rule)).as_bytes()]);
     let mut result = json!({
         "ruleId": rule.code, "ruleIndex": finding.rule, "level": level(finding.severity),
         "message": { "text": format!("{joint}{}{reason}{help}", finding.message) },
