@@ -38,6 +38,7 @@ pub mod catalog;
 pub mod cli;
 pub mod design;
 pub mod input;
+mod line_search;
 pub mod measured;
 pub mod mechanism;
 pub mod report;

@@ -2,12 +2,13 @@
 //! best one is sensitive to, and what would have to change where none is feasible.
 
 use super::optimize::Reason;
-use super::program::{Infeasible, Optimum, Outcome, RatioProgram, golden_section};
+use super::program::{Infeasible, Optimum, Outcome, RatioProgram};
 use super::spring::{SpringChoice, choose};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
 use crate::actuator::limits::Asked;
 use crate::catalog::{Gear, Motor};
+use crate::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
 /// Everything about a motor at a joint.
@@ -233,7 +234,7 @@ fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<R
         let demand = |n: f64| asked.raw_demand(&prepared.candidate, n).0;
         let mut least: Option<(f64, f64)> = None;
         for window in &optimum.windows {
-            let inside = golden_section(&demand, window.min, window.max);
+            let inside = golden_section(&demand, window.min, window.max, FULLY);
             for n in [window.min, inside, window.max] {
                 let value = demand(n);
                 if least.is_none_or(|(_, l)| value < l) {

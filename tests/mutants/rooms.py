@@ -6,7 +6,7 @@ ROOMS = {
     # The model: shaft torque, voltage, heat, limits, effects that a fitted actuator brings along.
     "actuator": {"src/actuator/*.rs": None},
     # The ratio program: window, cones, branch and bound, certificate, prices.
-    "program": {"src/design/program/*.rs": None},
+    "program": {"src/design/program/*.rs": None, "src/line_search.rs": None},
     # What the numbers of a data sheet refer to.
     "conventions": {"src/catalog/convention.rs": None, "src/catalog/sheet.rs": None},
     # What makes identification name an effect, refuse it, or say that something is left. Not the balance, the
@@ -15,7 +15,7 @@ ROOMS = {
         "src/measured/identify/verdict.rs": None,
         "src/measured/identify/structure.rs": None,
         "src/measured/identify/candidates.rs": [
-            "carries_another", "Selection::*", "is", "rank", "evaluate_all", "evaluate", "projected_norms",
+            "carries_another", "Selection::*", "is", "rank", "evaluate_all", "is_preferred", "evaluate", "projected_norms",
             "block_scores", "statistic", "signed_statistic", "chance_threshold", "gain_of", "gain_beside",
             "log_that_objects", "squares_given"],
         "src/measured/identify/artefacts.rs": ["find", "list", "gains", "usual_gains", "lags", "refine"],

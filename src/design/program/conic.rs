@@ -7,8 +7,9 @@ use super::certificate::{balancing_multiplier, lower_bound};
 use super::objective::Goal;
 use super::window::minimise;
 use super::{
-    Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Row, Window, prices, scan, value,
+    Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Row, Window, prices, value,
 };
+use crate::line_search::{FULLY, golden_section};
 
 /// Rounds of adding violated rows and cuts.
 const MAX_ROUNDS: usize = 60;
@@ -229,7 +230,7 @@ fn finish(
 /// The least value in the window, without a proposal: the valley of a convex objective.
 fn lowest(goal: &Goal, start: f64, end: f64) -> f64 {
     let at = |ln_u: f64| goal.value((0.5 * ln_u).exp());
-    let inside = scan::golden(&at, start.ln(), end.ln()).exp().clamp(start, end);
+    let inside = golden_section(&at, start.ln(), end.ln(), FULLY).exp().clamp(start, end);
     [start, end]
         .into_iter()
         .fold(inside, |best, u| if goal.value(u.sqrt()) < goal.value(best.sqrt()) { u } else { best })
@@ -238,7 +239,7 @@ fn lowest(goal: &Goal, start: f64, end: f64) -> f64 {
 /// The least value near the proposal: a convex objective has one valley.
 fn sharpen(goal: &Goal, u: f64, start: f64, end: f64) -> f64 {
     let at = |u: f64| goal.value(u.sqrt());
-    let found = scan::golden(&at, (u * 0.999).max(start), (u * 1.001).min(end));
+    let found = golden_section(&at, (u * 0.999).max(start), (u * 1.001).min(end), FULLY);
     if at(found) < at(u) { found } else { u }
 }
 

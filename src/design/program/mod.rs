@@ -22,11 +22,11 @@ use std::borrow::Cow;
 
 use crate::actuator::Laurent;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
+use crate::line_search::{FULLY, golden_section};
 use crate::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
 
-pub use scan::golden as golden_section;
 pub(in crate::design) use window::minimise;
 
 /// Rows are met to this relative accuracy in the functional.
@@ -401,7 +401,7 @@ impl<'a> RatioProgram<'a> {
     fn never(&self, index: usize) -> Infeasible {
         let Limited { candidate, asked } = self.limits[index];
         let demand = |ln_n: f64| asked.raw_demand(candidate, ln_n.exp()).0;
-        let ratio = scan::golden(&demand, self.range.0.ln(), self.range.1.ln()).exp();
+        let ratio = golden_section(&demand, self.range.0.ln(), self.range.1.ln(), FULLY).exp();
         let ends = [self.range.0, self.range.1];
         let ratio =
             ends.into_iter().fold(ratio, |best, end| if demand(end.ln()) < demand(best.ln()) { end } else { best });

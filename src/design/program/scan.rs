@@ -5,6 +5,7 @@ use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
 use crate::actuator::limits::Check;
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
+use crate::line_search::{FULLY, golden_section};
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 1000;
@@ -60,7 +61,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     }
     let feasible = |e: f64| e <= FEASIBILITY_TOLERANCE;
     let look = |turn: &Turn| {
-        let n = golden(&|n| turn.sign * excess(n), turn.ends.0, turn.ends.1);
+        let n = golden_section(&|n| turn.sign * excess(n), turn.ends.0, turn.ends.1, FULLY);
         (n, excess(n))
     };
     let mut seen: Vec<Option<(f64, f64)>> = turns.iter().map(|t| (!t.certain).then(|| look(t))).collect();
@@ -160,28 +161,6 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
     (good, bind)
 }
 
-/// Bottom of a valley between `a` and `b`, by golden section.
-pub fn golden(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
-    let share = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut c, mut d) = (b - share * (b - a), a + share * (b - a));
-    let (mut fc, mut fd) = (f(c), f(d));
-    for _ in 0..80 {
-        if fc <= fd {
-            (b, d, fd) = (d, c, fc);
-            c = b - share * (b - a);
-            fc = f(c);
-        } else {
-            (a, c, fc) = (c, d, fd);
-            d = a + share * (b - a);
-            fd = f(d);
-        }
-        if b - a <= 1e-13 * b.abs() {
-            break;
-        }
-    }
-    if fc <= fd { c } else { d }
-}
-
 /// The best ratio over all windows.
 fn best_of(program: &RatioProgram, goal: &Goal, windows: &[Window]) -> Option<(f64, f64)> {
     least(&|n| goal.value(n), &pieces(program, windows), count(program))
@@ -216,7 +195,7 @@ fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize) ->
             offer(grid[i], values[i]);
             let (left, right) = (i.saturating_sub(1), (i + 1).min(grid.len() - 1));
             if left < right && values[i] <= values[left] && values[i] <= values[right] {
-                let n = golden(value, grid[left], grid[right]);
+                let n = golden_section(value, grid[left], grid[right], FULLY);
                 offer(n, value(n));
             }
         }
@@ -239,20 +218,6 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_bottom_of_a_valley_is_found_to_the_root_of_rounding() {
-        for (place, a, b) in [(2.0, 1.0, 10.0), (9.9, 1.0, 10.0), (1.01, 1.0, 10.0), (-3.0, -7.0, 1.0), (5e6, 1.0, 1e7)]
-        {
-            let found = golden(&|x: f64| (x - place).powi(2), a, b);
-            assert!((found - place).abs() < 1e-7 * (b - a), "{found} {place}");
-            // A kink is found to its last digits.
-            let found = golden(&|x: f64| (x - place).abs(), a, b);
-            assert!((found - place).abs() < 1e-12 * b.abs().max(a.abs()), "{found} {place}");
-        }
-        // Monotone functions have their least value at an end.
-        assert!(golden(&|x: f64| x, 1.0, 2.0) < 1.0 + 1e-12 && golden(&|x: f64| -x, 1.0, 2.0) > 2.0 - 1e-12);
-    }
 
     #[test]
     fn the_least_value_over_intervals_is_refined_in_every_valley() {

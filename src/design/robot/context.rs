@@ -16,8 +16,9 @@ use super::{Combination, Options};
 use crate::actuator::Load;
 use crate::catalog::Catalog;
 use crate::design::optimize::{Design, design};
-use crate::design::program::{RatioProgram, golden_section, minimise, value};
+use crate::design::program::{RatioProgram, minimise, value};
 use crate::design::{Prepared, continuous_candidate, geared_candidate, load_through};
+use crate::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
 /// Menus of joints under loads of their own that are made at most.
@@ -436,7 +437,7 @@ fn priced(
     let program = RatioProgram::new(&prepared, &joint.objective, item.ratios.0, item.ratios.1);
     let at = |ln_n: f64| scale * program.objective_at(ln_n.exp()) + power(ln_n.exp());
     let (a, b) = item.ratios;
-    let inside = golden_section(&at, a.ln(), b.ln()).exp().clamp(a, b);
+    let inside = golden_section(&at, a.ln(), b.ln(), FULLY).exp().clamp(a, b);
     let best = [a, b].into_iter().fold(inside, |best, n| if at(n.ln()) < at(best.ln()) { n } else { best });
     let (polynomial, _) = program.objective_cut(best);
     let mut sum: Convex = under(&polynomial, item.ratios, best).map(|c| c * scale);

@@ -7,6 +7,7 @@ use super::balance::{Balance, Corrections, Setting, Target};
 use super::regression::{Blocks, covariance, paired, solve, squares};
 use super::{Kind, Work};
 use crate::actuator::effects::Variable;
+use crate::line_search::golden_section;
 use crate::measured::{Bench, BenchKind, signals};
 
 /// An artefact of the measurement.
@@ -337,7 +338,7 @@ fn lags(
             let values: Vec<f64> = grid.iter().map(|l| sum(*l)).collect();
             let at = (0..grid.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
             let (low, high) = (grid[at.saturating_sub(1)], grid[(at + 1).min(grid.len() - 1)]);
-            let lag = minimum(&sum, low, high, 10);
+            let lag = golden_section(&sum, low, high, 10);
             let changed = with(lag);
             let Some(after) = coarse(&changed) else { continue };
             let (a, b) = (now.iter().sum::<f64>(), after.iter().sum::<f64>());
@@ -352,27 +353,6 @@ fn lags(
 
 fn best_step(bench: &Bench) -> f64 {
     bench.logs.iter().map(|l| signals::median_step(&l.time)).fold(0.0, f64::max)
-}
-
-/// Golden section.
-fn minimum(f: &impl Fn(f64) -> f64, mut low: f64, mut high: f64, steps: usize) -> f64 {
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
-    let (mut fa, mut fb) = (f(a), f(b));
-    for _ in 0..steps {
-        if fa <= fb {
-            high = b;
-            (b, fb) = (a, fa);
-            a = high - golden * (high - low);
-            fa = f(a);
-        } else {
-            low = a;
-            (a, fa) = (b, fb);
-            b = low + golden * (high - low);
-            fb = f(b);
-        }
-    }
-    0.5 * (low + high)
 }
 
 /// Lags again, with the effects that were found. `None` where they stay.

@@ -352,16 +352,10 @@ pub fn evaluate_all(work: &Work, fit: &Fit, effects: &[&'static dyn Effect]) -> 
     let all: Vec<Option<Candidate>> = tasks.par_iter().map(|(e, s)| evaluate(work, fit, *e, *s)).collect();
     let mut best: Vec<Candidate> = Vec::new();
     for candidate in all.into_iter().flatten() {
-        let plausible = |c: &Candidate| c.effect.plausible(&c.values, &work.balance.scale).is_ok();
+        let judged = |c: &Candidate| (c.effect.plausible(&c.values, &work.balance.scale).is_ok(), c.gain);
         match best.iter_mut().find(|b| b.effect.name() == candidate.effect.name()) {
-            // A plausible shape is preferred where it does nearly as well.
             Some(b) => {
-                let better = match (plausible(&candidate), plausible(b)) {
-                    (true, false) => candidate.gain > 0.8 * b.gain,
-                    (false, true) => 0.8 * candidate.gain > b.gain,
-                    _ => candidate.gain > b.gain,
-                };
-                if better {
+                if is_preferred(judged(&candidate), judged(b)) {
                     *b = candidate;
                 }
             }
@@ -369,6 +363,16 @@ pub fn evaluate_all(work: &Work, fit: &Fit, effects: &[&'static dyn Effect]) -> 
         }
     }
     best
+}
+
+/// Which of two shapes of an effect, each plausible or not and with its gain: a plausible one where it does nearly as
+/// well.
+fn is_preferred((plausible, gain): (bool, f64), (other_plausible, other_gain): (bool, f64)) -> bool {
+    match (plausible, other_plausible) {
+        (true, false) => gain > 0.8 * other_gain,
+        (false, true) => 0.8 * gain > other_gain,
+        _ => gain > other_gain,
+    }
 }
 
 fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64) -> Option<Candidate> {

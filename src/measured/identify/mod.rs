@@ -20,6 +20,7 @@ pub use verdict::{Found, Parameter, Pictures, Refused, Report, Stage, Unexplaine
 use nalgebra::DMatrix;
 
 use crate::actuator::effects::{Effect, Shape};
+use crate::line_search::golden_section;
 use crate::measured::Bench;
 use regression::{Blocks, Solution, finite_sum, solve};
 
@@ -330,7 +331,6 @@ impl<'a> Work<'a> {
             if matches!(effect.shape(), Shape::None | Shape::Order) || self.terms[t].declared.is_some() {
                 continue;
             }
-            let (mut low, mut high) = ((shape / 1.7).ln(), (shape * 1.7).ln());
             let squares = |ln_shape: f64| {
                 let own = self.balance.effect_columns(effect, ln_shape.exp());
                 let mut columns = self.columns_without(t);
@@ -346,24 +346,11 @@ impl<'a> Work<'a> {
                 }
                 regression::squares(&total, &solution.coefficients)
             };
-            let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-            let mut inner = [high - golden * (high - low), low + golden * (high - low)];
-            let mut values = inner.map(squares);
-            for _ in 0..14 {
-                if values[0] <= values[1] {
-                    high = inner[1];
-                    inner = [high - golden * (high - low), inner[0]];
-                    values = [squares(inner[0]), values[0]];
-                } else {
-                    low = inner[0];
-                    inner = [inner[1], low + golden * (high - low)];
-                    values = [values[1], squares(inner[1])];
-                }
-            }
-            if values.iter().all(|v| v.is_infinite()) {
+            let best = golden_section(&squares, (shape / 1.7).ln(), (shape * 1.7).ln(), 14);
+            if squares(best).is_infinite() {
                 continue;
             }
-            let best = (0.5 * (low + high)).exp();
+            let best = best.exp();
             self.terms[t].columns = self.balance.effect_columns(effect, best);
             self.terms[t].kind = Kind::Effect(effect, best);
         }
