@@ -1,4 +1,4 @@
-//! Benches of steady points, for the tests of this room: no filter stands between what is written here and the
+//! Benches for the tests of this room, most of steady points: no filter stands between what is written here and the
 //! rows of the regression.
 
 use std::fmt::Write;
@@ -21,6 +21,17 @@ pub fn noise(place: usize) -> f64 {
 
 /// Logs of speed \[rad/s\], current \[A\] and torque at the sensor \[N·m\]; the last `held_out` of them only judge.
 pub fn bench(ratio: f64, logs: &[Vec<[f64; 3]>], held_out: usize) -> Bench {
+    let columns = [
+        "velocity = { name = \"0\", unit = \"rad/s\", side = \"motor\" }",
+        "current = { name = \"1\", unit = \"A\", convention = \"q_axis\" }",
+        "torque = { name = \"2\", unit = \"N*m\", side = \"output\" }",
+    ];
+    let logs: Vec<Vec<Vec<f64>>> = logs.iter().map(|log| log.iter().map(|row| row.to_vec()).collect()).collect();
+    bench_of("steady_table", ratio, &columns, &logs, held_out)
+}
+
+/// Logs of a kind whose columns are described by lines of `[columns]`, named by their places.
+pub fn bench_of(kind: &str, ratio: f64, columns: &[&str], logs: &[Vec<Vec<f64>>], held_out: usize) -> Bench {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("it can be written");
     write(
@@ -31,15 +42,14 @@ pub fn bench(ratio: f64, logs: &[Vec<[f64; 3]>], held_out: usize) -> Bench {
         ),
     );
     let mut text = format!(
-        "catalog = [\"motors.csv\"]\nactuator = {{ motor = \"m\", ratio = {ratio} }}\nkind = \"steady_table\"\n[columns]\n\
-         current = {{ name = \"i\", unit = \"A\", convention = \"q_axis\" }}\n\
-         velocity = {{ name = \"w\", unit = \"rad/s\", side = \"motor\" }}\n\
-         torque = {{ name = \"tau\", unit = \"N*m\", side = \"output\" }}\n"
+        "catalog = [\"motors.csv\"]\nactuator = {{ motor = \"m\", ratio = {ratio} }}\nkind = \"{kind}\"\n[columns]\n{}\n",
+        columns.join("\n")
     );
+    let line = |row: &mut dyn Iterator<Item = String>| row.collect::<Vec<String>>().join(",") + "\n";
     for (k, log) in logs.iter().enumerate() {
-        let mut rows = String::from("w,i,tau\n");
-        for [w, i, tau] in log {
-            writeln!(rows, "{w:?},{i:?},{tau:?}").expect("text grows");
+        let mut rows = line(&mut (0..columns.len()).map(|c| c.to_string()));
+        for row in log {
+            rows += &line(&mut row.iter().map(|v| format!("{v:?}")));
         }
         write(&format!("{k}.csv"), &rows);
         let usage = if k + held_out < logs.len() { "fit" } else { "held_out" };
@@ -51,9 +61,14 @@ pub fn bench(ratio: f64, logs: &[Vec<[f64; 3]>], held_out: usize) -> Bench {
 
 /// The model of a bench before anything is looked for.
 pub fn work(bench: &Bench) -> Work<'_> {
+    work_on(bench, Target::Torque)
+}
+
+/// The same of another equation.
+pub fn work_on(bench: &Bench, target: Target) -> Work<'_> {
     let logs = bench.logs.len();
     let setting = Setting { corrections: Corrections::none(logs), band: None, rows: ROWS, samples: usize::MAX };
-    Work::new(bench, Balance::new(bench, Target::Torque, &setting).expect("rows"))
+    Work::new(bench, Balance::new(bench, target, &setting).expect("rows"))
 }
 
 /// Adds an effect that the declared model lacks.

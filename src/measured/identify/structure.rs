@@ -263,3 +263,6 @@ fn hum(work: &Work, fit: &Fit) -> Option<(f64, f64)> {
     }
     best.filter(|(_, _, logs)| 2 * logs > seen).map(|(f, s, _)| (f, s))
 }
+
+#[cfg(test)]
+mod tests;
