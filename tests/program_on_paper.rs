@@ -365,3 +365,104 @@ fn least_mass_takes_the_least_loss_of_its_stages() {
         }
     }
 }
+
+/// Where what is allowed is a hair from what is asked at most, the window has a gap that is narrower than any grid; where
+/// it is a hair above what is asked at least, it is a window as narrow. The ends are where the raw demand meets the bound.
+#[test]
+fn gaps_and_windows_narrower_than_the_grid_are_seen() {
+    let back = |case: &Case, n: f64| case.look(n).limits.iter().find(|l| l.0 == "regeneration").unwrap().1;
+    let watt = |case: &Case, n: f64| case.look(n).limits.iter().find(|l| l.0 == "bus_power").unwrap().1;
+    let inner = |f: &dyn Fn(f64) -> f64| {
+        // The bottom of the lowest valley inside of the range, refined in ln N.
+        let at = |k: f64| (1e3_f64.ln() * k / 400.0).exp();
+        let k = (1..400).min_by(|a, b| f(at(f64::from(*a))).total_cmp(&f(at(f64::from(*b))))).unwrap();
+        (10..390)
+            .contains(&k)
+            .then(|| raw::golden(|ln| f(ln.exp()), [at(f64::from(k - 1)).ln(), at(f64::from(k + 1)).ln()]).exp())
+    };
+    let (mut gaps, mut slits) = (0, 0);
+    for i in 0..60 {
+        let mut case = free(i);
+        case.robot.bus.drive_efficiency = 0.9;
+        if let Some(top) = inner(&|n| -back(&case, n)).filter(|n| back(&case, *n) > 1e-3) {
+            for hair in [1e-6, 1e-8] {
+                let bound = back(&case, top) * (1.0 - hair);
+                case.robot.bus.regeneration = Regeneration::Limited(bound);
+                let outcome = with_program(&case, |p| p.solve());
+                let Outcome::Optimal(optimum) = outcome else { panic!("{i}: {outcome:?}") };
+                // On either side of the top there is a window that ends where power flowing back is what is allowed.
+                let ends = (
+                    optimum.windows.iter().find(|w| (w.max / top - 1.0).abs() < 1e-2 && w.max < top),
+                    optimum.windows.iter().find(|w| (w.min / top - 1.0).abs() < 1e-2 && w.min > top),
+                );
+                let (Some(below), Some(above)) = ends else { panic!("{i} {hair} {top}: {:?}", optimum.windows) };
+                assert_eq!((below.high.limit, above.low.limit), ("regeneration", "regeneration"));
+                for n in [below.max, above.min] {
+                    let off = (back(&case, n) / bound - 1.0).abs();
+                    assert!(off < 0.1 * hair, "{i} {hair}: {n} of {top}, {off:e}");
+                }
+                gaps += 1;
+            }
+        }
+        // A regeneration limit that never binds makes the program one that is not convex.
+        case.robot.bus.regeneration = Regeneration::Limited(1e12);
+        case.robot.joints[0].gear.backdrive_efficiency = case.robot.joints[0].gear.efficiency;
+        if let Some(bottom) = inner(&|n| watt(&case, n)).filter(|n| watt(&case, *n) > 1e-3) {
+            for hair in [1e-6, 1e-8] {
+                let bound = watt(&case, bottom) * (1.0 + hair);
+                case.robot.bus.power = Some(bound);
+                let outcome = with_program(&case, |p| p.solve());
+                let Outcome::Optimal(optimum) = outcome else { panic!("{i} {hair}: {outcome:?}") };
+                let [window] = optimum.windows.as_slice() else { panic!("{i}: {:?}", optimum.windows) };
+                assert_eq!((window.low.limit, window.high.limit), ("bus_power", "bus_power"));
+                assert!(window.min < bottom && bottom < window.max, "{window:?} {bottom}");
+                for n in [window.min, window.max] {
+                    let off = (watt(&case, n) / bound - 1.0).abs();
+                    assert!(off < 0.1 * hair, "{i} {hair}: {n} of {bottom}, {off:e}");
+                }
+                slits += 1;
+            }
+            case.robot.bus.power = None;
+        }
+    }
+    println!("{gaps} gaps, {slits} slits");
+    assert!(gaps > 5 && slits > 20, "{gaps} {slits}");
+}
+
+/// Where evaluated effects stand, the end of the range that holds the ratio has its price: the slope of the objective
+/// there. An end that does not hold it has none.
+#[test]
+fn the_end_of_the_range_has_its_price_where_ratios_are_evaluated() {
+    let mut checked = 0;
+    for i in 0..12 {
+        let mut case = free(i);
+        let current = (case.look(30.0).quantities[0] / case.motor.resistance).sqrt();
+        let speed = 30.0 * case.raw.iter().map(|p| p.velocity.abs()).fold(1e-3, f64::max);
+        let drag = FittedEffect::new("eddy_drag", vec![0.05 * case.motor.torque_constant * current, speed]).unwrap();
+        case.motor.effects = vec![drag];
+        let best = |case: &Case| solved(case).unwrap().0;
+        let whole = best(&case);
+        if !(2.0..500.0).contains(&whole.ratio) {
+            continue;
+        }
+        assert!(whole.shadow_prices.is_empty(), "{i}: {:?}", whole.shadow_prices);
+        for (min, max, end) in [(1.0, 0.6 * whole.ratio, "ratio_max"), (1.7 * whole.ratio, 1000.0, "ratio_min")] {
+            case.robot.joints[0].ratio = RatioChoice::Continuous { min, max };
+            let held = best(&case);
+            let at = if end == "ratio_max" { max } else { min };
+            assert!((held.ratio / at - 1.0).abs() < 1e-9, "{i}: {} {at}", held.ratio);
+            let [price] = held.shadow_prices.as_slice() else { panic!("{i}: {:?}", held.shadow_prices) };
+            assert_eq!(price.limit, end);
+            let mut moved = |factor: f64| {
+                let range = if end == "ratio_max" { (min, max * factor) } else { (min * factor, max) };
+                case.robot.joints[0].ratio = RatioChoice::Continuous { min: range.0, max: range.1 };
+                best(&Case::new(case.motor.clone(), case.robot.clone(), case.raw.clone())).objective
+            };
+            let slope = (moved(1.0 + 1e-5) - moved(1.0 - 1e-5)) / (2e-5 * at);
+            assert!((price.price / slope - 1.0).abs() < 1e-3, "{i} {end}: {price:?} {slope}");
+            assert!((price.elasticity / (price.price * at / held.objective) - 1.0).abs() < 1e-9);
+            checked += 1;
+        }
+    }
+    assert!(checked > 7, "{checked}");
+}

@@ -23,7 +23,8 @@ from pathlib import Path
 
 # Tests as a user would see the crate, next to those inside of it. Each costs a link, and no more.
 SUITES = ["worked_examples", "properties", "optimality", "second_formulation", "effects_in_design", "extremes", "cords",
-          "spring", "robust", "identification", "brute_force", "plots", "model_on_paper", "identification_numbers"]
+          "spring", "robust", "identification", "brute_force", "plots", "model_on_paper", "identification_numbers",
+          "program_on_paper", "robot_enumeration"]
 # Pictures against pictures of before: they would notice any change, and say of none what is right.
 LEFT_OUT = ["every_command_draws_its_picture", "the_committed_pictures_are_what_the_program_draws"]
 # What a mutant may cost all in all [s of processor], and what a test may take longer than without a mutant.
