@@ -382,3 +382,6 @@ pub fn refine(
     let moved = (better.target_lag - corrections.target_lag).abs() + (better.motion_lag - corrections.motion_lag).abs();
     (moved > 0.05 * work.balance.step()).then_some(better)
 }
+
+#[cfg(test)]
+mod tests;

@@ -59,6 +59,42 @@ pub fn bench_of(kind: &str, ratio: f64, columns: &[&str], logs: &[Vec<Vec<f64>>]
     read::read(&folder.path().join("bench.toml")).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
+/// Speed, current, torque and, where `warm`, winding temperature over time, a kilosample a second; two logs.
+pub fn moving(samples: usize, warm: bool) -> Bench {
+    moving_at(1.0, samples, warm)
+}
+
+/// The same with faster turns.
+pub fn moving_at(pace: f64, samples: usize, warm: bool) -> Bench {
+    let mut columns = vec![
+        "time = { name = \"0\", unit = \"s\" }",
+        "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
+        "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
+        "torque = { name = \"3\", unit = \"N*m\", side = \"output\" }",
+    ];
+    if warm {
+        columns.push("winding_temperature = { name = \"4\", unit = \"degC\" }");
+    }
+    let logs: Vec<Vec<Vec<f64>>> = (0..2)
+        .map(|log| {
+            let row = |k: usize| {
+                let t = 1e-3 * k as f64;
+                let phase = log as f64;
+                let w = 60.0 * (3.0 * pace * t + phase).sin()
+                    + 25.0 * (7.1 * pace * t).cos()
+                    + 0.3 * noise(k + 90_000 * (log + 1));
+                let i = 3.0 * (11.0 * t + 2.0 * phase).sin() + 2.0 * (17.3 * t).cos();
+                let tau = 6.0 * CONSTANT * i + 0.01 * noise(k + 50_000 * (log + 1));
+                let mut row = vec![t, w, i, tau];
+                row.extend(warm.then(|| 25.0 + 30.0 * (1.0 + (0.9 * t + phase).sin())));
+                row
+            };
+            (0..samples).map(row).collect()
+        })
+        .collect();
+    bench_of("dynamometer", 6.0, &columns, &logs, 0)
+}
+
 /// The model of a bench before anything is looked for.
 pub fn work(bench: &Bench) -> Work<'_> {
     work_on(bench, Target::Torque)

@@ -1,7 +1,6 @@
 use super::super::balance::Target;
-use super::super::steady::{CONSTANT, bench, bench_of, noise, work, work_on};
+use super::super::steady::{bench, bench_of, moving, moving_at, noise, work, work_on};
 use super::*;
-use crate::measured::Bench;
 
 /// Hats over knots at quantiles: one at their own knot, zero at the others, together one everywhere.
 #[test]
@@ -28,42 +27,6 @@ fn hats_are_a_partition_of_unity() {
     assert!(super::hats(&[1.0; 30]).is_empty() && super::hats(&[]).is_empty());
     assert!(super::hats(&[1.0, 2.0, 2.0, 1.0]).is_empty());
     assert_eq!(super::hats(&[1.0, 2.0, 3.0]).len(), 3);
-}
-
-/// Speed, current, torque and, where `warm`, winding temperature over time, a kilosample a second; two logs.
-fn moving(samples: usize, warm: bool) -> Bench {
-    moving_at(1.0, samples, warm)
-}
-
-/// The same with faster turns.
-fn moving_at(pace: f64, samples: usize, warm: bool) -> Bench {
-    let mut columns = vec![
-        "time = { name = \"0\", unit = \"s\" }",
-        "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
-        "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
-        "torque = { name = \"3\", unit = \"N*m\", side = \"output\" }",
-    ];
-    if warm {
-        columns.push("winding_temperature = { name = \"4\", unit = \"degC\" }");
-    }
-    let logs: Vec<Vec<Vec<f64>>> = (0..2)
-        .map(|log| {
-            let row = |k: usize| {
-                let t = 1e-3 * k as f64;
-                let phase = log as f64;
-                let w = 60.0 * (3.0 * pace * t + phase).sin()
-                    + 25.0 * (7.1 * pace * t).cos()
-                    + 0.3 * noise(k + 90_000 * (log + 1));
-                let i = 3.0 * (11.0 * t + 2.0 * phase).sin() + 2.0 * (17.3 * t).cos();
-                let tau = 6.0 * CONSTANT * i + 0.01 * noise(k + 50_000 * (log + 1));
-                let mut row = vec![t, w, i, tau];
-                row.extend(warm.then(|| 25.0 + 30.0 * (1.0 + (0.9 * t + phase).sin())));
-                row
-            };
-            (0..samples).map(row).collect()
-        })
-        .collect();
-    bench_of("dynamometer", 6.0, &columns, &logs, 0)
 }
 
 #[test]
