@@ -48,6 +48,10 @@ printf 'time [s],torque [N*m],position [deg]\n0,1,0\n0.1,2,30\n0.2,0,10\n0.3,-1,
 for design in requirements/designs/*; do
     { grep -v '^#' "$design/rules.toml"; named design.lock; grep -v '^#' "$design/design.lock"; } | put rules "$(basename "$design")"
 done
+for design in requirements/designs/*/design.toml; do
+    name=$(basename "$(dirname "$design")")
+    grep -v '^#' "$design" | put design "$name"
+done
 grep -v '^#' requirements/studies/quadruped.toml | put study quadruped
 cat << 'END' | put study many
 requirements = ["a.toml", "robots/*.toml"]

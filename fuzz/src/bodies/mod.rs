@@ -19,6 +19,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("requirement", readers::requirement),
     ("motion", readers::motion),
     ("rules", readers::rules),
+    ("design", readers::design),
     ("study", readers::study),
     ("urdf", readers::mechanism),
     ("mjcf", readers::mechanism),

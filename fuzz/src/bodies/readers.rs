@@ -1,6 +1,6 @@
 //! Readers of texts: catalogues, requirements, motions, rules and locks, studies, descriptions of robots.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use gearwise::actuator::metrics::METRICS;
@@ -89,22 +89,39 @@ pub fn motion(bytes: &[u8]) {
     }
 }
 
-/// What designs are checked by: a design of the built-in motors that keeps its limits.
-fn design() -> &'static (DesignFile, Catalog) {
+/// A file of the designs of the repository.
+fn shipped(file: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().map(|a| a.join("requirements/designs"));
+    path.into_iter().find(|p| p.is_dir()).expect("the designs of the repository").join(file)
+}
+
+/// What rules are applied to: a design of the built-in motors that keeps its limits.
+fn kept() -> &'static (DesignFile, Catalog) {
     static DESIGN: OnceLock<(DesignFile, Catalog)> = OnceLock::new();
     DESIGN.get_or_init(|| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().map(|a| a.join("requirements/designs"));
-        let folder = path.into_iter().find(|p| p.is_dir()).expect("the designs of the repository");
-        let design = DesignFile::read(&folder.join("quadruped_mini_cheetah/design.toml")).expect("a design");
+        let design = DesignFile::read(&shipped("quadruped_mini_cheetah/design.toml")).expect("a design");
         (design, Catalog::builtin().expect("the built-in catalogue"))
     })
+}
+
+/// A design that may stand beside a shipped one, and what the rules say of it.
+pub fn design(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let place = shipped("quadruped_mini_cheetah/design.toml");
+    let Some(design) = accepted(DesignFile::read_source(&source(&place.to_string_lossy(), text))) else { return };
+    let catalog = &kept().1;
+    let Some(choices) = accepted_one(design.choices(catalog)) else { return };
+    assert_eq!(choices.len(), design.robot.joints.len(), "a choice for each joint");
+    positive("a ratio", choices.iter().map(|c| c.ratio));
+    drop(choices);
+    check(&RulesFile::default(), None, &design, catalog);
 }
 
 /// A rules file and the lock of a design, applied to it.
 pub fn rules(bytes: &[u8]) {
     let Some(parts) = Parts::new(bytes) else { return };
     let lock = parts.text("design.lock").map(|text| source("design.lock", text));
-    let (design, catalog) = design();
+    let (design, catalog) = kept();
     if let Some(lock) = &lock {
         accepted_one(rules::lock::Lock::read(lock, design));
     }
