@@ -381,7 +381,7 @@ fn gaps_and_windows_narrower_than_the_grid_are_seen() {
             .then(|| raw::golden(|ln| f(ln.exp()), [at(f64::from(k - 1)).ln(), at(f64::from(k + 1)).ln()]).exp())
     };
     let (mut gaps, mut slits) = (0, 0);
-    for i in 0..60 {
+    for i in 0..30 {
         let mut case = free(i);
         case.robot.bus.drive_efficiency = 0.9;
         if let Some(top) = inner(&|n| -back(&case, n)).filter(|n| back(&case, *n) > 1e-3) {
@@ -426,7 +426,7 @@ fn gaps_and_windows_narrower_than_the_grid_are_seen() {
         }
     }
     println!("{gaps} gaps, {slits} slits");
-    assert!(gaps > 5 && slits > 20, "{gaps} {slits}");
+    assert!(gaps > 3 && slits > 20, "{gaps} {slits}");
 }
 
 /// Where evaluated effects stand, the end of the range that holds the ratio has its price: the slope of the objective
@@ -434,7 +434,7 @@ fn gaps_and_windows_narrower_than_the_grid_are_seen() {
 #[test]
 fn the_end_of_the_range_has_its_price_where_ratios_are_evaluated() {
     let mut checked = 0;
-    for i in 0..12 {
+    for i in 0..5 {
         let mut case = free(i);
         let current = (case.look(30.0).quantities[0] / case.motor.resistance).sqrt();
         let speed = 30.0 * case.raw.iter().map(|p| p.velocity.abs()).fold(1e-3, f64::max);
@@ -464,5 +464,5 @@ fn the_end_of_the_range_has_its_price_where_ratios_are_evaluated() {
             checked += 1;
         }
     }
-    assert!(checked > 7, "{checked}");
+    assert!(checked > 3, "{checked}");
 }
