@@ -620,7 +620,8 @@ fn the_usual_gain_is_that_of_most_logs() {
     let wide = [0.9, 0.95, 1.0, 1.05, 1.1];
     assert_eq!(gains(&wide, None), [1.0; 5]);
     assert_eq!(gains(&[0.9, 0.95, 1.0, 1.05, 1.2], None), [1.0; 5]);
-    assert_eq!(gains(&[0.9, 0.95, 1.0, 1.05, 1.23], None), [1.0, 1.0, 1.0, 1.0, 1.0 / 1.23]);
+    assert_eq!(gains(&[0.9, 0.95, 1.0, 1.05, 1.221], None), [1.0; 5]);
+    assert_eq!(gains(&[0.9, 0.95, 1.0, 1.05, 1.223], None), [1.0, 1.0, 1.0, 1.0, 1.0 / 1.223]);
 }
 
 /// Logs over time, a kilosample a second for four seconds: `at(log, t)` gives what stands in the columns of current,

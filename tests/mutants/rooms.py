@@ -15,10 +15,10 @@ ROOMS = {
         "src/measured/identify/verdict.rs": None,
         "src/measured/identify/structure.rs": None,
         "src/measured/identify/candidates.rs": [
-            "carries_another", "Selection::*", "is", "rank", "evaluate_all", "is_preferred", "evaluate", "projected_norms",
+            "carries_another", "Selection::*", "is", "lacks", "is_told_instead", "rank", "evaluate_all", "is_preferred", "evaluate", "own_shares",
             "block_scores", "statistic", "signed_statistic", "chance_threshold", "gain_of", "gain_beside",
             "log_that_objects", "squares_given"],
-        "src/measured/identify/artefacts.rs": ["find", "list", "gains", "usual_gains", "lags", "refine"],
+        "src/measured/identify/artefacts.rs": ["find", "list", "gains", "usual_gains", "lags", "refine", "shows_lags"],
         "src/measured/identify/regression.rs": ["paired", "finite_sum"],
     },
 }

@@ -25,6 +25,8 @@ pub struct Artefact {
 
 /// Gains that differ by less from the other logs' are taken for scatter.
 const GAIN: f64 = 0.12;
+/// The same in medians of what logs differ by: three standard deviations of normal scatter.
+const SCATTER: f64 = 3.0 * 1.48;
 /// Least share of the squared error that a lag must take away.
 const WORTH: f64 = 0.02;
 /// Largest lag that is looked for \[s\].
@@ -135,13 +137,16 @@ pub fn find(bench: &Bench, balance: Balance, setting: &impl Fn(Corrections) -> S
     let mut corrections = Corrections::none(balance.logs.len());
     let target = balance.target;
     corrections.gains = gains(&balance);
-    let dynamic = balance.step() > 0.0
-        && !balance.logs.iter().all(|l| bench.logs[*l].kind == BenchKind::Stall)
-        && target != Target::WindUp;
-    if dynamic {
+    if shows_lags(bench, &balance) {
         corrections = lags(bench, target, corrections, setting, &errors);
     }
     corrections
+}
+
+/// Whether a late channel would show: over time, where something moves; and not beside a wind-up, which looks the same.
+fn shows_lags(bench: &Bench, balance: &Balance) -> bool {
+    let stands = balance.logs.iter().all(|l| bench.logs[*l].kind == BenchKind::Stall);
+    balance.step() > 0.0 && balance.target != Target::WindUp && !stands
 }
 
 /// The artefacts of all channels. One that is only told, not taken out, is looked for here in the bench's logs.
@@ -285,7 +290,7 @@ pub fn usual_gains(slopes: &[(f64, f64)], declared: Option<f64>) -> Vec<f64> {
         _ => signals::median(sizes.clone()).unwrap_or(sizes[0]),
     };
     let spread = signals::median(sizes.iter().map(|s| (s / usual - 1.0).abs()).collect());
-    let threshold = GAIN.max(3.0 * 1.48 * spread.filter(|_| sizes.len() > 3).unwrap_or(0.0));
+    let threshold = GAIN.max(SCATTER * spread.filter(|_| sizes.len() > 3).unwrap_or(0.0));
     for (gain, (slope, error)) in gains.iter_mut().zip(slopes) {
         let relative = slope.abs() / usual;
         if (relative - 1.0).abs() > threshold && (slope.abs() - usual).abs() > 6.0 * error {
@@ -363,7 +368,7 @@ pub fn refine(
     setting: &impl Fn(Corrections) -> Setting,
 ) -> Option<Corrections> {
     let target = work.balance.target;
-    if work.balance.step() == 0.0 || target == Target::WindUp {
+    if !shows_lags(bench, &work.balance) {
         return None;
     }
     let effects: Vec<_> = work.terms.iter().filter_map(|t| t.effect()).collect();

@@ -115,27 +115,8 @@ impl Selection {
                     self.refuse(name, reason);
                 }
             };
-            let percent = 100.0 * (1.0 - (1.0 - candidate.gain).max(0.0).sqrt());
-            if candidate.gain < WORTH {
-                refuse(if percent < 0.05 {
-                    "it would not lower the left-out error".into()
-                } else {
-                    format!("it would lower the left-out error by {percent:.1} %, less than 3 %")
-                });
-                continue;
-            }
-            if candidate.sure < SURE {
-                refuse(format!(
-                    "the left-out error falls by {percent:.1} %, but not beyond its scatter between blocks ({:.1} standard errors)",
-                    candidate.sure
-                ));
-                continue;
-            }
-            if statistic(&candidate.scores) < threshold {
-                refuse(format!(
-                    "the best of all candidates does as well by chance in more than {} % of trials",
-                    100.0 * CHANCE
-                ));
+            if let Some(reason) = lacks(candidate.gain, candidate.sure, statistic(&candidate.scores), threshold) {
+                refuse(reason);
                 continue;
             }
             if let Err(reason) = candidate.effect.plausible(&candidate.values, &work.balance.scale) {
@@ -143,9 +124,7 @@ impl Selection {
                 continue;
             }
             if let Some(best) = &accepted {
-                // The simpler of two that the data cannot tell apart.
-                let tied = candidate.gain > 0.85 * best.gain && paired(&candidate.left_out, &best.left_out) < 2.0;
-                if !(tied && rank(candidate.effect) < rank(best.effect)) {
+                if !is_told_instead(&candidate, best) {
                     refuse(format!("`{}` explains more", best.effect.name()));
                     continue;
                 }
@@ -267,6 +246,33 @@ impl Selection {
     }
 }
 
+/// What a candidate lacks to earn a name: a gain that is worth it, surer than its scatter between blocks, and a statistic
+/// beyond what the best of all reaches by chance.
+fn lacks(gain: f64, sure: f64, statistic: f64, threshold: f64) -> Option<String> {
+    let percent = 100.0 * (1.0 - (1.0 - gain).max(0.0).sqrt());
+    if gain < WORTH {
+        return Some(if percent < 0.05 {
+            "it would not lower the left-out error".into()
+        } else {
+            format!("it would lower the left-out error by {percent:.1} %, less than 3 %")
+        });
+    }
+    if sure < SURE {
+        return Some(format!(
+            "the left-out error falls by {percent:.1} %, but not beyond its scatter between blocks ({sure:.1} standard errors)"
+        ));
+    }
+    (statistic < threshold).then(|| {
+        format!("the best of all candidates does as well by chance in more than {} % of trials", 100.0 * CHANCE)
+    })
+}
+
+/// Whether an effect is told instead of another with a larger gain: the simpler of two that the data cannot tell apart.
+fn is_told_instead(candidate: &Candidate, best: &Candidate) -> bool {
+    let tied = candidate.gain > 0.85 * best.gain && paired(&candidate.left_out, &best.left_out) < 2.0;
+    tied && rank(candidate.effect) < rank(best.effect)
+}
+
 fn is(term: &Term, effect: &dyn Effect) -> bool {
     matches!(term.kind, Kind::Effect(e, _) if e.name() == effect.name())
 }
@@ -386,8 +392,7 @@ fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64) -> 
     let blocks = Blocks::new(&work.balance.rows, &all, &work.target);
     let total = blocks.total(|b| work.fits(b));
     // A column that the model's own columns make up says nothing new.
-    let left = projected_norms(&total, p, columns.len());
-    if left.iter().zip(&columns).enumerate().any(|(j, (l, _))| *l < 1e-6 * total[(p + j, p + j)]) {
+    if own_shares(&total, p, columns.len()).iter().any(|share| *share < 1e-6) {
         return None;
     }
     let solution = solve(&total);
@@ -400,9 +405,11 @@ fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64) -> 
     Some(Candidate { effect, shape, values, left_out, gain, sure, scores, columns })
 }
 
-fn projected_norms(total: &DMatrix<f64>, p: usize, extra: usize) -> Vec<f64> {
+/// What share of the square of each extra column the model's `p` columns do not make up.
+fn own_shares(total: &DMatrix<f64>, p: usize, extra: usize) -> Vec<f64> {
     let onto = projection(total, p, extra);
-    (0..extra).map(|j| total[(p + j, p + j)] - total.view((0, p + j), (p, 1)).dot(&onto.column(j))).collect()
+    let made_up = |j: usize| total.view((0, p + j), (p, 1)).dot(&onto.column(j));
+    (0..extra).map(|j| 1.0 - made_up(j) / total[(p + j, p + j)]).collect()
 }
 
 /// For each fitting block: the candidate's columns, less what the model's columns make of them, times the

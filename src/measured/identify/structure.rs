@@ -132,7 +132,7 @@ fn offers(work: &Work) -> Vec<Offer> {
         offers.push((None, "time and direction", columns));
     }
     let acceleration = balance.acceleration();
-    if balance.step() > 0.0 && acceleration.iter().any(|a| *a != 0.0) {
+    if acceleration.iter().any(|a| *a != 0.0) {
         let columns = hats(&acceleration)
             .iter()
             .map(|hat| {
@@ -153,9 +153,6 @@ pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(Option<Variable>, 
     let mut found = Vec::new();
     let mut shares = Vec::new();
     for (variable, name, extra) in offers(work) {
-        if extra.is_empty() || before <= 0.0 {
-            continue;
-        }
         let mut columns = work.columns();
         columns.extend(extra.iter().map(Vec::as_slice));
         let with = work.fit_columns(&columns);

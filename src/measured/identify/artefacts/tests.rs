@@ -123,6 +123,9 @@ fn lags_are_looked_for_where_there_is_time() {
     let stall = bench_of("stall", 6.0, &columns, &[stall], 0);
     let corrected = find(&stall, work(&stall).balance.clone(), &setting);
     assert_eq!((corrected.target_lag, corrected.motion_lag), (0.0, 0.0));
+    let balance = |bench: &Bench| work(bench).balance.clone();
+    let shows = [&steady, &late, &stall].map(|bench| shows_lags(bench, &balance(bench)));
+    assert_eq!(shows, [false, true, false]);
 }
 
 /// Each artefact is told once, with its channel, its log where there are several, and its unit.
@@ -191,4 +194,28 @@ fn gains_are_looked_for_where_a_sensor_says_them() {
     assert_eq!(gains(&of_logs.balance), [1.0; 4]);
     of_logs.balance.target = Target::Voltage;
     assert_eq!(gains(&of_logs.balance), [1.0; 4]);
+}
+
+/// The wind-up between two positions is compared as it is: a late one looks like a spring.
+#[test]
+fn positions_have_no_lag() {
+    let setting = |corrections: Corrections| Setting { corrections, band: None, rows: 24_000, samples: usize::MAX };
+    let columns = [
+        "time = { name = \"0\", unit = \"s\" }",
+        "torque = { name = \"1\", unit = \"N*m\", side = \"output\" }",
+        "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
+        "position = { name = \"3\", unit = \"rad\", side = \"motor\" }",
+        "output_position = { name = \"4\", unit = \"rad\", side = \"output\" }",
+    ];
+    let row = |k: usize| {
+        let t = 1e-3 * k as f64;
+        let motor = |t: f64| 9.0 * (7.0 * t).sin() + 4.0 * (19.0 * t).cos();
+        let torque = 2.0 * (5.0 * t).sin() + noise(k);
+        vec![t, torque, torque / 0.6, motor(t), motor(t - 0.006) / 6.0]
+    };
+    let bench = bench_of("dynamometer", 6.0, &columns, &[(0..2000).map(row).collect()], 0);
+    let work = work_on(&bench, Target::WindUp);
+    assert!(!shows_lags(&bench, &work.balance) && shows_lags(&bench, &work_on(&bench, Target::Torque).balance));
+    assert_eq!(find(&bench, work.balance.clone(), &setting), Corrections::none(1));
+    assert_eq!(refine(&bench, &work, &Corrections::none(1), &setting), None);
 }

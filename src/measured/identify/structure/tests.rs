@@ -148,6 +148,16 @@ fn a_drift_is_free_in_each_log() {
         assert!(of(1 - own).all(|v| v == 0.0));
         assert!(of(own).sum::<f64>().abs() < 1e-9 && of(own).map(|v| v * v).sum::<f64>() > 1.0);
     }
+    // Knots are at the log's own times, wherever those of the other lie.
+    let mut apart = super::super::steady::work(&bench);
+    for k in 0..rows.len() {
+        if rows.log[k] == 1 {
+            apart.balance.rows.time[k] = 40.0 + 3.0 * rows.time[k];
+        }
+    }
+    for (column, same) in drift(&apart).iter().zip(&columns) {
+        assert!(column.iter().zip(same).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
     // A line in time of one log is in their span, a line through both logs' times too.
     let projected = |target: Vec<f64>| {
         let mut work = super::super::steady::work(&bench);
@@ -219,8 +229,59 @@ fn a_hum_takes_some_rows() {
             assert!((frequency - 110.0).abs() < 4.0 && share > 0.5, "{frequency} {share}");
         }
     }
+    // A hum of one log of two may be anything.
+    let one = moving(enough, false);
+    let mut work_of_one = work(&one);
+    for k in 0..work_of_one.target.len() {
+        let rows = &work_of_one.balance.rows;
+        let hum = if rows.log[k] == 0 { (std::f64::consts::TAU * 110.0 * rows.time[k]).sin() } else { 0.0 };
+        work_of_one.target[k] = hum + 0.3 * noise(k);
+    }
+    assert_eq!(hum(&work_of_one, &work_of_one.fit()), None);
     let steady: Vec<[f64; 3]> = (0..400).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), noise(k + 900)]).collect();
     let steady = bench(6.0, &[steady], 0);
     let of_steady = work(&steady);
     assert_eq!(hum(&of_steady, &of_steady.fit()), None);
+}
+
+/// Orders of a position that stand out are told with it, from 8 % of what is left on.
+#[test]
+fn orders_of_a_position_stand_out() {
+    let columns = [
+        "velocity = { name = \"0\", unit = \"rad/s\", side = \"motor\" }",
+        "current = { name = \"1\", unit = \"A\", convention = \"q_axis\" }",
+        "torque = { name = \"2\", unit = \"N*m\", side = \"output\" }",
+        "position = { name = \"3\", unit = \"rad\", side = \"motor\" }",
+    ];
+    let row = |k: usize| vec![5.0 * noise(k), 3.0 * noise(k + 700), noise(k + 1400), 0.037 * k as f64];
+    let bench = bench_of("steady_table", 6.0, &columns, &[(0..2000).map(row).collect()], 0);
+    let mut work = work(&bench);
+    let angle = work.balance.variable(false, |at| at.angle);
+    let mut outcomes = [0; 2];
+    for step in 0..30 {
+        let size = 0.02 * f64::from(step);
+        work.target = (0..angle.len()).map(|k| size * (7.0 * angle[k] + 0.3).cos() + noise(k + 3000)).collect();
+        work.balance.rows.without_means(&mut work.target);
+        let fit = work.fit();
+        let mut scores = order_scores(&work, &fit, &Cogging);
+        scores.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let first: Vec<f64> = scores[..4].iter().map(|s| s.0).collect();
+        let extra: Vec<Vec<f64>> = first.iter().flat_map(|h| work.balance.effect_columns(&Cogging, *h)).collect();
+        let mut all = work.columns();
+        all.extend(extra.iter().map(Vec::as_slice));
+        let with = work.fit_columns(&all).left_out;
+        let share = 1.0 - finite_sum(&with) / finite_sum(&fit.left_out);
+        let stands_out = share > SAID && paired(&fit.left_out, &with) > SURE;
+        let (found, shares) = left(&work, &fit);
+        let told = found.iter().find(|d| d.on == "motor position");
+        assert_eq!(told.is_some(), stands_out, "{size} {share}");
+        assert_eq!(shares.iter().any(|s| s.0 == Some(Variable::Angle)), stands_out);
+        outcomes[usize::from(stands_out)] += 1;
+        if let Some(told) = told {
+            assert_eq!(first[0], 7.0);
+            assert!(told.detail.starts_with("orders 7, ") && told.detail.ends_with("of the motor position stand out"));
+            assert!((told.share - share).abs() < 1e-12);
+        }
+    }
+    assert!(outcomes.iter().all(|n| *n > 3), "{outcomes:?}");
 }

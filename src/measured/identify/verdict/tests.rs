@@ -122,6 +122,16 @@ fn a_name_of_the_wrong_shape_is_doubtful() {
         assert_eq!(term, 1);
         let told = format!("a free function of speed takes away {:.0} % more than it does", 101.0 * tolerated);
         assert!(reason.contains(&told), "{reason}");
+        // What explains nothing is not doubted where nothing is left either.
+        let kinds = [work.terms[1].clone()];
+        let nothing = (0..40).any(|seed| {
+            work.terms[1].columns = vec![(0..work.target.len()).map(|k| noise(k + 10_000 * (7 + seed))).collect()];
+            finite_sum(&work.left_out_without(1)) < finite_sum(&work.fit().left_out)
+        });
+        assert!(nothing);
+        assert_eq!(doubtful(&work, &speed(0.0)), None);
+        let [own] = kinds;
+        work.terms[1] = own;
         // Of other variables it knows nothing, and what was declared is not doubted.
         assert_eq!(doubtful(&work, &[(None, 0.9), (Some(Variable::Current), 0.9)]), None);
         work.terms[1].declared = Some(vec![1.0]);
