@@ -466,3 +466,76 @@ fn the_end_of_the_range_has_its_price_where_ratios_are_evaluated() {
     }
     assert!(checked > 3, "{checked}");
 }
+
+/// A limit that is no end of the range has its price where ratios are evaluated, and the peak current has one where iron
+/// saturates: the objective's difference over the bound's.
+#[test]
+fn limits_have_their_prices_where_effects_are_fitted() {
+    let mut checked = std::collections::BTreeMap::new();
+    for (i, effect, quantity) in (0..6)
+        .flat_map(|i| [(i, "eddy_drag", Quantity::Loss), (i, "torque_constant_saturation", Quantity::PeakCurrent)])
+    {
+        let mut case = free(i);
+        let look = case.look(30.0);
+        let current = (look.quantities[0] / case.motor.resistance).sqrt();
+        let speed = 30.0 * case.raw.iter().map(|p| p.velocity.abs()).fold(1e-3, f64::max);
+        let k_t = case.motor.torque_constant;
+        let values = if effect == "eddy_drag" {
+            vec![0.05 * k_t * current, speed]
+        } else {
+            vec![0.3 * k_t, 3.0 * look.quantities[2]]
+        };
+        case.motor.effects = vec![FittedEffect::new(effect, values).unwrap()];
+        case.robot.joints[0].objective = Objective::single(quantity);
+        let whole = solved(&case).unwrap().0;
+        if !(2.0..500.0).contains(&whole.ratio) {
+            continue;
+        }
+        let top = case.raw.iter().map(|p| p.velocity.abs()).fold(0.0, f64::max);
+        let bound = 0.7 * whole.ratio * top;
+        let mut best = |bound: f64| {
+            case.motor.max_speed = Some(bound);
+            solved(&case).unwrap().0
+        };
+        let held = best(bound);
+        assert!((held.ratio * top / bound - 1.0).abs() < 1e-9, "{i} {effect}");
+        let [price] = held.shadow_prices.as_slice() else { panic!("{i}: {:?}", held.shadow_prices) };
+        assert_eq!(price.limit, "max_speed");
+        let slope = (best(bound * (1.0 + 1e-5)).objective - best(bound * (1.0 - 1e-5)).objective) / (2e-5 * bound);
+        assert!((price.price / slope - 1.0).abs() < 2e-3, "{i} {effect}: {price:?} {slope}");
+        assert!((price.elasticity / (price.price * bound / held.objective) - 1.0).abs() < 1e-9);
+        *checked.entry(effect).or_insert(0) += 1;
+    }
+    assert!(checked.len() == 2 && checked.values().all(|n| *n > 2), "{checked:?}");
+}
+
+/// What makes a program one that is not convex, and what does not: how it is proved tells.
+#[test]
+fn what_is_not_convex_is_branched_on() {
+    let how = |case: &Case| match with_program(case, |p| p.solve()) {
+        Outcome::Optimal(Optimum { certificate: Certificate::Certified { method, .. }, .. }) => method,
+        other => panic!("{other:?}"),
+    };
+    let weighted = |a: Quantity, b: Quantity| Objective { terms: vec![(a, 1.0), (b, 1.0)] };
+    let mut case = free(3);
+    (case.motor.coulomb_friction, case.robot.bus.regeneration) = (None, Regeneration::Allowed);
+    (case.robot.joints[0].gear.efficiency, case.robot.joints[0].gear.backdrive_efficiency) = (1.0, 1.0);
+    assert_eq!(how(&case), "conic duality");
+    case.robot.joints[0].objective = weighted(Quantity::Loss, Quantity::Mass);
+    (case.robot.joints[0].gear.mass, case.robot.joints[0].gear.mass_per_stage) = (Some(0.1), None);
+    assert_eq!(how(&case), "conic duality");
+    case.robot.joints[0].gear.mass_per_stage = Some((0.1, 3.0));
+    assert_eq!(how(&case), "branch and bound");
+    case.robot.joints[0].objective = weighted(Quantity::Loss, Quantity::ReflectedInertia);
+    assert_eq!(how(&case), "conic duality");
+    case.robot.joints[0].objective = weighted(Quantity::Loss, Quantity::PeakCurrent);
+    assert_eq!(how(&case), "branch and bound");
+    case.robot.joints[0].objective = Objective::single(Quantity::PeakCurrent);
+    assert_eq!(how(&case), "conic duality");
+    case.robot.joints[0].objective = Objective::single(Quantity::Loss);
+    case.robot.bus.regeneration = Regeneration::Limited(1e12);
+    assert_eq!(how(&case), "branch and bound");
+    case.robot.bus.regeneration = Regeneration::Allowed;
+    case.motor.coulomb_friction = Some(1e-3);
+    assert_eq!(how(&case), "branch and bound");
+}

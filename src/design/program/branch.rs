@@ -163,7 +163,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         windows.sort_by(|a, b| a.min.total_cmp(&b.min));
     }
     let gap = ((value - bound) / search.reference(ratio, value)).max(0.0);
-    let certificate = if finished && gap <= GAP_TOLERANCE {
+    let certificate = if is_proof(finished, gap) {
         Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
     } else {
         Certificate::NotCertified(why.into())
@@ -176,6 +176,12 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         certificate,
     };
     Outcome::Optimal(optimum)
+}
+
+/// Whether the search has proved its best: it looked at everything, and what it left open is not better by more than the
+/// tolerance.
+fn is_proof(finished: bool, gap: f64) -> bool {
+    finished && gap <= GAP_TOLERANCE
 }
 
 impl Search<'_> {
@@ -290,6 +296,14 @@ pub(super) fn worst_row(program: &RatioProgram, ratio: f64, among: impl Fn(&Dema
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_proof_is_complete_and_tight() {
+        assert!(is_proof(true, 0.0) && is_proof(true, GAP_TOLERANCE));
+        assert!(!is_proof(true, 1.001 * GAP_TOLERANCE) && !is_proof(false, 0.0) && !is_proof(false, 1.0));
+        assert!(!is_proof(true, f64::NAN));
+    }
+
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg64;
 

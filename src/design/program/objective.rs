@@ -135,3 +135,6 @@ impl<'a> Goal<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -225,6 +225,11 @@ mod tests {
         let f = |x: f64| ((x - 2.0).powi(2) + 0.1).min(50.0 * (x - 7.3).powi(2));
         let (n, v) = least(&f, &[(1.0, 10.0)], 200).unwrap();
         assert!((n - 7.3).abs() < 1e-6 && v < 1e-9);
+        // Wherever it lies between points of the grid.
+        for place in (0..200).map(|k| 1.2 + 0.041 * f64::from(k)) {
+            let (n, _) = least(&|x: f64| (x - place).powi(2) + 0.1, &[(1.0, 10.0)], 60).unwrap();
+            assert!((n - place).abs() < 1e-6, "{n} {place}");
+        }
         // Cut off by the intervals: the first one's valley, the others' ends.
         let (n, v) = least(&f, &[(1.0, 5.0), (8.0, 9.0)], 200).unwrap();
         assert!((n - 2.0).abs() < 1e-6 && (v - 0.1).abs() < 1e-9);
