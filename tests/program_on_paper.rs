@@ -202,7 +202,7 @@ fn certificates_say_how_and_are_tight() {
 /// What is told of a joint that cannot be met: the limit, how far it is exceeded and where, from the raw waveforms.
 #[test]
 fn refusals_have_the_numbers_of_the_raw_waveforms() {
-    let (mut never, mut contradiction, mut nowhere) = (0, 0, 0);
+    let (mut never, mut contradiction, mut nowhere, mut compared) = (0, 0, 0, 0);
     for i in (0..300).chain(100_000..100_100) {
         let case = draw(i, i < 1000);
         let Outcome::Infeasible(why) = with_program(&case, |p| p.solve()) else { continue };
@@ -242,10 +242,25 @@ fn refusals_have_the_numbers_of_the_raw_waveforms() {
                 }
                 let here = over(bind.limit, ratio);
                 assert!(here == told || (here - told).abs() <= 1e-6 * told.abs(), "{i} {bind:?} {told}");
+                // Of a limit of zero there are no shares.
+                if case.robot.bus.regeneration == Regeneration::Limited(0.0) {
+                    continue;
+                }
+                compared += 1;
+                // No ratio comes nearer, as people read the limits: most of them squares to the program.
+                // Of the ratios that keep what ends the range.
+                let ends = ["max_speed", "gear_input_speed", "reflected_inertia", "actuator_mass"];
+                let kept = |n: f64| case.excess(n).all(|(excess, name)| excess <= 0.0 || !ends.contains(&name));
+                let within = grid.iter().filter(|n| kept(**n));
+                let nearest = within.map(|n| case.worst(*n).0).fold(f64::INFINITY, f64::min);
+                assert!(told - 1.0 <= nearest * (1.0 + 1e-6) + 1e-9, "{i} {bind:?}: {told} {nearest}");
+                let worst = case.worst(ratio).0 + 1.0;
+                assert!(worst == told || (worst / told - 1.0).abs() <= 1e-6, "{i} {bind:?}: {worst} {told}");
             }
         }
     }
-    println!("{never} never, {contradiction} contradictions, {nowhere} nowhere");
+    println!("{never} never, {contradiction} contradictions, {nowhere} nowhere, {compared} compared");
+    assert!(compared > 5, "{compared}");
     assert!(never > 10 && contradiction > 20 && nowhere > 5, "{never} {contradiction} {nowhere}");
 }
 

@@ -39,6 +39,16 @@ pub fn whole(steps: f64) -> usize {
     (steps + 1e-6).floor().max(0.0) as usize
 }
 
+/// How many steps cover a time, from their quotient, with the same care, and at least one.
+///
+/// ```
+/// use gearwise::measured::signals::covering;
+/// assert_eq!((covering(0.3 / 0.1), covering(2.5), covering(0.0)), (3, 3, 1));
+/// ```
+pub fn covering(steps: f64) -> usize {
+    ((steps - 1e-6).ceil() as usize).max(1)
+}
+
 /// The median of the finite values; `None` where there is none.
 pub fn median(values: Vec<f64>) -> Option<f64> {
     quantile(values, 0.5)

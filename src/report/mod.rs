@@ -36,6 +36,16 @@ use serde_json::Value;
 
 use crate::input::csv::guarded;
 
+/// How many different motors there are, in words.
+///
+/// ```
+/// use gearwise::report::different_motors;
+/// assert_eq!((different_motors(1).as_str(), different_motors(3).as_str()), ("one motor", "3 different motors"));
+/// ```
+pub fn different_motors(count: usize) -> String {
+    if count == 1 { "one motor".into() } else { format!("{count} different motors") }
+}
+
 /// A number with four significant digits, without needless zeros.
 ///
 /// ```

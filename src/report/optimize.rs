@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::prune;
 use super::table::{table, wrap};
-use super::{csv_number, number, optional};
+use super::{csv_number, different_motors, number, optional};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
 use crate::actuator::metrics::METRICS;
@@ -425,9 +425,9 @@ fn summary(result: &RobotResult) -> String {
             ));
         }
         (Some(mass), None) => out.push_str(&format!(
-            "  actuator mass {} kg, {} different motors\n",
+            "  actuator mass {} kg, {}\n",
             number(mass),
-            result.distinct_motors()
+            different_motors(result.distinct_motors())
         )),
         (None, Some(_)) => out.push_str("  the actuator mass budget cannot be checked: a mass is not known\n"),
         (None, None) => {
@@ -437,8 +437,8 @@ fn summary(result: &RobotResult) -> String {
     if let Some(limit) = robot.budget.max_distinct_motors {
         let verdict = if result.distinct_motors() <= limit as usize { "within" } else { "OVER" };
         out.push_str(&format!(
-            "  {} different motors, {verdict} the budget of {limit} (each joint chosen by itself)\n",
-            result.distinct_motors()
+            "  {}, {verdict} the budget of {limit} (each joint chosen by itself)\n",
+            different_motors(result.distinct_motors())
         ));
     }
     let several = robot.joints.iter().map(|j| j.count).sum::<u32>() > 1;

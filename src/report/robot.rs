@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::table::{table, wrap};
-use super::{number, optional};
+use super::{different_motors, number, optional};
 use crate::design::optimize::Design;
 use crate::design::robot::{Change, Choice, Combination, Wanting};
 use crate::requirement::{Joint, Regeneration, Robot};
@@ -82,7 +82,7 @@ fn kept(choice: &Choice) -> String {
         parts.push(format!("actuators of at most {} kg", number(mass)));
     }
     if let Some(motors) = robot.budget.max_distinct_motors {
-        parts.push(format!("at most {motors} different motors"));
+        parts.push(format!("at most {}", different_motors(motors as usize)));
     }
     if let Some(power) = robot.shared_power() {
         let how = match choice.instant_by_instant {
@@ -155,7 +155,7 @@ fn sums(choice: &Choice, combination: &Combination) -> String {
         Some(mass) => text.push_str(&format!(", {} kg", number(mass))),
         None => text.push_str(", mass not known"),
     }
-    text.push_str(&format!(", {} different motors", combination.distinct_motors));
+    text.push_str(&format!(", {}", different_motors(combination.distinct_motors)));
     let peak = number(combination.peak_power);
     match choice.instant_by_instant {
         true => text.push_str(&format!(", {peak} W at the worst instant")),
@@ -235,7 +235,9 @@ fn wanting_text(choice: &Choice) -> String {
                 number(*mass),
                 optional(choice.robot.budget.actuator_mass)
             ),
-            Wanting::Motors(motors) => format!("it can be done with {motors} different motors, not with fewer"),
+            Wanting::Motors(motors) => {
+                format!("it can be done with {}, not with fewer", different_motors(*motors))
+            }
             Wanting::Power(least, draws) => format!(
                 "without the limit on power the best draws {} W at its worst; of the combinations tried none can do \
                  with less than {} W (budget {} W)",

@@ -3,7 +3,7 @@
 
 use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
-use crate::actuator::limits::Check;
+use crate::actuator::limits::{Asked, Check};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
 use crate::line_search::{FULLY, golden_section};
 
@@ -97,43 +97,43 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
 
 /// The limit that is most exceeded at a ratio: its relative excess, and itself.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
-    let mut worst = (f64::NEG_INFINITY, None);
-    if program.is_evaluated() {
-        return worst_evaluated(program, ratio);
-    }
-    for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
-        let convex = matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
-        if !convex || asked.is_certainly_kept(candidate, ratio) {
-            continue;
-        }
-        let (raw, sample) = asked.raw_demand(candidate, ratio);
-        let excess = program.excess(index, raw, ratio);
-        if excess > worst.0 {
-            worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
-        }
-    }
-    worst
+    worst_by(program, ratio, |_, _, excess| excess)
 }
 
-/// The same where effects have to be evaluated at the ratio: once for each candidate.
-fn worst_evaluated(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
+/// By how much a demand exceeds its limit as people read both: squares of torque and voltage count by their roots.
+fn told_excess(asked: &Asked, raw: f64, excess: f64) -> f64 {
+    if asked.bound > 0.0 { asked.natural(raw) / asked.bound - 1.0 } else { excess }
+}
+
+/// The limit with the largest measure of what it asks, the value of its functional and its relative excess.
+fn worst_by(program: &RatioProgram, ratio: f64, measure: fn(&Asked, f64, f64) -> f64) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
+    let mut offer = |asked: &Asked, (raw, sample): (f64, Option<usize>), excess: f64| {
+        let measured = measure(asked, raw, excess);
+        if measured > worst.0 {
+            worst = (measured, Some(Bind { limit: asked.limit.name, sample }));
+        }
+    };
+    let is_convex = |asked: &Asked| matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
+    if !program.is_evaluated() {
+        for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
+            if is_convex(asked) && !asked.is_certainly_kept(candidate, ratio) {
+                let demand = asked.raw_demand(candidate, ratio);
+                offer(asked, demand, program.excess(index, demand.0, ratio));
+            }
+        }
+        return worst;
+    }
+    // Where effects have to be evaluated at the ratio: once for each candidate.
     let mut rest = program.limits.as_slice();
     while let Some(first) = rest.first() {
         let same = rest.iter().take_while(|l| std::ptr::eq(l.candidate, first.candidate)).count();
         first.candidate.at_ratio(ratio, |here| {
-            for Limited { asked, .. } in &rest[..same] {
-                if !matches!(asked.limit.class, Class::Convex | Class::ReverseConvex) {
-                    continue;
-                }
+            for Limited { asked, .. } in rest[..same].iter().filter(|l| is_convex(l.asked)) {
                 let Check::Asked(asked) = asked.limit.check(here) else { continue };
-                if asked.is_certainly_kept(here, ratio) {
-                    continue;
-                }
-                let (raw, sample) = asked.raw_demand(here, ratio);
-                let excess = violation(raw, asked.raw_bound());
-                if excess > worst.0 {
-                    worst = (excess, Some(Bind { limit: asked.limit.name, sample }));
+                if !asked.is_certainly_kept(here, ratio) {
+                    let demand = asked.raw_demand(here, ratio);
+                    offer(&asked, demand, violation(demand.0, asked.raw_bound()));
                 }
             }
         });
@@ -203,16 +203,31 @@ fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize) ->
     best.filter(|(_, f)| f.is_finite())
 }
 
+/// The ratio at which the worst limit is exceeded least, as people read it, and that limit.
 fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
-    let least = points.iter().min_by(|a, b| a.1.total_cmp(&b.1)).copied().unwrap_or((program.range.0, f64::INFINITY));
-    let (_, bind) = worst(program, least.0);
-    let bind = bind.unwrap_or(Bind { limit: "ratio_min", sample: None });
+    let told = |n: f64| worst_by(program, n, told_excess);
+    let mut nearest = (0, f64::INFINITY);
+    let least = (0..points.len()).min_by(|a, b| points[*a].1.total_cmp(&points[*b].1));
+    for k in least.into_iter().chain(0..points.len()) {
+        // Of a square as much is told as its root has, of others all of it: most points are out of the question.
+        if (1.0 + points[k].1).sqrt() - 1.0 < nearest.1 {
+            let excess = told(points[k].0).0;
+            if excess < nearest.1 {
+                nearest = (k, excess);
+            }
+        }
+    }
+    let place = |k: usize| points.get(k).map_or(program.range.0, |p| p.0);
+    let (left, right) = (place(nearest.0.saturating_sub(1)), place((nearest.0 + 1).min(points.len().max(1) - 1)));
+    let inside = golden_section(&|n| told(n).0, left, right, 40);
+    let ratio = if told(inside).0 < nearest.1 { inside } else { place(nearest.0) };
+    let bind = told(ratio).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
     let named = program.limits.iter().filter(|l| l.asked.limit.name == bind.limit);
     let over = named
-        .map(|Limited { candidate, asked }| asked.natural(asked.raw_demand(candidate, least.0).0) / asked.bound)
+        .map(|Limited { candidate, asked }| asked.natural(asked.raw_demand(candidate, ratio).0) / asked.bound)
         .reduce(f64::max)
         .unwrap_or(f64::INFINITY);
-    Infeasible::Nowhere { bind, least: over, ratio: least.0 }
+    Infeasible::Nowhere { bind, least: over, ratio }
 }
 
 #[cfg(test)]

@@ -429,7 +429,7 @@ impl Balance {
             let n = s.target.len();
             let (guard, every) = match (&s.filter, self.band) {
                 (Some(filter), Some(band)) => {
-                    (filter.guard().min(n / 4), (1.0 / (3.0 * band * s.step)).floor().max(1.0) as usize)
+                    (filter.guard().min(n / 4), signals::whole(1.0 / (3.0 * band * s.step)).max(1))
                 }
                 _ => (0, 1),
             };

@@ -67,7 +67,7 @@ pub(super) fn scale(tracks: &[Track], machine: &Machine) -> Scale {
     for t in tracks {
         let step = signals::median_step(&t.time).max(f64::MIN_POSITIVE);
         // Over some samples, so that the encoder's steps are no speed.
-        let over = ((0.02 / step).ceil() as usize).max(1);
+        let over = signals::covering(0.02 / step);
         speeds.extend(
             (over..t.len()).map(|k| n * (t.position[k] - t.position[k - over]).abs() / (t.time[k] - t.time[k - over])),
         );

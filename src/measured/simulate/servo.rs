@@ -744,7 +744,7 @@ fn left(judges: &Judges, residuals: &[Vec<f64>], floor: f64) -> Vec<Unexplained>
 /// Speed at the output from the measured position, over some 20 ms.
 fn speed(track: &Track) -> Vec<f64> {
     let step = signals::median_step(&track.time).max(f64::MIN_POSITIVE);
-    let over = ((0.01 / step).ceil() as usize).max(1);
+    let over = signals::covering(0.01 / step);
     let last = track.len() - 1;
     (0..track.len())
         .map(|k| {

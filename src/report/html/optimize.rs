@@ -11,7 +11,7 @@ use crate::report::optimize::{
     verdict,
 };
 use crate::report::plot::design as plot;
-use crate::report::{number, optional, robot as robot_report, spring};
+use crate::report::{different_motors, number, optional, robot as robot_report, spring};
 use crate::requirement::{Course, Joint, RatioChoice};
 
 /// The page.
@@ -22,8 +22,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
     let headline = match (without.as_slice(), result.joints.as_slice()) {
         ([], [only]) => only.candidates.first().map_or_else(String::new, |d| format!("Take {}.", choice_text(d))),
         ([], joints) => {
-            let motors = result.distinct_motors();
-            let word = if motors == 1 { "motor" } else { "different motors" };
+            let motors = different_motors(result.distinct_motors());
             let unchecked =
                 joints.iter().filter(|j| j.candidates.first().is_some_and(|d| !d.unchecked.is_empty())).count();
             let but = match unchecked {
@@ -35,7 +34,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
                     1 => "The joint".to_string(),
                     n => format!("Every one of {n} joints"),
                 };
-                format!("{all} can be built, with {motors} {word}{but}.")
+                format!("{all} can be built, with {motors}{but}.")
             }
         }
         (names, _) => format!("No motor of the catalogue can do: {}.", names.join(", ")),
@@ -47,8 +46,8 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
             let how = if whole.is_some_and(|w| w.proof.certified()) { "proved to be the best" } else { "not proved" };
             let mass = best.mass.map_or_else(String::new, |mass| format!(", {} kg", number(mass)));
             format!(
-                "{headline} The best combination for the whole robot ({how}) has {} different motors{mass}.",
-                best.distinct_motors
+                "{headline} The best combination for the whole robot ({how}) has {}{mass}.",
+                different_motors(best.distinct_motors)
             )
         }
     };
@@ -152,8 +151,10 @@ fn budget(result: &RobotResult) -> Vec<String> {
     if let Some(limit) = budget.max_distinct_motors {
         let motors = result.distinct_motors();
         let verdict = if motors <= limit as usize { "within" } else { "OVER" };
-        lines
-            .push(format!("{motors} different motors, {verdict} the budget of {limit} (each joint chosen by itself)."));
+        lines.push(format!(
+            "{}, {verdict} the budget of {limit} (each joint chosen by itself).",
+            different_motors(motors)
+        ));
     }
     lines
 }
