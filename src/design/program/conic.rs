@@ -33,15 +33,14 @@ pub(super) fn solve(program: &RatioProgram, window: &Window, mut rows: Vec<Row>,
     }
     // A row that neither end of the range breaks cannot bind in between: left out, its slack cannot spoil
     // the solver's scaling.
-    let may_bind = |row: &Row| row.excess(low.u()) > 0.0 || row.excess(high.u()) > 0.0;
-    rows.retain(may_bind);
+    rows.retain(|row| row.excess(low.u()) > 0.0 || row.excess(high.u()) > 0.0);
     for _ in 0..MAX_ROUNDS {
         // A solver out of its depth is no verdict: the window is exact, and one ratio needs no solver.
         let Some(proposal) = propose(&cuts, &rows, low.u(), high.u()) else { break };
         let u = proposal.u.clamp(low.u(), high.u());
         let mut added = false;
         // A row that is known already cannot be added again: the solver's own accuracy.
-        let new = |r: &Row| r.excess(u) > ROW_TOLERANCE && may_bind(r) && !contains(&rows, r);
+        let new = |r: &Row| r.excess(u) > ROW_TOLERANCE && !contains(&rows, r);
         if let Some(row) = program.worst_row(u).filter(new) {
             rows.push(row);
             added = true;

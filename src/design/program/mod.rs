@@ -493,10 +493,5 @@ fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
 /// The largest N with `c N^p ≤ bound` for a monomial with p of 1 to 4.
 fn largest_ratio_by_monomial(polynomial: &Laurent, bound: f64) -> f64 {
     let Some(power) = (1..=4).find(|power| polynomial[*power] > 0.0) else { return f64::INFINITY };
-    let quotient = bound / polynomial[power];
-    match power {
-        1 => quotient,
-        2 => quotient.sqrt(),
-        _ => quotient.powf(1.0 / f64::from(power)),
-    }
+    (bound / polynomial[power]).powf(1.0 / f64::from(power))
 }
