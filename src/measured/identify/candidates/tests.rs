@@ -245,6 +245,12 @@ fn superfluous_effects_are_dropped() {
         (refused[0].name.as_str(), refused[0].reason.as_str()),
         ("viscous_friction", "what was found later made it superfluous")
     );
+    // What is declared stays, whatever it explains, and so does a parameter that the model does not give.
+    let mut declared = work_with(&one, "viscous_friction");
+    declared.terms[1].declared = Some(vec![1e-4]);
+    declared.terms[0].declared = None;
+    Selection { refused: Vec::new(), open: Vec::new() }.drop_superfluous(&mut declared);
+    assert_eq!(declared.terms.len(), 2);
     let absurd = plain(|_, w| -2e-4 * w + 0.05 * w.signum());
     let (left, refused) = dropped(&absurd, &[("viscous_friction", 0.0), ("coulomb_friction", 0.0)]);
     assert_eq!(left, ["coulomb_friction"]);
