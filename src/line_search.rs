@@ -32,8 +32,8 @@ mod tests {
 
     #[test]
     fn the_bottom_of_a_valley_is_found_to_the_root_of_rounding() {
-        for (place, a, b) in [(2.0, 1.0, 10.0), (9.9, 1.0, 10.0), (1.01, 1.0, 10.0), (-3.0, -7.0, 1.0), (5e6, 1.0, 1e7)]
-        {
+        let cases = [(2.0, 1.0, 10.0), (9.9, 1.0, 10.0), (1.01, 1.0, 10.0), (-3.0, -7.0, 1.0), (5e6, 1.0, 1e7)];
+        for (place, a, b) in cases.into_iter().chain([(2e-6, 1e-6, 1e-5), (-3e-9, -7e-9, -1e-9)]) {
             let found = golden_section(&|x: f64| (x - place).powi(2), a, b, FULLY);
             assert!((found - place).abs() < 1e-7 * (b - a), "{found} {place}");
             // A kink is found to its last digits.
