@@ -175,7 +175,7 @@ fn prices_of_evaluated_programs_are_differences() {
 #[test]
 fn certificates_say_how_and_are_tight() {
     for (first, convex, how) in [(0, true, "conic duality"), (100_000, false, "branch and bound")] {
-        let (mut own, mut all, mut loose) = (0, 0, 0);
+        let (mut own, mut all, mut loose, mut small) = (0, 0, 0, 0);
         for i in first..first + 150 {
             let case = draw(i, convex);
             let Outcome::Optimal(optimum) = with_program(&case, |p| p.solve()) else { continue };
@@ -183,6 +183,12 @@ fn certificates_say_how_and_are_tight() {
                 panic!("{i} is not certified")
             };
             assert!(lower_bound <= optimum.objective && (0.0..=1e-6).contains(&gap));
+            // Relative to the objective, however small: heat is a sum of squares, in which nothing cancels.
+            if matches!(case.robot.joints[0].objective.terms.as_slice(), [(Quantity::Loss, _)]) {
+                let own = (optimum.objective - lower_bound) / optimum.objective;
+                assert!((own - gap).abs() < 1e-9 || own <= gap, "{i}: {own} {gap}");
+                small += usize::from(optimum.objective < 0.1);
+            }
             all += 1;
             own += usize::from(method == how);
             loose += usize::from(gap > 3e-7);
@@ -193,7 +199,8 @@ fn certificates_say_how_and_are_tight() {
             // Windows lie apart, from left to right.
             assert!(optimum.windows.windows(2).all(|pair| pair[0].max < pair[1].min), "{i}: {:?}", optimum.windows);
         }
-        println!("{own} of {all} by {how}, {loose} with a gap beyond 3e-7");
+        println!("{own} of {all} by {how}, {loose} with a gap beyond 3e-7, {small} of less than 0.1 W");
+        assert!(small > 1, "{small}");
         // Some objectives have a proof of their own (least mass); those of a third kind would be a fallback.
         assert!(all > 60 && own * 10 > all * 8 && loose * 20 < all, "{how}: {own} of {all}, {loose}");
     }
@@ -553,4 +560,40 @@ fn what_is_not_convex_is_branched_on() {
     case.robot.bus.regeneration = Regeneration::Allowed;
     case.motor.coulomb_friction = Some(1e-3);
     assert_eq!(how(&case), "branch and bound");
+}
+
+/// The same for a limit that every sample has a part in: the voltage, where a drag is evaluated.
+#[test]
+fn the_voltage_has_its_price_where_ratios_are_evaluated() {
+    let mut checked = 0;
+    for i in 0..8 {
+        let mut case = free(i);
+        let look = case.look(30.0);
+        let current = (look.quantities[0] / case.motor.resistance).sqrt();
+        let speed = 30.0 * case.raw.iter().map(|p| p.velocity.abs()).fold(1e-3, f64::max);
+        let drag = FittedEffect::new("eddy_drag", vec![0.05 * case.motor.torque_constant * current, speed]).unwrap();
+        case.motor.effects = vec![drag];
+        let whole = solved(&case).unwrap().0;
+        let voltage = |case: &Case, n: f64| {
+            let demand = case.look(n).limits.into_iter().find(|l| l.0 == "voltage").unwrap();
+            demand.1 / demand.2.unwrap() * case.robot.bus.voltage
+        };
+        // A bus that allows two thirds of the ratio.
+        let bus = voltage(&case, 0.66 * whole.ratio);
+        if !(2.0..500.0).contains(&whole.ratio) || voltage(&case, whole.ratio) < 1.05 * bus {
+            continue;
+        }
+        let mut best = |factor: f64| {
+            case.robot.bus.voltage = bus * factor;
+            solved(&case).map(|s| s.0)
+        };
+        let Some(held) = best(1.0) else { continue };
+        let Some(price) = held.shadow_prices.iter().find(|p| p.limit == "voltage") else { continue };
+        let (Some(wider), Some(tighter)) = (best(1.0 + 1e-5), best(1.0 - 1e-5)) else { continue };
+        let elasticity = (wider.objective - tighter.objective) / (2e-5 * held.objective);
+        assert!((price.elasticity / elasticity - 1.0).abs() < 5e-3, "{i}: {price:?} {elasticity}");
+        checked += 1;
+    }
+    println!("{checked} checked");
+    assert!(checked > 2, "{checked}");
 }
