@@ -123,11 +123,9 @@ impl Selection {
                 refuse(reason);
                 continue;
             }
-            if let Some(best) = &accepted {
-                if !is_told_instead(&candidate, best) {
-                    refuse(format!("`{}` explains more", best.effect.name()));
-                    continue;
-                }
+            if let Some(best) = accepted.as_ref().filter(|best| !is_told_instead(&candidate, best)) {
+                refuse(format!("`{}` explains more", best.effect.name()));
+                continue;
             }
             let beside = gain_beside(work, &candidate, &drift);
             if drift_gain > 1.15 * candidate.gain && beside < BESIDE_DRIFT * candidate.gain {
