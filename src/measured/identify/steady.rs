@@ -11,6 +11,14 @@ use crate::measured::{Bench, read};
 /// Torque constant of the declared motor \[N·m/A\].
 pub const CONSTANT: f64 = 0.1;
 
+/// Columns of a log over time on a dynamometer; without the last, of a motor that runs free.
+pub const OVER_TIME: [&str; 4] = [
+    "time = { name = \"0\", unit = \"s\" }",
+    "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
+    "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
+    "torque = { name = \"3\", unit = \"N*m\", side = \"output\" }",
+];
+
 /// A number between −1 and 1 that depends on its place alone.
 pub fn noise(place: usize) -> f64 {
     let mut x = (place as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -66,12 +74,7 @@ pub fn moving(samples: usize, warm: bool) -> Bench {
 
 /// The same with faster turns.
 pub fn moving_at(pace: f64, samples: usize, warm: bool) -> Bench {
-    let mut columns = vec![
-        "time = { name = \"0\", unit = \"s\" }",
-        "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
-        "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
-        "torque = { name = \"3\", unit = \"N*m\", side = \"output\" }",
-    ];
+    let mut columns = OVER_TIME.to_vec();
     if warm {
         columns.push("winding_temperature = { name = \"4\", unit = \"degC\" }");
     }

@@ -10,7 +10,6 @@ use crate::requirement::{self, Objective};
 fn cuts_for_sums_touch_the_objective_and_are_below_it() {
     let catalog = Catalog::builtin().unwrap();
     let mut robot = requirement::read("requirements/quadruped_mini_cheetah.toml".as_ref()).unwrap();
-    let single = |q| Objective::single(q);
     let weighted = Objective {
         terms: vec![
             (Quantity::Loss, 0.3),
@@ -29,12 +28,12 @@ fn cuts_for_sums_touch_the_objective_and_are_below_it() {
         let motor = catalog.motor("t-motor-ri50").unwrap();
         let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).unwrap());
         for objective in [
-            single(Quantity::Loss),
-            single(Quantity::PeakCurrent),
-            single(Quantity::Energy),
-            single(Quantity::PeakPower),
-            single(Quantity::Mass),
-            single(Quantity::ReflectedInertia),
+            Objective::single(Quantity::Loss),
+            Objective::single(Quantity::PeakCurrent),
+            Objective::single(Quantity::Energy),
+            Objective::single(Quantity::PeakPower),
+            Objective::single(Quantity::Mass),
+            Objective::single(Quantity::ReflectedInertia),
             weighted.clone(),
         ] {
             let program = RatioProgram::new(&prepared, &objective, 1.0, 100.0);

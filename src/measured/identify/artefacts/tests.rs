@@ -1,6 +1,6 @@
 use std::cell::RefCell;
 
-use super::super::steady::{CONSTANT, add, bench, bench_of, moving, noise, work, work_on};
+use super::super::steady::{CONSTANT, OVER_TIME, add, bench, bench_of, moving, noise, work, work_on};
 use super::*;
 
 /// Searches for lags where the error of each block is made up: of the lags that are tried, and the block.
@@ -44,13 +44,8 @@ fn lags_are_where_the_error_is_least() {
     let steep = |t: f64, m: f64, block: usize| {
         uneven(block) * (0.01 + ((t - 0.004) / 1e-3).powi(2) + ((m + 0.003) / 1e-3).powi(2))
     };
-    let columns = [
-        "time = { name = \"0\", unit = \"s\" }",
-        "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
-        "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
-    ];
     let row = |k: usize| vec![1e-3 * k as f64, 40.0 * (0.03 * k as f64).sin() + noise(k), noise(k + 900)];
-    let free = bench_of("free", 6.0, &columns, &[(0..600).map(row).collect()], 0);
+    let free = bench_of("free", 6.0, &OVER_TIME[..3], &[(0..600).map(row).collect()], 0);
     let (best, _) = found(&free, Target::Drive, steep);
     assert_eq!(best.target_lag, 0.0);
     assert!((best.motion_lag + 0.003).abs() < 1e-4, "{best:?}");
@@ -90,12 +85,6 @@ fn lags_are_looked_for_where_there_is_time() {
     assert_eq!(find(&steady, of_steady.balance.clone(), &setting), Corrections::none(1));
     assert_eq!(refine(&steady, &of_steady, &Corrections::none(1), &setting), None);
     // A late sensor, over time: found, and found again from nothing; from what was found it does not move.
-    let columns = [
-        "time = { name = \"0\", unit = \"s\" }",
-        "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
-        "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
-        "torque = { name = \"3\", unit = \"N*m\", side = \"output\" }",
-    ];
     let row = |k: usize| {
         let t = 1e-3 * k as f64;
         let current = |t: f64| 3.0 * (11.0 * t).sin() + 2.0 * (37.3 * t).cos();
@@ -103,7 +92,7 @@ fn lags_are_looked_for_where_there_is_time() {
         let torque = 6.0 * (CONSTANT * current(t - 0.006) - 1e-3 * speed(t - 0.006)) + 0.02 * noise(k);
         vec![t, speed(t) + 0.2 * noise(k + 7000), current(t), torque]
     };
-    let late = bench_of("dynamometer", 6.0, &columns, &[(0..3000).map(row).collect()], 0);
+    let late = bench_of("dynamometer", 6.0, &OVER_TIME, &[(0..3000).map(row).collect()], 0);
     let of_late = work(&late);
     let corrected = find(&late, of_late.balance.clone(), &setting);
     assert!((corrected.target_lag - 0.006).abs() < 2e-4 && corrected.gains == [1.0], "{corrected:?}");
@@ -116,7 +105,7 @@ fn lags_are_looked_for_where_there_is_time() {
     // A standing shaft: the same columns say nothing of time.
     let stall: Vec<Vec<f64>> = (0..400).map(|k| vec![1e-3 * k as f64, 2.0 * noise(k), 1.2 * noise(k)]).collect();
     let columns = [
-        columns[0],
+        OVER_TIME[0],
         "current = { name = \"1\", unit = \"A\", convention = \"q_axis\" }",
         "torque = { name = \"2\", unit = \"N*m\", side = \"output\" }",
     ];

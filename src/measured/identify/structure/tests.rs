@@ -1,5 +1,5 @@
 use super::super::balance::Target;
-use super::super::steady::{bench, bench_of, moving, moving_at, noise, work, work_on};
+use super::super::steady::{OVER_TIME, bench, bench_of, moving, moving_at, noise, work, work_on};
 use super::*;
 
 /// Hats over knots at quantiles: one at their own knot, zero at the others, together one everywhere.
@@ -52,11 +52,6 @@ fn what_a_bench_shows_is_offered() {
     assert_eq!(names(&work(&steady))[1..], with_current[1..4]);
     // Where a load is known and the current is the target, a free function of it would explain its noise, and what is
     // transmitted is the load.
-    let columns = [
-        "time = { name = \"0\", unit = \"s\" }",
-        "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
-        "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
-    ];
     let swing = |k: usize| {
         let t = 1e-3 * k as f64;
         vec![
@@ -65,7 +60,7 @@ fn what_a_bench_shows_is_offered() {
             (3.0 * t).sin() + 0.1 * noise(k + 9000),
         ]
     };
-    let free = bench_of("free", 6.0, &columns, &[(0..4000).map(swing).collect()], 0);
+    let free = bench_of("free", 6.0, &OVER_TIME[..3], &[(0..4000).map(swing).collect()], 0);
     let of_free = names(&work_on(&free, Target::Drive));
     assert!(!of_free.iter().any(|(v, _)| *v == Some(Variable::Current)), "{of_free:?}");
     assert!(of_free.iter().any(|(v, _)| *v == Some(Variable::Speed)));
