@@ -26,9 +26,27 @@ pub fn golden_section(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64, steps: us
     if fc <= fd { c } else { d }
 }
 
+/// Bottom of the only valley of `f` over a range of positive numbers that may span decades, its ends among what is
+/// looked at.
+pub fn least_in_range(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
+    let inside = golden_section(&|ln: f64| f(ln.exp()), a.ln(), b.ln(), FULLY).exp().clamp(a, b);
+    [a, b].into_iter().fold(inside, |best, end| if f(end) < f(best) { end } else { best })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_least_value_over_decades_may_be_at_an_end() {
+        for (place, least) in [(30.0, 30.0), (0.02, 0.02), (1e-5, 1e-3), (1e7, 1e4), (1e-3, 1e-3), (1e4, 1e4)] {
+            let found = least_in_range(&|x: f64| (x / place).ln().powi(2), 1e-3, 1e4);
+            assert!((found / least - 1.0).abs() < 1e-6, "{found} {least}");
+        }
+        // The ends are reached exactly.
+        assert_eq!((least_in_range(&|x: f64| x, 0.3, 7.1), least_in_range(&|x: f64| -x, 0.3, 7.1)), (0.3, 7.1));
+        assert_eq!(least_in_range(&|x: f64| x, 2.3, 2.3), 2.3);
+    }
 
     #[test]
     fn the_bottom_of_a_valley_is_found_to_the_root_of_rounding() {

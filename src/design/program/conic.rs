@@ -9,7 +9,7 @@ use super::window::minimise;
 use super::{
     Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Row, Window, prices, value,
 };
-use crate::line_search::{FULLY, golden_section};
+use crate::line_search::{FULLY, golden_section, least_in_range};
 
 /// Rounds of adding violated rows and cuts.
 const MAX_ROUNDS: usize = 60;
@@ -228,11 +228,7 @@ fn finish(
 
 /// The least value in the window, without a proposal: the valley of a convex objective.
 fn lowest(goal: &Goal, start: f64, end: f64) -> f64 {
-    let at = |ln_u: f64| goal.value((0.5 * ln_u).exp());
-    let inside = golden_section(&at, start.ln(), end.ln(), FULLY).exp().clamp(start, end);
-    [start, end]
-        .into_iter()
-        .fold(inside, |best, u| if goal.value(u.sqrt()) < goal.value(best.sqrt()) { u } else { best })
+    least_in_range(&|u: f64| goal.value(u.sqrt()), start, end)
 }
 
 /// The least value near the proposal: a convex objective has one valley.

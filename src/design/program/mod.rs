@@ -22,7 +22,7 @@ use std::borrow::Cow;
 
 use crate::actuator::Laurent;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
-use crate::line_search::{FULLY, golden_section};
+use crate::line_search::least_in_range;
 use crate::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
@@ -400,11 +400,8 @@ impl<'a> RatioProgram<'a> {
     /// largest of convex rows has one valley, which a golden section finds.
     fn never(&self, index: usize) -> Infeasible {
         let Limited { candidate, asked } = self.limits[index];
-        let demand = |ln_n: f64| asked.raw_demand(candidate, ln_n.exp()).0;
-        let ratio = golden_section(&demand, self.range.0.ln(), self.range.1.ln(), FULLY).exp();
-        let ends = [self.range.0, self.range.1];
-        let ratio =
-            ends.into_iter().fold(ratio, |best, end| if demand(end.ln()) < demand(best.ln()) { end } else { best });
+        let demand = |n: f64| asked.raw_demand(candidate, n).0;
+        let ratio = least_in_range(&demand, self.range.0, self.range.1);
         let (raw, sample) = asked.raw_demand(candidate, ratio);
         Infeasible::Never {
             bind: Bind { limit: asked.limit.name, sample },

@@ -18,7 +18,7 @@ use crate::catalog::Catalog;
 use crate::design::optimize::{Design, design};
 use crate::design::program::{RatioProgram, minimise, value};
 use crate::design::{Prepared, continuous_candidate, geared_candidate, load_through};
-use crate::line_search::{FULLY, golden_section};
+use crate::line_search::least_in_range;
 use crate::requirement::{Joint, RatioChoice, Robot};
 
 /// Menus of joints under loads of their own that are made at most.
@@ -435,10 +435,8 @@ fn priced(
         return scale * item.lower + power(own);
     }
     let program = RatioProgram::new(&prepared, &joint.objective, item.ratios.0, item.ratios.1);
-    let at = |ln_n: f64| scale * program.objective_at(ln_n.exp()) + power(ln_n.exp());
     let (a, b) = item.ratios;
-    let inside = golden_section(&at, a.ln(), b.ln(), FULLY).exp().clamp(a, b);
-    let best = [a, b].into_iter().fold(inside, |best, n| if at(n.ln()) < at(best.ln()) { n } else { best });
+    let best = least_in_range(&|n: f64| scale * program.objective_at(n) + power(n), a, b);
     let (polynomial, _) = program.objective_cut(best);
     let mut sum: Convex = under(&polynomial, item.ratios, best).map(|c| c * scale);
     sum[1] += scale * program.objective_cut(b).1;
