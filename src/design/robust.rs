@@ -22,6 +22,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use super::judge;
 use super::optimize::{Design, JointResult, Options, Reason, RobotResult, optimize_with};
 use super::program::{Bind, Certificate, Limited, Optimum, Outcome, RatioProgram, Window};
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
@@ -330,7 +331,7 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> V
         let joint = nominal.joint;
         let demand = JointDemand::new(joint, catalog);
         let found: Vec<Result<RobustDesign, Reason>> =
-            nominal.candidates.par_iter().map(|design| best_robust(robot, joint, &demand, design)).collect();
+            nominal.candidates.par_iter().map(|design| best_robust(robot, joint, &demand, design, options.only_checked)).collect();
         let (mut designs, mut lost) = (Vec::new(), Vec::new());
         for (design, result) in nominal.candidates.iter().zip(found) {
             match result {
@@ -368,7 +369,8 @@ fn candidate<'p>(
     }
 }
 
-/// The design of a motor that keeps all limits over its tolerances.
+/// The design of a motor that keeps all limits over its tolerances; with `only_checked`, one of which every limit could
+/// be checked.
 ///
 /// # Errors
 /// Why no ratio does.
@@ -377,6 +379,7 @@ pub fn best_robust<'a>(
     joint: &'a Joint,
     demand: &JointDemand<'a>,
     nominal: &Design<'a>,
+    only_checked: bool,
 ) -> Result<RobustDesign<'a>, Reason> {
     let motor = nominal.motor;
     let all = toleranced(motor);
@@ -416,6 +419,12 @@ pub fn best_robust<'a>(
             let mut tried = 0;
             for (gear, _) in demand.gears_for(motor) {
                 let Ok(boxed) = Boxed::new(robot, joint, demand, motor, &corners, Some(&gear.id)) else { continue };
+                // With another gear than the nominal one other limits may be unknown.
+                let unchecked = boxed.nominal.unchecked_at(gear.ratio);
+                let left_out = judge::left_out(robot, joint, &unchecked, only_checked).is_some();
+                if left_out || !judge::unjudged(robot, joint, &unchecked).is_empty() {
+                    continue;
+                }
                 tried += 1;
                 let tightest = boxed.tightest(gear.ratio);
                 if let Some(margin) = tightest.filter(|m| m.margin < -FEASIBILITY_TOLERANCE) {

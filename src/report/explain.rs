@@ -21,8 +21,9 @@ pub fn text(story: &Explanation) -> String {
     let e = &story.evaluation;
     let joint = story.joint;
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
-    let verdict = if e.feasible { "keeps every limit that could be checked" } else { "is not feasible" };
-    let mut out = format!("{}: {} at N = {}{gear} {verdict}\n\n", joint.name, story.motor.id, number(e.ratio));
+    let verdict = verdict(story);
+    let head = format!("{}: {} at N = {}{gear} {verdict}", joint.name, story.motor.id, number(e.ratio));
+    let mut out = format!("{}\n\n", wrap(&head, 0));
     out.push_str(&limits(story));
     out.push('\n');
     for (what, value, unit) in quantities(story) {
@@ -90,6 +91,18 @@ pub fn text(story: &Explanation) -> String {
         out.push_str(&format!("  {}\n", wrap(&format!("audit [{}]: {}", finding.code, finding.message), 4)));
     }
     out
+}
+
+/// How the design stands.
+pub(super) fn verdict(story: &Explanation) -> String {
+    match (story.evaluation.feasible, story.unjudged.is_empty()) {
+        (false, _) => "is not feasible".into(),
+        (true, true) => "keeps every limit that could be checked".into(),
+        (true, false) => format!(
+            "{}. The requirement asks for that, so it is no choice; all else that could be checked is kept",
+            super::unjudged::sentence(&story.unjudged)
+        ),
+    }
 }
 
 const WINDING: &str = "winding, steady state";
@@ -226,6 +239,7 @@ pub fn json(story: &Explanation) -> Value {
         "margins": margins, "limits": limits, "best": best,
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
+        "judged": story.unjudged.is_empty(), "unjudged": super::unjudged::list(&story.unjudged),
         "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
         "spring": story.spring.as_ref().map(|s| match s {
             Ok(spring) => super::spring::json(spring, e.loss),

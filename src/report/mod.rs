@@ -30,6 +30,7 @@ pub mod study;
 pub mod sweep;
 pub mod table;
 pub mod torques;
+pub mod unjudged;
 pub mod xml;
 
 use serde_json::Value;
@@ -76,6 +77,11 @@ pub fn number(value: f64) -> String {
 /// `number`, or a dash where the value is unknown.
 pub fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "–".into(), number)
+}
+
+/// A value with its unit; a pure number has none.
+pub(crate) fn with_unit(value: f64, unit: &str) -> String {
+    format!("{} {}", number(value), if unit == "1" { "" } else { unit }).trim_end().to_string()
 }
 
 /// `1 joint`, `2 joints`.

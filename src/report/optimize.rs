@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use super::prune;
 use super::table::{table, wrap};
+use super::{prune, unjudged};
 use super::{csv_number, different_motors, number, optional};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
@@ -102,6 +102,7 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
         Reason::Unchecked(limit, why) => {
             (format!("{limit} cannot be checked"), format!("{limit} cannot be checked: {why}"))
         }
+        Reason::Unjudged(because) => (unjudged::class(because), unjudged::sentence(because)),
         Reason::Unbounded => ("the objective has no lower bound".into(), "the objective has no lower bound".into()),
         Reason::NotSolved(why) => ("not solved".into(), format!("not solved: {why}")),
     }
@@ -150,7 +151,10 @@ pub(super) fn ratio_text(joint: &Joint) -> String {
 /// How many motors can do a joint.
 pub(super) fn verdict(result: &JointResult) -> String {
     match &result.pruned {
-        None => format!("{} motors can do it, {} cannot", result.candidates.len(), result.rejected.len()),
+        None => {
+            let (can, cannot) = (result.candidates.len(), result.rejected.len());
+            format!("{can} motors can do it, {cannot} cannot{}", unjudged::counted(result.unjudged.len()))
+        }
         Some(pruned) => prune::verdict(result, pruned),
     }
 }
@@ -177,6 +181,7 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
         out.push_str(&candidates_table(result, shown.top));
         out.push_str(&footnotes(result, shown.top));
     }
+    out.push_str(&unjudged::text(result, shown.rejected));
     out.push_str(&rejected_text(result, shown));
     if let Some(pruned) = &result.pruned {
         out.push_str(&prune::text(joint, pruned));
@@ -447,12 +452,16 @@ fn summary(result: &RobotResult) -> String {
             "  the bus's power and current are kept by each joint alone; `power` in [budget] limits all together\n",
         );
     }
-    let without: Vec<&str> =
-        result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
-    if !without.is_empty() {
-        out.push_str(&format!("  NO motor of the catalogue can do: {}\n", without.join(", ")));
+    for line in without_choice(result) {
+        out.push_str(&format!("  {}\n", wrap(&line, 4)));
     }
     out
+}
+
+/// What is said of joints that have no choice.
+pub(super) fn without_choice(result: &RobotResult) -> Vec<String> {
+    let without = result.joints.iter().filter(|j| j.candidates.is_empty());
+    unjudged::without_choice(without.map(|j| (j.joint.name.as_str(), j.unjudged.len())))
 }
 
 /// Margins as an object, `{limit: margin}`, and each limit in full.
@@ -553,6 +562,7 @@ pub fn json(result: &RobotResult) -> Value {
             "objective": j.joint.objective.name(),
             "derived_by_spline": j.joint.motion.derived,
             "candidates": j.candidates.iter().map(|d| design_json(d, j.joint)).collect::<Vec<_>>(),
+            "unjudged": unjudged::json(&j.unjudged, j.joint),
             "rejected": j.rejected.iter().map(|r| {
                 let (class, sentence) = reason_text(&r.reason, j.joint);
                 json!({ "motor": r.motor.id, "gear": r.gear, "because": sentence, "class": class })
@@ -634,15 +644,18 @@ pub fn csv(result: &RobotResult) -> String {
             }
             row
         });
-        let rejected = j.rejected.iter().map(|r| {
+        let apart = j.unjudged.iter().map(|u| (u.design.motor, u.design.gear, unjudged::sentence(&u.because)));
+        let cannot = j.rejected.iter().map(|r| (r.motor, r.gear, reason_text(&r.reason, j.joint).1));
+        let rejected = apart.chain(cannot).map(|(motor, gear, why)| {
             let mut row = vec![String::new(); header.len()];
             row[0] = j.joint.name.clone();
-            row[2] = r.motor.id.clone();
-            row[3] = r.gear.unwrap_or("").into();
+            row[2] = motor.id.clone();
+            row[3] = gear.unwrap_or("").into();
+            let first = header.len() - 5;
             for (i, metric) in METRICS.iter().take(4).enumerate() {
-                row[17 + i] = csv_number(metric.value(r.motor));
+                row[first + i] = csv_number(metric.value(motor));
             }
-            row[header.len() - 1] = reason_text(&r.reason, j.joint).1;
+            row[header.len() - 1] = why;
             if sprung {
                 row.extend(super::spring::csv(None, 0.0));
             }

@@ -16,6 +16,7 @@ pub fn text(choice: &Choice) -> String {
     out.push_str(&format!("  {}\n", wrap(&kept(choice), 4)));
     let Some(best) = choice.combinations.first() else {
         out.push_str(&wanting_text(choice));
+        out.push_str(&super::unjudged::robot_text(choice));
         return out;
     };
     out.push('\n');
@@ -56,6 +57,7 @@ pub fn text(choice: &Choice) -> String {
         let rows: Vec<Vec<String>> = rows.collect();
         out.push_str(&indented(&table(&[">mass [kg]", &value, "against the choice"], &rows)));
     }
+    out.push_str(&super::unjudged::robot_text(choice));
     out
 }
 
@@ -229,7 +231,10 @@ fn wanting_text(choice: &Choice) -> String {
     let mut out = format!("{proved}\n");
     for wanting in &choice.wanting {
         let line = match wanting {
-            Wanting::Joints(names) => format!("no motor of the catalogue can do: {}", names.join(", ")),
+            Wanting::Joints(names) => match choice.unjudged.is_empty() {
+                true => format!("no motor of the catalogue can do: {}", names.join(", ")),
+                false => format!("no motor that can be judged can do: {}", names.join(", ")),
+            },
             Wanting::Mass(mass) => format!(
                 "it can be done with {} kg of actuators, not with less (budget {} kg)",
                 number(*mass),
@@ -246,11 +251,6 @@ fn wanting_text(choice: &Choice) -> String {
                 optional(choice.robot.shared_power())
             ),
         };
-        out.push_str(&format!("    {}\n", wrap(&line, 6)));
-    }
-    if !choice.without_mass.is_empty() {
-        let ids: Vec<&str> = choice.without_mass.iter().map(|m| m.id.as_str()).collect();
-        let line = format!("left out, because their mass or their gear's is not known: {}", ids.join(", "));
         out.push_str(&format!("    {}\n", wrap(&line, 6)));
     }
     out
@@ -314,6 +314,6 @@ pub fn json(choice: &Choice) -> Value {
         "other_budgets": changes.collect::<Vec<_>>(),
         "other_budgets_left_out": choice.others_left_out,
         "front": choice.front.iter().map(|c| combination_json(robot, c)).collect::<Vec<_>>(),
-        "left_out_without_mass": choice.without_mass.iter().map(|m| m.id.as_str()).collect::<Vec<_>>(),
+        "unjudged": super::unjudged::robot_json(choice),
     })
 }

@@ -73,6 +73,12 @@ impl Robot {
         self.budget.power.into_iter().chain(of_current).reduce(f64::min)
     }
 
+    /// Whether another joint carries the actuator of a joint.
+    pub fn carries(&self, joint: &Joint) -> bool {
+        let carried = |j: &Joint| j.carries.iter().any(|c| self.joints[c.joint].name == joint.name);
+        self.joints.iter().any(carried)
+    }
+
     /// Whether the joints' choices depend on each other: a budget, or actuators that carry actuators.
     pub fn is_coupled(&self) -> bool {
         let Budget { actuator_mass, max_distinct_motors, power, current } = self.budget;

@@ -64,6 +64,7 @@ const OF_DESIGN: &[(&str, Kind, Cell)] = &[
     ("not_checked", Kind::Text, |_, d| {
         text(d, |d| d.unchecked.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" "))
     }),
+    ("unjudged_motors", Kind::Integer, |j, _| j.unjudged.len().to_string()),
     ("spring_stiffness_nm_per_rad", Kind::Number, |_, d| of_spring(d, 0)),
     ("spring_rest_angle_rad", Kind::Number, |_, d| of_spring(d, 1)),
     ("no_design_because", Kind::Text, |j, d| if d.is_some() { String::new() } else { super::worker::because(j) }),

@@ -329,7 +329,7 @@ impl<'a> RatioProgram<'a> {
                 Demand::Mass => {
                     let ratio = largest_ratio_by_mass(candidate, asked);
                     if ratio == 0.0 {
-                        let least = candidate.mass_at(min).unwrap_or(f64::INFINITY) / asked.bound;
+                        let least = candidate.known_mass_at(min) / asked.bound;
                         let bind = Bind { limit: asked.limit.name, sample: None };
                         return Err(Infeasible::Never { bind, least, ratio: min });
                     }
@@ -476,13 +476,14 @@ impl<'a> RatioProgram<'a> {
 
 /// The largest N whose stages keep a limit on mass; zero where none does.
 fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
-    let Some(motor) = candidate.motor.mass else { return f64::INFINITY };
+    // Asked with an unknown mass only where what is known is too much already.
+    let motor = candidate.motor.mass.unwrap_or(0.0);
     match candidate.gear.mass_per_stage {
         Some((mass, stage_ratio)) if mass > 0.0 => {
             let stages = ((asked.bound - motor) / mass * (1.0 + 1e-12)).floor();
             if stages < 0.0 { 0.0 } else { stage_ratio.powf(stages) }
         }
-        _ if candidate.mass_at(1.0).unwrap_or(0.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,
+        _ if candidate.known_mass_at(1.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,
         _ => 0.0,
     }
 }

@@ -3,7 +3,10 @@
 use serde_json::{Value, json};
 
 use super::unit_of;
+use crate::design::judge::{self, Unknown};
 use crate::report::optimize::margins_json;
+use crate::report::unjudged::list;
+use crate::rules::facts::JointFacts;
 use crate::rules::lock::LockState;
 use crate::rules::{Finding, Location, Report, Severity};
 
@@ -20,6 +23,12 @@ fn finding(report: &Report, finding: &Finding) -> Value {
         "at": location(&finding.location), "asked_for_at": finding.asked.as_ref().map(location),
         "allowed": finding.allowed.is_some(), "allowed_because": finding.allowed,
     })
+}
+
+/// What the requirement states and cannot be judged of a joint's design.
+fn unjudged(facts: &JointFacts) -> Vec<Unknown> {
+    let unchecked = facts.examined.as_ref().map_or(&[][..], |examined| &examined.unchecked);
+    judge::unjudged(facts.robot, facts.choice.joint, unchecked)
 }
 
 /// Everything that was checked and found.
@@ -40,6 +49,7 @@ pub fn json(report: &Report, strict: bool) -> Value {
                     "winding_temperature_k": examined.winding_temperature.flatten(), "load_inertia_kgm2": examined.load_inertia,
                     "load_inertia_estimated": examined.load_inertia.map(|_| examined.load_inertia_estimated), "best_ratio": examined.best.map(|b| b.0),
                     "margins": margins, "limits": limits,
+                    "judged": unjudged(facts).is_empty(), "unjudged": list(&unjudged(facts)),
                     "not_checked": examined.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
                 })
             }

@@ -3,7 +3,7 @@
 use super::{Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
-use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, quantities, remedy_text};
+use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, quantities, remedy_text, verdict};
 use crate::report::optimize::{fitted_notes, reason_text};
 use crate::report::plot::design as plot;
 use crate::report::{number, optional, spring};
@@ -13,7 +13,7 @@ use crate::requirement::Robot;
 pub fn page(robot: &Robot, story: &Explanation) -> Page {
     let (e, joint, motor) = (&story.evaluation, story.joint, story.motor);
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
-    let verdict = if e.feasible { "keeps every limit that could be checked" } else { "is not feasible" };
+    let verdict = verdict(story);
     let mut summary = Vec::new();
     if let Some(margin) = e.tightest() {
         let text = match e.feasible {
@@ -71,8 +71,8 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
     Page {
         command: "explain",
         title: format!("{}: {}{gear} at N = {}", joint.name, motor.id, number(e.ratio)),
-        verdict: Verdict::from(e.feasible),
-        headline: format!("{} at N = {}{gear} {verdict} at {}.", motor.id, number(e.ratio), joint.name),
+        verdict: Verdict::from(story.is_choice()),
+        headline: format!("At {}, {} at N = {}{gear} {verdict}.", joint.name, motor.id, number(e.ratio)),
         summary,
         sections,
         warnings: warnings(story),

@@ -8,7 +8,7 @@ use crate::design::robot::Choice;
 use crate::report::explain::{LIMITS, limit_rows};
 use crate::report::optimize::{
     asks_for_nothing, bind_text, choice_text, drive_current, margin_text, notes, proof, ratio_text, reason_text,
-    verdict,
+    verdict, without_choice,
 };
 use crate::report::plot::design as plot;
 use crate::report::{different_motors, number, optional, robot as robot_report, spring};
@@ -37,7 +37,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
                 format!("{all} can be built, with {motors}{but}.")
             }
         }
-        (names, _) => format!("No motor of the catalogue can do: {}.", names.join(", ")),
+        _ => without_choice(result).join(". ") + ".",
     };
     let headline = match whole.map(|whole| whole.combinations.first()) {
         None => headline,
@@ -117,7 +117,7 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
             None => {
                 let mut cells = name();
                 cells
-                    .extend(["none can do it".to_string()].into_iter().chain((3..header.len()).map(|_| String::new())));
+                    .extend([none_text(joint)].into_iter().chain((3..header.len()).map(|_| String::new())));
                 table.push("", cells);
             }
             Some(first) => {
@@ -134,6 +134,14 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
         }
     }
     table
+}
+
+/// What stands in place of a choice.
+fn none_text(joint: &JointResult) -> String {
+    match joint.unjudged.len() {
+        0 => "none can do it".into(),
+        count => format!("none that can be judged can do it ({count} cannot be judged)"),
+    }
 }
 
 /// What the budget says.
@@ -194,6 +202,8 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
         let prices = Table::new(format!("{names}: what one per cent more of a limit changes"), &["limit", &change]);
         parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
     }
+    let apart = result.unjudged.iter().map(|u| (u.design.motor.id.as_str(), u.design.gear, u.because.as_slice()));
+    parts.extend(super::unjudged::folded(names, apart));
     let mut rejected = Table::new(format!("{names}: why not the others"), &["motor", "gear", "because", "in short"]);
     for r in &result.rejected {
         let (class, sentence) = reason_text(&r.reason, joint);
