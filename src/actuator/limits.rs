@@ -142,6 +142,11 @@ impl Limit {
         self.formula.contains("safety")
     }
 
+    /// Whether demand and bound are q-axis amperes (power invariant), not those of a phase or of the bus.
+    pub fn is_q_axis(&self) -> bool {
+        self.unit == "A" && self.formula.contains("/K_T")
+    }
+
     /// Whether the limit applies to a candidate, and how.
     pub fn check(&'static self, candidate: &Candidate) -> Check {
         match (self.prepare)(candidate) {

@@ -4,7 +4,7 @@
 use super::judge::{Unknown, unjudged};
 use super::optimize::{Reason, solve};
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram};
-use super::spring::{SpringChoice, choose};
+use super::spring::{SpringChoice, choose, nearest};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
 use crate::actuator::limits::Asked;
@@ -38,6 +38,9 @@ pub struct Explanation<'a> {
     /// The spring, where the joint asks for one: all else is with this spring. Or why no spring will do: all
     /// else is without one.
     pub spring: Option<Result<SpringChoice, Reason>>,
+    /// Where no spring will do and one has to be there: stiffness \[N·m/rad\] and rest angle \[rad\] of the allowed spring
+    /// that came nearest. All else is with it.
+    pub nearest_spring: Option<(f64, f64)>,
 }
 
 /// Relative change of the best objective with a relative change of a parameter, the ratio re-chosen.
@@ -101,9 +104,16 @@ pub fn explain<'a>(
         (None, RatioChoice::Continuous { min, max }) => (*min, *max),
         (None, RatioChoice::Catalog { .. }) => (1.0, 1.0),
     };
-    let chosen = choose(&Prepared::new(candidate), joint, gear, range);
-    let moved = chosen.as_ref().ok().and_then(|(spring, _)| {
-        let motion = joint.motion.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))?;
+    let prepared = Prepared::new(candidate);
+    let chosen = choose(&prepared, joint, gear, range);
+    // Without any spring all else would be about a joint that nobody asks for, where there has to be one.
+    let nearest_spring = match &chosen {
+        Err(_) if joint.limits.spring.is_some_and(|s| s.stiffness[0] > 0.0) => nearest(&prepared, joint, gear, range),
+        _ => None,
+    };
+    let found = chosen.as_ref().ok().map(|(spring, _)| (spring.stiffness, spring.rest_angle.unwrap_or(0.0)));
+    let moved = found.or(nearest_spring).and_then(|(stiffness, rest)| {
+        let motion = joint.motion.with_spring(stiffness, rest)?;
         Some(Joint { motion, ..joint.clone() })
     });
     let story = explain_as_it_is(robot, moved.as_ref().unwrap_or(joint), motor, gear, ratio)?;
@@ -126,6 +136,7 @@ pub fn explain<'a>(
         unchecked,
         unjudged,
         spring,
+        nearest_spring,
     })
 }
 
@@ -182,6 +193,7 @@ fn explain_as_it_is<'a>(
         unchecked,
         unjudged,
         spring: None,
+        nearest_spring: None,
     })
 }
 

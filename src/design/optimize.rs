@@ -88,6 +88,8 @@ pub enum Reason {
         bind: Bind,
         /// Demand over limit.
         over: f64,
+        /// The limit, in its natural unit; of one of zero there are no multiples.
+        allowed: f64,
         /// How many gears were tried.
         tried: usize,
     },
@@ -300,7 +302,7 @@ fn best_gear<'a>(
 ) -> Result<Design<'a>, Refused<'a>> {
     // The best of the designs that can be judged, and of those that cannot.
     let mut best: [Option<(f64, f64, &'a Gear, Prepared)>; 2] = [None, None];
-    let mut nearest: Option<(f64, &'a str, Bind, f64)> = None;
+    let mut nearest: Option<(f64, &'a str, Bind, f64, f64)> = None;
     let mut unusable = Unusable::NoGearFits;
     let mut unchecked: Option<(&'a str, Unknown)> = None;
     let mut tried = 0;
@@ -333,7 +335,7 @@ fn best_gear<'a>(
             && nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m)
         {
             let bind = Bind { limit: margin.limit, sample: margin.sample };
-            nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound));
+            nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound, margin.bound));
         }
     }
     let [first, apart] = best;
@@ -342,7 +344,7 @@ fn best_gear<'a>(
         return judge::judged(robot, joint, found, only_checked);
     }
     let (gear, reason) = match (nearest, unchecked) {
-        (Some((_, gear, bind, over)), _) => (Some(gear), Reason::Gears { bind, over, tried }),
+        (Some((_, gear, bind, over, allowed)), _) => (Some(gear), Reason::Gears { bind, over, allowed, tried }),
         (None, Some((gear, (limit, why)))) => (Some(gear), Reason::Unchecked(limit, why)),
         (None, None) => {
             let why = if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { unusable };

@@ -209,13 +209,16 @@ impl<'a> Asked<'a, '_> {
                 && nearest.as_ref().is_none_or(|(margin, _)| worst.margin > *margin)
             {
                 let bind = Bind { limit: worst.limit, sample: worst.sample };
-                nearest = Some((worst.margin, Reason::Gears { bind, over: worst.demand / worst.bound, tried }));
+                let (over, allowed) = (worst.demand / worst.bound, worst.bound);
+                nearest = Some((worst.margin, Reason::Gears { bind, over, allowed, tried }));
             }
             tried += 1;
         }
         match (points.is_empty(), nearest) {
             (false, _) => self.judged(points),
-            (true, Some((_, Reason::Gears { bind, over, .. }))) => Err(Reason::Gears { bind, over, tried }),
+            (true, Some((_, Reason::Gears { bind, over, allowed, .. }))) => {
+                Err(Reason::Gears { bind, over, allowed, tried })
+            }
             (true, _) => Err(why),
         }
     }

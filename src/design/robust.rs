@@ -415,7 +415,7 @@ pub fn best_robust<'a>(
         }
         RatioChoice::Catalog { .. } => {
             let mut best: Option<RobustDesign> = None;
-            let mut nearest: Option<(f64, Bind, f64)> = None;
+            let mut nearest: Option<(f64, Bind, f64, f64)> = None;
             let mut tried = 0;
             for (gear, _) in demand.gears_for(motor) {
                 let Ok(boxed) = Boxed::new(robot, joint, demand, motor, &corners, Some(&gear.id)) else { continue };
@@ -430,7 +430,7 @@ pub fn best_robust<'a>(
                 if let Some(margin) = tightest.filter(|m| m.margin < -FEASIBILITY_TOLERANCE) {
                     if nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m) {
                         let bind = Bind { limit: margin.limit, sample: margin.sample };
-                        nearest = Some((margin.margin, bind, margin.demand / margin.bound));
+                        nearest = Some((margin.margin, bind, margin.demand / margin.bound, margin.bound));
                     }
                     continue;
                 }
@@ -456,7 +456,7 @@ pub fn best_robust<'a>(
                 }
             }
             let reason = match nearest {
-                Some((_, bind, over)) => Reason::Gears { bind, over, tried },
+                Some((_, bind, over, allowed)) => Reason::Gears { bind, over, allowed, tried },
                 None => Reason::Unusable(Unusable::NoGearFits),
             };
             best.ok_or(reason)

@@ -88,6 +88,19 @@ pub(super) fn choose(
     Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
 }
 
+/// The allowed spring that comes nearest to keeping the limits, where none does: stiffness \[N·m/rad\] and rest angle
+/// \[rad\]. `None` where no spring is chosen for the candidate at all.
+pub(super) fn nearest(
+    prepared: &Prepared,
+    joint: &Joint,
+    gear: Option<&Gear>,
+    range: (f64, f64),
+) -> Option<(f64, f64)> {
+    let asked = joint.limits.spring?;
+    let covered = gear.map_or(0.0, |g| covered_inertia(joint, g));
+    spring::nearest(prepared, &joint.objective, &asked, range, covered)
+}
+
 /// The same as a design.
 pub(super) fn solve<'a>(
     prepared: &Prepared,

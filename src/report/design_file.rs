@@ -64,10 +64,9 @@ pub fn toml(
         let objective = &joint.joint.objective;
         let window = design.optimum.window();
         out.push_str(&format!(
-            "\n# {} {} {}; {} motors can do it alone",
+            "\n# {} {}; {} motors can do it alone",
             objective.name(),
-            number(design.optimum.objective),
-            objective.unit(),
+            super::with_unit(design.optimum.objective, objective.unit()),
             joint.candidates.len()
         ));
         if design.gear.is_none() {

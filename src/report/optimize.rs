@@ -5,14 +5,13 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value, json};
 
 use super::table::{table, wrap};
-use super::{prune, unjudged};
+use super::{currents, prune, unjudged};
 use super::{csv_number, different_motors, number, optional};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
-use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::design::evaluate::Margin;
 use crate::design::optimize::{Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::program::{Bind, Certificate, Infeasible};
@@ -37,15 +36,20 @@ pub fn bind_text(bind: &Bind, joint: &Joint) -> String {
 
 /// Why a motor was rejected: a short class for counting, and the sentence.
 pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
-    let times = |x: f64| if x.is_finite() { format!("{} times", number(x)) } else { "without end,".into() };
+    // By how much a limit is exceeded, after the verb.
+    let by = |over: f64, allowed: f64| match (over.is_finite(), allowed == 0.0) {
+        (_, true) => "more than nothing, and nothing is allowed".to_string(),
+        (true, _) => format!("{} times the limit", number(over)),
+        (false, _) => "without end".into(),
+    };
     match reason {
         Reason::Unusable(unusable) => (unusable.reason().into(), unusable.reason().into()),
-        Reason::Infeasible(Infeasible::Never { bind, least, ratio }) => (
+        Reason::Infeasible(Infeasible::Never { bind, least, allowed, ratio }) => (
             format!("{} is exceeded at every ratio", bind.limit),
             format!(
-                "{} is exceeded at every ratio: at best {} the limit, at N = {}",
+                "{} is exceeded at every ratio: at best it is {}, at N = {}",
                 bind_text(bind, joint),
-                times(*least),
+                by(*least, *allowed),
                 number(*ratio)
             ),
         ),
@@ -82,21 +86,21 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
                 number(*at_most)
             ),
         ),
-        Reason::Infeasible(Infeasible::Nowhere { bind, least, ratio }) => (
+        Reason::Infeasible(Infeasible::Nowhere { bind, least, allowed, ratio }) => (
             format!("{} is exceeded at every ratio", bind.limit),
             format!(
-                "{} is {} the limit at the ratio that comes nearest, N = {}",
+                "{} is {} at the ratio that comes nearest, N = {}",
                 bind_text(bind, joint),
-                times(*least),
+                by(*least, *allowed),
                 number(*ratio)
             ),
         ),
-        Reason::Gears { bind, over, tried } => (
+        Reason::Gears { bind, over, allowed, tried } => (
             format!("{} with every gear", bind.limit),
             format!(
-                "none of {tried} gears will do; with the nearest, {} is {} the limit",
+                "none of {tried} gears will do; with the nearest, {} is {}",
                 bind_text(bind, joint),
-                times(*over)
+                by(*over, *allowed)
             ),
         ),
         Reason::Unchecked(limit, why) => {
@@ -122,7 +126,7 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
     let mut out = format!(
-        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed)\n",
+        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed), limits on them q-axis amperes\n",
         robot.name,
         super::counted(robot.joints.len(), "joint"),
         super::counted(motors, "motor"),
@@ -204,16 +208,6 @@ pub(super) fn asks_for_nothing(joint: &Joint) -> bool {
     motion.torque.iter().chain(&motion.acceleration).all(|x| *x == 0.0)
 }
 
-/// What a q-axis current is on the drive: phase amplitude, or DC ampere of a brushed motor \[A\].
-pub(super) fn drive_current(motor: &Motor, current: f64) -> f64 {
-    let commutation = motor.conventions.commutation;
-    let convention = match commutation {
-        Commutation::Brushless => CurrentConvention::PhaseAmplitude,
-        Commutation::Brushed => CurrentConvention::Dc,
-    };
-    current / convention.torque_current(commutation)
-}
-
 fn candidates_table(result: &JointResult, top: usize) -> String {
     let joint = result.joint;
     // Loss, peak current, inertia and mass have columns of their own.
@@ -242,7 +236,7 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
             let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
             row.extend([
                 number(e.loss),
-                number(drive_current(design.motor, e.peak_current)),
+                number(currents::phase(design.motor, e.peak_current)),
                 number(e.reflected_inertia),
                 optional(e.mass),
                 optional(s_m),
@@ -316,7 +310,7 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
         }
         if let Certificate::NotCertified(why) = &design.optimum.certificate {
             let found = match design.spring.map(|s| s.gap) {
-                Some(Some(gap)) => format!("the best that was found, within {gap:.0e} of the bound"),
+                Some(Some(gap)) => format!("the best that was found; it {}", super::may_be_beaten(gap)),
                 Some(None) => "the best that was found, without a bound".into(),
                 None => "the best of a refined grid".into(),
             };
@@ -461,7 +455,12 @@ fn summary(result: &RobotResult) -> String {
 /// What is said of joints that have no choice.
 pub(super) fn without_choice(result: &RobotResult) -> Vec<String> {
     let without = result.joints.iter().filter(|j| j.candidates.is_empty());
-    unjudged::without_choice(without.map(|j| (j.joint.name.as_str(), j.unjudged.len())))
+    let told = |j: &'_ JointResult<'_>| unjudged::left_out(j.rejected.iter().map(|r| &r.reason));
+    unjudged::without_choice(without.map(|j| unjudged::Without {
+        joint: &j.joint.name,
+        unjudged: j.unjudged.len(),
+        unchecked: told(j),
+    }))
 }
 
 /// Margins as an object, `{limit: margin}`, and each limit in full.
@@ -528,9 +527,6 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("mean_electrical_power_w", json!(e.mean_power));
     put("energy_per_cycle_j", json!(e.energy));
     put("peak_electrical_power_w", json!(e.peak_power));
-    put("peak_current_a", json!(e.peak_current));
-    put("peak_drive_current_a", json!(drive_current(design.motor, e.peak_current)));
-    put("rms_current_a", json!(e.rms_current));
     put("reflected_inertia_kgm2", json!(e.reflected_inertia));
     put("mass_kg", json!(e.mass));
     put("winding_temperature_k", json!(design.winding_temperature.flatten()));
@@ -550,6 +546,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     if let Some(spring) = &design.spring {
         put("spring", super::spring::json(spring, e.loss));
     }
+    currents::put(&mut object, design.motor, e);
     Value::Object(object)
 }
 
@@ -604,7 +601,10 @@ pub fn csv(result: &RobotResult) -> String {
         "bound_high",
         "objective",
         "loss_w",
-        "peak_current_a",
+        currents::NAMES[0],
+        currents::NAMES[1],
+        currents::NAMES[2],
+        currents::NAMES[3],
         "reflected_inertia_kgm2",
         "mass_kg",
         "tightest_limit",
@@ -628,10 +628,9 @@ pub fn csv(result: &RobotResult) -> String {
                 vec![j.joint.name.clone(), (place + 1).to_string(), d.motor.id.clone(), d.gear.unwrap_or("").into()];
             row.extend([e.ratio, window.min, window.max].map(|x| csv_number(Some(x))));
             row.extend([window.low.limit.to_string(), window.high.limit.to_string()]);
-            row.extend(
-                [Some(d.optimum.objective), Some(e.loss), Some(e.peak_current), Some(e.reflected_inertia), e.mass]
-                    .map(csv_number),
-            );
+            row.extend([d.optimum.objective, e.loss].map(|x| csv_number(Some(x))));
+            row.extend(currents::values(d.motor, e).map(|x| csv_number(Some(x))));
+            row.extend([Some(e.reflected_inertia), e.mass].map(csv_number));
             row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
             row.push(match d.optimum.certificate {
                 Certificate::Certified { gap, .. } => csv_number(Some(gap)),

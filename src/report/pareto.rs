@@ -58,7 +58,12 @@ pub fn text(fronts: &[Front]) -> String {
             })
             .collect();
         if rows.is_empty() {
-            let which = if front.unjudged.is_empty() { "of the catalogue" } else { "that can be judged" };
+            let left_out = unjudged::left_out(front.rejected.iter().map(|(_, why)| why));
+            let which = match (front.unjudged.len(), left_out) {
+                (0, 0) => "of the catalogue",
+                (0, _) => "that can be checked in full",
+                _ => "that can be judged",
+            };
             out.push_str(&format!("  no motor {which} can do it\n\n"));
         } else {
             out.push_str(&table(&names, &rows));

@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::table::{table, wrap};
-use super::{different_motors, number, optional};
+use super::{currents, different_motors, number, optional};
 use crate::design::optimize::Design;
 use crate::design::robot::{Change, Choice, Combination, Wanting};
 use crate::requirement::{Joint, Regeneration, Robot};
@@ -173,8 +173,11 @@ fn proof(choice: &Choice) -> String {
         let gap = if gap < 1e-12 { "exact".to_string() } else { format!("gap {gap:.0e}") };
         return format!("proved: no combination is better ({gap}, {} branches looked at)", proof.branches);
     }
-    let gap = if gap.is_finite() { format!("within {:.2} % of the bound", 100.0 * gap) } else { "no bound".into() };
-    format!("NOT proved, {gap}: {}", proof.not_proved.join("; "))
+    let how_far = match gap.is_finite() {
+        true => super::may_be_beaten(gap),
+        false => "by how much it may be beaten is not known".into(),
+    };
+    format!("NOT proved, {how_far}: {}", proof.not_proved.join("; "))
 }
 
 /// In which joints another combination differs.
@@ -260,13 +263,15 @@ fn combination_json(robot: &Robot, combination: &Combination) -> Value {
     let joints = robot.joints.iter().zip(&combination.joints).zip(&combination.carried).map(|((joint, d), carried)| {
         let e = &d.evaluation;
         let of_constant = joint.carries.iter().any(|c| c.constant);
-        json!({
+        let mut value = json!({
             "joint": joint.name, "count": joint.count, "motor": d.motor.id, "gear": d.gear, "ratio": e.ratio,
             "objective": d.optimum.objective, "loss_w": e.loss, "reflected_inertia_kgm2": e.reflected_inertia,
-            "mass_kg": e.mass, "peak_current_a": e.peak_current, "unchecked": d.unchecked.iter().map(|u| u.0).collect::<Vec<_>>(),
+            "mass_kg": e.mass, "unchecked": d.unchecked.iter().map(|u| u.0).collect::<Vec<_>>(),
             "tightest": e.tightest().map(|m| json!({ "limit": m.limit, "margin": m.margin })),
             "carried_torque_nm": carried.first().filter(|_| of_constant),
-        })
+        });
+        currents::add(&mut value, d.motor, e);
+        value
     });
     json!({
         "joints": joints.collect::<Vec<_>>(),

@@ -6,8 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::optimize::{fitted_json, fitted_notes, margins_json};
 use super::table::table;
-use super::unjudged;
-use super::{csv_number, number, optional};
+use super::{csv_number, currents, number, optional, unjudged};
 use crate::actuator::metrics::{METRICS, Metric};
 use crate::design::sweep::{JointSweep, SweptDesign};
 use crate::requirement::{Quantity, Robot};
@@ -210,8 +209,6 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             }
             put("loss_w", json!(e.loss));
             put("mean_electrical_power_w", json!(e.mean_power));
-            put("peak_current_a", json!(e.peak_current));
-            put("rms_current_a", json!(e.rms_current));
             put("reflected_inertia_kgm2", json!(e.reflected_inertia));
             put("mass_kg", json!(e.mass));
             put("margins", margins);
@@ -220,6 +217,7 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             for metric in METRICS.iter().take(4) {
                 put(&format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(d.motor)));
             }
+            currents::put(&mut object, d.motor, e);
             Value::Object(object)
         });
         let unusable = sweep.unusable.iter().map(|(motor, gear, why)| json!({ "motor": motor, "gear": gear, "because": why.reason() }));
@@ -240,8 +238,10 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
         "because",
         "objective",
         "loss_w",
-        "peak_current_a",
-        "rms_current_a",
+        currents::NAMES[0],
+        currents::NAMES[1],
+        currents::NAMES[2],
+        currents::NAMES[3],
         "reflected_inertia_kgm2",
         "mass_kg",
         "tightest_limit",
@@ -264,10 +264,9 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
             row.push(d.unjudged.is_empty().to_string());
             row.push(because(d, sweep.joint));
             let objective = e.objective(&sweep.joint.objective);
-            row.extend(
-                [objective, Some(e.loss), Some(e.peak_current), Some(e.rms_current), Some(e.reflected_inertia), e.mass]
-                    .map(csv_number),
-            );
+            row.extend([objective, Some(e.loss)].map(csv_number));
+            row.extend(currents::values(d.motor, e).map(|x| csv_number(Some(x))));
+            row.extend([Some(e.reflected_inertia), e.mass].map(csv_number));
             let tightest = e.tightest();
             row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
             row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::number;
 use super::table::wrap;
 use crate::design::judge::{Unjudged, Unknown};
-use crate::design::optimize::JointResult;
+use crate::design::optimize::{JointResult, Reason};
 use crate::design::pareto::Front;
 use crate::design::robot::Choice;
 use crate::design::sweep::JointSweep;
@@ -167,16 +167,38 @@ pub(super) fn counted(unjudged: usize) -> String {
     if unjudged == 0 { String::new() } else { format!(", {unjudged} cannot be judged") }
 }
 
-/// What is said of joints without a choice: that nothing can do them, or that nothing judged can.
-pub fn without_choice<'j>(joints: impl Iterator<Item = (&'j str, usize)>) -> Vec<String> {
-    let (mut none, mut unknown) = (Vec::new(), Vec::new());
-    for (joint, unjudged) in joints {
-        match unjudged {
-            0 => none.push(joint.to_string()),
-            count => unknown.push(format!("{joint} ({count} cannot be judged)")),
+/// A joint without a choice: how many motors of it cannot be judged, and how many were left out unsolved, because
+/// only designs with every limit checked were wanted.
+#[derive(Debug, Clone, Copy)]
+pub struct Without<'j> {
+    /// Name of the joint.
+    pub joint: &'j str,
+    /// Motors that cannot be judged.
+    pub unjudged: usize,
+    /// Motors that were left out.
+    pub unchecked: usize,
+}
+
+/// What is said of joints without a choice: that nothing can do them, or that nothing judged or checked can.
+pub fn without_choice<'j>(joints: impl Iterator<Item = Without<'j>>) -> Vec<String> {
+    let [mut none, mut unjudged, mut unchecked] = [const { Vec::new() }; 3];
+    for Without { joint, unjudged: apart, unchecked: left_out } in joints {
+        match (apart, left_out) {
+            (0, 0) => none.push(joint.to_string()),
+            (0, count) => unchecked.push(format!("{joint} ({count} cannot be checked in full)")),
+            (count, _) => unjudged.push(format!("{joint} ({count} cannot be judged)")),
         }
     }
-    let line = |what: &str, joints: Vec<String>| (!joints.is_empty()).then(|| format!("{what}: {}", joints.join(", ")));
-    let none = line("NO motor of the catalogue can do", none);
-    none.into_iter().chain(line("NO motor that can be judged can do", unknown)).collect()
+    let lines = [
+        ("NO motor of the catalogue can do", none),
+        ("NO motor that can be judged can do", unjudged),
+        ("NO motor that can be checked in full can do", unchecked),
+    ];
+    let told = lines.into_iter().filter(|(_, joints)| !joints.is_empty());
+    told.map(|(what, joints)| format!("{what}: {}", joints.join(", "))).collect()
+}
+
+/// How many were left out because a limit of them cannot be checked.
+pub fn left_out<'r>(reasons: impl Iterator<Item = &'r Reason>) -> usize {
+    reasons.filter(|reason| matches!(reason, Reason::Unchecked(..))).count()
 }

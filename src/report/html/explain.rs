@@ -3,7 +3,8 @@
 use super::{Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
-use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, quantities, remedy_text, verdict};
+use crate::report::currents::Q_AXIS;
+use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, no_spring, quantities, remedy_text, verdict};
 use crate::report::optimize::{fitted_notes, reason_text};
 use crate::report::plot::design as plot;
 use crate::report::{number, optional, spring};
@@ -39,7 +40,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
     }
     match &story.spring {
         Some(Ok(found)) => summary.push(Part::Text(format!("Parallel spring: {}.", spring::text(found, e.loss)))),
-        Some(Err(why)) => summary.push(Part::Text(format!("No spring will do: {}.", reason_text(why, joint).1))),
+        Some(Err(why)) => summary.push(Part::Text(no_spring(story, why))),
         None => {}
     }
     if !story.remedies.is_empty() {
@@ -52,7 +53,10 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         Section::new("Figures", vec![Part::Figure(plot::explained(robot, story))]),
         Section::new(
             "Limits",
-            vec![Part::Table(Table::new("Limits, the tightest first", &LIMITS).rows(limit_rows(&e.margins, joint)))],
+            vec![
+                Part::Table(Table::new("Limits, the tightest first", &LIMITS).rows(limit_rows(&e.margins, joint))),
+                Part::Text(Q_AXIS.into()),
+            ],
         ),
         Section::new("What it needs and weighs", vec![Part::Table(needs(story))]),
     ];

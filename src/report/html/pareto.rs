@@ -16,7 +16,12 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
         ),
         _ => {
             let without = fronts.iter().filter(|f| f.points.is_empty());
-            unjudged::without_choice(without.map(|f| (f.joint.name.as_str(), f.unjudged.len()))).join(". ") + "."
+            let told = without.map(|f| unjudged::Without {
+                joint: &f.joint.name,
+                unjudged: f.unjudged.len(),
+                unchecked: unjudged::left_out(f.rejected.iter().map(|(_, why)| why)),
+            });
+            unjudged::without_choice(told).join(". ") + "."
         }
     };
     let warnings = fronts.iter().flat_map(|f| {

@@ -5,7 +5,7 @@ use crate::actuator::metrics::METRICS;
 use crate::design::sweep::{JointSweep, SweptDesign};
 use crate::report::plot::sweep as plot;
 use crate::report::sweep::{Order, because, ordered, remarks};
-use crate::report::{number, optional};
+use crate::report::{currents, number, optional};
 use crate::requirement::Robot;
 use crate::units::in_unit;
 
@@ -89,7 +89,8 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
     header.extend(own_column.then_some(goal.as_str()));
     header.extend([
         ">loss [W]",
-        ">I peak [A, q axis]",
+        ">I peak, phase [A]",
+        ">I peak, q axis [A]",
         ">J [kg*m^2]",
         ">mass [kg]",
         ">S_M [ms]",
@@ -104,7 +105,8 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
         cells.extend(geared.then(|| design.gear.unwrap_or("").to_string()));
         cells.extend([number(e.ratio), state(design).into()]);
         cells.extend(own_column.then(|| optional(e.objective(&joint.objective))));
-        cells.extend([e.loss, e.peak_current, e.reflected_inertia].map(number));
+        let [phase, q_axis, ..] = currents::values(design.motor, e);
+        cells.extend([e.loss, phase, q_axis, e.reflected_inertia].map(number));
         cells.extend([e.mass, METRICS[0].value(design.motor).map(|v| in_unit(v, METRICS[0].unit))].map(optional));
         let tightest = e.tightest();
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
