@@ -158,7 +158,8 @@ fn only_blank(missing: &[(&'static str, &'static str)]) -> String {
 fn what_the_requirement_states_is_judged_or_the_motor_is_no_choice() {
     for (top, ratio, limits, missing, name) in STATED {
         let asked = robot(top, ratio, limits);
-        let (status, found) = Case::new(&two(missing), &asked).json(&["optimize", "robot.toml", "--catalog", "motors.csv"]);
+        let (status, found) =
+            Case::new(&two(missing), &asked).json(&["optimize", "robot.toml", "--catalog", "motors.csv"]);
         let joint = &found["joints"][0];
         assert_eq!((status, names(&joint["candidates"])), (0, vec!["known"]), "{limits}");
         assert_eq!(names(&joint["unjudged"]), ["blank"], "{limits}");
@@ -252,12 +253,14 @@ fn a_design_that_cannot_be_judged_fails_its_check() {
         let design = "requirement = \"robot.toml\"\ncatalog = [\"motors.csv\"]\n[[joint]]\nname = \"knee\"\nmotor = \"blank\"\nratio = 9\n";
         fs::write(case.path().join("design.toml"), design).unwrap();
         let (status, found) = case.json(&["check", "design.toml"]);
-        let finding = found["findings"].as_array().unwrap().iter().find(|f| f["subject"] == *name && f["code"] == "GW033");
+        let finding =
+            found["findings"].as_array().unwrap().iter().find(|f| f["subject"] == *name && f["code"] == "GW033");
         let finding = finding.unwrap_or_else(|| panic!("{limits}: {found}"));
         assert_eq!((status, finding["severity"].as_str()), (1, Some("error")), "{limits}");
         assert_eq!(found["joints"][0]["judged"], false);
         assert!(finding["asked_for_at"]["line"].as_u64().unwrap() > 1, "{finding}");
-        let twice = found["findings"].as_array().unwrap().iter().filter(|f| f["subject"] == *name && f["code"] != "GW033");
+        let twice =
+            found["findings"].as_array().unwrap().iter().filter(|f| f["subject"] == *name && f["code"] != "GW033");
         assert_eq!(twice.count(), 0, "{limits}: said once");
         // Export of the same design.
         let (status, _, err) = case.run(&["export", "design.toml", "--to", "mjcf"]);
@@ -306,7 +309,8 @@ fn gears_of_the_catalogue_are_judged_with_their_own_numbers() {
 fn what_exceeds_another_limit_is_rejected_and_not_unjudged() {
     // 0.6 A of peak current for 2.5 to 10 A.
     for (top, ratio, limits, missing, _) in STATED.iter().filter(|s| s.3[0].0 != "peak_current") {
-        let weak: Vec<(&str, &str)> = missing.iter().copied().chain([("peak_current", "0.6"), ("continuous_current", "0.5")]).collect();
+        let weak: Vec<(&str, &str)> =
+            missing.iter().copied().chain([("peak_current", "0.6"), ("continuous_current", "0.5")]).collect();
         let case = Case::new(&catalog(&[("weak", &weak), ("known", &[])]), &robot(top, ratio, limits));
         let (_, found) = case.json(&["optimize", "robot.toml", "--catalog", "motors.csv"]);
         let joint = &found["joints"][0];
@@ -328,7 +332,8 @@ fn heat_without_durations_cannot_be_judged() {
     let because = found["joints"][0]["unjudged"][0]["because"].as_str().unwrap();
     assert!(status == 1 && because.contains("no durations"), "{because}");
     // A rating of the gear that the requirement describes is stated, too.
-    let gear = "ratio = { min = 5, max = 20 }\ngear = { efficiency = 0.9, mass = \"1 g\", continuous_torque = \"9 N*m\" }";
+    let gear =
+        "ratio = { min = 5, max = 20 }\ngear = { efficiency = 0.9, mass = \"1 g\", continuous_torque = \"9 N*m\" }";
     let asked = robot("", gear, "").replace(", duration = \"1 s\"", "");
     fs::write(case.path().join("robot.toml"), asked).unwrap();
     let (status, found) = case.json(&["optimize", "robot.toml", "--catalog", "motors.csv"]);
@@ -384,10 +389,13 @@ fn a_study_counts_what_cannot_be_judged_and_takes_no_such_motor() {
         let summary: Value =
             serde_json::from_str(&fs::read_to_string(case.path().join("result/summary.json")).unwrap()).unwrap();
         let joint = &summary["joints"][0];
-        assert_eq!((joint["without_design"].as_u64(), joint["unjudged"].as_u64()), match first {
-            Some(_) => (Some(0), Some(0)),
-            None => (Some(1), Some(1)),
-        });
+        assert_eq!(
+            (joint["without_design"].as_u64(), joint["unjudged"].as_u64()),
+            match first {
+                Some(_) => (Some(0), Some(0)),
+                None => (Some(1), Some(1)),
+            }
+        );
     }
 }
 

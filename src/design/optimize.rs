@@ -244,7 +244,9 @@ pub fn best_design<'a>(
     if let Some((limit, why)) = judge::left_out(robot, joint, &prepared.unchecked, only_checked) {
         return Err(reject((None, Reason::Unchecked(limit, why))));
     }
-    let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!("gears of the catalogue were taken above") };
+    let RatioChoice::Continuous { min, max } = joint.ratio else {
+        unreachable!("gears of the catalogue were taken above")
+    };
     let found = match joint.limits.spring {
         Some(_) => super::spring::solve(&prepared, joint, motor, None, (min, max)),
         None => solve(&prepared, joint, (min, max)).map(|optimum| design(&prepared, motor, None, optimum)),

@@ -165,9 +165,8 @@ impl<'a> Asked<'a, '_> {
         let [a, b] = best;
         let (a, b) = (a?, b?);
         let certified = [&a, &b].iter().all(|o| matches!(o.certificate, Certificate::Certified { .. }));
-        let convex = a.windows.len() == 1
-            && !prepared.candidate.actuator.has_odd_powers()
-            && !prepared.candidate.is_evaluated();
+        let convex =
+            a.windows.len() == 1 && !prepared.candidate.actuator.has_odd_powers() && !prepared.candidate.is_evaluated();
         let (from, to) = (a.ratio.min(b.ratio), a.ratio.max(b.ratio));
         let count = if to > from * (1.0 + 1e-12) { self.points.max(2) } else { 1 };
         let ratios = if count == 1 { vec![a.ratio] } else { grid(from, to, count) };

@@ -330,8 +330,11 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> V
     let solve = |nominal: JointResult<'a>| {
         let joint = nominal.joint;
         let demand = JointDemand::new(joint, catalog);
-        let found: Vec<Result<RobustDesign, Reason>> =
-            nominal.candidates.par_iter().map(|design| best_robust(robot, joint, &demand, design, options.only_checked)).collect();
+        let found: Vec<Result<RobustDesign, Reason>> = nominal
+            .candidates
+            .par_iter()
+            .map(|design| best_robust(robot, joint, &demand, design, options.only_checked))
+            .collect();
         let (mut designs, mut lost) = (Vec::new(), Vec::new());
         for (design, result) in nominal.candidates.iter().zip(found) {
             match result {

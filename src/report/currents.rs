@@ -11,8 +11,7 @@ use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::design::Evaluation;
 
 /// Names in JSON, CSV and studies, in the order of [`values`].
-pub const NAMES: [&str; 4] =
-    ["peak_current_phase_a", "peak_current_q_a", "rms_current_phase_a", "rms_current_q_a"];
+pub const NAMES: [&str; 4] = ["peak_current_phase_a", "peak_current_q_a", "rms_current_phase_a", "rms_current_q_a"];
 
 /// What is said once wherever limits on currents are shown.
 pub const Q_AXIS: &str = "Limits on currents, and the objective `peak_current`, compare q-axis amperes (power invariant): √(3/2) times the \

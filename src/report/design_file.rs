@@ -39,7 +39,7 @@ pub fn toml(
 ) -> Result<String, String> {
     let without = without_choice(result);
     if !without.is_empty() {
-        return Err(without.join("; "));
+        return Err(without.join("; ").replace("NO ", "no "));
     }
     let (what, designs): (_, Vec<&Design>) = match whole {
         None => ("First choices", result.joints.iter().map(|j| &j.candidates[0]).collect()),

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value, json};
 
 use super::table::{table, wrap};
-use super::{currents, prune, unjudged};
 use super::{csv_number, different_motors, number, optional};
+use super::{currents, prune, unjudged};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
 use crate::actuator::metrics::METRICS;

@@ -122,7 +122,8 @@ fn gather(
     };
     if let Some(why) = not_looked_at(key) {
         let problem = Problem::at(at, format!("`{key}` of [grid] would change nothing"), why);
-        return section.note(problem.help("`gearwise optimize` looks at the whole robot: write a requirement for each value"));
+        return section
+            .note(problem.help("`gearwise optimize` looks at the whole robot: write a requirement for each value"));
     }
     let scale = key == "scale" || key.starts_with("scale.");
     if scale && !Parameter::SCALES.contains(&key) {

@@ -4,7 +4,9 @@ use super::{Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
 use crate::report::currents::Q_AXIS;
-use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, no_spring, quantities, remedy_text, verdict};
+use crate::report::explain::{
+    LIMITS, RUNAWAY, best_line, limit_rows, no_spring, percent, quantities, remedy_text, verdict,
+};
 use crate::report::optimize::{fitted_notes, reason_text};
 use crate::report::plot::design as plot;
 use crate::report::{number, optional, spring};

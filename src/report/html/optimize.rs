@@ -7,8 +7,8 @@ use crate::design::optimize::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{LIMITS, limit_rows};
 use crate::report::optimize::{
-    asks_for_nothing, bind_text, choice_text, margin_text, notes, proof, ratio_text, reason_text,
-    verdict, without_choice,
+    asks_for_nothing, bind_text, choice_text, margin_text, notes, proof, ratio_text, reason_text, verdict,
+    without_choice,
 };
 use crate::report::plot::design as plot;
 use crate::report::{currents, different_motors, number, optional, robot as robot_report, spring};
@@ -37,7 +37,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
                 format!("{all} can be built, with {motors}{but}.")
             }
         }
-        _ => without_choice(result).join(". ") + ".",
+        _ => without_choice(result).join(". ").replace("NO ", "No ") + ".",
     };
     let headline = match whole.map(|whole| whole.combinations.first()) {
         None => headline,
@@ -116,8 +116,7 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
         match joint.candidates.first() {
             None => {
                 let mut cells = name();
-                cells
-                    .extend([none_text(joint)].into_iter().chain((3..header.len()).map(|_| String::new())));
+                cells.extend([none_text(joint)].into_iter().chain((3..header.len()).map(|_| String::new())));
                 table.push("", cells);
             }
             Some(first) => {
@@ -196,7 +195,8 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
     if let Some(first) = result.candidates.first() {
         let name = format!("{names}: limits of the first choice, {}", choice_text(first));
         let limits = Table::new(name, &LIMITS).rows(limit_rows(&first.evaluation.margins, joint));
-        parts.extend(limits.part().map(|part| folded("Limits of the first choice (on currents: q-axis amperes)", part)));
+        parts
+            .extend(limits.part().map(|part| folded("Limits of the first choice (on currents: q-axis amperes)", part)));
         let rows = first.optimum.shadow_prices.iter().map(|p| vec![p.limit.to_string(), number(p.elasticity)]);
         let change = format!(">change of {} [%]", joint.objective.name());
         let prices = Table::new(format!("{names}: what one per cent more of a limit changes"), &["limit", &change]);

@@ -21,12 +21,12 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
                 unjudged: f.unjudged.len(),
                 unchecked: unjudged::left_out(f.rejected.iter().map(|(_, why)| why)),
             });
-            unjudged::without_choice(told).join(". ") + "."
+            unjudged::without_choice(told).join(". ").replace("NO ", "No ") + "."
         }
     };
-    let warnings = fronts.iter().flat_map(|f| {
-        unjudged::front_not_checked(f).into_iter().map(|line| format!("{}: {line}", f.joint.name))
-    });
+    let warnings = fronts
+        .iter()
+        .flat_map(|f| unjudged::front_not_checked(f).into_iter().map(|line| format!("{}: {line}", f.joint.name)));
     let figure = plot::figure(fronts);
     Page {
         command: "optimize --pareto",

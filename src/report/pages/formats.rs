@@ -1,7 +1,6 @@
 //! The page of file formats. Columns come from the readers; keys of TOML tables stand here, and a test asks the
 //! readers whether they know these and no others.
 
-use crate::report::currents;
 use super::{MADE, code, plain, table};
 use crate::actuator::effects::EFFECTS;
 use crate::catalog::convention::{
@@ -11,6 +10,7 @@ use crate::catalog::{FIELDS, GearKind, SourceKind, gear_columns, motor_columns};
 use crate::input::Range;
 use crate::input::csv::{Column, Content};
 use crate::measured::BenchKind;
+use crate::report::currents;
 use crate::requirement::motion;
 
 /// A table of a TOML file with its keys.
@@ -185,7 +185,11 @@ pub const REQUIREMENT: &[Table] = &[
     Table {
         path: "[limits]",
         keys: &[
-            ("actuator_mass", "mass", "of motor and gear; like every limit here it has to be judged, or the motor is no choice"),
+            (
+                "actuator_mass",
+                "mass",
+                "of motor and gear; like every limit here it has to be judged, or the motor is no choice",
+            ),
             ("reflected_inertia", "inertia", "N² (J_m + J_g) at the output"),
             ("torque_bandwidth", "table", "a sinusoidal torque on top of the motion"),
             ("winding_temperature", "temperature", "highest; the motor's own holds too"),

@@ -15,7 +15,6 @@ pub fn text() -> String {
          requirement itself states (a mass, an inertia, a winding temperature, a torque bandwidth, a budget) has to be judged: a motor of \
          which it cannot be is listed apart as *cannot be judged* and is never a choice.\n\n{}\n\n",
         crate::report::currents::Q_AXIS
-    
     );
     let missing = missing();
     let rows = LIMITS.iter().map(|limit| {
