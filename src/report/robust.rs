@@ -47,11 +47,12 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let JointResult { joint, candidates, .. } = &result.nominal;
     let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
     let heading = format!(
-        "{} (×{}), least {}: {} motors can do it by their printed numbers; of those with tolerances {with} also at worst, {} not",
+        "{} (×{}), least {}: {} motors can do it by their printed numbers{}; of those with tolerances {with} also at worst, {} not",
         joint.name,
         joint.count,
         joint.objective.name(),
         candidates.len(),
+        super::unjudged::counted(result.nominal.unjudged.len()),
         result.lost.len()
     );
     let mut out = paragraph(&heading, 0, 2);
@@ -88,6 +89,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         );
         out.push_str(&paragraph(&sentence, 2, 4));
     }
+    out.push_str(&super::unjudged::text(&result.nominal, false).replace(" (`--rejected` lists each)", ""));
     if !result.contenders.is_empty() {
         let heading = format!(
             "The first {} of the nominal order with their numbers drawn at random, {SAMPLES} times (each ± is two \
@@ -206,6 +208,7 @@ pub fn json(robot: &Robot, joints: &[RobustJoint]) -> Value {
                 "count": joint.count,
                 "objective": joint.objective.name(),
                 "designs": j.designs.iter().map(design).collect::<Vec<_>>(),
+                "unjudged": super::unjudged::json(&j.nominal.unjudged, joint),
                 "lost": lost.collect::<Vec<_>>(),
                 "samples": SAMPLES,
                 "contenders": contenders.collect::<Vec<_>>(),
