@@ -7,7 +7,8 @@ use crate::measured::identify::Report;
 use crate::measured::simulate::ForwardCheck;
 use crate::report::handy::handy;
 use crate::report::identify::{
-    PARAMETERS, effect_text, equation_title, parameter_rows, refused, sentence, story_rows, stuck, unit_on, used,
+    PARAMETERS, effect_text, equation_title, noise_lines, parameter_rows, refused, sentence, story_rows, stuck,
+    unit_on, used,
 };
 use crate::report::plot::residual as plot;
 use crate::report::{forward, number, remake};
@@ -78,11 +79,11 @@ fn logs(bench: &Bench) -> Table {
 fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
     let band = report.band.map_or_else(String::new, |b| format!("; band 0 to {} Hz", number(b)));
     let (samples, rows) = report.samples;
-    let noise = number(report.noise_floor);
-    let text = format!("{samples} samples, {rows} rows in the regression{band}; noise floor {noise} {}.", report.unit);
+    let text = format!("{samples} samples, {rows} rows in the regression{band}.");
     let (header, rows) = story_rows(report);
-    let mut parts =
-        vec![Part::Text(text), Part::Table(Table::new("Error (RMSE) as it goes down", &header).rows(trimmed(rows)))];
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let story = Table::new("Error (RMSE) as it goes down", &header).rows(trimmed(rows));
+    let mut parts = vec![Part::Text(text), Part::Table(story), Part::List(noise_lines(report))];
     parts.extend(figure);
     let rows = trimmed(parameter_rows(bench, &report.parameters));
     parts.extend(Table::new("Numbers of the declared model", &PARAMETERS).rows(rows).part());
