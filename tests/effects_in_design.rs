@@ -580,7 +580,7 @@ fn reports_make_a_fitted_motor() {
         unit: "N*m",
         band: None,
         samples: (0, 0),
-        noise_floor: 0.0,
+        evidence: Default::default(),
         verdict: Verdict::Explained,
         stages: Vec::new(),
         artefacts: Vec::new(),

@@ -48,7 +48,7 @@ fn the_example_tells_its_story() {
         "+ coulomb_friction",
         "+ cogging order 12",
         "in the end",
-        "noise floor",
+        "noise of the instrument",
         "lag of velocity",
         "torque_constant",
         "Not added, and why:",
@@ -133,6 +133,12 @@ fn no_number_is_lost(value: &Value, path: &str) {
                 "held_out_before",
                 "held_out_after",
                 "band_hz",
+                "noise_floor",
+                "times_the_noise",
+                "noise_cannot_be_told",
+                "line_above_the_band_hz",
+                "value",
+                "why_not",
             ];
             assert!(may.iter().any(|m| path.ends_with(m)), "{path} is null");
         }

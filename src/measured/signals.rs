@@ -159,6 +159,7 @@ pub fn integral(values: &[f64], step: f64) -> Vec<f64> {
 #[derive(Debug, Clone, Copy)]
 pub struct LowPass {
     sections: [[f64; 5]; 2],
+    fraction: f64,
     padding: usize,
     guard: usize,
 }
@@ -174,7 +175,20 @@ impl LowPass {
         };
         let q = |angle: f64| 1.0 / (2.0 * angle.cos());
         let sections = [section(q(std::f64::consts::PI / 8.0)), section(q(3.0 * std::f64::consts::PI / 8.0))];
-        LowPass { sections, padding: (4.0 / fraction).ceil() as usize, guard: (0.75 / fraction).ceil() as usize }
+        let (padding, guard) = ((4.0 / fraction).ceil() as usize, (0.75 / fraction).ceil() as usize);
+        LowPass { sections, fraction, padding, guard }
+    }
+
+    /// The share of the power of white noise that passes: the integral of `1/(1 + r⁸)²` over all frequencies, with
+    /// `r = tan πν / tan πν_c`.
+    pub fn noise_gain(&self) -> f64 {
+        const STEPS: usize = 2000;
+        let end = 0.5_f64.min(6.0 * self.fraction);
+        let cut = (std::f64::consts::PI * self.fraction).tan();
+        let power = |nu: f64| (1.0 + ((std::f64::consts::PI * nu).tan() / cut).powi(8)).powi(-2);
+        // By the midpoints of equal steps.
+        let middle = |k: usize| (k as f64 + 0.5) / STEPS as f64 * end;
+        2.0 * (0..STEPS).map(|k| power(middle(k))).sum::<f64>() * end / STEPS as f64
     }
 
     /// Samples at either end that the ends have spoiled.
@@ -276,6 +290,21 @@ mod tests {
         for (a, b) in filter.apply(&ramp).iter().zip(&ramp).take(n - guard).skip(guard) {
             assert!((a - b).abs() < 1e-4, "{a} {b}");
         }
+    }
+
+    /// Parseval: the power of white noise that passes is the sum of squares of the answer to one sample of one.
+    #[test]
+    fn the_gain_of_noise_is_that_of_the_answer_to_an_impulse() {
+        for fraction in [0.01, 0.04, 0.2, 0.4] {
+            let mut impulse = vec![0.0; 4001];
+            impulse[2000] = 1.0;
+            let filter = LowPass::new(fraction);
+            let energy: f64 = filter.apply(&impulse).iter().map(|v| v * v).sum();
+            assert_relative_eq!(filter.noise_gain(), energy, max_relative = 1e-4);
+        }
+        // Far below the sampling rate: 2 f_c (1 − 1/8) (π/8)/sin(π/8).
+        let octave = std::f64::consts::PI / 8.0;
+        assert_relative_eq!(LowPass::new(1e-3).noise_gain(), 2e-3 * 0.875 * octave / octave.sin(), max_relative = 1e-4);
     }
 
     #[test]

@@ -55,11 +55,11 @@ fn error_comment(report: &Report) -> String {
         _ => ("fit", from.fit, to.fit),
     };
     format!(
-        "# Error of {}, {judge}: {} {unit} as declared, {} {unit} fitted; noise floor {} {unit}\n",
+        "# Error of {}, {judge}: {} {unit} as declared, {} {unit} fitted; {}\n",
         report.target.name(),
         super::number(before),
         super::number(after),
-        super::number(report.noise_floor),
+        super::identify::noise_line(report),
         unit = report.unit
     )
 }

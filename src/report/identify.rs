@@ -9,7 +9,8 @@ use super::handy::{handy, with_error};
 use super::number;
 use super::table::{Column, Table, paragraph, paragraph_at, width};
 use crate::actuator::effects::Enters;
-use crate::measured::identify::{Found, Parameter, Refused, Report, Stage, Target, Verdict};
+use crate::measured::identify::evidence::{AT_THE_NOISE, Asked, Gain};
+use crate::measured::identify::{Found, Ground, Parameter, Refused, Report, Stage, Target, Verdict};
 use crate::measured::{Bench, Channel, Log, Use};
 
 /// The unit of a parameter on this bench: effects speak of torques and angles, a linear axis of forces and
@@ -33,17 +34,8 @@ pub fn unit_on(bench: &Bench, unit: &'static str) -> &'static str {
 
 /// The verdict over all equations of a bench.
 pub fn overall(reports: &[Report]) -> Verdict {
-    if reports.iter().any(|r| r.verdict == Verdict::UnexplainedStructure) {
-        Verdict::UnexplainedStructure
-    } else if reports.iter().any(|r| !r.effects.is_empty()) {
-        Verdict::Explained
-    } else {
-        Verdict::NothingMissing
-    }
+    Verdict::over(reports.iter().map(|r| r.verdict))
 }
-
-/// Why an effect was refused where another equation of the same bench speaks of it.
-const ELSEWHERE: &str = "this bench does not measure its equation";
 
 /// Refusals over all equations: of each effect the reason of the equation that it is a term of; nothing that
 /// was found in any.
@@ -56,12 +48,12 @@ pub(super) fn refused(reports: &[Report]) -> Vec<(&Refused, Target)> {
         .filter(|r| !found(&r.name))
         .map(|r| {
             let own = (r, first.target);
-            if r.reason != ELSEWHERE {
+            if r.ground != Ground::Elsewhere {
                 return own;
             }
-            let better = further
-                .iter()
-                .find_map(|f| f.refused.iter().find(|o| o.name == r.name && o.reason != ELSEWHERE).map(|o| (o, f)));
+            let better = further.iter().find_map(|f| {
+                f.refused.iter().find(|o| o.name == r.name && o.ground != Ground::Elsewhere).map(|o| (o, f))
+            });
             better.map_or(own, |(o, f)| (o, f.target))
         })
         .collect()
@@ -246,7 +238,9 @@ fn equation(bench: &Bench, report: &Report) -> String {
     );
     let mut out = format!("\n{}", paragraph(&heading, 0, 2));
     out.push_str(&story(report));
-    out.push_str(&format!("  noise floor {} {}\n", number(report.noise_floor), report.unit));
+    for line in noise_lines(report) {
+        out.push_str(&paragraph(&line, 2, 4));
+    }
     for remark in &report.remarks {
         out.push_str(&paragraph(remark, 2, 4));
     }
@@ -278,9 +272,77 @@ fn story(report: &Report) -> String {
     Table::new(columns).indented(2).also_in("`--json`").rows(rows).text()
 }
 
-/// Columns and rows of the error as it goes down.
+/// The instrument's noise, or why it is not known, in one line.
+pub(super) fn noise_line(report: &Report) -> String {
+    match report.evidence.noise.told() {
+        Ok(floor) => format!("noise of the instrument {} {}", number(floor), report.unit),
+        Err(why) => format!("the instrument's noise cannot be told: {why}"),
+    }
+}
+
+/// What is left against the instrument's noise, what each way to find that says, and the strongest effect that was
+/// refused.
+pub(super) fn noise_lines(report: &Report) -> Vec<String> {
+    let (evidence, unit) = (&report.evidence, report.unit);
+    let left = number(evidence.left);
+    let mut lines = vec![match evidence.times_the_noise() {
+        Some(times) => format!("{}; left out {left} {unit}, {} times that", noise_line(report), number(round(times))),
+        None => format!("left out {left} {unit}; {}", noise_line(report)),
+    }];
+    let ways: Vec<String> = evidence
+        .noise
+        .estimates
+        .iter()
+        .map(|e| match e.value {
+            Ok(value) => format!("{} {} {unit}", e.method.words(), number(value)),
+            Err(why) => format!("{}: {why}", e.method.words()),
+        })
+        .collect();
+    if !ways.is_empty() {
+        lines.push(format!("noise by {}", ways.join("; ")));
+    }
+    if let Some(frequency) = evidence.noise.line {
+        lines.push(format!("a line at {} Hz stands out above the band", number(round(frequency))));
+    }
+    lines.extend(evidence.strongest().map(|asked| format!("strongest of what was refused: {}", strength(asked))));
+    if let Some(together) = evidence.together.filter(|_| evidence.asked.len() > 1) {
+        lines.push(format!(
+            "all {} effects that were asked and refused, together: error {} %, at most −{} % (95 %)",
+            evidence.asked.len(),
+            change(together),
+            percent(together.most())
+        ));
+    }
+    lines
+}
+
+/// A refused effect with what it would do, and how sure that is.
+fn strength(asked: &Asked) -> String {
+    let gain = asked.gain;
+    format!(
+        "{}, error {} % ({} standard errors), at most −{} % (95 %)",
+        asked.name,
+        change(gain),
+        number(round(gain.sure())),
+        percent(gain.most())
+    )
+}
+
+/// Change of the error \[%\], with its sign.
+fn change(gain: Gain) -> String {
+    let fall = percent(gain.fall().abs());
+    if fall == "0" { fall } else { format!("{}{fall}", if gain.fall() > 0.0 { "−" } else { "+" }) }
+}
+
+/// To two digits behind the point.
+fn round(value: f64) -> f64 {
+    (100.0 * value).round() / 100.0
+}
+
+/// Columns and rows of the error as it goes down; against the noise where that is known.
 pub(super) fn story_rows(report: &Report) -> (Vec<Column>, Vec<Vec<String>>) {
-    let ratio = |value: f64| if report.noise_floor > 0.0 { number(value / report.noise_floor) } else { "–".into() };
+    let floor = report.evidence.noise.floor();
+    let ratio = |value: f64| floor.map(|floor| number(value / floor));
     let held = |value: Option<f64>, f: &dyn Fn(f64) -> String| value.map_or_else(|| "–".into(), f);
     // Of a target that does not vary no variance can be accounted for.
     let vaf = |value: f64| if value > -1e5 { format!("{value:.2}") } else { "–".into() };
@@ -288,27 +350,31 @@ pub(super) fn story_rows(report: &Report) -> (Vec<Column>, Vec<Vec<String>>) {
         .stages
         .iter()
         .map(|stage| {
-            vec![
+            let mut row = vec![
                 stage_label(report, stage),
                 number(stage.fit),
                 held(stage.held_out, &number),
                 vaf(stage.fit_vaf),
                 held(stage.held_out_vaf, &vaf),
-                ratio(stage.fit),
-                held(stage.held_out, &ratio),
-            ]
+            ];
+            row.extend(ratio(stage.fit));
+            if floor.is_some() {
+                row.push(held(stage.held_out, &|v| ratio(v).unwrap_or_default()));
+            }
+            row
         })
         .collect();
     let unit = report.unit;
-    let columns = vec![
+    let mut columns = vec![
         Column::name("RMSE"),
         Column::number("fit", unit),
         Column::number("held out", unit),
         Column::number("VAF fit", "%").dropped(4),
         Column::number("held out", "%").dropped(3),
-        Column::number("x noise", "").dropped(1),
-        Column::number("held out\nx noise", "").dropped(2),
     ];
+    if floor.is_some() {
+        columns.extend([Column::number("x noise", "").dropped(1), Column::number("held out\nx noise", "").dropped(2)]);
+    }
     (columns, rows)
 }
 
@@ -421,15 +487,29 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
         };
         Some(format!("{judge} the error goes from {} to {} {}", number(a), number(b), report.unit))
     };
-    match overall(reports) {
-        Verdict::NothingMissing if shifted.is_empty() => {
-            parts.push("Nothing is missing: the declared model explains these logs down to their noise".to_string());
+    let verdict = overall(reports);
+    let off = format!("the declared numbers are off: the logs want {}", listed(&shifted));
+    match verdict {
+        Verdict::NothingMissing | Verdict::NoneOfThese => {
+            let none = match verdict {
+                Verdict::NothingMissing => "Nothing is missing that these logs can show".to_string(),
+                _ => format!("None of the {} effects that could be asked is missing", asked(reports)),
+            };
+            parts.push(if shifted.is_empty() { none } else { format!("{none}, but {off}") });
+            let most = reports.iter().filter_map(|r| r.evidence.most()).fold(0.0, f64::max);
+            parts.push(format!("alone or together they would lower the error by at most {} % (95 %)", percent(most)));
         }
-        Verdict::NothingMissing => {
-            parts.push(format!(
-                "No effect is missing, but the declared numbers are off: the logs want {}",
-                listed(&shifted)
-            ));
+        Verdict::NotResolved => {
+            let strongest = reports.iter().filter_map(|r| r.evidence.strongest());
+            let strongest = strongest.max_by(|a, b| a.gain.most().total_cmp(&b.gain.most()));
+            parts.push("No effect could be named with certainty, and not all could be excluded".into());
+            parts.push(match strongest {
+                Some(asked) => format!("the strongest of what was refused: {}", words(&strength(asked))),
+                None => "how much those that were refused could still explain was not bounded".into(),
+            });
+            if !shifted.is_empty() {
+                parts.push(off);
+            }
         }
         Verdict::Explained => parts.push(format!("The declared model lacks {}", listed(&names))),
         Verdict::UnexplainedStructure => {
@@ -451,18 +531,58 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
             ));
         }
     }
-    if overall(reports) != Verdict::NothingMissing && !shifted.is_empty() {
+    if matches!(verdict, Verdict::Explained | Verdict::UnexplainedStructure) && !shifted.is_empty() {
         parts.push(format!("the logs want {}", listed(&shifted)));
     }
-    let told = reports.iter().find(|r| !r.effects.is_empty()).unwrap_or(first);
+    let of_verdict = || reports.iter().find(|r| r.verdict == verdict);
+    let told = reports.iter().find(|r| !r.effects.is_empty()).or_else(of_verdict).unwrap_or(first);
     parts.extend(errors(told));
-    let noise = told.stages.last().map(|s| s.held_out.unwrap_or(s.fit) / told.noise_floor).filter(|r| r.is_finite());
-    if let Some(ratio) = noise {
-        parts.push(format!("{} times the noise floor", number((100.0 * ratio).round() / 100.0)));
-    }
+    parts.push(left(told, verdict));
     let missing = bench.logs.iter().all(|l| l.usage == Use::Fit);
     let note = if missing { " No log was held out, so parts of the same logs judged." } else { "" };
-    format!("{}.{note}", parts.join("; "))
+    format!("{}.{}{note}", parts.join("; "), unseen(reports))
+}
+
+/// How many effects were asked and refused.
+fn asked(reports: &[Report]) -> usize {
+    reports.iter().map(|r| r.evidence.asked.len()).sum()
+}
+
+/// What is left, in times of the instrument's noise.
+fn left(report: &Report, verdict: Verdict) -> String {
+    match report.evidence.times_the_noise() {
+        Some(times) => {
+            let left = format!("{} times the instrument's noise is left", number(round(times)));
+            match verdict {
+                Verdict::NoneOfThese if times > AT_THE_NOISE => format!("{left}: unrepeatable, or not on the list"),
+                _ => left,
+            }
+        }
+        None if matches!(verdict, Verdict::NoneOfThese | Verdict::NotResolved) => {
+            "whether more than the instrument's noise is left cannot be told".into()
+        }
+        None => "the instrument's noise cannot be told".into(),
+    }
+}
+
+/// Effects that the response would explain by itself, and what would show them: sentences of their own.
+fn unseen(reports: &[Report]) -> String {
+    let mut ways: Vec<(&str, Vec<String>)> = Vec::new();
+    for (refusal, _) in refused(reports) {
+        let Ground::Response(by) = refusal.ground else { continue };
+        match ways.iter_mut().find(|(way, _)| *way == by) {
+            Some((_, names)) => names.push(words(&refusal.name)),
+            None => ways.push((by, vec![words(&refusal.name)])),
+        }
+    }
+    let one = |(by, names): &(&str, Vec<String>)| {
+        let (their, them) = if names.len() == 1 { ("its", "it") } else { ("their", "them") };
+        format!(
+            " On this bench {} cannot be seen: {their} regressor is made of the response; {by} would show {them}.",
+            listed(names)
+        )
+    };
+    ways.iter().map(one).collect()
 }
 
 /// A number for JSON: `null` where it is not finite.
@@ -504,7 +624,51 @@ fn effect_json(bench: &Bench, report: &Report, effect: &Found) -> Value {
 }
 
 fn refusal_json(refusal: &Refused, target: Target) -> Value {
-    json!({ "name": refusal.name, "reason": refusal.reason, "equation": target.name() })
+    let mut value = json!({ "name": refusal.name, "reason": refusal.reason, "equation": target.name() });
+    if let Ground::Response(by) = refusal.ground {
+        value["made_of_the_response"] = json!(true);
+        value["shown_by"] = json!(by);
+    }
+    value
+}
+
+/// What something that was refused would do: by how many percent the error would fall, how sure that is, and at most.
+fn gain_json(gain: Gain) -> Value {
+    json!({
+        "error_falls_percent": finite(100.0 * gain.fall()),
+        "standard_errors": finite(gain.sure()),
+        "at_most_percent": finite(100.0 * gain.most()),
+    })
+}
+
+/// What the verdict rests on.
+fn evidence_json(report: &Report) -> Value {
+    let evidence = &report.evidence;
+    let estimates: Vec<Value> = evidence
+        .noise
+        .estimates
+        .iter()
+        .map(|e| json!({ "method": e.method.name(), "value": maybe(e.value.ok()), "why_not": e.value.err() }))
+        .collect();
+    let asked: Vec<Value> = evidence
+        .asked
+        .iter()
+        .map(|a| {
+            let mut value = gain_json(a.gain);
+            value["name"] = json!(a.name);
+            value
+        })
+        .collect();
+    json!({
+        "left_out_error": finite(evidence.left),
+        "times_the_noise": maybe(evidence.times_the_noise()),
+        "noise_cannot_be_told": evidence.noise.told().err(),
+        "noise_estimates": estimates,
+        "line_above_the_band_hz": maybe(evidence.noise.line),
+        "refused": asked,
+        "refused_together": evidence.together.map(gain_json),
+        "worse_by_refitting": evidence.worse_by_refitting,
+    })
 }
 
 fn unexplained_json(report: &Report) -> Vec<Value> {
@@ -540,7 +704,8 @@ fn report_json(bench: &Bench, report: &Report) -> Map<String, Value> {
     let value = json!({
         "target": report.target.name(),
         "unit": report.unit,
-        "noise_floor": finite(report.noise_floor),
+        "noise_floor": maybe(report.evidence.noise.floor()),
+        "evidence": evidence_json(report),
         "verdict": report.verdict.word(),
         "band_hz": maybe(report.band),
         "samples": report.samples.0,
@@ -612,6 +777,10 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
         for a in &report.artefacts {
             let numbers = [None, Some(a.value), None, None, None, None, None];
             rows.push(row("artefact", &format!("{} of {}", a.kind, a.channel), numbers, unit_on(bench, a.unit), ""));
+        }
+        for e in &report.evidence.noise.estimates {
+            let numbers = [None, e.value.ok(), None, None, None, None, None];
+            rows.push(row("noise", e.method.name(), numbers, report.unit, e.value.err().unwrap_or("")));
         }
         let values = |p: &Parameter| [p.declared, Some(p.fitted), p.standard_error, None, None, None, None];
         for p in &report.parameters {

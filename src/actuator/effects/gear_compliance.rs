@@ -20,7 +20,7 @@ impl Effect for GearCompliance {
     }
 
     fn needs(&self) -> &'static [Variable] {
-        &[Variable::Torque]
+        &[Variable::TorqueCurvature, Variable::Torque]
     }
 
     fn basis(&self, _shape: f64, at: &Operating) -> [f64; 2] {

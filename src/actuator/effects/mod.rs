@@ -122,6 +122,8 @@ pub enum Variable {
     Current,
     /// Transmitted torque.
     Torque,
+    /// What a spring in the gear multiplies with 1/k: the torque through it, or its second derivative.
+    TorqueCurvature,
     /// Winding temperature.
     WindingTemperature,
     /// Housing temperature.
@@ -141,6 +143,7 @@ impl Variable {
             Variable::OutputAngle => "output position",
             Variable::Current => "current",
             Variable::Torque => "transmitted torque",
+            Variable::TorqueCurvature => "torque across the gear over the wind-up, or its second derivative",
             Variable::WindingTemperature => "winding temperature",
             Variable::HousingTemperature => "housing temperature",
             Variable::Duty => "duty",

@@ -47,9 +47,11 @@ fn generous(balance: &Balance) -> Vec<Vec<f64>> {
                 columns.push(balance.function(|at| at.torque.abs() * at.direction));
             }
         }
+        Target::Voltage if balance.is_response(Variable::Current) => {}
         Target::Voltage => columns.push(balance.function(|at| at.current.signum())),
         // Simulated, not regressed.
         Target::Position => {}
+        Target::WindUp if balance.is_response(Variable::Torque) => {}
         Target::WindUp => {
             columns.push(balance.function(|at| at.torque));
             columns.push(balance.function(|at| at.torque.signum()));
@@ -207,6 +209,9 @@ pub fn zeros(work: &Work) -> Vec<Artefact> {
                 subtract(1.0, balance.effect_with_zero(effect, &values));
             }
         }
+    }
+    for (effect, values) in &work.fixed {
+        subtract(1.0, balance.effect_with_zero(*effect, values));
     }
     // What was held stays as declared.
     for (index, base) in balance.base.iter().enumerate().filter(|(i, _)| !fitted[*i]) {

@@ -8,6 +8,8 @@
 
 use std::ops::Range;
 
+use super::noise::{Reading, Unfiltered};
+use super::origin::{Channels, Origins, Signal};
 use super::regression::Rows;
 use crate::actuator::effects::{Effect, Equation, Operating, Scale, Variable};
 use crate::measured::signals::{self, LowPass};
@@ -97,6 +99,8 @@ struct Stretch {
     /// A part of the target that is known and has no parameter.
     known: Vec<f64>,
     points: Vec<Operating>,
+    origins: Origins,
+    reading: Reading,
     acceleration: Vec<f64>,
     filter: Option<LowPass>,
     keep: Vec<usize>,
@@ -194,7 +198,7 @@ fn serves(log: &Log, bench: &Bench, target: Target) -> bool {
 }
 
 /// Standard deviation of the noise of a signal: from the second differences, which take out what is slow.
-fn noise_level(values: &[f64]) -> f64 {
+pub(super) fn noise_level(values: &[f64]) -> f64 {
     let second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
     let zero = second.iter().filter(|v| **v == 0.0).count();
     // Most are zero where a slow signal is quantised: then the mean says more than the median.
@@ -216,7 +220,7 @@ struct Gridded<'a> {
 }
 
 impl Gridded<'_> {
-    fn get(&self, channel: Channel) -> Option<Vec<f64>> {
+    fn get(&self, channel: Channel) -> Option<Signal> {
         let values = self.log.channel(channel)?;
         let wraps = matches!(channel, Channel::MotorPosition | Channel::OutputPosition | Channel::Goal) && !self.linear;
         let opened;
@@ -227,7 +231,7 @@ impl Gridded<'_> {
             values
         };
         if self.step == 0.0 {
-            return Some(values[self.range.clone()].to_vec());
+            return Some(Signal::of(channel, values[self.range.clone()].to_vec()));
         }
         signals::on_grid(
             &self.log.time[self.range.clone()],
@@ -236,11 +240,25 @@ impl Gridded<'_> {
             self.step,
             self.count,
         )
+        .map(|values| Signal::of(channel, values))
     }
 
-    fn shifted(&self, channel: Channel, lag: f64) -> Option<Vec<f64>> {
-        let values = self.get(channel)?;
-        Some(if self.step > 0.0 { signals::shifted(&values, lag / self.step) } else { values })
+    fn shifted(&self, channel: Channel, lag: f64) -> Option<Signal> {
+        self.get(channel).map(|signal| self.late(&signal, lag))
+    }
+
+    /// A signal put right by its lag \[s\].
+    fn late(&self, signal: &Signal, lag: f64) -> Signal {
+        if self.step > 0.0 { signal.through(|v| signals::shifted(v, lag / self.step)) } else { signal.clone() }
+    }
+
+    /// The derivative; zero where there is no time axis.
+    fn derivative(&self, signal: &Signal) -> Signal {
+        if self.step > 0.0 { signal.through(|v| signals::derivative(v, self.step)) } else { signal.map(|_| 0.0) }
+    }
+
+    fn second_derivative(&self, signal: &Signal) -> Signal {
+        signal.through(|v| second_derivative(v, self.step))
     }
 }
 
@@ -573,6 +591,38 @@ impl Balance {
         self.gather(true, |s| s.acceleration.clone())
     }
 
+    /// Whether a variable is made of the response: then a function of it explains its own noise, and whatever is
+    /// in the response, with nothing of the actuator in between. A second derivative amplifies noise so much that it must
+    /// not share the noise of the known load either, which stands on the same side.
+    pub fn is_response(&self, variable: Variable) -> bool {
+        self.stretches.iter().any(|s| {
+            let from = &s.origins;
+            let (made_of, explained) = match variable {
+                Variable::Speed => (from.speed, from.response),
+                Variable::Angle => (from.angle, from.response),
+                Variable::OutputAngle => (from.output_angle, from.response),
+                Variable::Current => (from.current, from.response),
+                Variable::Torque => (from.torque, from.response),
+                Variable::TorqueCurvature => (from.curvature, from.response | from.load),
+                Variable::WindingTemperature => (from.winding, from.response),
+                Variable::HousingTemperature => (from.housing, from.response),
+                Variable::Duty => (from.duty, from.response),
+                Variable::Constant => (Channels::NONE, from.response),
+            };
+            made_of.meets(explained)
+        })
+    }
+
+    /// What would have to be measured for a variable not to be made of the response.
+    fn shown_by(&self, variable: Variable) -> &'static str {
+        match (self.target, variable) {
+            (Target::Torque, _) | (Target::Drive, Variable::TorqueCurvature) => "positions on both sides of the gear",
+            (Target::Drive | Target::WindUp | Target::Position, _) => "a torque sensor at the output",
+            (Target::Voltage, Variable::Current) => "a measured current",
+            (Target::Voltage, _) => "a measured supply voltage",
+        }
+    }
+
     /// Sampling interval of the first stretch \[s\]; zero for steady tables.
     pub fn step(&self) -> f64 {
         self.stretches.first().map_or(0.0, |s| s.step)
@@ -583,10 +633,31 @@ impl Balance {
         self.stretches.iter().map(|s| s.target.len()).sum()
     }
 
-    /// The residual of a model on the samples themselves, for its spectrum: step \[s\] and values of each
-    /// stretch, unfiltered.
-    pub fn target_samples(&self) -> Vec<(f64, Vec<f64>)> {
-        self.stretches.iter().map(|s| (s.step, s.target.clone())).collect()
+    /// What a model leaves on the samples themselves, unfiltered, of the logs that are taken (by their place among the
+    /// bench's): `base` has a value for each parameter of the declared model, `effects` their values.
+    pub fn unfiltered(
+        &self,
+        take: impl Fn(usize) -> bool,
+        base: &[f64],
+        effects: &[(&'static dyn Effect, Vec<f64>)],
+    ) -> Vec<Unfiltered> {
+        let factors: Vec<f64> = effects.iter().map(|(e, _)| self.factor * self.conversion(*e)).collect();
+        let one = |s: &Stretch| {
+            let model = |k: usize| {
+                let known: f64 = s.base.iter().zip(base).map(|(c, b)| if *b == 0.0 { 0.0 } else { b * c[k] }).sum();
+                let effects = effects.iter().zip(&factors).map(|((e, values), f)| f * e.value(values, &s.points[k]));
+                s.known[k] + known + effects.sum::<f64>()
+            };
+            Unfiltered {
+                step: s.step,
+                left: (0..s.target.len()).map(|k| s.target[k] - model(k)).collect(),
+                columns: s.base.iter().filter(|c| c.iter().all(|v| v.is_finite())).cloned().collect(),
+                stands: s.points.iter().map(|p| p.direction.abs() < 0.5).collect(),
+                reading: s.reading,
+            }
+        };
+        let taken = self.stretches.iter().filter(|s| take(self.logs[s.log]));
+        taken.map(one).filter(|u| u.left.iter().all(|v| v.is_finite())).collect()
     }
 }
 
@@ -595,37 +666,47 @@ const DIRECTION_BAND: f64 = 0.2;
 
 /// Shaft speeds of one stretch.
 struct Motion {
-    motor: Vec<f64>,
+    motor: Signal,
     direction: Vec<f64>,
-    motor_acceleration: Vec<f64>,
-    output_acceleration: Vec<f64>,
+    motor_acceleration: Signal,
+    output_acceleration: Signal,
+}
+
+impl Motion {
+    /// Of a shaft that is held, or of which nothing is known.
+    fn none(count: usize) -> Motion {
+        let zero = Signal::constant(0.0, count);
+        Motion {
+            motor: zero.clone(),
+            direction: zero.values.clone(),
+            motor_acceleration: zero.clone(),
+            output_acceleration: zero,
+        }
+    }
 }
 
 fn motion(grid: &Gridded, ratio: f64, lag: f64) -> Option<Motion> {
     let get = |c| grid.shifted(c, lag);
-    let scaled = |values: Vec<f64>, factor: f64| -> Vec<f64> { values.into_iter().map(|v| v * factor).collect() };
-    let smooth = |position: Vec<f64>| {
-        let speed = signals::derivative(&position, grid.step.max(f64::MIN_POSITIVE));
-        LowPass::new(DIRECTION_BAND).apply(&speed)
+    let smooth = |position: Signal| {
+        let speed = position.through(|v| signals::derivative(v, grid.step.max(f64::MIN_POSITIVE)));
+        speed.through(|v| LowPass::new(DIRECTION_BAND).apply(v))
     };
     let motor = get(Channel::MotorVelocity).or_else(|| get(Channel::MotorPosition).map(smooth));
     let output = get(Channel::OutputVelocity).or_else(|| get(Channel::OutputPosition).map(smooth));
     let (motor, output) = match (motor, output) {
         (Some(m), Some(o)) => (m, o),
-        (Some(m), None) => (m.clone(), scaled(m, 1.0 / ratio)),
-        (None, Some(o)) => (scaled(o.clone(), ratio), o),
+        (Some(m), None) => (m.clone(), m.map(|w| w * (1.0 / ratio))),
+        (None, Some(o)) => (o.map(|w| w * ratio), o),
         (None, None) => return None,
     };
-    let acceleration = |speed: &[f64]| {
-        if grid.step > 0.0 { signals::derivative(speed, grid.step) } else { vec![0.0; speed.len()] }
-    };
-    let output_acceleration = get(Channel::OutputAcceleration).unwrap_or_else(|| acceleration(&output));
-    let calm = if grid.step > 0.0 { LowPass::new(DIRECTION_BAND).apply(&motor) } else { motor.clone() };
-    let largest = motor.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let noise = if grid.step > 0.0 { noise_level(&motor) } else { 0.0 };
+    let output_acceleration = get(Channel::OutputAcceleration).unwrap_or_else(|| grid.derivative(&output));
+    let speed = &motor.values;
+    let calm = if grid.step > 0.0 { LowPass::new(DIRECTION_BAND).apply(speed) } else { speed.clone() };
+    let largest = speed.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let noise = if grid.step > 0.0 { noise_level(speed) } else { 0.0 };
     let threshold = (2.0 * (2.0 * DIRECTION_BAND).sqrt() * noise).max(2e-3 * largest).max(f64::MIN_POSITIVE);
     let direction = calm.iter().map(|w| (w / threshold).clamp(-1.0, 1.0)).collect();
-    Some(Motion { motor_acceleration: acceleration(&motor), motor, direction, output_acceleration })
+    Some(Motion { motor_acceleration: grid.derivative(&motor), motor, direction, output_acceleration })
 }
 
 fn stretch(
@@ -641,148 +722,153 @@ fn stretch(
     let ratio = declared.ratio;
     let lag = corrections.motion_lag;
     let zeros = || vec![0.0; n];
-    let unknown = || vec![f64::NAN; n];
+    let log = grid.log;
     let moved = motion(grid, ratio, lag);
-    if moved.is_none() && grid.log.kind != BenchKind::Stall {
+    if moved.is_none() && log.kind != BenchKind::Stall {
         return None;
     }
-    let moved = moved.unwrap_or_else(|| Motion {
-        motor: zeros(),
-        direction: zeros(),
-        motor_acceleration: zeros(),
-        output_acceleration: zeros(),
-    });
-    let log = grid.log;
+    let moved = moved.unwrap_or_else(|| Motion::none(n));
     let (has_motor, has_output) = (
         log.channel(Channel::MotorVelocity).or(log.channel(Channel::MotorPosition)).is_some(),
         log.channel(Channel::OutputVelocity).or(log.channel(Channel::OutputPosition)).is_some(),
     );
     let motor_angle = grid.shifted(Channel::MotorPosition, lag);
     let output_angle = grid.shifted(Channel::OutputPosition, lag);
-    let angle = motor_angle.clone().or_else(|| output_angle.as_ref().map(|o| o.iter().map(|v| v * ratio).collect()));
-    let out_angle =
-        output_angle.clone().or_else(|| motor_angle.as_ref().map(|m| m.iter().map(|v| v / ratio).collect()));
-    let supply = grid.get(Channel::Supply).or_else(|| log.controller.and_then(|c| c.supply).map(|v| vec![v; n]));
+    let angle = motor_angle.clone().or_else(|| output_angle.as_ref().map(|o| o.map(|q| q * ratio)));
+    let out_angle = output_angle.clone().or_else(|| motor_angle.as_ref().map(|m| m.map(|q| q / ratio)));
+    let declared_supply = || log.controller.and_then(|c| c.supply).map(|v| Signal::constant(v, n));
+    let supply = grid.get(Channel::Supply).or_else(declared_supply);
     let duty = grid.get(Channel::Duty);
     let per_volt = declared.motor.as_ref().map_or(1.0, volts_per_duty);
-    let applied: Option<Vec<f64>> = grid.get(Channel::Voltage).or_else(|| {
+    let applied: Option<Signal> = grid.get(Channel::Voltage).or_else(|| {
         let (d, v) = (duty.as_ref()?, supply.as_ref()?);
-        Some(d.iter().zip(v).map(|(d, v)| d * v * per_volt).collect())
+        Some(d.with(v, |d, v| d * v * per_volt))
     });
     let measured_current = grid.get(Channel::Current);
-    let current: Option<Vec<f64>> = measured_current.clone().or_else(|| {
+    let of_voltage = || {
         let v = applied.as_ref()?;
-        Some(v.iter().zip(&moved.motor).map(|(v, w)| (v - model.back_emf * w) / model.resistance).collect())
+        Some(v.with(&moved.motor, |v, w| (v - model.back_emf * w) / model.resistance))
+    };
+    let current: Option<Signal> = measured_current.clone().or_else(|| match (log.kind, target) {
+        // Driven from outside with open terminals: what voltage and speed differ by is no current.
+        (BenchKind::Backdrive, Target::Voltage) => Some(Signal::constant(0.0, n)),
+        (BenchKind::Backdrive, _) => None,
+        _ => of_voltage(),
     });
-    let rise = |c| grid.get(c).map(|t| t.into_iter().map(|t| t - model.reference).collect::<Vec<f64>>());
+    let rise = |c| grid.get(c).map(|t| t.map(|t| t - model.reference));
     let winding = rise(Channel::WindingTemperature);
     let housing = rise(Channel::HousingTemperature).or_else(|| winding.clone());
     let sensor = grid.shifted(Channel::Torque, corrections.target_lag);
     let load = log.load;
-    // What hangs at the output and is known: inertia and gravity.
-    let known_load: Option<Vec<f64>> = (load.inertia.is_some() || load.gravity_torque.is_some()).then(|| {
-        (0..n)
-            .map(|k| {
-                let inertia = load.inertia.unwrap_or(0.0) * moved.output_acceleration[k];
-                let gravity = match (load.gravity_torque, &out_angle) {
-                    (Some(m), Some(q)) => m * q[k].sin(),
-                    (Some(_), None) => f64::NAN,
-                    (None, _) => 0.0,
-                };
-                inertia + gravity
-            })
-            .collect()
-    });
     let inertia = model.inertia.unwrap_or(0.0);
+    // Torque of the motor at its shaft, less what its own inertia takes.
+    let motor_torque = |i: &Signal| i.with(&moved.motor_acceleration, |i, a| model.torque_constant * i - inertia * a);
+    let read = |channel: Channel, scale: f64| {
+        let values = log.channel(channel).map_or(&[] as &[f64], |v| &v[grid.range.clone()]);
+        Reading::new(values, scale)
+    };
+    let reading = match target {
+        Target::Torque => read(Channel::Torque, gain),
+        Target::Drive if measured_current.is_some() => read(Channel::Current, ratio * model.torque_constant),
+        Target::WindUp => read(Channel::MotorPosition, 1.0 / ratio).and(read(Channel::OutputPosition, 1.0)),
+        _ if log.channel(Channel::Voltage).is_some() => read(Channel::Voltage, 1.0),
+        _ => {
+            let volts = supply.as_ref().and_then(|v| signals::median(v.values.clone())).unwrap_or(0.0);
+            read(Channel::Duty, volts * per_volt)
+        }
+    };
     let (mut base, mut known) = (Vec::new(), zeros());
-    let (values, transmitted, curvature): (Vec<f64>, Option<Vec<f64>>, Option<Vec<f64>>) = match target {
+    let mut load_channels = Channels::NONE;
+    let (response, transmitted, curvature): (Signal, Option<Signal>, Option<Signal>) = match target {
         Target::Torque => {
-            let sensor: Vec<f64> = sensor?.iter().map(|t| t * gain).collect();
-            base.push(current.clone().map_or_else(zeros, |i| i.iter().map(|i| ratio * i).collect()));
-            base.push(moved.motor_acceleration.iter().map(|a| -ratio * a).collect());
-            for (k, a) in known.iter_mut().zip(&moved.output_acceleration) {
+            let sensor = sensor?.map(|t| t * gain);
+            base.push(current.as_ref().map_or_else(zeros, |i| i.map(|i| ratio * i).values));
+            base.push(moved.motor_acceleration.map(|a| -ratio * a).values);
+            for (k, a) in known.iter_mut().zip(&moved.output_acceleration.values) {
                 *k = -declared.fixture_inertia * a;
             }
-            let second = second_derivative(&sensor, grid.step);
-            let curvature = (has_output && !has_motor).then(|| second.iter().map(|s| inertia * ratio * s).collect());
+            let curvature =
+                (has_output && !has_motor).then(|| grid.second_derivative(&sensor).map(|s| inertia * ratio * s));
             // What the gear transmits, from the current: the sensor is the target itself and would explain its own
             // noise.
             let transmitted = measured_current.as_ref().map(|i| {
-                (0..n)
-                    .map(|k| {
-                        let motor = model.torque_constant * i[k] - inertia * moved.motor_acceleration[k];
-                        motor / (1.0 + corrections.gear_loss * (motor * moved.direction[k]).signum())
-                    })
-                    .collect()
+                let mut torque = motor_torque(i);
+                for (t, direction) in torque.values.iter_mut().zip(&moved.direction) {
+                    *t /= 1.0 + corrections.gear_loss * (*t * direction).signum();
+                }
+                torque
             });
             (sensor, transmitted, curvature)
         }
         Target::Drive => {
-            let drive: Vec<f64> = match &measured_current {
-                Some(i) => i.iter().map(|i| ratio * model.torque_constant * i).collect(),
+            let drive = match &measured_current {
+                Some(i) => i.map(|i| ratio * model.torque_constant * i),
                 None => {
                     let per_volt = ratio * model.torque_constant / model.resistance;
-                    applied.as_ref()?.iter().map(|v| per_volt * v).collect()
+                    applied.as_ref()?.map(|v| per_volt * v)
                 }
             };
-            base.push(moved.motor_acceleration.iter().map(|a| ratio * a).collect());
+            base.push(moved.motor_acceleration.map(|a| ratio * a).values);
             if measured_current.is_none() {
-                base.push(moved.motor.iter().map(|w| ratio * w).collect());
+                base.push(moved.motor.map(|w| ratio * w).values);
             }
-            let transmitted = known_load.clone();
+            let transmitted = known_load(log, &moved, out_angle.as_ref());
             if load.gravity_torque.is_some() {
-                base.push(transmitted.clone()?);
+                base.push(transmitted.clone()?.values);
             } else if let Some(load) = &transmitted {
-                known.clone_from(load);
+                known.clone_from(&load.values);
             }
+            load_channels = transmitted.as_ref().map_or(Channels::NONE, |t| t.made_of);
             let curvature = match (&transmitted, has_motor, has_output) {
                 (Some(t), true, false) => {
-                    let second = second_derivative(t, grid.step);
-                    Some(second.iter().map(|s| -load.inertia.unwrap_or(0.0) * s / ratio).collect())
+                    Some(grid.second_derivative(t).map(|s| -load.inertia.unwrap_or(0.0) * s / ratio))
                 }
-                (Some(t), false, true) => {
-                    Some(second_derivative(t, grid.step).iter().map(|s| inertia * ratio * s).collect())
-                }
+                (Some(t), false, true) => Some(grid.second_derivative(t).map(|s| inertia * ratio * s)),
                 _ => None,
             };
-            (drive, transmitted.map(|t| t.iter().map(|t| t / ratio).collect()), curvature)
+            (drive, transmitted.map(|t| t.map(|t| t / ratio)), curvature)
         }
         Target::Voltage => {
-            base.push(current.clone().filter(|_| measured_current.is_some()).unwrap_or_else(zeros));
-            base.push(match (&measured_current, grid.step > 0.0) {
-                (Some(i), true) => signals::derivative(i, grid.step),
-                _ => zeros(),
-            });
-            base.push(moved.motor.clone());
-            let volts = applied.clone()?;
-            (
-                signals::shifted(&volts, if grid.step > 0.0 { corrections.target_lag / grid.step } else { 0.0 }),
-                None,
-                None,
-            )
+            base.push(measured_current.as_ref().map_or_else(zeros, |i| i.values.clone()));
+            base.push(measured_current.as_ref().map_or_else(zeros, |i| grid.derivative(i).values));
+            base.push(moved.motor.values.clone());
+            (grid.late(applied.as_ref()?, corrections.target_lag), None, None)
         }
         Target::Position => return None,
         Target::WindUp => {
             let (m, o) = (motor_angle.as_ref()?, output_angle.as_ref()?);
-            let angle = m.iter().zip(o).map(|(m, o)| m / ratio - o).collect();
-            let torque: Vec<f64> = match (&sensor, &known_load, &current) {
+            let angle = m.with(o, |m, o| m / ratio - o);
+            let known_load = known_load(log, &moved, out_angle.as_ref());
+            let torque = match (&sensor, &known_load, &current) {
                 (Some(t), ..) => t.clone(),
                 (None, Some(t), _) => t.clone(),
-                (None, None, Some(i)) => (0..n)
-                    .map(|k| ratio * (model.torque_constant * i[k] - inertia * moved.motor_acceleration[k]))
-                    .collect(),
+                (None, None, Some(i)) => motor_torque(i).map(|t| ratio * t),
                 _ => return None,
             };
-            (angle, Some(torque.iter().map(|t| t / ratio).collect()), Some(torque))
+            (angle, Some(torque.map(|t| t / ratio)), Some(torque))
         }
     };
-    let pick = |v: &Option<Vec<f64>>| v.clone().unwrap_or_else(unknown);
-    let (angle, out_angle, current) = (pick(&angle), pick(&out_angle), pick(&current));
-    let (transmitted, curvature) = (pick(&transmitted), pick(&curvature));
-    let (winding, housing, duty) = (pick(&winding), pick(&housing), pick(&duty));
+    let made_of = |s: &Option<Signal>| s.as_ref().map_or(Channels::NONE, |s| s.made_of);
+    let origins = Origins {
+        response: response.made_of,
+        load: load_channels,
+        speed: moved.motor.made_of,
+        angle: made_of(&angle),
+        output_angle: made_of(&out_angle),
+        current: made_of(&current),
+        torque: made_of(&transmitted),
+        curvature: made_of(&curvature),
+        winding: made_of(&winding),
+        housing: made_of(&housing),
+        duty: made_of(&duty),
+    };
+    let pick = |s: Option<Signal>| s.map_or_else(|| vec![f64::NAN; n], |s| s.values);
+    let (angle, out_angle, current) = (pick(angle), pick(out_angle), pick(current));
+    let (transmitted, curvature) = (pick(transmitted), pick(curvature));
+    let (winding, housing, duty) = (pick(winding), pick(housing), pick(duty));
     let points = (0..n)
         .map(|k| Operating {
-            speed: moved.motor[k],
+            speed: moved.motor.values[k],
             direction: moved.direction[k],
             angle: angle[k],
             output_angle: out_angle[k],
@@ -797,14 +883,33 @@ fn stretch(
     Some(Stretch {
         log: index,
         step: grid.step,
-        target: values,
+        target: response.values,
         base,
         known,
         points,
-        acceleration: moved.motor_acceleration,
+        origins,
+        reading,
+        acceleration: moved.motor_acceleration.values,
         filter: None,
         keep: Vec::new(),
     })
+}
+
+/// What hangs at the output and is known: inertia and gravity \[N·m at the output\].
+fn known_load(log: &Log, moved: &Motion, angle: Option<&Signal>) -> Option<Signal> {
+    let load = log.load;
+    if load.inertia.is_none() && load.gravity_torque.is_none() {
+        return None;
+    }
+    let inertia = load.inertia.map(|j| moved.output_acceleration.map(|a| j * a));
+    let gravity = load.gravity_torque.map(|m| match angle {
+        Some(q) => q.map(|q| m * q.sin()),
+        None => Signal::constant(f64::NAN, moved.motor.values.len()),
+    });
+    match (inertia, gravity) {
+        (Some(a), Some(b)) => Some(a.with(&b, |a, b| a + b)),
+        (a, b) => a.or(b),
+    }
 }
 
 /// Quadrature voltage per volt of duty times supply: a brushed motor, and a row that is on the q axis
@@ -882,6 +987,7 @@ fn variables(stretches: &[Stretch], target: Target, declared: &Declared) -> Vec<
     add(Variable::OutputAngle, declared.motor.is_some() && spread(&|p| p.output_angle) > turns);
     add(Variable::Current, spread(&|p| p.current) > 0.0);
     add(Variable::Torque, spread(&|p| p.torque) > 0.0);
+    add(Variable::TorqueCurvature, spread(&|p| p.torque_curvature) > 0.0);
     add(Variable::WindingTemperature, spread(&|p| p.winding_rise) > 3.0);
     add(Variable::HousingTemperature, spread(&|p| p.housing_rise) > 3.0);
     add(Variable::Duty, spread(&|p| p.duty) > 0.0);
@@ -906,44 +1012,65 @@ fn scale(stretches: &[Stretch], model: &Model, target: Target) -> Scale {
     }
 }
 
+/// Why an effect cannot be asked for in an equation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hidden {
+    /// It is a term of another equation.
+    Elsewhere,
+    /// What it depends on is not measured or does not vary, or something hides it: why.
+    Bench(&'static str),
+    /// Its regressor is made of the response that it would explain; what measurement would show it.
+    Response(&'static str),
+}
+
+/// Whether a declared effect is a part of a balance's model: where it is made of the response, with its declared
+/// values.
+pub fn applies(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> bool {
+    matches!(visible(effect, balance, declared), Ok(()) | Err(Hidden::Response(_)))
+}
+
 /// Whether an effect can be seen in a balance.
 ///
 /// # Errors
 /// Why not.
-pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> Result<(), &'static str> {
-    let compliance = effect.name() == "gear_compliance";
+pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> Result<(), Hidden> {
     // A duty-driven machine shows voltage effects as torque.
     let volts =
         effect.acts_on() == Equation::Voltage && balance.is_duty_driven && effect.name() != "winding_temperature";
-    let shown = effect.acts_on() == balance.target.equation() || (compliance && balance.target == Target::WindUp);
-    if !shown && !volts {
-        return Err("this bench does not measure its equation");
-    }
-    if compliance && balance.target != Target::WindUp {
-        let seen = balance.stretches.iter().all(|s| s.points.iter().all(|p| p.torque_curvature.is_finite()));
-        if !seen || balance.step() == 0.0 {
-            return Err("both sides of the gear would have to be measured, or only the side away from the inertia");
-        }
+    let winds = effect.name() == "gear_compliance" && balance.target == Target::WindUp;
+    if effect.acts_on() != balance.target.equation() && !winds && !volts {
+        return Err(Hidden::Elsewhere);
     }
     if let Some(missing) = effect.needs().iter().find(|v| !balance.variables.contains(v)) {
-        return Err(match missing {
+        return Err(Hidden::Bench(match missing {
             Variable::WindingTemperature | Variable::HousingTemperature => "the logs have no temperature that varies",
             Variable::Angle | Variable::OutputAngle => "the logs have no position that turns, or not far enough",
             Variable::Torque => "the transmitted torque is not known",
+            Variable::TorqueCurvature => "both sides of the gear would have to be measured",
             Variable::Current => "the logs have no current",
             _ => "the logs lack a channel that it depends on",
-        });
+        }));
     }
-    match effect.name() {
-        "torque_offset" if balance.target.has_zero() => Err("the zero of the sensor hides it"),
-        "gravity" if balance.target != Target::Drive => Err("the sensor sees what hangs at the output"),
-        "gear_ripple" if declared.ratio == 1.0 => Err("without a gear it is cogging"),
+    let hidden = match effect.name() {
+        "torque_offset" if balance.target.has_zero() => Some("the zero of the sensor hides it"),
+        "gravity" if balance.target != Target::Drive => Some("the sensor sees what hangs at the output"),
+        "gear_ripple" if declared.ratio == 1.0 => Some("without a gear it is cogging"),
         "supply_sag" if balance.has_measured_volts || balance.has_measured_supply => {
-            Err("the voltage is measured, sag and all")
+            Some("the voltage is measured, sag and all")
         }
         "viscous_friction" if balance.base.iter().any(|b| b.name == "damping") => {
-            Err("with duty alone it cannot be told from the back-EMF: both are in `damping`")
+            Some("with duty alone it cannot be told from the back-EMF: both are in `damping`")
         }
-        _ => Ok(()),
+        _ => None,
+    };
+    if let Some(why) = hidden {
+        return Err(Hidden::Bench(why));
+    }
+    match effect.needs().iter().find(|v| balance.is_response(**v)) {
+        Some(variable) => Err(Hidden::Response(balance.shown_by(*variable))),
+        None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests;

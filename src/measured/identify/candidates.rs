@@ -7,6 +7,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 use super::balance::visible;
+use super::evidence::{Asked, Gain};
 use super::regression::{Blocks, finite_sum, paired, solve};
 use super::structure;
 use super::verdict::Refused;
@@ -67,16 +68,16 @@ impl Selection {
     pub fn new(work: &Work) -> Selection {
         let mut selection = Selection { refused: Vec::new(), open: Vec::new() };
         for effect in EFFECTS {
-            let declared = work
-                .terms
-                .iter()
-                .any(|t| t.effect().is_some_and(|(e, _)| e.name() == effect.name()) && effect.shape() != Shape::Order);
+            let declared =
+                work.terms.iter().any(|t| {
+                    t.effect().is_some_and(|(e, _)| e.name() == effect.name()) && effect.shape() != Shape::Order
+                }) || work.fixed.iter().any(|(e, _)| e.name() == effect.name());
             if declared {
                 continue;
             }
             match visible(*effect, &work.balance, &work.bench.declared) {
                 Ok(()) => selection.open.push(*effect),
-                Err(reason) => selection.refuse(effect.name(), reason.into()),
+                Err(hidden) => selection.refused.push(Refused::hidden(effect.name(), hidden)),
             }
         }
         selection
@@ -84,7 +85,28 @@ impl Selection {
 
     fn refuse(&mut self, name: &'static str, reason: String) {
         self.refused.retain(|r| r.name != name);
-        self.refused.push(Refused { name: name.into(), reason });
+        self.refused.push(Refused::new(name, reason));
+    }
+
+    /// What every effect that could be asked and is not in the model would still take away, the strongest first, and
+    /// all of them together. What could not be asked after all is refused with its reason.
+    pub fn asked(&mut self, work: &Work, fit: &Fit) -> (Vec<Asked>, Gain) {
+        let out = |e: &&'static dyn Effect| e.shape() == Shape::Order || !work.terms.iter().any(|t| is(t, *e));
+        let open: Vec<&'static dyn Effect> = self.open.iter().copied().filter(out).collect();
+        let candidates = evaluate_all(work, fit, &open);
+        for effect in open.iter().filter(|e| !work.terms.iter().any(|t| is(t, **e))) {
+            let asked = candidates.iter().any(|c| c.effect.name() == effect.name());
+            if !asked && !self.refused.iter().any(|r| r.name == effect.name()) {
+                self.refuse(effect.name(), "on these logs it cannot be told from what the model has".into());
+            }
+        }
+        let mut columns = work.columns();
+        columns.extend(candidates.iter().flat_map(|c| &c.columns).map(Vec::as_slice));
+        let together = Gain::new(&fit.left_out, &work.fit_columns(&columns).left_out);
+        let one = |c: &Candidate| Asked { name: c.effect.name(), gain: Gain::new(&fit.left_out, &c.left_out) };
+        let mut asked: Vec<Asked> = candidates.iter().map(one).collect();
+        asked.sort_by(|a, b| b.gain.share.total_cmp(&a.gain.share));
+        (asked, together)
     }
 
     /// The next effect to add, with its shape.
@@ -221,6 +243,7 @@ impl Selection {
             balance: work.balance.clone(),
             target: work.target.clone(),
             terms: work.terms.clone(),
+            fixed: work.fixed.clone(),
             folds: work.folds.clone(),
         };
         without.terms.remove(term);

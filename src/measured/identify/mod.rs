@@ -9,19 +9,23 @@
 pub mod artefacts;
 pub mod balance;
 mod candidates;
+pub mod evidence;
+pub mod noise;
+pub mod origin;
 pub mod regression;
 mod structure;
 mod verdict;
 
 pub use artefacts::Artefact;
 pub use balance::{Balance, Corrections, Setting, Target, targets};
-pub use verdict::{Found, Parameter, Pictures, Refused, Report, Stage, Unexplained, Verdict};
+pub use evidence::{Evidence, Verdict};
+pub use verdict::{Found, Ground, Parameter, Pictures, Refused, Report, Stage, Unexplained};
 
 use nalgebra::DMatrix;
 
 use crate::actuator::effects::{Effect, Shape};
 use crate::line_search::golden_section;
-use crate::measured::Bench;
+use crate::measured::{Bench, Use};
 use regression::{Blocks, Solution, finite_sum, solve};
 
 /// Least share of the left-out squared error that an effect must take away to be worth a name: 3 % of the
@@ -97,6 +101,8 @@ pub struct Work<'a> {
     pub target: Vec<f64>,
     /// The model so far.
     pub terms: Vec<Term>,
+    /// Declared effects that stay as declared, because they are made of the response.
+    pub fixed: Vec<(&'static dyn Effect, Vec<f64>)>,
     /// Fold of each block; `None` judges only.
     pub folds: Vec<Option<usize>>,
 }
@@ -115,8 +121,8 @@ impl<'a> Work<'a> {
                 })
             })
             .collect();
-        let target = balance.target_column();
-        let mut terms = Vec::new();
+        let mut target = balance.target_column();
+        let (mut terms, mut fixed) = (Vec::new(), Vec::new());
         for (index, base) in balance.base.iter().enumerate() {
             let column = balance.base_column(index);
             if column.iter().any(|v| *v != 0.0) {
@@ -128,7 +134,13 @@ impl<'a> Work<'a> {
             }
         }
         for (effect, values) in balance::declared_effects(&bench.declared) {
-            if balance::visible(effect, &balance, &bench.declared).is_ok() {
+            let seen = balance::visible(effect, &balance, &bench.declared);
+            if let Err(balance::Hidden::Response(_)) = seen {
+                let factor = balance.conversion(effect);
+                let column = balance.function(|at| factor * effect.value(&values, at));
+                target.iter_mut().zip(column).for_each(|(t, c)| *t -= c);
+                fixed.push((effect, values));
+            } else if seen.is_ok() {
                 let shape = values.get(effect.linear()).copied().unwrap_or(0.0);
                 terms.push(Term {
                     kind: Kind::Effect(effect, shape),
@@ -137,7 +149,7 @@ impl<'a> Work<'a> {
                 });
             }
         }
-        Work { bench, balance, target, terms, folds }
+        Work { bench, balance, target, terms, fixed, folds }
     }
 
     /// Columns of the terms, one after the other.
@@ -172,6 +184,26 @@ impl<'a> Work<'a> {
     /// Fits the model as it is.
     pub fn fit(&self) -> Fit {
         self.fit_columns(&self.columns())
+    }
+
+    /// What the model leaves of the logs for fitting, unfiltered; what is not fitted stays as declared.
+    pub fn unfiltered(&self, coefficients: &[f64]) -> Vec<noise::Unfiltered> {
+        let mut base: Vec<f64> =
+            self.balance.base.iter().map(|b| b.declared.filter(|d| d.is_finite()).unwrap_or(0.0)).collect();
+        let mut effects = self.fixed.clone();
+        for (t, term) in self.terms.iter().enumerate() {
+            let own = &coefficients[self.offset(t)..self.offset(t) + term.columns.len()];
+            match term.kind {
+                Kind::Base(index) => base[index] = own[0],
+                Kind::Effect(effect, shape) => {
+                    let mut values = own.to_vec();
+                    values.push(shape);
+                    effects.push((effect, values));
+                }
+            }
+        }
+        let fits = |log: usize| self.bench.logs[log].usage == Use::Fit;
+        self.balance.unfiltered(fits, &base, &effects)
     }
 
     /// What the model leaves of the target, row by row.

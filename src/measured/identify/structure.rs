@@ -101,12 +101,14 @@ fn offers(work: &Work) -> Vec<Offer> {
     if has(Variable::Speed) {
         offer(Some(Variable::Speed), "speed", &|at| at.speed);
     }
-    // Where the target is the current itself, a free function of it would explain its noise.
-    if has(Variable::Current) && balance.target != Target::Drive {
+    // Where the target is made of the current, a free function of it would explain its noise.
+    if has(Variable::Current) && !balance.is_response(Variable::Current) {
         offer(Some(Variable::Current), "current", &|at| at.current);
     }
     // The same with the transmitted torque: where a sensor has it, current stands for it.
-    if has(Variable::Torque) && balance.target == Target::Torque && has(Variable::Current) {
+    if balance.is_response(Variable::Torque) {
+        // As above.
+    } else if has(Variable::Torque) && balance.target == Target::Torque && has(Variable::Current) {
         let constant = balance.scale.torque_constant;
         offer(Some(Variable::Torque), "transmitted torque", &|at| constant * at.current * at.direction);
     } else if has(Variable::Torque) && balance.target != Target::Torque {

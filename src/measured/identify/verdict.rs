@@ -1,35 +1,14 @@
 //! What identification says in the end: stages, parameters, effects, refusals, what is left.
 
 use super::artefacts::Artefact;
-use super::balance::{Balance, Target, declared_effects, visible};
+use super::balance::{Balance, Hidden, Target, applies, declared_effects};
 use super::candidates::Selection;
+use super::evidence::{Evidence, Gain, Verdict, verdict};
 use super::regression::{Blocks, Solution, covariance, finite_sum};
 use super::structure::{self, Dependence};
 use super::{Kind, Term, Work};
 use crate::actuator::effects::{Effect, Enters, Shape};
 use crate::measured::Bench;
-
-/// What the logs say of the declared model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// The declared model, with its own parameters refitted, leaves nothing that depends on anything.
-    NothingMissing,
-    /// Effects of the library explain what it left.
-    Explained,
-    /// Something is left that no effect of the library explains.
-    UnexplainedStructure,
-}
-
-impl Verdict {
-    /// Its word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Verdict::NothingMissing => "nothing_missing",
-            Verdict::Explained => "explained",
-            Verdict::UnexplainedStructure => "unexplained_structure",
-        }
-    }
-}
 
 /// Error at one point of the story, root mean square in the unit of the target.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,6 +83,44 @@ pub struct Refused {
     pub name: String,
     /// Why.
     pub reason: String,
+    /// What kind of reason that is.
+    pub ground: Ground,
+}
+
+/// On what ground an effect was not added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ground {
+    /// It was asked and did not earn its name.
+    Judged,
+    /// Another equation of the actuator has it.
+    Elsewhere,
+    /// The bench does not show it.
+    Bench,
+    /// Its regressor is made of the response; this measurement would show it.
+    Response(&'static str),
+}
+
+impl Refused {
+    /// Of an effect that was asked.
+    pub fn new(name: &str, reason: String) -> Refused {
+        Refused { name: name.into(), reason, ground: Ground::Judged }
+    }
+
+    /// Of an effect that cannot be asked.
+    pub fn hidden(name: &str, hidden: Hidden) -> Refused {
+        let (reason, ground) = match hidden {
+            Hidden::Elsewhere => ("this bench does not measure its equation".to_string(), Ground::Elsewhere),
+            Hidden::Bench(why) => (why.to_string(), Ground::Bench),
+            Hidden::Response(shown_by) => (
+                format!(
+                    "cannot be seen on this bench: its regressor is made of the response, which would explain itself; \
+                     {shown_by} would show it"
+                ),
+                Ground::Response(shown_by),
+            ),
+        };
+        Refused { name: name.into(), reason, ground }
+    }
 }
 
 /// What is left and on what it depends.
@@ -126,8 +143,8 @@ pub struct Report {
     pub band: Option<f64>,
     /// Samples that were read, and rows that the regression saw.
     pub samples: (usize, usize),
-    /// What the best flexible model leaves: noise, in the band \[unit\].
-    pub noise_floor: f64,
+    /// What the verdict rests on: what is left, the instrument's noise, what was asked.
+    pub evidence: Evidence,
     /// The verdict.
     pub verdict: Verdict,
     /// The story, first as declared, last as it stands.
@@ -207,7 +224,7 @@ fn declared_residual(bench: &Bench, balance: &Balance, with_zero: bool) -> Vec<f
         }
     }
     for (effect, values) in declared_effects(&bench.declared) {
-        if visible(effect, balance, &bench.declared).is_ok() {
+        if applies(effect, balance, &bench.declared) {
             if with_zero {
                 subtract(balance.effect_with_zero(effect, &values));
             } else {
@@ -261,7 +278,7 @@ pub fn report(
         let removed = work.terms.remove(term);
         if let Kind::Effect(effect, _) = removed.kind {
             selection.refused.retain(|r| r.name != effect.name());
-            selection.refused.push(Refused { name: effect.name().into(), reason });
+            selection.refused.push(Refused::new(effect.name(), reason));
         }
         (left, shares) = structure::left(&work, &work.fit());
     }
@@ -270,16 +287,22 @@ pub fn report(
     last.name = "final".into();
     stages.push(last.clone());
     let effects = found(&work, &selection);
-    let verdict = match (left.is_empty(), effects.is_empty()) {
-        (false, _) => Verdict::UnexplainedStructure,
-        (true, true) => Verdict::NothingMissing,
-        (true, false) => Verdict::Explained,
+    let (asked, together) = selection.asked(&work, &fit);
+    let before = declared_residual(work.bench, &work.balance, false);
+    let refitting = Gain::new(&block_squares(&work, &before), &fit.left_out);
+    let evidence = Evidence {
+        found: effects.len(),
+        unexplained: left.len(),
+        left: work.left_out_error(&fit),
+        held_out: last.held_out,
+        noise: super::noise::noise(&work, fit.solution.coefficients.as_slice()),
+        asked,
+        together: Some(together),
+        worse_by_refitting: refitting.is_harm(),
     };
-    let floor = work.left_out_error(&fit) * (1.0 - left.iter().map(|d| d.share).fold(0.0, f64::max)).max(0.0).sqrt();
     artefacts.extend(super::artefacts::zeros(&work));
     let (names, matrix, solution, _) = errors(&work);
     let parameters = parameters(&work, &names, &matrix, &solution, &held);
-    let before = declared_residual(work.bench, &work.balance, false);
     let pictures = Pictures {
         time: work.balance.rows.time.clone(),
         log: work.balance.rows.log.clone(),
@@ -301,8 +324,8 @@ pub fn report(
         unit: work.balance.unit,
         band: work.balance.band,
         samples: (work.balance.samples(), work.balance.rows.len()),
-        noise_floor: floor,
-        verdict,
+        verdict: verdict(&evidence),
+        evidence,
         stages,
         artefacts,
         parameters,
@@ -318,6 +341,15 @@ pub fn report(
         covariance: matrix.row_iter().map(|r| r.iter().copied().collect()).collect(),
         pictures,
     }
+}
+
+/// Squared residuals of each block that is for fitting; NaN of the others.
+fn block_squares(work: &Work, residual: &[f64]) -> Vec<f64> {
+    let mut sums: Vec<f64> = work.folds.iter().map(|fold| fold.map_or(f64::NAN, |_| 0.0)).collect();
+    for (r, block) in residual.iter().zip(&work.balance.rows.block) {
+        sums[*block] += r * r;
+    }
+    sums
 }
 
 /// An effect whose own variable still explains much of what is left, measured by what the effect itself

@@ -12,7 +12,9 @@ use super::check::name;
 use super::model::{Counted, Model, Slot, declared_machine, error, scale};
 use super::track::{Input, Track};
 use crate::actuator::effects::{EFFECTS, Effect, Equation, Shape, effect};
-use crate::measured::identify::{CHANCE, Found, Parameter, Refused, Report, Stage, Target, Unexplained, Verdict};
+use crate::measured::identify::{
+    CHANCE, Evidence, Found, Parameter, Refused, Report, Stage, Target, Unexplained, evidence,
+};
 use crate::measured::{Bench, BenchKind, Channel, Use, signals};
 
 /// Effects that a position can show, the simplest first.
@@ -281,7 +283,7 @@ struct Story {
 impl Story {
     fn refuse(&mut self, name: &str, reason: String) {
         self.refused.retain(|r| r.name != name);
-        self.refused.push(Refused { name: name.into(), reason });
+        self.refused.push(Refused::new(name, reason));
     }
 }
 
@@ -624,11 +626,7 @@ fn report(
     }
     let floor = noise(all);
     let unexplained = left(judges, &model.residuals(&judges.fit), floor);
-    let verdict = match (unexplained.is_empty(), effects.is_empty()) {
-        (false, _) => Verdict::UnexplainedStructure,
-        (true, true) => Verdict::NothingMissing,
-        (true, false) => Verdict::Explained,
-    };
+    let evidence = Evidence::unbounded(effects.len(), unexplained.len(), judges.error(now));
     let next_runs = effects
         .iter()
         .flat_map(|e| e.confounded_with.iter().map(move |r| (e.name, *r)))
@@ -642,8 +640,8 @@ fn report(
         unit: "rad",
         band: None,
         samples: (samples, judges.samples),
-        noise_floor: floor,
-        verdict,
+        verdict: evidence::verdict(&evidence),
+        evidence,
         stages: story.stages,
         artefacts,
         parameters,

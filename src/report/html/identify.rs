@@ -7,7 +7,8 @@ use crate::measured::identify::Report;
 use crate::measured::simulate::ForwardCheck;
 use crate::report::handy::handy;
 use crate::report::identify::{
-    effect_text, equation_title, parameter_columns, parameter_rows, refused, sentence, story_rows, stuck, unit_on, used,
+    effect_text, equation_title, noise_lines, parameter_columns, parameter_rows, refused, sentence, story_rows, stuck,
+    unit_on, used,
 };
 use crate::report::plot::residual as plot;
 use crate::report::table::PLAIN_WIDTH;
@@ -79,10 +80,10 @@ fn logs(bench: &Bench) -> Table {
 fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
     let band = report.band.map_or_else(String::new, |b| format!("; band 0 to {} Hz", number(b)));
     let (samples, rows) = report.samples;
-    let noise = number(report.noise_floor);
-    let text = format!("{samples} samples, {rows} rows in the regression{band}; noise floor {noise} {}.", report.unit);
+    let text = format!("{samples} samples, {rows} rows in the regression{band}.");
     let (header, rows) = story_rows(report);
-    let mut parts = vec![Part::Text(text), Part::Table(Table::of("Error (RMSE) as it goes down", &header).rows(rows))];
+    let story = Table::of("Error (RMSE) as it goes down", &header).rows(rows);
+    let mut parts = vec![Part::Text(text), Part::Table(story), Part::List(noise_lines(report))];
     parts.extend(figure);
     let rows = parameter_rows(bench, &report.parameters);
     parts.extend(Table::of("Numbers of the declared model", &parameter_columns()).rows(rows).part());
