@@ -1,12 +1,13 @@
 //! The whole story of one motor at one joint: the design that was asked for, the best one, what the
 //! best one is sensitive to, and what would have to change where none is feasible.
 
+use super::evaluate::Judged;
 use super::optimize::Reason;
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram};
 use super::spring::{SpringChoice, choose};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
-use crate::actuator::limits::Asked;
+use crate::actuator::limits::{Asked, Remark};
 use crate::catalog::{Gear, Motor};
 use crate::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
@@ -31,7 +32,9 @@ pub struct Explanation<'a> {
     /// Single changes that would make the motor feasible.
     pub remedies: Vec<Remedy>,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<(&'static str, &'static str)>,
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
     /// The spring, where the joint asks for one: all else is with this spring. Or why no spring will do: all
     /// else is without one.
     pub spring: Option<Result<SpringChoice, Reason>>,
@@ -97,7 +100,8 @@ pub fn explain<'a>(
         Some(Joint { motion, ..joint.clone() })
     });
     let story = explain_as_it_is(robot, moved.as_ref().unwrap_or(joint), motor, gear, ratio)?;
-    let Explanation { evaluation, winding_temperature, mut best, sensitivities, remedies, unchecked, .. } = story;
+    let Explanation { evaluation, winding_temperature, mut best, sensitivities, remedies, unchecked, assumed, .. } =
+        story;
     // The proof of ratio and spring together stands in place of that of the ratio alone.
     if let (Ok((_, optimum)), Some(Ok(best)), None) = (&chosen, &mut best, ratio) {
         *best = optimum.clone();
@@ -113,6 +117,7 @@ pub fn explain<'a>(
         sensitivities,
         remedies,
         unchecked,
+        assumed,
         spring,
     })
 }
@@ -156,7 +161,7 @@ fn explain_as_it_is<'a>(
     let evaluation =
         Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
     let winding_temperature = prepared.winding_temperature(here);
-    let unchecked = prepared.unchecked.clone();
+    let Judged { unchecked, assumed } = prepared.judged(here);
     Ok(Explanation {
         joint,
         motor,
@@ -167,6 +172,7 @@ fn explain_as_it_is<'a>(
         sensitivities,
         remedies,
         unchecked,
+        assumed,
         spring: None,
     })
 }

@@ -6,7 +6,9 @@ use super::agreement::kendall_tau;
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
 use super::prune::{self, Pruned};
 use super::spring::SpringChoice;
+use super::evaluate::Judged;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
+use crate::actuator::limits::Remark;
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
@@ -47,7 +49,9 @@ pub struct Design<'a> {
     /// The design at that ratio.
     pub evaluation: Evaluation,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<(&'static str, &'static str)>,
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
     /// Winding temperature \[K\], where it can be told (`Some(None)`: it runs away).
     pub winding_temperature: Option<Option<f64>>,
     /// Time the current needs at a reversal \[s\].
@@ -216,7 +220,13 @@ pub fn best_design<'a>(
                 return Err(reject(None, Reason::Unchecked(limit, why)));
             }
             match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
-                Outcome::Optimal(optimum) => Ok(design(&prepared, motor, None, optimum)),
+                Outcome::Optimal(optimum) => {
+                    let design = design(&prepared, motor, None, optimum);
+                    match design.unchecked.first() {
+                        Some((limit, why)) if only_checked => Err(reject(None, Reason::Unchecked(limit, why))),
+                        _ => Ok(design),
+                    }
+                }
                 Outcome::Infeasible(infeasible) => Err(reject(None, Reason::Infeasible(infeasible))),
                 Outcome::Unbounded => Err(reject(None, Reason::Unbounded)),
                 Outcome::NotSolved(why) => Err(reject(None, Reason::NotSolved(why))),
@@ -236,11 +246,13 @@ pub(super) fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a
         peak_power: Some(prepared.peak_power(ratio)),
         ..prepared.at(ratio)
     };
+    let Judged { unchecked, assumed } = prepared.judged(ratio);
     Design {
         motor,
         gear,
         evaluation,
-        unchecked: prepared.unchecked.clone(),
+        unchecked,
+        assumed,
         winding_temperature: prepared.winding_temperature(ratio),
         reversal_time: prepared.reversal_time(ratio),
         spring: None,
@@ -280,7 +292,7 @@ fn best_gear<'a>(
             }
         };
         let prepared = Prepared::new(candidate);
-        if let (true, Some(what)) = (only_checked, prepared.unchecked.first()) {
+        if only_checked && let Some(what) = prepared.judged(gear.ratio).unchecked.first() {
             unchecked = Some((&gear.id, *what));
             continue;
         }

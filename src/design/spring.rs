@@ -133,7 +133,11 @@ pub fn best_design<'a>(
             if let (true, Some((limit, why))) = (only_checked, prepared.unchecked.first()) {
                 return Err((None, Reason::Unchecked(limit, why)));
             }
-            solve(&prepared, joint, motor, None, (*min, *max)).map_err(|reason| (None, reason))
+            let design = solve(&prepared, joint, motor, None, (*min, *max)).map_err(|reason| (None, reason))?;
+            match design.unchecked.first() {
+                Some((limit, why)) if only_checked => Err((None, Reason::Unchecked(limit, why))),
+                _ => Ok(design),
+            }
         }
         RatioChoice::Catalog { .. } => best_gear(robot, joint, demand, motor, only_checked),
     }
@@ -165,6 +169,11 @@ fn best_gear<'a>(
             continue;
         }
         match solve(&prepared, joint, motor, Some(gear), (gear.ratio, gear.ratio)) {
+            Ok(design) if only_checked && !design.unchecked.is_empty() => {
+                let (limit, why) = design.unchecked[0];
+                bound = None;
+                refused = refused.or(Some((Some(&gear.id), Reason::Unchecked(limit, why))));
+            }
             Ok(design) => {
                 bound = bound.zip(design.spring.and_then(|s| s.lower_bound)).map(|(a, b)| a.min(b));
                 let better = |b: &Design| {

@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::evaluate::Judged;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
+use crate::actuator::limits::Remark;
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -27,7 +29,9 @@ pub struct SweptDesign<'a> {
     /// All about it.
     pub evaluation: Evaluation,
     /// Limits that could not be checked, and why.
-    pub unchecked: std::sync::Arc<[(&'static str, &'static str)]>,
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
 }
 
 /// `count` ratios from `min` to `max`, evenly spaced in ln N.
@@ -90,14 +94,10 @@ fn sweep_motor<'a>(
         RatioChoice::Continuous { min, max } => match continuous_candidate(robot, joint, &demand.load, motor) {
             Ok(candidate) => {
                 let prepared = Prepared::new(candidate);
-                let unchecked: std::sync::Arc<[_]> = prepared.unchecked.clone().into();
                 for ratio in grid(*min, *max, ratios) {
-                    designs.push(SweptDesign {
-                        motor,
-                        gear: None,
-                        evaluation: prepared.at(ratio),
-                        unchecked: unchecked.clone(),
-                    });
+                    let Judged { unchecked, assumed } = prepared.judged(ratio);
+                    let evaluation = prepared.at(ratio);
+                    designs.push(SweptDesign { motor, gear: None, evaluation, unchecked, assumed });
                 }
             }
             Err(why) => unusable.push((motor.id.as_str(), None, why)),
@@ -108,12 +108,8 @@ fn sweep_motor<'a>(
                     Ok(candidate) => {
                         let prepared = Prepared::new(candidate);
                         let evaluation = prepared.at(gear.ratio);
-                        designs.push(SweptDesign {
-                            motor,
-                            gear: Some(&gear.id),
-                            evaluation,
-                            unchecked: prepared.unchecked.into(),
-                        });
+                        let Judged { unchecked, assumed } = prepared.judged(gear.ratio);
+                        designs.push(SweptDesign { motor, gear: Some(&gear.id), evaluation, unchecked, assumed });
                     }
                     Err(why) => unusable.push((motor.id.as_str(), Some(gear.id.as_str()), why)),
                 }

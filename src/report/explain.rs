@@ -76,6 +76,12 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&format!("  {}\n", wrap(&format!("{limit}: {why}"), 4)));
         }
     }
+    if !story.assumed.is_empty() {
+        out.push_str("\nAssumed:\n");
+        for (limit, what) in &story.assumed {
+            out.push_str(&format!("  {}\n", wrap(&format!("{limit}: {what}"), 4)));
+        }
+    }
     out.push_str(&format!(
         "\n{}\n",
         wrap(&format!("The row: {}; {}", conventions_line(story.motor), story.motor.source), 2)
@@ -226,6 +232,7 @@ pub fn json(story: &Explanation) -> Value {
         "margins": margins, "limits": limits, "best": best,
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
+        "assumed": story.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect::<Vec<_>>(),
         "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
         "spring": story.spring.as_ref().map(|s| match s {
             Ok(spring) => super::spring::json(spring, e.loss),

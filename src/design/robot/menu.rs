@@ -131,7 +131,7 @@ fn geared<'a>(
     for (gear, load) in demand.gears_for(&catalog.motors[motor]) {
         let Ok(candidate) = geared_candidate(robot, joint, load, &catalog.motors[motor], gear) else { continue };
         let prepared = Prepared::new(candidate);
-        if needs.only_checked && !prepared.unchecked.is_empty() {
+        if needs.only_checked && !prepared.judged(gear.ratio).unchecked.is_empty() {
             continue;
         }
         let evaluation = prepared.at(gear.ratio);
@@ -186,6 +186,7 @@ pub(super) fn own<'a>(design: Design, catalog: &'a Catalog, motor: usize) -> Des
         optimum: design.optimum,
         evaluation: design.evaluation,
         unchecked: design.unchecked,
+        assumed: design.assumed,
         winding_temperature: design.winding_temperature,
         reversal_time: design.reversal_time,
         spring: design.spring,

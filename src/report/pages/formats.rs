@@ -73,6 +73,11 @@ pub const REQUIREMENT: &[Table] = &[
             ("points", "list of tables", "operating points, each for itself; this or `motion`"),
             ("periodic", "true, false", "whether the motion repeats; true unless said"),
             ("period", "time", "of a motion whose last row does not repeat the first"),
+            (
+                "repeat_every",
+                "time",
+                "of a motion that happens once (`periodic = false`): from one start to the next, with rest in between; heat starts cold unless said",
+            ),
             ("objective", "name or table of weights", "what is minimised; `loss` unless said"),
             ("reference", "table", "what each weighted quantity is divided by"),
             ("limits", "table", "what a choice must keep"),
@@ -106,6 +111,11 @@ pub const REQUIREMENT: &[Table] = &[
             ("gravity", "three accelerations", "in the world; the model's unless said"),
             ("periodic", "true, false", "whether the trajectory repeats; true unless said"),
             ("period", "time", "of a trajectory whose last row does not repeat the first"),
+            (
+                "repeat_every",
+                "time",
+                "of a trajectory that happens once: from one start to the next, with rest in between",
+            ),
             (
                 "joint_friction",
                 "true, false",
