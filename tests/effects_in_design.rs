@@ -133,17 +133,22 @@ fn own(case: &Case, n: f64) -> Own {
         stribeck + eddy
     };
     let phi = |p: &Point| if p.torque * p.velocity < 0.0 { braking } else { driving };
-    let torque = |p: &Point, s: f64| {
+    let torque_through = |phi: f64, p: &Point, s: f64| {
         let w = n * p.velocity;
-        phi(p) * p.torque / n + n * j * p.acceleration + b * w + c * s + offset + a * w.abs() + drag(w, s)
+        phi * p.torque / n + n * j * p.acceleration + b * w + c * s + offset + a * w.abs() + drag(w, s)
     };
+    let torque = |p: &Point, s: f64| torque_through(phi(p), p, s);
     let rate = |p: &Point, s: f64| {
         let (w, step) = (n * p.velocity, 1e-4 * (1.0 + n * p.velocity.abs()) * 1e-1);
         let slope = (drag(w + step, s) - drag(w - step, s)) / (2.0 * step);
         phi(p) * p.torque_rate / n + n * (j * p.jerk + b * p.acceleration + (a * s + slope) * p.acceleration)
     };
     let signs = |p: &Point| if p.velocity == 0.0 { vec![1.0, -1.0] } else { vec![p.velocity.signum()] };
-    let usual = |p: &Point| torque(p, if p.velocity == 0.0 { 0.0 } else { p.velocity.signum() });
+    // What stands needs no more and no less than the load, in means.
+    let usual = |p: &Point| match p.velocity {
+        0.0 => torque_through(1.0, p, 0.0),
+        v => torque(p, v.signum()),
+    };
     let largest = |list: &[Point], f: &dyn Fn(&Point, f64) -> f64| {
         list.iter()
             .flat_map(|p| signs(p).into_iter().map(move |s| f(p, s)).collect::<Vec<_>>())
@@ -174,7 +179,7 @@ fn own(case: &Case, n: f64) -> Own {
     let at_rest = timed().map(|(p, s)| s[1] * heating(p)).sum::<f64>();
     // Voltage and power.
     let brushless = motor.conventions.commutation == Commutation::Brushless;
-    let (l, poles) = motor.inductance.zip(if brushless { motor.pole_pairs } else { Some(0) }).unwrap_or((0.0, 0));
+    let (l, poles) = (motor.inductance.unwrap_or(0.0), motor.pole_pairs.filter(|_| brushless).unwrap_or(0));
     let voltage = |p: &Point, s: f64| {
         let v_q = (r * torque(p, s) + l * rate(p, s)) / k + k_b * n * p.velocity;
         v_q.hypot(f64::from(poles) * n * p.velocity * l * torque(p, s) / k)
@@ -201,9 +206,18 @@ fn own(case: &Case, n: f64) -> Own {
     let mut limit = |name, demand, bound: Option<f64>| limits.extend(bound.map(|bound| (name, demand, bound)));
     limit("peak_current", safety * most / k, current_bound);
     limit("peak_torque", safety * most, motor.peak_torque.map(left));
-    limit("continuous_current", squared_current.sqrt(), motor.continuous_current);
-    limit("continuous_torque", (mean(&|p| usual(p).powi(2)) + ripple_square).sqrt(), motor.continuous_torque);
-    limit("standstill_holding", (squared_current + at_rest).sqrt(), motor.continuous_current);
+    let ways = [motor.sheet.thermal_resistance_winding_housing, motor.sheet.thermal_resistance_housing_ambient];
+    let own = if let [Some(a), Some(b)] = ways { a.value / (a.value + b.value) } else { 1.0 };
+    // A motion that happens once, from cold, has no steady state of heat.
+    let steady = !matches!(joint.motion.course, Course::Once(_));
+    let continuous_current = motor.continuous_current.filter(|_| steady);
+    limit("continuous_current", squared_current.sqrt(), continuous_current);
+    limit(
+        "continuous_torque",
+        (mean(&|p| usual(p).powi(2)) + ripple_square).sqrt(),
+        motor.continuous_torque.filter(|_| steady),
+    );
+    limit("standstill_holding", (squared_current + own * at_rest).sqrt(), continuous_current);
     limit("voltage", largest(&case.raw, &voltage), Some(volt));
     limit("bus_power", watt, robot.bus.power);
     if !case.rippled.is_empty() {

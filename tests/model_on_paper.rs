@@ -664,7 +664,11 @@ fn mean_power_is_heat_and_work() {
             let (mut power, mut size) = (0.0, 0.0);
             for (p, share) in case.raw.iter().zip(&case.shares) {
                 let gear = &joint.gear;
-                let phi = if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
+                let phi = match p.torque * p.velocity {
+                    _ if p.velocity == 0.0 => 1.0,
+                    power if power < 0.0 => gear.backdrive_efficiency,
+                    _ => 1.0 / gear.efficiency,
+                };
                 let j = case.motor.rotor_inertia.unwrap() + gear.inertia;
                 let b = case.motor.viscous_friction.unwrap_or(0.0);
                 let c = case.motor.coulomb_friction.unwrap_or(0.0);
@@ -728,17 +732,20 @@ fn cuts_of_heat_and_energy_touch_and_stay_below() {
         let load = Load::new(&joint.motion, None);
         let actuator = Actuator::new(motor, motor.rotor_inertia.unwrap(), &joint.gear);
         let torque = |p: &Point, n: f64| {
-            let phi =
-                if p.torque * p.velocity < 0.0 { joint.gear.backdrive_efficiency } else { 1.0 / joint.gear.efficiency };
+            let phi = match p.torque * p.velocity {
+                _ if p.velocity == 0.0 => 1.0,
+                power if power < 0.0 => joint.gear.backdrive_efficiency,
+                _ => 1.0 / joint.gear.efficiency,
+            };
             let j = motor.rotor_inertia.unwrap() + joint.gear.inertia;
             let rubs =
                 if p.velocity == 0.0 { 0.0 } else { motor.coulomb_friction.unwrap_or(0.0) * p.velocity.signum() };
             phi * p.torque / n + n * (j * p.acceleration + motor.viscous_friction.unwrap_or(0.0) * p.velocity) + rubs
         };
         let squared = |p: &Point, n: f64| actuator.shortfall.current_squared(torque(p, n).powi(2)).0;
-        for worst in [false, true] {
+        for worst in [0.0, 0.3, 1.0] {
             let mean = |n: f64| {
-                let share = |s: &[f64; 2]| s[0] + if worst { s[1] } else { 0.0 };
+                let share = |s: &[f64; 2]| s[0] + worst * s[1];
                 case.raw.iter().zip(&case.shares).map(|(p, s)| share(s) * squared(p, n)).sum::<f64>()
             };
             for n in [n, 0.4 * n, 2.0 * n] {
@@ -774,7 +781,7 @@ fn cuts_of_the_windings_temperature_touch_and_stay_below() {
         let load = Load::new(&joint.motion, None);
         let Some(duration) = load.duration.filter(|_| load.has_course()) else { continue };
         let actuator = Actuator::new(&case.motor, case.motor.rotor_inertia.unwrap(), &joint.gear);
-        let mean = load.mean_current_squared(&actuator, false, n) * case.motor.resistance;
+        let mean = load.mean_current_squared(&actuator, 0.0, n) * case.motor.resistance;
         for (rise, bound) in [(30.0, 50.0), (600.0, 300.0)] {
             let node = TwoNode {
                 resistance_winding_housing: 0.4 * rise / mean,

@@ -24,7 +24,7 @@ fn torque_terms_have_the_powers_of_their_features() {
             if folded {
                 actuator = actuator.folded();
             }
-            for flow in Flow::BOTH {
+            for flow in Flow::ALL {
                 let features = std::array::from_fn(|f| 0.7 * f as f64 - 2.3);
                 let terms = actuator.torque_terms(flow, &features);
                 let polynomial = actuator.torque_form(flow).polynomial(&features);

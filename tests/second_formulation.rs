@@ -109,6 +109,7 @@ struct Bounds {
     rippled_torque: f64,
     rms: f64,
     holding: f64,
+    own: f64,
     voltage: f64,
     rippled_voltage: f64,
     power: f64,
@@ -125,12 +126,13 @@ impl<'a> Problem<'a> {
         let (motor, bus, joint) = (&case.motor, &case.robot.bus, &case.robot.joints[0]);
         let (gear, asked, r, k_t) = (&joint.gear, &joint.limits, motor.resistance, motor.torque_constant);
         let brushless = motor.conventions.commutation == Commutation::Brushless;
-        let inductance = motor.inductance.filter(|_| !brushless || motor.pole_pairs.is_some());
+        let inductance = motor.inductance;
         let poles = motor.pole_pairs.filter(|_| brushless).map_or(0.0, f64::from);
         let (l, j) = (inductance.unwrap_or(0.0), motor.rotor_inertia? + gear.inertia);
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
-        let sample = |p: &Point, share: [f64; 2], rubs: f64| {
-            let phi = if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
+        let passed =
+            |p: &Point| if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
+        let sample = |p: &Point, share: [f64; 2], rubs: f64, phi: f64| {
             let torque = [phi * p.torque, j * p.acceleration + b * p.velocity, rubs];
             let rate = [phi * p.torque_rate, j * p.jerk + b * p.acceleration, 0.0];
             let mut voltage = add(torque.map(|x| x * r / k_t), rate, l / k_t);
@@ -144,12 +146,19 @@ impl<'a> Problem<'a> {
         };
         let every = |list: &[Point]| -> Vec<Sample> {
             list.iter()
-                .flat_map(|p| ways(p).into_iter().map(|rubs| sample(p, [0.0; 2], rubs)).collect::<Vec<_>>())
+                .flat_map(|p| ways(p).into_iter().map(|rubs| sample(p, [0.0; 2], rubs, passed(p))).collect::<Vec<_>>())
                 .collect()
         };
         let moving = |p: &Point| if p.velocity == 0.0 { 0.0 } else { c.copysign(p.velocity) };
-        let usual: Vec<Sample> = case.raw.iter().zip(&case.shares).map(|(p, s)| sample(p, *s, moving(p))).collect();
+        let usual: Vec<Sample> = {
+            let in_means = |p: &Point| if p.velocity == 0.0 { 1.0 } else { passed(p) };
+            case.raw.iter().zip(&case.shares).map(|(p, s)| sample(p, *s, moving(p), in_means(p))).collect()
+        };
         let timed = joint.motion.course != Course::Points(None);
+        let steady = timed && !matches!(joint.motion.course, Course::Once(_));
+        // What the phase that is worst off at standstill counts for more.
+        let ways = (motor.sheet.thermal_resistance_winding_housing, motor.sheet.thermal_resistance_housing_ambient);
+        let own = if let (Some(a), Some(b)) = ways { a.value / (a.value + b.value) } else { 1.0 };
         let least = |list: &[Option<f64>]| list.iter().flatten().copied().fold(NONE, f64::min);
         let amplitude = if brushless { 1.5_f64.sqrt() } else { 1.0 };
         let drive = joint.drive_current.or(bus.drive_current).map(|i| i * amplitude * k_t);
@@ -170,8 +179,9 @@ impl<'a> Problem<'a> {
         let bounds = Bounds {
             torque: peak.min(motor.peak_torque.unwrap_or(NONE)) / asked.safety,
             rippled_torque: only(peak / asked.safety, ripples),
-            rms: only(heating.min(motor.continuous_torque.unwrap_or(NONE)), timed),
-            holding: only(heating, timed && stands),
+            rms: only(heating.min(motor.continuous_torque.unwrap_or(NONE)), steady),
+            holding: only(heating, steady && stands),
+            own,
             voltage: volt,
             rippled_voltage: only(volt, ripples && inductance.is_some()),
             power: least(&[bus.power, bus.current.map(|i| i * bus.voltage)]) * bus.drive_efficiency,
@@ -255,7 +265,7 @@ impl<'a> Problem<'a> {
             || b.power < NONE && self.most.iter().any(|s| on.least(self.power(on, s, 1.0)) > b.power)
             || b.back < NONE && self.most.iter().any(|s| on.least(self.power(on, s, -1.0)) > b.back)
             || b.rms < NONE && mean(0.0) > b.rms * b.rms
-            || b.holding < NONE && mean(1.0) > b.holding * b.holding
+            || b.holding < NONE && mean(b.own) > b.holding * b.holding
             || self.mass(on.b) > b.mass && self.mass(on.a * (1.0 + 1e-9)) > b.mass
             || b.rise.is_some_and(|rise| self.coolest(on) > rise)
     }

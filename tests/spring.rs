@@ -44,7 +44,6 @@ impl Case {
         let (gear, raw) = (&joint.gear, &self.raw);
         let (r, k_t, l) = (motor.resistance, motor.torque_constant, motor.inductance.unwrap_or(0.0));
         let poles = f64::from(motor.pole_pairs.unwrap_or(0));
-        let l = if motor.pole_pairs.is_some() { l } else { 0.0 };
         let j = motor.rotor_inertia.unwrap() + gear.inertia;
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
         let count = raw.time.len();

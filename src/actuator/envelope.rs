@@ -23,7 +23,7 @@ pub struct Steady<'a> {
 /// Whether torque drives or brakes.
 fn direction(flow: Flow) -> f64 {
     match flow {
-        Flow::Driving => 1.0,
+        Flow::Driving | Flow::Holding => 1.0,
         Flow::Braking => -1.0,
     }
 }
@@ -70,7 +70,7 @@ impl<'a> Steady<'a> {
     /// The load torque \[N·m\] that asks a shaft torque \[N·m\] of the motor at a speed \[rad/s\]; the direction of
     /// power is that which goes with its sign. `None` where a gear that locks passes nothing back.
     pub fn load_torque(&self, shaft: f64, speed: f64) -> Option<f64> {
-        Flow::BOTH.into_iter().find_map(|flow| {
+        Flow::MOVING.into_iter().find_map(|flow| {
             let none = self.shaft_torque(flow, 0.0, speed);
             let slope = self.shaft_torque(flow, 1.0, speed) - none;
             let torque = (shaft - none) / slope;

@@ -5,6 +5,7 @@ use super::fitted;
 use super::laurent::Laurent;
 use super::load::Load;
 use super::shaft::{Actuator, Flow};
+use super::stretch;
 use super::thermal;
 use super::thermal_motion::TwoNode;
 use super::waveform::Functional;
@@ -74,9 +75,9 @@ pub enum Demand {
     Mass,
     /// Largest rise of the winding's temperature over the motion \[K\].
     WindingPeak(TwoNode),
-    /// Mean of the squared current of a motor whose iron saturates \[A²\]; the share at standstill counted
-    /// twice where true.
-    MeanCurrentSquared(bool),
+    /// Mean of the squared current of a motor whose iron saturates \[A²\], with so much of that at standstill counted
+    /// once more.
+    MeanCurrentSquared(f64),
 }
 
 /// A limit that applies to a candidate. In its natural unit the demand is `factor · √x` where
@@ -106,7 +107,26 @@ pub enum Check {
     Unknown(&'static str),
     /// It applies.
     Asked(Asked),
+    /// What is known cannot reject a ratio: of the ratio that was chosen it is told what can be said.
+    AtRatio(Judge),
 }
+
+/// What can be said of a limit at a ratio that was chosen.
+pub type Judge = fn(&Candidate, f64) -> Verdict;
+
+/// How a design stands against a limit that no ratio is rejected by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is certainly kept.
+    Kept,
+    /// It counts as kept, as far as this holds.
+    Assumed(&'static str),
+    /// It cannot be judged: why.
+    Unknown(&'static str),
+}
+
+/// The name of a limit, and what is to be said of it.
+pub type Remark = (&'static str, &'static str);
 
 /// A limit of the model.
 pub struct Limit {
@@ -134,6 +154,7 @@ enum Prepared {
     NotAsked,
     Unknown(&'static str),
     Asked { demand: Demand, squared: bool, factor: f64, bound: f64, owner: &'static str },
+    AtRatio(Judge),
 }
 
 impl Limit {
@@ -155,6 +176,7 @@ impl Limit {
             Prepared::Asked { demand, squared, factor, bound, owner } => {
                 Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner })
             }
+            Prepared::AtRatio(judge) => Check::AtRatio(judge),
         }
     }
 }
@@ -196,8 +218,9 @@ impl Asked {
             },
             Demand::Mass => (candidate.known_mass_at(ratio), None),
             Demand::WindingPeak(node) => candidate.load.winding_peak(&candidate.actuator, &node, ratio),
-            Demand::MeanCurrentSquared(worst_phase) => {
-                (candidate.load.mean_current_squared(&candidate.actuator, worst_phase, ratio), None)
+            Demand::MeanCurrentSquared(standing) => {
+                let Candidate { load, actuator, .. } = candidate;
+                (load.share_of_time * load.mean_current_squared(actuator, standing, ratio), None)
             }
         }
     }
@@ -229,8 +252,9 @@ impl Asked {
                 let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, self.raw_bound());
                 Some((cut, self.raw_demand(candidate, ratio).1))
             }
-            Demand::MeanCurrentSquared(worst_phase) => {
-                Some((candidate.load.mean_current_squared_cut(&candidate.actuator, worst_phase, ratio), None))
+            Demand::MeanCurrentSquared(standing) => {
+                let Candidate { load, actuator, .. } = candidate;
+                Some((load.mean_current_squared_cut(actuator, standing, ratio) * load.share_of_time, None))
             }
             Demand::Fixed(..) | Demand::Mass => None,
         }
@@ -311,16 +335,31 @@ impl Candidate<'_> {
         look(&Candidate { load: &load, actuator: self.actuator.folded(), folded: true, ..*self })
     }
 
-    /// Mean heat in the copper as a limit on a current \[A\].
-    fn heating(&self, worst_phase: bool, bound: f64, owner: &'static str) -> Prepared {
+    /// Mean heat in the copper as a limit on a current \[A\], with the share `standing` of that at standstill counted
+    /// once more.
+    fn heating(&self, standing: f64, bound: f64, owner: &'static str) -> Prepared {
         if self.actuator.shortfall.saturates() {
-            return torque(Demand::MeanCurrentSquared(worst_phase), 1.0, bound, owner);
+            return torque(Demand::MeanCurrentSquared(standing), 1.0, bound, owner);
         }
-        let mean = match worst_phase {
-            false => self.load.mean_torque_squared(&self.actuator),
-            true => self.load.mean_torque_squared_worst_phase(&self.actuator),
-        };
+        let mean = self.load.mean_torque_squared_standing(&self.actuator, standing) * self.load.share_of_time;
         torque(Demand::Polynomial(mean, None), self.actuator.rms_current_per_torque(), bound, owner)
+    }
+
+    /// What part of the thermal resistance to ambient lies between winding and housing; `None` where it is not known.
+    fn share_of_winding(&self) -> Option<f64> {
+        let winding = self.motor.sheet.thermal_resistance_winding_housing?.value;
+        let housing = self.motor.sheet.thermal_resistance_housing_ambient?.value;
+        (winding + housing > 0.0).then(|| winding / (winding + housing))
+    }
+
+    /// How much of the heat at standstill counts once more: the phase that carries two thirds of it instead of one
+    /// warms over its own way to the housing by twice as much, and the housing by no more. All of it where nobody
+    /// knows what part of the resistance that way has; none of a brushed motor.
+    pub fn standing_share(&self) -> f64 {
+        match self.motor.conventions.commutation {
+            Commutation::Brushed => 0.0,
+            Commutation::Brushless => self.share_of_winding().unwrap_or(1.0),
+        }
     }
 
     /// A limit on the largest current \[A\], of what the ripple leaves of it.
@@ -361,6 +400,25 @@ impl Candidate<'_> {
             self.robot.ambient,
         );
         Some((squared.max(0.0).sqrt(), owner))
+    }
+
+    /// Largest root mean square current that may flow for ever \[A\], by whatever the row tells it from: its
+    /// continuous current or torque, its thermal resistances with a highest temperature. `None` where nothing does.
+    pub fn steady_current(&self) -> Option<f64> {
+        let of_torque = |torque: f64| match self.actuator.shortfall.saturates() {
+            true => self.actuator.shortfall.current_squared(torque * torque).0.sqrt(),
+            false => torque * self.actuator.rms_current_per_torque(),
+        };
+        let Motor { continuous_current, continuous_torque, .. } = self.motor;
+        let told = [*continuous_current, continuous_torque.map(of_torque), self.thermal_current().map(|(i, _)| i)];
+        told.into_iter().flatten().reduce(f64::min)
+    }
+
+    /// What the limits that are asked of this candidate assume at every ratio.
+    pub fn assumptions(&self, asked: &[Asked]) -> Vec<Remark> {
+        let holds = asked.iter().any(|a| a.limit.name == "standstill_holding");
+        let all = "what part of the thermal resistance is the winding's own is not known: all of it is taken to be";
+        if holds && self.share_of_winding().is_none() { vec![("standstill_holding", all)] } else { Vec::new() }
     }
 }
 
@@ -434,10 +492,23 @@ pub const NEEDS: &[Need] = &[
     Need {
         name: "inductance",
         stated: the_supply,
-        missing: |c| match (c.motor.inductance_and_poles(), c.motor.inductance) {
-            (Some(_), _) => None,
-            (None, None) => Some("the motor's inductance is not known: voltage is checked without it"),
-            (None, Some(_)) => Some("the motor's pole pairs are not known: voltage is checked without inductance"),
+        missing: |c| match (c.motor.inductance, c.motor.pole_pairs) {
+            (Some(_), Some(_)) => None,
+            (None, _) => Some("the motor's inductance is not known: voltage is checked without it"),
+            (Some(_), None) => Some(
+                "the motor's pole pairs are not known: voltage is checked with L di/dt, but without p N ω L i across it",
+            ),
+        },
+    },
+    Need {
+        name: "demagnetisation",
+        stated: by_data_sheets,
+        missing: |c| {
+            let by_drive =
+                c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some();
+            by_drive.then_some(
+                "the motor's peak current is not known: only the drive's is checked, which may be more than its magnets bear",
+            )
         },
     },
     Need {
@@ -464,6 +535,72 @@ pub const NEEDS: &[Need] = &[
 pub fn is_stated(name: &str, robot: &Robot, joint: &Joint) -> bool {
     LIMITS.iter().any(|limit| limit.name == name && (limit.stated)(robot, joint))
         || NEEDS.iter().any(|need| need.name == name && (need.stated)(robot, joint))
+}
+
+/// A stretch above the steady limit shorter than this \[s\] is averaged by the winding: the least thermal time constant
+/// of a winding in the catalogue is 5.1 s.
+const SHORT_STRETCH: f64 = 1.0;
+
+/// The same as a share of the winding's own time constant, where that is known.
+const SHORT_SHARE: f64 = 0.2;
+
+/// Heat over the motion, of a motor or motion whose winding's temperature cannot be followed. Without a heat capacity
+/// nothing can be rejected.
+fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
+    if candidate.is_evaluated() {
+        return candidate.at_ratio(ratio, |here| heat_over_the_motion(here, ratio));
+    }
+    let (load, actuator) = (candidate.load, &candidate.actuator);
+    let Some(limit) = candidate.steady_current() else {
+        return Verdict::Unknown(match (candidate.motor.thermal_resistance, candidate.winding_temperature()) {
+            (Some(_), None) => "neither a highest winding temperature nor the motor's continuous current is known",
+            _ => "neither the motor's thermal resistances nor its continuous current is known",
+        });
+    };
+    let limit = limit * limit;
+    let (course, repeats) = load.squared_current_course(actuator, candidate.standing_share(), ratio);
+    // Even the largest heat, held for ever, would be carried.
+    let largest = load.largest_squared_current(actuator, candidate.standing_share(), ratio);
+    if stretch::is_within(largest, limit) {
+        return Verdict::Kept;
+    }
+    let nodes = candidate.two_node();
+    match (nodes, candidate.winding_temperature()) {
+        _ if !load.has_durations => {
+            return Verdict::Unknown(
+                "the operating points have no durations, and the hottest could not be held for ever",
+            );
+        }
+        (Some(node), Some((hottest, _))) => {
+            let holds = course.iter().map(|piece| (piece.duration, actuator.resistance * piece.from));
+            return match node.rise_at_the_end(holds, hottest) <= hottest - node.ambient {
+                true => Verdict::Kept,
+                false => Verdict::Unknown(
+                    "the order of the operating points is not known, and the hottest last may be too hot",
+                ),
+            };
+        }
+        _ => {}
+    }
+    let own = candidate.motor.sheet.thermal_time_constant_winding.map(|t| SHORT_SHARE * t.value);
+    let short = own.map_or(SHORT_STRETCH, |own| own.min(SHORT_STRETCH));
+    match (stretch::longest(&course, limit, repeats) < short, nodes.is_some(), load.starts_cold()) {
+        (true, false, false) => Verdict::Assumed(
+            "judged by its mean heat: the thermal time constants are not known, and heat stays above its steady limit for less than 1 s at a time",
+        ),
+        (true, true, false) => Verdict::Assumed(
+            "judged by its mean heat: no highest winding temperature is known, and heat stays above its steady limit for less than 1 s at a time",
+        ),
+        (true, _, true) => {
+            Verdict::Assumed("taken as kept: from cold heat stays above its steady limit for less than 1 s at a time")
+        }
+        (false, false, _) => Verdict::Unknown(
+            "the thermal time constants are not known, and heat stays above its steady limit for 1 s or longer",
+        ),
+        (false, true, _) => {
+            Verdict::Unknown("no highest winding temperature is known, and heat stays above its steady limit for long")
+        }
+    }
 }
 
 /// Every limit.
@@ -501,8 +638,9 @@ pub const LIMITS: &[Limit] = &[
         class: Class::Convex,
         stated: by_data_sheets,
         prepare: |c| match c.motor.continuous_current {
+            _ if c.load.starts_cold() => Prepared::NotAsked,
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            Some(bound) => c.heating(false, bound, "motor"),
+            Some(bound) => c.heating(0.0, bound, "motor"),
             None => Prepared::Unknown("the motor's continuous current is not known"),
         },
     },
@@ -514,9 +652,11 @@ pub const LIMITS: &[Limit] = &[
         stated: by_data_sheets,
         prepare: |c| match c.motor.continuous_torque {
             None => Prepared::NotAsked,
+            _ if c.load.starts_cold() => Prepared::NotAsked,
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
             Some(bound) => {
-                torque(Demand::Polynomial(c.load.mean_torque_squared(&c.actuator), None), 1.0, bound, "motor")
+                let mean = c.load.mean_torque_squared(&c.actuator) * c.load.share_of_time;
+                torque(Demand::Polynomial(mean, None), 1.0, bound, "motor")
             }
         },
     },
@@ -527,8 +667,9 @@ pub const LIMITS: &[Limit] = &[
         class: Class::Convex,
         stated: a_temperature,
         prepare: |c| match (c.thermal_current(), c.winding_temperature()) {
+            _ if c.load.starts_cold() => Prepared::NotAsked,
             (Some(_), _) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            (Some((bound, owner)), _) => c.heating(false, bound, owner),
+            (Some((bound, owner)), _) => c.heating(0.0, bound, owner),
             (None, Some(_)) => Prepared::Unknown("the motor's thermal resistances are not known"),
             (None, None) if c.motor.thermal_resistance.is_some() => {
                 Prepared::Unknown("no highest winding temperature is known")
@@ -546,18 +687,17 @@ pub const LIMITS: &[Limit] = &[
             (Some(node), Some((limit, owner))) if c.load.has_course() => {
                 plain(Demand::WindingPeak(node), 1.0, (limit - node.ambient).max(0.0), owner)
             }
-            // Without time constants the mean heat is all that can be checked.
-            _ => Prepared::NotAsked,
+            _ => Prepared::AtRatio(heat_over_the_motion),
         },
     },
     Limit {
         name: "standstill_holding",
         unit: "A",
-        formula: "√(mean(T²) + mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat",
+        formula: "√(mean(T²) + R_wh/R_th · mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat",
         class: Class::Convex,
         stated: a_temperature,
         prepare: |c| {
-            if c.load.dwell == 0.0 {
+            if c.load.dwell == 0.0 || c.load.starts_cold() {
                 return Prepared::NotAsked;
             }
             if !c.load.has_durations {
@@ -567,7 +707,7 @@ pub const LIMITS: &[Limit] = &[
             let current = [rated, c.thermal_current()].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
             match (current, c.motor.conventions.commutation) {
                 (_, Commutation::Brushed) => Prepared::NotAsked,
-                (Some((bound, owner)), _) => c.heating(true, bound, owner),
+                (Some((bound, owner)), _) => c.heating(c.standing_share(), bound, owner),
                 (None, _) => Prepared::Unknown("neither continuous current nor thermal resistances are known"),
             }
         },
@@ -667,10 +807,10 @@ pub const LIMITS: &[Limit] = &[
         formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases",
         class: Class::Convex,
         stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
-        prepare: |c| match (&c.load.bandwidth, c.motor.inductance_and_poles()) {
+        prepare: |c| match (&c.load.bandwidth, c.motor.inductance) {
             (None, _) => Prepared::NotAsked,
             (Some(_), Some(_)) => torque(Demand::Bandwidth(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
-            (Some(_), None) => Prepared::Unknown("the motor's inductance or pole pairs are not known"),
+            (Some(_), None) => Prepared::Unknown("the motor's inductance is not known"),
         },
     },
     Limit {

@@ -1,7 +1,8 @@
 //! Everything about a joint that does not depend on motor, gear or ratio, computed once.
 
 use super::laurent::Laurent;
-use super::shaft::{Actuator, FEATURE_POWER, FEATURES, Feature, Flow, ShaftForm, sign};
+use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
+use super::stretch::Piece;
 use super::thermal::winding_temperature;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
@@ -11,8 +12,8 @@ use crate::requirement::{self, Motion, TorqueBandwidth};
 /// 1 − cos(π/32) = 0.5 % larger.
 pub const BANDWIDTH_PHASES: usize = 32;
 
-/// Weighted second moments of the features, for each direction of power.
-type Moments = [[[f64; FEATURES]; FEATURES]; 2];
+/// Weighted second moments of the features, for each way that power flows.
+type Moments = [[[f64; FEATURES]; FEATURES]; FLOWS];
 
 /// A joint's demand, made ready.
 #[derive(Debug, Clone)]
@@ -33,15 +34,55 @@ pub struct Load {
     pub has_durations: bool,
     /// Period, or duration \[s\], where the motion has one.
     pub duration: Option<f64>,
-    /// How heat goes on after the last sample; `None` for operating points.
-    course: Option<Course>,
-    times: Vec<f64>,
+    /// Whether heat has a steady state: not that of a motion that happens once from cold.
+    pub has_steady_heat: bool,
+    /// The share of all time that the motion takes: less than one where rest follows it.
+    pub share_of_time: f64,
+    /// The course of heat in time; `None` for operating points.
+    course: Option<HeatCourse>,
     mean: Moments,
     standstill: Moments,
-    /// The samples as they are in means: no friction at standstill.
+    /// The samples as they are in means: no friction and no loss of the gear at standstill.
     samples: Vec<WavePoint>,
     weight: Vec<f64>,
     rest: Vec<f64>,
+}
+
+/// How heat goes on in time.
+#[derive(Debug, Clone)]
+struct HeatCourse {
+    /// After the last sample.
+    course: Course,
+    /// Times of the samples \[s\], and of both ends of the rest, where some follows.
+    times: Vec<f64>,
+    /// Period, or duration \[s\].
+    lasts: f64,
+}
+
+impl HeatCourse {
+    fn new(motion: &Motion) -> Option<HeatCourse> {
+        let mut times = motion.time.clone();
+        let (course, lasts) = match (motion.course, motion.repeat_every) {
+            (requirement::Course::Periodic(period), _) => (Course::Periodic, period),
+            (requirement::Course::Once(duration), None) => (Course::FromCold, duration),
+            (requirement::Course::Once(duration), Some(every)) => {
+                times.extend([times[0] + duration, times[0] + every.max(duration)]);
+                (Course::Periodic, every.max(duration))
+            }
+            (requirement::Course::Points(_), _) => return None,
+        };
+        Some(HeatCourse { course, times, lasts })
+    }
+
+    /// The heat at its times, from that at the samples.
+    fn with_rest(&self, mut at_samples: Vec<f64>) -> Vec<f64> {
+        at_samples.resize(self.times.len(), 0.0);
+        at_samples
+    }
+
+    fn heat<'h>(&'h self, heat: &'h [f64]) -> Heat<'h> {
+        Heat { times: &self.times, period_or_duration: self.lasts, heat }
+    }
 }
 
 impl Load {
@@ -92,7 +133,7 @@ impl Load {
             .clone()
             .map(|k| WavePoint {
                 features: features(k, motion.torque[k], motion.torque_rate[k], sign(motion.velocity[k])),
-                flow: Flow::of(motion.torque[k], motion.velocity[k]),
+                flow: Flow::in_means(motion.torque[k], motion.velocity[k]),
                 origin: k,
             })
             .collect();
@@ -106,12 +147,9 @@ impl Load {
             dwell: motion.dwell.iter().sum(),
             has_durations: motion.has_durations(),
             duration: motion.duration(),
-            course: match motion.course {
-                requirement::Course::Periodic(_) => Some(Course::Periodic),
-                requirement::Course::Once(_) => Some(Course::FromCold),
-                requirement::Course::Points(_) => None,
-            },
-            times: motion.time.clone(),
+            has_steady_heat: motion.has_steady_heat(),
+            share_of_time: motion.share_of_time(),
+            course: HeatCourse::new(motion),
             mean,
             standstill,
             samples: in_means,
@@ -152,7 +190,7 @@ impl Load {
             mean: moments(&samples, &self.weight),
             standstill: moments(&samples, &self.rest),
             samples,
-            times: self.times.clone(),
+            course: self.course.clone(),
             weight: self.weight.clone(),
             rest: self.rest.clone(),
             ..*self
@@ -168,41 +206,46 @@ impl Load {
         }
     }
 
-    /// Mean of the squared current over time \[A²\] at a ratio, with the share at standstill counted twice
-    /// where `worst_phase`; for motors whose current is not proportional to the torque.
-    pub fn mean_current_squared(&self, actuator: &Actuator, worst_phase: bool, ratio: f64) -> f64 {
+    /// Mean of the squared current over time \[A²\] at a ratio, with the share `standing` of that at standstill counted
+    /// once more; for motors whose current is not proportional to the torque.
+    pub fn mean_current_squared(&self, actuator: &Actuator, standing: f64, ratio: f64) -> f64 {
         let square = |k: usize| {
             let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
-            self.share(k, worst_phase) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).0
+            self.share(k, standing) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).0
         };
         (0..self.samples.len()).map(square).sum()
     }
 
     /// The same as a cut: the polynomial that equals it at `ratio` and is nowhere above it. The squared current
     /// of a sample is convex and rising in its squared torque.
-    pub fn mean_current_squared_cut(&self, actuator: &Actuator, worst_phase: bool, ratio: f64) -> Laurent {
+    pub fn mean_current_squared_cut(&self, actuator: &Actuator, standing: f64, ratio: f64) -> Laurent {
         let slope = |k: usize| {
             let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
-            self.share(k, worst_phase) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).1
+            self.share(k, standing) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).1
         };
         let slopes: Vec<f64> = (0..self.samples.len()).map(slope).collect();
         let squares = self.weighted_torque_squared(actuator, &slopes);
-        squares + Laurent::constant(self.mean_current_squared(actuator, worst_phase, ratio) - squares.at(ratio))
+        squares + Laurent::constant(self.mean_current_squared(actuator, standing, ratio) - squares.at(ratio))
     }
 
-    fn share(&self, k: usize, worst_phase: bool) -> f64 {
-        self.weight[k] + if worst_phase { self.rest[k] } else { 0.0 }
+    fn share(&self, k: usize, standing: f64) -> f64 {
+        self.weight[k] + standing * self.rest[k]
     }
 
-    /// Mean of `T²` with the share at standstill counted twice: where the rotor stands, the worst
-    /// phase carries 2/3 of the heat instead of 1/3 \[N²·m²\].
-    pub fn mean_torque_squared_worst_phase(&self, actuator: &Actuator) -> Laurent {
-        let standing = quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
-        let both = self.mean_torque_squared(actuator) + standing;
-        match actuator.shortfall.mean_square() {
-            0.0 => both,
-            ripple => both + Laurent::constant(ripple * self.dwell),
+    /// Mean of `T²` with the share `standing` of that at standstill counted once more \[N²·m²\]: where the rotor
+    /// stands, the worst phase carries 2/3 of the heat instead of 1/3.
+    pub fn mean_torque_squared_standing(&self, actuator: &Actuator, standing: f64) -> Laurent {
+        let mean = self.mean_torque_squared(actuator);
+        if standing == 0.0 || self.dwell == 0.0 {
+            return mean;
         }
+        let at_rest = quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
+        mean + (at_rest + Laurent::constant(actuator.shortfall.mean_square() * self.dwell)) * standing
+    }
+
+    /// Whether the motion happens once, from cold: heat has no steady state.
+    pub fn starts_cold(&self) -> bool {
+        self.has_durations && !self.has_steady_heat
     }
 
     /// Energy drawn from the bus per cycle \[J\] as a cut: the polynomial that equals it at `ratio` and is
@@ -254,8 +297,12 @@ impl Load {
     /// their periodic state and others from cold. Infinite where it runs away.
     pub fn winding_peak(&self, actuator: &Actuator, node: &TwoNode, ratio: f64) -> (f64, Option<usize>) {
         let heat = self.copper_heat(actuator, ratio);
-        match self.settle(node, &heat) {
-            Some((_, temperature)) => (temperature.peak - node.ambient, Some(temperature.peak_sample)),
+        match self.settle(node, heat) {
+            Some((_, _, temperature)) => {
+                // What follows the last sample is rest.
+                let sample = temperature.peak_sample.min(self.samples.len() - 1);
+                (temperature.peak - node.ambient, Some(sample))
+            }
             None => (f64::INFINITY, None),
         }
     }
@@ -264,7 +311,7 @@ impl Load {
     /// the samples \[s\]; `None` where it runs away.
     pub fn winding_course(&self, actuator: &Actuator, node: &TwoNode, ratio: f64) -> Option<(&[f64], Temperature)> {
         let heat = self.copper_heat(actuator, ratio);
-        self.settle(node, &heat).map(|(_, temperature)| (self.times.as_slice(), temperature))
+        self.settle(node, heat).map(|(course, _, temperature)| (course.times.as_slice(), temperature))
     }
 
     /// Whether the rise certainly stays within `bound` \[K\]: it does where even the largest heat, held for
@@ -304,7 +351,7 @@ impl Load {
             actuator.copper() * ((load + c + inertia).abs() - moves).max(0.0).powi(2)
         };
         let heat: Vec<f64> = self.samples.iter().map(least).collect();
-        self.settle(node, &heat).is_none_or(|(_, temperature)| temperature.peak - node.ambient > bound)
+        self.settle(node, heat).is_none_or(|(.., temperature)| temperature.peak - node.ambient > bound)
     }
 
     /// The rise as a cut: the polynomial that equals it at `ratio` and is nowhere above it. Temperature is
@@ -339,48 +386,88 @@ impl Load {
         bound: f64,
     ) -> (f64, Vec<f64>) {
         let heat = self.copper_heat(actuator, ratio);
-        match self.settle(node, &heat) {
-            Some((course, temperature)) => {
-                let gradient = node.peak_gradient(&self.heat(&self.times, &heat), course, &temperature);
+        match self.settle(node, heat.clone()) {
+            Some((course, heat, temperature)) => {
+                let mut gradient = node.peak_gradient(&course.heat(&heat), course.course, &temperature);
+                gradient.truncate(self.samples.len());
                 (temperature.peak - node.ambient, gradient)
             }
-            None => self.first_periods(node, &heat, bound),
+            None => self.first_periods(node, heat, bound),
         }
     }
 
     /// Rise and gradient after the first periods of a heat that runs away.
-    fn first_periods(&self, node: &TwoNode, heat: &[f64], bound: f64) -> (f64, Vec<f64>) {
-        let period = self.duration.unwrap_or(1.0);
+    fn first_periods(&self, node: &TwoNode, heat: Vec<f64>, bound: f64) -> (f64, Vec<f64>) {
+        let Some(course) = &self.course else { return (f64::INFINITY, vec![0.0; heat.len()]) };
+        let heat = course.with_rest(heat);
         let mut periods = 1;
         loop {
             let times: Vec<f64> =
-                (0..periods).flat_map(|n| self.times.iter().map(move |t| t + n as f64 * period)).collect();
+                (0..periods).flat_map(|n| course.times.iter().map(move |t| t + n as f64 * course.lasts)).collect();
             let repeated: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
-            let course = Heat { times: &times, period_or_duration: periods as f64 * period, heat: &repeated };
-            let temperature = node.from_cold(&course);
+            let long = Heat { times: &times, period_or_duration: periods as f64 * course.lasts, heat: &repeated };
+            let temperature = node.from_cold(&long);
             let rise = temperature.peak - node.ambient;
             if (rise > bound && rise.is_finite()) || periods >= 1 << 14 {
-                let long = node.peak_gradient(&course, Course::FromCold, &temperature);
-                let folded = (0..heat.len()).map(|k| long.iter().skip(k).step_by(heat.len()).sum()).collect();
-                return (rise, folded);
+                let each = node.peak_gradient(&long, Course::FromCold, &temperature);
+                let of_sample = |k: usize| each.iter().skip(k).step_by(heat.len()).sum();
+                return (rise, (0..self.samples.len()).map(of_sample).collect());
             }
             periods *= 2;
         }
     }
 
-    fn heat<'h>(&self, times: &'h [f64], heat: &'h [f64]) -> Heat<'h> {
-        Heat { times, period_or_duration: self.duration.unwrap_or(1.0), heat }
+    /// The course, the heat over it with its rest, and the temperatures; `None` where they run away.
+    fn settle(&self, node: &TwoNode, heat: Vec<f64>) -> Option<(&HeatCourse, Vec<f64>, Temperature)> {
+        let course = self.course.as_ref()?;
+        let heat = course.with_rest(heat);
+        let temperature = match course.course {
+            Course::Periodic => match node.periodic_state(&course.heat(&heat)) {
+                Outcome::Settles(temperature) => temperature,
+                Outcome::Runaway => return None,
+            },
+            Course::FromCold => node.from_cold(&course.heat(&heat)),
+        };
+        Some((course, heat, temperature))
     }
 
-    fn settle(&self, node: &TwoNode, heat: &[f64]) -> Option<(Course, Temperature)> {
-        let heat = self.heat(&self.times, heat);
-        match self.course? {
-            Course::Periodic => match node.periodic_state(&heat) {
-                Outcome::Settles(temperature) => Some((Course::Periodic, temperature)),
-                Outcome::Runaway => None,
-            },
-            Course::FromCold => Some((Course::FromCold, node.from_cold(&heat))),
-        }
+    /// The largest squared current \[A²\] at a ratio, with that of samples at standstill increased by the share
+    /// `standing` of itself.
+    pub fn largest_squared_current(&self, actuator: &Actuator, standing: f64, ratio: f64) -> f64 {
+        let heat = self.copper_heat(actuator, ratio).into_iter().enumerate();
+        heat.map(|(k, heat)| self.held(k, standing) * heat / actuator.resistance).fold(0.0, f64::max)
+    }
+
+    /// What the heat of a sample counts as, for the phase that is worst off.
+    fn held(&self, k: usize, standing: f64) -> f64 {
+        if self.rest[k] > 0.0 { 1.0 + standing } else { 1.0 }
+    }
+
+    /// The squared current over the motion \[A²\] at a ratio, in the order of time, and whether it repeats; that of
+    /// samples at standstill is increased by the share `standing` of itself. Operating points go from the coolest to the
+    /// hottest: the order that is worst where they repeat. Without durations it is empty.
+    pub fn squared_current_course(&self, actuator: &Actuator, standing: f64, ratio: f64) -> (Vec<Piece>, bool) {
+        let heat = self.copper_heat(actuator, ratio).into_iter().enumerate();
+        let squares: Vec<f64> = heat.map(|(k, heat)| self.held(k, standing) * heat / actuator.resistance).collect();
+        let Some(course) = &self.course else {
+            let Some(lasts) = self.duration else { return (Vec::new(), true) };
+            let points = squares.iter().zip(&self.weight);
+            let mut pieces: Vec<Piece> =
+                points.map(|(i, share)| Piece { duration: share * lasts, from: *i, to: *i }).collect();
+            pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
+            return (pieces, true);
+        };
+        let (squares, times) = (course.with_rest(squares), &course.times);
+        let last = times.len() - 1;
+        let piece = |k: usize| match k < last {
+            true => Piece { duration: times[k + 1] - times[k], from: squares[k], to: squares[k + 1] },
+            false => {
+                let next = if course.course == Course::Periodic { 0 } else { last };
+                let duration = (course.lasts - (times[last] - times[0])).max(0.0);
+                Piece { duration, from: squares[last], to: squares[next] }
+            }
+        };
+        ((0..=last).map(piece).collect(), course.course == Course::Periodic)
     }
 
     /// Copper heat of every sample at a ratio, at the reference temperature \[W\].
@@ -440,10 +527,10 @@ fn moments(samples: &[WavePoint], weights: &[f64]) -> Moments {
     sums
 }
 
-/// `Σ a_f b_g M_fg N^(p_f + p_g)` over both directions of power.
+/// `Σ a_f b_g M_fg N^(p_f + p_g)` over all ways that power flows.
 fn quadratic<'a>(moments: &Moments, forms: impl Fn(Flow) -> (&'a ShaftForm, &'a ShaftForm)) -> Laurent {
     let mut sum = Laurent::default();
-    for flow in Flow::BOTH {
+    for flow in Flow::ALL {
         let (a, b) = forms(flow);
         for f in 0..FEATURES {
             for g in 0..FEATURES {

@@ -53,7 +53,11 @@ impl Parameter {
             }
             Parameter::BackEmfConstant => with(
                 motor.back_emf_constant,
-                sheet.back_emf_constant.or(sheet.torque_constant).or(sheet.speed_constant),
+                // The speed constant counts where it is not below the torque constant.
+                match motor.back_emf_constant == motor.torque_constant {
+                    false => sheet.back_emf_constant.or(sheet.speed_constant),
+                    true => sheet.back_emf_constant.or(sheet.torque_constant).or(sheet.speed_constant),
+                },
             ),
             Parameter::RotorInertia => with(motor.rotor_inertia?, sheet.rotor_inertia),
             Parameter::Mass => with(motor.mass?, sheet.mass),

@@ -14,6 +14,7 @@ pub mod load;
 pub mod metrics;
 pub mod shaft;
 pub mod step_response;
+pub mod stretch;
 pub mod thermal;
 pub mod thermal_motion;
 pub mod waveform;

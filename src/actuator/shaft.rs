@@ -115,13 +115,27 @@ pub enum Flow {
     Driving = 0,
     /// The load drives the motor: `φ = η_b`.
     Braking = 1,
+    /// Nothing moves, in means: `φ = 1`. The gear's friction may hold for the motor or against it.
+    Holding = 2,
 }
 
-impl Flow {
-    /// Both.
-    pub const BOTH: [Flow; 2] = [Flow::Driving, Flow::Braking];
+/// How many ways power may flow.
+pub const FLOWS: usize = 3;
 
-    /// Of a load torque \[N·m\] and a speed \[rad/s\].
+impl Flow {
+    /// Those of what moves.
+    pub const MOVING: [Flow; 2] = [Flow::Driving, Flow::Braking];
+
+    /// All.
+    pub const ALL: [Flow; FLOWS] = [Flow::Driving, Flow::Braking, Flow::Holding];
+
+    /// Of a load torque \[N·m\] and a speed \[rad/s\] as it counts in means over time.
+    pub fn in_means(torque: f64, velocity: f64) -> Flow {
+        if velocity == 0.0 { Flow::Holding } else { Flow::of(torque, velocity) }
+    }
+
+    /// Of a load torque \[N·m\] and a speed \[rad/s\] as it counts in limits at an instant: at standstill the motor
+    /// drives.
     pub fn of(torque: f64, velocity: f64) -> Flow {
         if torque * velocity < 0.0 { Flow::Braking } else { Flow::Driving }
     }
@@ -149,13 +163,13 @@ pub struct Actuator {
     pub shortfall: Shortfall,
     /// Inductance over torque constant \[H·A/(N·m)\]; zero where unknown.
     rate: f64,
-    torque: [ShaftForm; 2],
-    voltage: [ShaftForm; 2],
+    torque: [ShaftForm; FLOWS],
+    voltage: [ShaftForm; FLOWS],
 }
 
 impl Actuator {
     /// The actuator of a motor and a gear, with the effects that the motor's row declares. An
-    /// unknown inductance, or unknown pole pairs, leave the inductance out altogether.
+    /// unknown inductance is left out altogether; unknown pole pairs leave out what it couples across.
     pub fn new(motor: &Motor, rotor_inertia: f64, gear: &GearModel) -> Actuator {
         Actuator::at_temperature(motor, rotor_inertia, gear, motor.max_winding_temperature, true)
     }
@@ -171,7 +185,8 @@ impl Actuator {
     ) -> Actuator {
         let torque_constant = fitted::hot_torque_constant(motor, hottest);
         let inertia = rotor_inertia + gear.inertia;
-        let (inductance, pole_pairs) = motor.inductance_and_poles().unwrap_or((0.0, 0.0));
+        let inductance = motor.inductance.unwrap_or(0.0);
+        let pole_pairs = motor.pole_pairs.map_or(0.0, f64::from);
         let form = |load: f64| {
             let mut torque = ShaftForm::default();
             torque[Feature::Load] = load;
@@ -184,7 +199,7 @@ impl Actuator {
             voltage[Feature::Velocity] += motor.back_emf_constant;
             (torque, voltage)
         };
-        let (driving, braking) = (form(1.0 / gear.efficiency), form(gear.backdrive_efficiency));
+        let forms = [1.0 / gear.efficiency, gear.backdrive_efficiency, 1.0].map(form);
         Actuator {
             resistance: motor.resistance,
             torque_constant,
@@ -193,8 +208,8 @@ impl Actuator {
             cross_coupling: pole_pairs * inductance / torque_constant,
             shortfall: Shortfall::new(motor, torque_constant, fitted_gear),
             rate: inductance / torque_constant,
-            torque: [driving.0, braking.0],
-            voltage: [driving.1, braking.1],
+            torque: forms.map(|form| form.0),
+            voltage: forms.map(|form| form.1),
         }
     }
 
@@ -254,7 +269,7 @@ impl Actuator {
     /// the feature `One`, their rate `SpeedRate`.
     pub fn folded(&self) -> Actuator {
         let mut actuator = *self;
-        for flow in 0..2 {
+        for flow in 0..FLOWS {
             for (form, per_torque, per_rate) in [
                 (&mut actuator.torque[flow], 1.0, 0.0),
                 (&mut actuator.voltage[flow], self.resistance / self.torque_constant, self.rate),

@@ -386,6 +386,23 @@ impl TwoNode {
         self.march(heat, Course::FromCold, [0.0; 2], |part| rates.step(part.duration, part.heat))
     }
 
+    /// Rise of the winding over ambient \[K\] at the end of a cycle that repeats for ever, with the winding's resistance
+    /// that of `limit` \[K\]. The cycle holds one heat after the other: its time \[s\] and its heat at the reference
+    /// temperature \[W\].
+    ///
+    /// With the heats in rising order this bounds the rise of *every* order, at every time, where it does not exceed the
+    /// limit. With a constant resistance the rise is `∫ k(s) q(t − s) ds` over all that was, and k is a sum of falling
+    /// exponentials with weights that are not negative (the equations are those of a symmetric negative definite matrix
+    /// but for a scale of the two nodes). What falls weighs most where most heat came last: the order that makes the
+    /// integral largest, over each cycle, has the heats rise towards its end (the rearrangement inequality). And a winding
+    /// that is nowhere hotter than the limit has nowhere more than its resistance there.
+    pub fn rise_at_the_end(&self, holds: impl Iterator<Item = (f64, f64)>, limit: f64) -> f64 {
+        let (constant, hot) = (self.rates(0.0), 1.0 + COPPER * (limit - self.reference));
+        let cycle =
+            holds.fold(Step::NOTHING, |cycle, (duration, heat)| cycle.then(&constant.step(duration, hot * heat)));
+        cycle.sum_of_powers().map_or(f64::INFINITY, |inverse| times(&inverse, cycle.gain)[0])
+    }
+
     fn march(&self, heat: &Heat, course: Course, start: Rise, mut step: impl FnMut(&Part) -> Step) -> Temperature {
         let samples = heat.times.len();
         let kelvin = |rise: f64| if rise.is_finite() { self.ambient + rise } else { f64::INFINITY };

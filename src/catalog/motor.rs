@@ -8,6 +8,9 @@ use crate::actuator::fitted::{FittedEffect, FittedGear};
 /// Winding temperature that a resistance refers to where its row does not say \[K\]: 25 °C.
 pub const REFERENCE_TEMPERATURE: f64 = 298.15;
 
+/// Torque constant and speed constant that differ by less (relative) say the same: sheets round both.
+const PRINTED_DIGITS: f64 = 0.01;
+
 /// A motor of the catalogue. Numbers are SI, on the q axis (power invariant), at the motor shaft.
 #[derive(Debug, Clone)]
 pub struct Motor {
@@ -141,7 +144,16 @@ impl Motor {
             }
             (None, None) => return Err(Incomplete::TorqueConstant),
         };
-        let back_emf_constant = by_back_emf.unwrap_or_else(|| {
+        // A speed constant beside a torque constant tells the back-EMF, where more than printed digits part the two. One
+        // that is less than the torque takes would make energy from nothing.
+        let by_speed = by_speed.filter(|by_speed| {
+            let more = by_speed / torque_constant - 1.0;
+            if more < -PRINTED_DIGITS && by_back_emf.is_none() {
+                assumptions.push("the speed constant says a back-EMF constant below the torque constant: not used");
+            }
+            sheet.torque_constant.is_none() || more > PRINTED_DIGITS
+        });
+        let back_emf_constant = by_back_emf.or(by_speed).unwrap_or_else(|| {
             if sheet.torque_constant.is_some() {
                 assumptions.push("back-EMF constant taken equal to the torque constant");
             }

@@ -1,7 +1,7 @@
 //! One design, looked at closely: every limit with its margin, and the figures people choose by.
 
 use crate::actuator::fitted;
-use crate::actuator::limits::{Asked, Candidate, Check, Demand};
+use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::thermal;
 use crate::actuator::waveform::Functional;
@@ -17,9 +17,22 @@ pub struct Prepared<'a> {
     pub candidate: Candidate<'a>,
     /// The limits that apply.
     pub asked: Vec<Asked>,
-    /// The limits that could not be checked, and why.
-    pub unchecked: Vec<(&'static str, &'static str)>,
+    /// The limits that cannot be checked at any ratio, and why.
+    pub unchecked: Vec<Remark>,
+    /// What the limits assume at every ratio.
+    assumed: Vec<Remark>,
+    /// The limits that no ratio is rejected by.
+    at_ratio: Vec<(&'static str, Judge)>,
     mean_torque_squared: crate::actuator::Laurent,
+}
+
+/// What is to be said of a design beside its margins.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Judged {
+    /// Limits that could not be checked, and why.
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
 }
 
 /// How a design stands against one limit.
@@ -72,22 +85,37 @@ pub struct Evaluation {
 impl<'a> Prepared<'a> {
     /// Gathers the limits of a candidate.
     pub fn new(candidate: Candidate<'a>) -> Prepared<'a> {
-        let (mut asked, mut unchecked) = (Vec::new(), Vec::new());
+        let (mut asked, mut unchecked, mut at_ratio) = (Vec::new(), Vec::new(), Vec::new());
         for (limit, check) in candidate.checks() {
             match check {
                 Check::Asked(limit) => asked.push(limit),
                 Check::Unknown(why) => unchecked.push((limit.name, why)),
+                Check::AtRatio(judge) => at_ratio.push((limit.name, judge)),
                 Check::NotAsked => {}
             }
         }
         unchecked.extend(candidate.lacking());
+        let assumed = candidate.assumptions(&asked);
         let mean_torque_squared = candidate.load.mean_torque_squared(&candidate.actuator);
-        Prepared { candidate, asked, unchecked, mean_torque_squared }
+        Prepared { candidate, asked, unchecked, assumed, at_ratio, mean_torque_squared }
+    }
+
+    /// What could not be checked at a ratio, and what was assumed there.
+    pub fn judged(&self, ratio: f64) -> Judged {
+        let mut judged = Judged { unchecked: self.unchecked.clone(), assumed: self.assumed.clone() };
+        for (limit, judge) in &self.at_ratio {
+            match judge(&self.candidate, ratio) {
+                Verdict::Kept => {}
+                Verdict::Assumed(what) => judged.assumed.push((limit, what)),
+                Verdict::Unknown(why) => judged.unchecked.push((limit, why)),
+            }
+        }
+        judged
     }
 
     /// What could not be checked of the design at a ratio, and why.
-    pub fn unchecked_at(&self, _ratio: f64) -> Vec<(&'static str, &'static str)> {
-        self.unchecked.clone()
+    pub fn unchecked_at(&self, ratio: f64) -> Vec<Remark> {
+        self.judged(ratio).unchecked
     }
 
     /// The same without one limit.
@@ -127,7 +155,7 @@ impl<'a> Prepared<'a> {
     fn loss_at(&self, ratio: f64) -> f64 {
         let actuator = &self.candidate.actuator;
         if actuator.shortfall.saturates() {
-            return actuator.resistance * self.candidate.load.mean_current_squared(actuator, false, ratio);
+            return actuator.resistance * self.candidate.load.mean_current_squared(actuator, 0.0, ratio);
         }
         self.mean_torque_squared.at(ratio).max(0.0) * actuator.heating()
     }
@@ -214,11 +242,11 @@ impl<'a> Prepared<'a> {
         peak.max(0.0) / candidate.robot.bus.drive_efficiency
     }
 
-    /// Winding temperature in steady state at a ratio \[K\]: `None` where it cannot be told,
+    /// Winding temperature in steady state at a ratio \[K\]: `None` where it cannot be told or there is none,
     /// `Some(None)` where it runs away.
     pub fn winding_temperature(&self, ratio: f64) -> Option<Option<f64>> {
         let motor = self.candidate.motor;
-        let r_th = motor.thermal_resistance.filter(|_| self.candidate.load.has_durations)?;
+        let r_th = motor.thermal_resistance.filter(|_| self.candidate.load.has_steady_heat)?;
         if self.candidate.is_evaluated() {
             return self.at_ratio(ratio, |here| here.winding_temperature(ratio));
         }
@@ -228,7 +256,7 @@ impl<'a> Prepared<'a> {
             false => self.rms_current(ratio).powi(2),
         };
         Some(thermal::winding_temperature(
-            mean,
+            mean * self.candidate.load.share_of_time,
             motor.resistance,
             motor.reference_temperature,
             r_th,
@@ -241,7 +269,7 @@ impl<'a> Prepared<'a> {
     /// out. `None` where the inductance is unknown; infinite where no voltage is left for it.
     pub fn reversal_time(&self, ratio: f64) -> Option<f64> {
         let candidate = &self.candidate;
-        let (inductance, _) = candidate.motor.inductance_and_poles()?;
+        let inductance = candidate.motor.inductance?;
         let motion = &candidate.joint.motion;
         if matches!(motion.course, Course::Points(_)) {
             return Some(0.0);

@@ -3,12 +3,12 @@
 
 use rayon::prelude::*;
 
-use super::judge::Unknown;
+use super::evaluate::Judged;
 use super::program::{Outcome, RatioProgram};
 use super::robot::{carried_first, carrying, power_course};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
-use crate::actuator::limits::{LIMITS, hottest};
+use crate::actuator::limits::{LIMITS, Remark, hottest};
 use crate::requirement::{Choice, Course, Joint, Motion, RatioChoice, Robot};
 
 /// What is known of a chosen design. SI.
@@ -17,7 +17,9 @@ pub struct Examined {
     /// The design at its ratio, the costlier figures too.
     pub evaluation: Evaluation,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<Unknown>,
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
     /// Steady winding temperature \[K\], where it can be told (`Some(None)`: it runs away).
     pub winding_temperature: Option<Option<f64>>,
     /// Highest winding temperature that motor and requirement allow \[K\].
@@ -101,6 +103,7 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
         _ => None,
     };
     let estimated = choice.design.load_inertia.is_none();
+    let Judged { unchecked, assumed } = prepared.judged(ratio);
     Ok(Examined {
         evaluation: prepared.at_in_full(ratio),
         winding_temperature: prepared.winding_temperature(ratio),
@@ -111,7 +114,8 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
         load_inertia: choice.design.load_inertia.or_else(|| apparent_inertia(&choice.joint.motion)),
         load_inertia_estimated: estimated,
         power: power_course(&prepared, robot.bus.drive_efficiency, ratio),
-        unchecked: prepared.unchecked_at(ratio),
+        unchecked,
+        assumed,
     })
 }
 

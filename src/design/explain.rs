@@ -1,13 +1,14 @@
 //! The whole story of one motor at one joint: the design that was asked for, the best one, what the
 //! best one is sensitive to, and what would have to change where none is feasible.
 
-use super::judge::{Unknown, unjudged};
+use super::evaluate::Judged;
+use super::judge::unjudged;
 use super::optimize::{Reason, solve};
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram};
 use super::spring::{SpringChoice, choose, nearest};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
-use crate::actuator::limits::Asked;
+use crate::actuator::limits::{Asked, Remark};
 use crate::catalog::{Gear, Motor};
 use crate::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
@@ -32,9 +33,11 @@ pub struct Explanation<'a> {
     /// Single changes that would make the motor feasible.
     pub remedies: Vec<Remedy>,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<Unknown>,
+    pub unchecked: Vec<Remark>,
     /// Of those, what the requirement itself states: with any of them the design is no choice.
-    pub unjudged: Vec<Unknown>,
+    pub unjudged: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
     /// The spring, where the joint asks for one: all else is with this spring. Or why no spring will do: all
     /// else is without one.
     pub spring: Option<Result<SpringChoice, Reason>>,
@@ -117,7 +120,8 @@ pub fn explain<'a>(
         Some(Joint { motion, ..joint.clone() })
     });
     let story = explain_as_it_is(robot, moved.as_ref().unwrap_or(joint), motor, gear, ratio)?;
-    let Explanation { evaluation, winding_temperature, mut best, sensitivities, remedies, unchecked, .. } = story;
+    let Explanation { evaluation, winding_temperature, mut best, sensitivities, remedies, unchecked, assumed, .. } =
+        story;
     let unjudged = unjudged(robot, joint, &unchecked);
     // The proof of ratio and spring together stands in place of that of the ratio alone.
     if let (Ok((_, optimum)), Some(Ok(best)), None) = (&chosen, &mut best, ratio) {
@@ -135,6 +139,7 @@ pub fn explain<'a>(
         remedies,
         unchecked,
         unjudged,
+        assumed,
         spring,
         nearest_spring,
     })
@@ -179,7 +184,7 @@ fn explain_as_it_is<'a>(
     let evaluation =
         Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
     let winding_temperature = prepared.winding_temperature(here);
-    let unchecked = prepared.unchecked_at(here);
+    let Judged { unchecked, assumed } = prepared.judged(here);
     let unjudged = unjudged(robot, joint, &unchecked);
     Ok(Explanation {
         joint,
@@ -192,6 +197,7 @@ fn explain_as_it_is<'a>(
         remedies,
         unchecked,
         unjudged,
+        assumed,
         spring: None,
         nearest_spring: None,
     })

@@ -3,11 +3,13 @@
 use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
+use super::evaluate::Judged;
 use super::judge::{self, Refused, Unjudged, Unknown};
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
 use super::prune::{self, Pruned};
 use super::spring::SpringChoice;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
+use crate::actuator::limits::Remark;
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::{Catalog, Gear, Motor};
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
@@ -51,7 +53,9 @@ pub struct Design<'a> {
     /// The design at that ratio.
     pub evaluation: Evaluation,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<(&'static str, &'static str)>,
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
     /// Winding temperature \[K\], where it can be told (`Some(None)`: it runs away).
     pub winding_temperature: Option<Option<f64>>,
     /// Time the current needs at a reversal \[s\].
@@ -272,11 +276,13 @@ pub(super) fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a
         peak_power: Some(prepared.peak_power(ratio)),
         ..prepared.at(ratio)
     };
+    let Judged { unchecked, assumed } = prepared.judged(ratio);
     Design {
         motor,
         gear,
         evaluation,
-        unchecked: prepared.unchecked_at(ratio),
+        unchecked,
+        assumed,
         winding_temperature: prepared.winding_temperature(ratio),
         reversal_time: prepared.reversal_time(ratio),
         spring: None,
@@ -317,7 +323,7 @@ fn best_gear<'a>(
             }
         };
         let prepared = Prepared::new(candidate);
-        if let Some(what) = judge::left_out(robot, joint, &prepared.unchecked, only_checked) {
+        if let Some(what) = judge::left_out(robot, joint, &prepared.judged(gear.ratio).unchecked, only_checked) {
             unchecked = Some((&gear.id, what));
             continue;
         }

@@ -105,7 +105,7 @@ pub fn toleranced(motor: &Motor) -> Vec<Toleranced> {
     let sheet = &motor.sheet;
     let counts = |column: &str| match column {
         "speed_constant" => sheet.back_emf_constant.is_none(),
-        "inductance" => motor.inductance_and_poles().is_some(),
+        "inductance" => motor.inductance.is_some(),
         _ => true,
     };
     let of = |(column, worst): &(&'static str, Worst)| {

@@ -162,12 +162,18 @@ pub(super) fn best_gear<'a>(
             refused = refused.or(Some((Some(&gear.id), Reason::Unchecked(limit, why))));
             continue;
         }
-        let apart = usize::from(!judge::unjudged(robot, joint, &prepared.unchecked_at(gear.ratio)).is_empty());
         match solve(&prepared, joint, motor, Some(gear), (gear.ratio, gear.ratio)) {
-            Ok(design) => best[apart].take(design),
+            // What can be said of heat depends on the spring: it is asked of the design.
+            Ok(design) => match judge::left_out(robot, joint, &design.unchecked, only_checked) {
+                Some((limit, why)) => refused = refused.or(Some((Some(&gear.id), Reason::Unchecked(limit, why)))),
+                None => {
+                    let apart = usize::from(!judge::unjudged(robot, joint, &design.unchecked).is_empty());
+                    best[apart].take(design);
+                }
+            },
             Err(why) => {
                 if matches!(why, Reason::NotSolved(_)) {
-                    best[apart].bound = None;
+                    best.iter_mut().for_each(|best| best.bound = None);
                 }
                 refused = Some((Some(&gear.id), why));
             }

@@ -2,8 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::judge::{Unknown, unjudged};
+use super::evaluate::Judged;
+use super::judge::unjudged;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
+use crate::actuator::limits::Remark;
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -28,9 +30,11 @@ pub struct SweptDesign<'a> {
     /// All about it.
     pub evaluation: Evaluation,
     /// Limits that could not be checked, and why.
-    pub unchecked: std::sync::Arc<[Unknown]>,
+    pub unchecked: std::sync::Arc<[Remark]>,
     /// Of those, what the requirement itself states: with any of them the design is no choice.
-    pub unjudged: std::sync::Arc<[Unknown]>,
+    pub unjudged: std::sync::Arc<[Remark]>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: std::sync::Arc<[Remark]>,
 }
 
 impl SweptDesign<'_> {
@@ -92,10 +96,10 @@ pub fn sweep_with_progress<'a>(
 }
 
 fn swept<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, ratio: f64) -> SweptDesign<'a> {
-    let unchecked = prepared.unchecked_at(ratio);
-    let unjudged = unjudged(prepared.candidate.robot, prepared.candidate.joint, &unchecked);
+    let Judged { unchecked, assumed } = prepared.judged(ratio);
+    let unjudged = unjudged(prepared.candidate.robot, prepared.candidate.joint, &unchecked).into();
     let evaluation = prepared.at(ratio);
-    SweptDesign { motor, gear, evaluation, unchecked: unchecked.into(), unjudged: unjudged.into() }
+    SweptDesign { motor, gear, evaluation, unchecked: unchecked.into(), unjudged, assumed: assumed.into() }
 }
 
 type MotorSweep<'a> = (Vec<SweptDesign<'a>>, Vec<(&'a str, Option<&'a str>, Unusable)>);

@@ -78,6 +78,12 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&paragraph(&format!("{limit}: {why}"), 2, 4));
         }
     }
+    if !story.assumed.is_empty() {
+        out.push_str("\nAssumed:\n");
+        for (limit, what) in &story.assumed {
+            out.push_str(&paragraph(&format!("{limit}: {what}"), 2, 4));
+        }
+    }
     let line = format!("The row: {}; {}", conventions_line(story.motor), story.motor.source);
     out.push_str(&format!("\n{}", paragraph(&line, 0, 2)));
     if !story.motor.note.is_empty() {
@@ -270,6 +276,7 @@ pub fn json(story: &Explanation) -> Value {
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
         "judged": story.unjudged.is_empty(), "unjudged": super::unjudged::list(&story.unjudged),
+        "assumed": story.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect::<Vec<_>>(),
         "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
         "spring": story.spring.as_ref().map(|s| match s {
             Ok(spring) => super::spring::json(spring, e.loss),

@@ -320,6 +320,9 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
         for (limit, why) in &design.unchecked {
             add(format!("not checked: {limit}, because {why}"), place);
         }
+        for (limit, what) in &design.assumed {
+            add(format!("assumed: {limit}: {what}"), place);
+        }
         for note in fitted_notes(design.motor, result.joint) {
             add(format!("fitted: {} {}", note.effect, note.how), place);
         }
@@ -538,6 +541,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("margins", margins);
     put("limits", limits);
     put("not_checked", design.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
+    put("assumed", design.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect());
     put("audit_errors", json!(contradictions(design.motor)));
     if let Some(list) = fitted_json(design.motor, joint) {
         put("fitted", list);

@@ -159,6 +159,7 @@ const INFEASIBLE: &str = "Infeasible designs by the limit they exceed most";
 pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     let mut worst: BTreeMap<&str, usize> = BTreeMap::new();
     let mut unchecked: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let mut assumed: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for design in &sweep.designs {
         if !design.evaluation.feasible
             && let Some(margin) = design.evaluation.tightest()
@@ -167,6 +168,9 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
         }
         for what in design.unchecked.iter() {
             *unchecked.entry(*what).or_default() += 1;
+        }
+        for what in design.assumed.iter() {
+            *assumed.entry(*what).or_default() += 1;
         }
     }
     let mut out = Vec::new();
@@ -189,6 +193,9 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     }
     for ((limit, why), n) in unchecked {
         out.push(format!("Not checked in {n} designs: {limit}, because {why}"));
+    }
+    for ((limit, what), n) in assumed {
+        out.push(format!("Assumed in {n} designs: {limit}: {what}"));
     }
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {
@@ -229,6 +236,7 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             put("mass_kg", json!(e.mass));
             put("margins", margins);
             put("limits", limits);
+            put("assumed", d.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect());
             put("not_checked", d.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
             for metric in METRICS.iter().take(4) {
                 put(&format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(d.motor)));

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::motion::{Course, Motion};
-use super::read::MotionReader;
+use super::read::{MotionReader, repeat_every};
 use super::robot::Joint;
 use super::spline;
 use crate::input::{InputError, Problem, Range, Section, Source};
@@ -66,6 +66,8 @@ pub(super) struct Known {
     trajectory: Trajectory,
     torques: Torques,
     separate: bool,
+    /// After what time a trajectory that happens once is made again \[s\].
+    repeat_every: Option<f64>,
 }
 
 /// What a joint takes from the mechanism.
@@ -94,6 +96,7 @@ fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> 
     let path = section.required_text("trajectory", "\"robots/arm_pick.csv\"");
     let periodic = section.boolean("periodic").unwrap_or(true);
     let period = section.quantity("period", &units::TIME, Range::Positive);
+    let every = section.quantity("repeat_every", &units::TIME, Range::Positive);
     let friction = section.boolean("joint_friction").unwrap_or(true);
     let actuators =
         section.has("actuators").then(|| section.choice("actuators", &[("included", false), ("separate", true)]));
@@ -134,7 +137,8 @@ fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> 
     }
     let torques = torques::torques(&mechanism, &trajectory, friction);
     let separate = actuators.unwrap_or(Some(false))?;
-    Some(Known { model: model.into_inner(), mechanism, trajectory, torques, separate })
+    let repeat_every = repeat_every(section, every, trajectory.course);
+    Some(Known { model: model.into_inner(), mechanism, trajectory, torques, separate, repeat_every })
 }
 
 /// Opens a file that a key names; what is wrong in it is its own report.
@@ -162,10 +166,14 @@ fn open<T>(
 pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Use)> {
     let name = section.required_text("mechanism_joint", "\"elbow_joint\"")?;
     let lead = section.quantity("lead", &units::LENGTH, Range::Positive);
-    for key in ["periodic", "period", "motion", "points"] {
+    for key in ["periodic", "period", "repeat_every", "motion", "points"] {
         if section.has(key) {
             let message = format!("`{key}` does not go with `mechanism_joint`");
-            let help = if key.starts_with("period") { "write it in [mechanism]" } else { "remove one of the two" };
+            let help = if key.starts_with("period") || key == "repeat_every" {
+                "write it in [mechanism]"
+            } else {
+                "remove one of the two"
+            };
             section.note(Problem::at(section.span_of(key), message, "the motion is the trajectory's").help(help));
         }
     }
@@ -225,7 +233,8 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
         }
     };
     let travel = lead.filter(|_| !turns).map(|lead| lead / std::f64::consts::TAU);
-    let motion = known.torques.motion(&known.trajectory, joint);
+    let mut motion = known.torques.motion(&known.trajectory, joint);
+    motion.repeat_every = known.repeat_every;
     Some((travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r)), Use { joint, place, said, travel }))
 }
 
@@ -245,7 +254,7 @@ fn through_screw(motion: &Motion, travel: f64) -> Motion {
 /// What remains for the robot once its joints are read; `uses` has one entry per joint.
 pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
     let Model::Read(known) = model else { return None };
-    let Known { model, mechanism, trajectory, torques, separate } = *known;
+    let Known { model, mechanism, trajectory, torques, separate, .. } = *known;
     let mut notes = torques::notes(&mechanism, &trajectory, &torques);
     let mut places = vec![None; mechanism.moving().len()];
     for u in uses.iter().flatten() {

@@ -46,6 +46,9 @@ pub struct Motion {
     pub position: Option<Vec<f64>>,
     /// What was not given but taken from the spline.
     pub derived: Vec<&'static str>,
+    /// After what time a motion that happens once is made again \[s\], with rest in between; `None` where it is
+    /// made from cold. It counts for heat alone.
+    pub repeat_every: Option<f64>,
 }
 
 /// Samples as they stand in a file or in a requirement; `None` is to be derived.
@@ -125,7 +128,20 @@ impl Motion {
             differentiate(&torque).first
         });
         let (weight, dwell) = time_weights(&time, &velocity, course);
-        Motion { course, time, torque, velocity, acceleration, torque_rate, jerk, weight, dwell, position, derived }
+        Motion {
+            course,
+            time,
+            torque,
+            velocity,
+            acceleration,
+            torque_rate,
+            jerk,
+            weight,
+            dwell,
+            position,
+            derived,
+            repeat_every: None,
+        }
     }
 
     /// Independent operating points. Without durations they weigh alike, and heat cannot be checked.
@@ -152,6 +168,7 @@ impl Motion {
             dwell: points.iter().map(|p| if p.velocity == 0.0 { share(p) } else { 0.0 }).collect(),
             position: None,
             derived: Vec::new(),
+            repeat_every: None,
         }
     }
 
@@ -170,7 +187,8 @@ impl Motion {
 
     /// The same with all torques times `torque`, played `speed` times as fast: the same positions in less
     /// time, so that accelerations go with the square of it and jerks with the cube. The load torque at each
-    /// position stays what it was times `torque`: what of it is the load's own inertia is not known here.
+    /// position stays what it was times `torque`: what of it is the load's own inertia is not known here. After
+    /// what time it is made again stays what it was, or becomes how long it lasts where that is longer.
     #[must_use]
     pub fn scaled(mut self, torque: f64, speed: f64) -> Motion {
         let times = |values: &mut Vec<f64>, factor: f64| values.iter_mut().for_each(|v| *v *= factor);
@@ -186,6 +204,7 @@ impl Motion {
             Course::Points(duration) => return Motion { course: Course::Points(duration.map(|d| d / speed)), ..self },
         };
         times(&mut self.time, 1.0 / speed);
+        self.repeat_every = self.repeat_every.zip(self.duration()).map(|(every, lasts)| every.max(lasts));
         self
     }
 
@@ -209,6 +228,24 @@ impl Motion {
         match self.course {
             Course::Periodic(duration) | Course::Once(duration) => Some(duration),
             Course::Points(duration) => duration,
+        }
+    }
+
+    /// Whether heat has a steady state: it repeats, or means over its durations mean something. Not a motion that
+    /// happens once from cold.
+    pub fn has_steady_heat(&self) -> bool {
+        match self.course {
+            Course::Periodic(_) => true,
+            Course::Once(_) => self.repeat_every.is_some(),
+            Course::Points(total) => total.is_some(),
+        }
+    }
+
+    /// The share of all time that the motion takes: less than one where rest follows it.
+    pub fn share_of_time(&self) -> f64 {
+        match (self.course, self.repeat_every) {
+            (Course::Once(duration), Some(every)) => duration / every,
+            _ => 1.0,
         }
     }
 

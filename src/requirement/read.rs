@@ -454,7 +454,8 @@ fn read_motion(
 ) -> Option<(Motion, Vec<CarriedColumn>)> {
     let periodic = section.boolean("periodic").unwrap_or(true);
     let period = section.quantity("period", &units::TIME, Range::Positive);
-    match (section.has("motion"), section.has("points")) {
+    let every = section.quantity("repeat_every", &units::TIME, Range::Positive);
+    let read = match (section.has("motion"), section.has("points")) {
         (true, true) => {
             section.note(Problem::at(
                 section.span_of("points"),
@@ -494,7 +495,30 @@ fn read_motion(
                 }
             }
         }
-    }
+    };
+    let (mut motion, carried) = read?;
+    motion.repeat_every = repeat_every(section, every, motion.course);
+    Some((motion, carried))
+}
+
+/// After what time a motion that happens once is made again \[s\], as asked; `None` where it is not, or where that is a
+/// mistake, which is noted.
+pub(super) fn repeat_every(section: &Section, every: Option<f64>, course: motion::Course) -> Option<f64> {
+    let every = every?;
+    let span = section.span_of("repeat_every");
+    let needs = "`repeat_every` needs a motion that happens once";
+    section.note(match course {
+        motion::Course::Once(lasts) if every >= lasts => return Some(every),
+        motion::Course::Once(lasts) => {
+            let message = format!("the motion lasts {lasts} s, but is to be made again after {every} s");
+            Problem::at(span, message, "before it ends").help("give the time from one start to the next, rest included")
+        }
+        motion::Course::Periodic(_) => Problem::at(span, needs, "this one repeats without rest")
+            .help("set `periodic = false`, or remove `repeat_every`"),
+        motion::Course::Points(_) => Problem::at(span, needs, "not with operating points")
+            .help("give a `motion` and `periodic = false`; or add a point at rest without torque, with its duration"),
+    });
+    None
 }
 
 fn read_points(section: &Section) -> Option<Motion> {

@@ -74,10 +74,10 @@ impl Case {
     pub fn look(&self, n: f64) -> Look {
         let (motor, bus, joint, raw) = (&self.motor, &self.robot.bus, &self.robot.joints[0], &self.raw);
         let (gear, asked, r, k_t) = (&joint.gear, &joint.limits, motor.resistance, motor.torque_constant);
-        // A brushed motor has no d axis. Without inductance or pole pairs the voltage is R i + K_B N ω.
+        // A brushed motor has no d axis. Without inductance the voltage is R i + K_B N ω, without pole pairs v_q alone.
         let brushless = motor.conventions.commutation == Commutation::Brushless;
-        let inductive = motor.inductance.zip(if brushless { motor.pole_pairs } else { Some(0) });
-        let (l, poles) = inductive.unwrap_or((0.0, 0));
+        let l = motor.inductance.unwrap_or(0.0);
+        let poles = motor.pole_pairs.filter(|_| brushless).unwrap_or(0);
         let (j, b) = (motor.rotor_inertia.unwrap() + gear.inertia, motor.viscous_friction.unwrap_or(0.0));
         // Shaft torque and its rate. At standstill friction is nothing in means, and opposes the motor in limits.
         let braking = |p: &Point| p.torque * p.velocity < 0.0;
@@ -85,7 +85,9 @@ impl Case {
         let smooth = |p: &Point| phi(p) * p.torque / n + n * (j * p.acceleration + b * p.velocity);
         let rate = |p: &Point| phi(p) * p.torque_rate / n + n * (j * p.jerk + b * p.acceleration);
         let friction = |towards: f64| motor.coulomb_friction.unwrap_or(0.0).copysign(towards);
-        let usual = |p: &Point| smooth(p) + if p.velocity == 0.0 { 0.0 } else { friction(p.velocity) };
+        // What stands needs no more and no less than the load, in means.
+        let held = |p: &Point| p.torque / n + n * j * p.acceleration;
+        let usual = |p: &Point| if p.velocity == 0.0 { held(p) } else { smooth(p) + friction(p.velocity) };
         let most = |p: &Point| smooth(p) + friction(if p.velocity == 0.0 { smooth(p) } else { p.velocity });
         let power = |p: &Point| r * (most(p) / k_t).powi(2) + motor.back_emf_constant * n * p.velocity * most(p) / k_t;
         let v_q = |p: &Point| r * most(p) / k_t + l * rate(p) / k_t + motor.back_emf_constant * n * p.velocity;
@@ -113,9 +115,18 @@ impl Case {
         let hot = least(motor.max_winding_temperature, asked.winding_temperature).zip(motor.thermal_resistance);
         let resistance = |kelvin: f64| r * (1.0 + 0.0039 * (kelvin - motor.reference_temperature));
         let hot = hot.map(|(hot, r_th)| ((hot - self.robot.ambient) / (r_th * resistance(hot))).sqrt());
-        let meant = |bound: Option<f64>| bound.filter(|_| joint.motion.course != Course::Points(None));
+        // A motion that happens once, from cold, has no steady state of heat.
+        let once = matches!(joint.motion.course, Course::Once(_));
+        let timed_bound = |bound: Option<f64>| bound.filter(|_| joint.motion.course != Course::Points(None));
+        let meant = |bound: Option<f64>| timed_bound(bound).filter(|_| !once);
         let stands = brushless && self.shares.iter().any(|share| share[1] > 0.0);
         let held = meant(least(motor.continuous_current, hot)).filter(|_| stands);
+        // The phase that carries twice its share warms over its own way to the housing alone.
+        let ways = [motor.sheet.thermal_resistance_winding_housing, motor.sheet.thermal_resistance_housing_ambient];
+        let own = match ways.map(|way| way.map(|p| p.value)) {
+            [Some(inner), Some(outer)] => inner / (inner + outer),
+            _ => 1.0,
+        };
         let rippled = |bound: Option<f64>| bound.filter(|_| asked.torque_bandwidth.is_some());
         let taken = if let Regeneration::Limited(watt) = bus.regeneration { Some(watt) } else { None };
         let rise = self.nodes().map(|nodes| nodes.peak(&self.copper_heat(n)));
@@ -129,15 +140,15 @@ impl Case {
             ("continuous_torque", square.sqrt(), meant(motor.continuous_torque)),
             ("winding_temperature", square.sqrt() / k_t, meant(hot)),
             ("winding_peak_temperature", rise.unwrap_or(0.0), hottest),
-            ("standstill_holding", (square + at_rest).sqrt() / k_t, held),
+            ("standstill_holding", (square + own * at_rest).sqrt() / k_t, held),
             ("voltage", largest(raw, &voltage), volt),
             ("max_speed", speed, motor.max_speed),
             ("gear_input_speed", speed, gear.max_input_speed),
             ("gear_peak_torque", asked.safety * most_load, gear.peak_torque),
-            ("gear_continuous_torque", load.sqrt(), meant(gear.continuous_torque)),
+            ("gear_continuous_torque", load.sqrt(), timed_bound(gear.continuous_torque)),
             ("reflected_inertia", inertia, asked.reflected_inertia),
             ("torque_bandwidth_current", asked.safety * most_ripple / k_t, rippled(current)),
-            ("torque_bandwidth_voltage", ripple_voltage, rippled(volt).filter(|_| inductive.is_some())),
+            ("torque_bandwidth_voltage", ripple_voltage, rippled(volt).filter(|_| motor.inductance.is_some())),
             ("bus_power", watt, bus.power),
             ("bus_current", watt / bus.voltage, bus.current),
             ("regeneration", back, taken),
@@ -187,7 +198,10 @@ impl Case {
         let (j, b) = (motor.rotor_inertia.unwrap() + gear.inertia, motor.viscous_friction.unwrap_or(0.0));
         self.heat(|p| {
             let phi = if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
-            let rubs = motor.coulomb_friction.filter(|_| p.velocity != 0.0).unwrap_or(0.0).copysign(p.velocity);
+            if p.velocity == 0.0 {
+                return motor.resistance * ((p.torque / n + n * j * p.acceleration) / motor.torque_constant).powi(2);
+            }
+            let rubs = motor.coulomb_friction.unwrap_or(0.0).copysign(p.velocity);
             let torque = phi * p.torque / n + n * (j * p.acceleration + b * p.velocity) + rubs;
             motor.resistance * (torque / motor.torque_constant).powi(2)
         })

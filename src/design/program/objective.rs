@@ -41,7 +41,7 @@ impl<'a> Goal<'a> {
         let mut cut = self.smooth;
         let actuator = &self.program.prepared.candidate.actuator;
         if weight(Quantity::Loss) > 0.0 && actuator.shortfall.saturates() {
-            let mean = self.program.prepared.candidate.load.mean_current_squared_cut(actuator, false, ratio);
+            let mean = self.program.prepared.candidate.load.mean_current_squared_cut(actuator, 0.0, ratio);
             cut = cut + mean * (weight(Quantity::Loss) * actuator.resistance);
         }
         if weight(Quantity::PeakCurrent) > 0.0 {

@@ -149,7 +149,7 @@ fn geared<'a>(
     for (gear, load) in demand.gears_for(&catalog.motors[motor]) {
         let Ok(candidate) = geared_candidate(robot, joint, load, &catalog.motors[motor], gear) else { continue };
         let prepared = Prepared::new(candidate);
-        if judge::left_out(robot, joint, &prepared.unchecked, needs.only_checked).is_some() {
+        if judge::left_out(robot, joint, &prepared.judged(gear.ratio).unchecked, needs.only_checked).is_some() {
             continue;
         }
         let evaluation = prepared.at(gear.ratio);
@@ -211,6 +211,7 @@ pub(super) fn own<'a>(design: Design, catalog: &'a Catalog, motor: usize) -> Des
         optimum: design.optimum,
         evaluation: design.evaluation,
         unchecked: design.unchecked,
+        assumed: design.assumed,
         winding_temperature: design.winding_temperature,
         reversal_time: design.reversal_time,
         spring: design.spring,

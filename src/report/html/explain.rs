@@ -101,6 +101,7 @@ fn warnings(story: &Explanation) -> Vec<String> {
         all.push(RUNAWAY.to_string());
     }
     all.extend(story.unchecked.iter().map(|(limit, why)| format!("not checked: {limit}: {why}")));
+    all.extend(story.assumed.iter().map(|(limit, what)| format!("assumed: {limit}: {what}")));
     all.extend(fitted_notes(story.motor, story.joint).into_iter().map(|n| format!("fitted: {}: {}", n.effect, n.how)));
     all.extend(story.motor.assumptions.iter().map(|what| format!("assumed: {what}")));
     all.extend(audit_motor(story.motor).into_iter().map(|f| format!("audit [{}]: {}", f.code, f.message)));

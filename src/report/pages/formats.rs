@@ -75,6 +75,11 @@ pub const REQUIREMENT: &[Table] = &[
             ("periodic", "true, false", "whether the motion repeats; true unless said"),
             ("period", "time", "of a motion whose last row does not repeat the first"),
             (
+                "repeat_every",
+                "time",
+                "of a motion that happens once (`periodic = false`): from one start to the next, with rest in between; heat starts cold unless said",
+            ),
+            (
                 "objective",
                 "name or table of weights",
                 "what is minimised; `loss` unless said; of weights (of one, too) a pure number",
@@ -111,6 +116,11 @@ pub const REQUIREMENT: &[Table] = &[
             ("gravity", "three accelerations", "in the world; the model's unless said"),
             ("periodic", "true, false", "whether the trajectory repeats; true unless said"),
             ("period", "time", "of a trajectory whose last row does not repeat the first"),
+            (
+                "repeat_every",
+                "time",
+                "of a trajectory that happens once: from one start to the next, with rest in between",
+            ),
             (
                 "joint_friction",
                 "true, false",

@@ -151,7 +151,7 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
     let steady = Steady::new(candidate, ratio);
     let both = |at: &dyn Fn(Flow, f64) -> Option<f64>| -> Vec<(f64, f64)> {
         let mut points = Vec::new();
-        for flow in Flow::BOTH {
+        for flow in Flow::MOVING {
             let finite = |speed: f64| at(flow, speed).filter(|t| t.is_finite());
             for (k, speed) in speeds.iter().enumerate() {
                 // Where the boundary ends between two speeds, to its very end.

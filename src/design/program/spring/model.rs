@@ -39,13 +39,22 @@ pub(super) fn direction(sample: &Sample) -> f64 {
     if sample.velocity < 0.0 { -1.0 } else { 1.0 }
 }
 
+/// Whether a sample is one of a mean over time, and nothing moves.
+fn holds(sample: &Sample) -> bool {
+    sample.velocity == 0.0 && sample.sign == 0.0
+}
+
 fn shaft(actuator: &Actuator, sample: &Sample, region: &Region) -> Shaft {
     let form = actuator.torque_form(Flow::Driving);
-    let braking = actuator.torque_form(Flow::Braking)[Feature::Load];
+    let load = |flow| actuator.torque_form(flow)[Feature::Load];
     let d = direction(sample);
     let e = times(&sample.torque, d);
+    let geared = match holds(sample) {
+        true => Geared::Fixed(Flow::Holding, times(&e, load(Flow::Holding))),
+        false => Geared::new(region, sample.place, e, sample.velocity != 0.0, load(Flow::Driving), load(Flow::Braking)),
+    };
     Shaft {
-        geared: Geared::new(region, sample.place, e, sample.velocity != 0.0, form[Feature::Load], braking),
+        geared,
         m: d * (form[Feature::Acceleration] * sample.acceleration + form[Feature::Velocity] * sample.velocity),
         c: d * form[Feature::Sign] * sample.sign,
     }
@@ -181,6 +190,9 @@ fn voltage_squared(actuator: &Actuator, sample: &Sample, region: &Region, z: Poi
 
 /// The flow of a sample at a point.
 fn flow_at(sample: &Sample, z: Point) -> Flow {
+    if holds(sample) {
+        return Flow::Holding;
+    }
     Flow::of(at(&sample.torque, z[1], z[2]), sample.velocity)
 }
 

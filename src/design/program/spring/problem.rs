@@ -232,8 +232,9 @@ impl<'a> Problem<'a> {
     }
 
     fn heat_row(&self, asked: &Asked, k: usize) -> f64 {
-        let dwell = if asked.limit.name == "standstill_holding" { self.motion.dwell[k] } else { 0.0 };
-        self.motion.weight[k] + dwell
+        let candidate = &self.prepared.candidate;
+        let standing = if asked.limit.name == "standstill_holding" { candidate.standing_share() } else { 0.0 };
+        candidate.load.share_of_time * (self.motion.weight[k] + standing * self.motion.dwell[k])
     }
 
     /// The point as the model sees it.
