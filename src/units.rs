@@ -124,6 +124,10 @@ kinds! {
     FORCE_PER_VOLTAGE = "force per voltage", [0, -1, 1, 1, 0], Exactly(0.0), "N/V", "35.15 N/V";
     /// Drive force per ampere \[N/A\].
     FORCE_PER_CURRENT = "force per current", [1, 1, -2, -1, 0], Exactly(0.0), "N/A", "12 N/A";
+    /// Change of a drive's force per ampere with temperature \[N/(A·K)\].
+    FORCE_PER_CURRENT_SLOPE = "force per current slope", [1, 1, -2, -1, -1], Exactly(0.0), "N/(A*K)", "1e-3 N/(A*K)";
+    /// Compliance along a line \[m/N\].
+    LINEAR_COMPLIANCE = "linear compliance", [-1, 0, 2, 0, 0], Exactly(0.0), "m/N", "1e-6 m/N";
     /// Duty cycle per angle \[1/rad\].
     PER_ANGLE = "gain per angle", [0, 0, 0, 0, 0], Exactly(-1.0), "1/rad", "0.3 1/rad";
     /// Duty cycle per speed \[s/rad\].

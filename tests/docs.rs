@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 
 use common::repository;
-use gearwise::report::pages::formats::{BENCH, BENCH_MORE, DESIGN, FITTED, REQUIREMENT, RULES, Table};
+use gearwise::report::pages::formats::{BENCH, BENCH_MORE, DESIGN, FITTED, FITTED_AXIS, REQUIREMENT, RULES, Table};
 
 #[test]
 fn the_committed_pages_are_what_the_program_makes() {
@@ -111,6 +111,8 @@ fn fitted_actuators_are_documented() {
          torque_constant = \"1 N*m/A\"\n[gear]\n{NO}\n[covariance]\n{NO}\n[[provenance]]\nlog = \"x\"\n{NO}\n"
     );
     compare(FITTED, &known(&text, &["rank", "file.toml"]));
+    let text = format!("gearwise = \"0\"\n[axis]\n{NO}\n");
+    compare(FITTED_AXIS, &known(&text, &["rank", "file.toml"]));
 }
 
 #[test]

@@ -18,9 +18,10 @@ use crate::units;
 pub struct Fit {
     /// Version of the program that fitted it.
     pub version: String,
-    /// ± of effects' parameters by `effect.parameter`, in their SI unit; of several orders in their order.
+    /// ± of effects' parameters by `effect.parameter`, of an order by `effect.order.parameter`, in their SI unit.
     pub tolerances: Vec<(String, f64)>,
-    /// Names of the fitted numbers, in the order of `covariance`.
+    /// Numbers of the file that were fitted, in the order of `covariance`: `motor.resistance`, `gear.efficiency`,
+    /// `effects.cogging.12.cosine`.
     pub names: Vec<String>,
     /// Covariance of the fitted numbers, row by row, SI.
     pub covariance: Vec<Vec<f64>>,
@@ -37,6 +38,67 @@ pub struct Provenance {
     pub sha256: Option<String>,
     /// What it was used for, where it is said.
     pub usage: Option<String>,
+}
+
+/// A fitted actuator.
+#[derive(Debug, Clone)]
+pub enum Fitted {
+    /// One that turns: it stands in place of a catalogue row.
+    Motor(Box<Motor>),
+    /// A linear axis: it has no row.
+    Axis(Axis),
+}
+
+/// A fitted linear axis: force, metre and kilogram in place of torque, radian and inertia.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    /// Its name.
+    pub id: String,
+    /// What the reader should know.
+    pub note: String,
+    /// Moving mass \[kg\].
+    pub mass: Option<Printed>,
+    /// Viscous friction \[N·s/m\].
+    pub viscous_friction: Option<Printed>,
+    /// Coulomb friction \[N\].
+    pub coulomb_friction: Option<Printed>,
+    /// Effects that were found.
+    pub effects: Vec<FittedEffect>,
+    /// Where it comes from.
+    pub fit: Fit,
+}
+
+/// A number of an SI unit as a fitted file has it: nine digits, more than any log says and few enough to read. A
+/// temperature \[K\] has them in degrees Celsius. Whatever passes through here is written and read back unchanged.
+///
+/// ```
+/// use gearwise::catalog::fitted::settled;
+/// assert_eq!(settled(0.123_456_789_44, "N*m"), 0.123_456_789);
+/// assert_eq!(settled(298.15, "K"), 298.15);
+/// ```
+pub fn settled(value: f64, si: &str) -> f64 {
+    if si == "K" { settled_difference(value - 273.15) + 273.15 } else { settled_difference(value) }
+}
+
+/// The same of a difference, a tolerance or a variance, which has no zero of its own.
+pub fn settled_difference(value: f64) -> f64 {
+    // Adding zero takes the sign off a negative one.
+    format!("{value:.8e}").parse::<f64>().unwrap_or(value) + 0.0
+}
+
+/// What a parameter of an effect measures on a linear axis.
+pub fn on_axis(kind: &'static units::Kind) -> &'static units::Kind {
+    const PAIRS: &[(&units::Kind, &units::Kind)] = &[
+        (&units::TORQUE, &units::FORCE),
+        (&units::ANGLE, &units::LENGTH),
+        (&units::SPEED, &units::LINEAR_SPEED),
+        (&units::INERTIA, &units::MASS),
+        (&units::VISCOUS_FRICTION, &units::LINEAR_VISCOUS_FRICTION),
+        (&units::TORQUE_CONSTANT, &units::FORCE_PER_CURRENT),
+        (&units::TORQUE_CONSTANT_SLOPE, &units::FORCE_PER_CURRENT_SLOPE),
+        (&units::COMPLIANCE, &units::LINEAR_COMPLIANCE),
+    ];
+    PAIRS.iter().find(|(turning, _)| *turning == kind).map_or(kind, |(_, straight)| straight)
 }
 
 /// `…_tolerance` of every numeric column.
@@ -58,51 +120,101 @@ pub fn is_fitted_file(source: &Source) -> bool {
 /// Reads a fitted actuator as a motor.
 ///
 /// # Errors
-/// Every mistake of the file.
+/// Every mistake of the file, and a linear axis.
 pub fn read_fitted(source: &Arc<Source>) -> Result<Motor, InputError> {
-    Form::read(source, |root| {
-        if !root.has("motor") && (root.has("joint") || root.has("log") || root.has("bus")) {
+    Form::read(source, |root| match read_root(root)? {
+        Fitted::Motor(motor) => Some(*motor),
+        Fitted::Axis(_) => {
             root.note(
-                Problem::whole("this is no fitted actuator: it has no table [motor]")
-                    .help("a requirement or a bench file stands alone, not in `--catalog`"),
+                Problem::at(root.span_of("axis"), "a linear axis cannot be chosen", "it has no row of a motor")
+                    .help("a fitted file with a table [motor] stands in place of a row"),
             );
-            return None;
+            None
         }
-        let version =
-            root.required_text("gearwise", "\"0.1.0\"  # the version that fitted it").map(|v| v.get_ref().clone());
-        let mut fit = Fit { version: version.unwrap_or_default(), ..Fit::default() };
-        if !root.has("motor") {
-            root.missing("motor", "{ id = \"…\", resistance = \"0.7 ohm\", … }");
-        }
-        let motor = root.section("motor").and_then(|section| {
-            let motor = read_motor(&section);
-            section.finish();
-            motor
-        });
-        let gear = root.section("gear").map(|section| {
-            let gear = read_gear(&section);
-            section.finish();
-            gear
-        });
-        let effects = root.section("effects").map(|section| {
-            let effects = read_effects(&section, motor.as_ref(), &mut fit);
-            section.finish();
-            effects
-        });
-        if let Some(section) = root.section("covariance") {
-            read_covariance(&section, &mut fit);
-            section.finish();
-        }
-        for section in root.sections("provenance") {
-            if let Some(log) = section.required_text("log", "\"g1711.csv\"") {
-                let text = |key| section.text(key).map(|t| t.get_ref().clone());
-                let (sha256, usage) = (text("sha256"), text("use"));
-                fit.provenance.push(Provenance { log: log.get_ref().clone(), sha256, usage });
-            }
-            section.finish();
-        }
-        Some(Motor { effects: effects.unwrap_or_default(), fitted_gear: gear, fit: Some(fit), ..motor? })
     })
+}
+
+/// Reads a fitted actuator, also that of a linear axis.
+///
+/// # Errors
+/// Every mistake of the file.
+pub fn read_actuator(source: &Arc<Source>) -> Result<Fitted, InputError> {
+    Form::read(source, read_root)
+}
+
+fn read_root(root: &Section) -> Option<Fitted> {
+    if !root.has("motor") && (root.has("joint") || root.has("log") || root.has("bus")) {
+        root.note(
+            Problem::whole("this is no fitted actuator: it has no table [motor]")
+                .help("a requirement or a bench file stands alone, not in `--catalog`"),
+        );
+        return None;
+    }
+    let version =
+        root.required_text("gearwise", "\"0.1.0\"  # the version that fitted it").map(|v| v.get_ref().clone());
+    let mut fit = Fit { version: version.unwrap_or_default(), ..Fit::default() };
+    let of_axis = root.has("axis") && !root.has("motor");
+    let axis = if of_axis { root.section("axis").and_then(read_axis) } else { None };
+    if !of_axis && !root.has("motor") {
+        root.missing("motor", "{ id = \"…\", resistance = \"0.7 ohm\", … }");
+    }
+    let motor = root.section("motor").and_then(|section| {
+        let motor = read_motor(&section);
+        section.finish();
+        motor
+    });
+    let gear = root.section("gear").map(|section| {
+        let gear = read_gear(&section);
+        section.finish();
+        gear
+    });
+    let effects = root.section("effects").map(|section| {
+        let effects = read_effects(&section, motor.as_ref(), of_axis, &mut fit);
+        section.finish();
+        effects
+    });
+    let effects = effects.unwrap_or_default();
+    if let Some(section) = root.section("covariance") {
+        read_covariance(&section, &mut fit);
+        section.finish();
+    }
+    for section in root.sections("provenance") {
+        if let Some(log) = section.required_text("log", "\"g1711.csv\"") {
+            let text = |key| section.text(key).map(|t| t.get_ref().clone());
+            let (sha256, usage) = (text("sha256"), text("use"));
+            fit.provenance.push(Provenance { log: log.get_ref().clone(), sha256, usage });
+        }
+        section.finish();
+    }
+    if of_axis {
+        return Some(Fitted::Axis(Axis { effects, fit, ..axis? }));
+    }
+    Some(Fitted::Motor(Box::new(Motor { effects, fitted_gear: gear, fit: Some(fit), ..motor? })))
+}
+
+fn read_axis(section: Section) -> Option<Axis> {
+    let number = |key, tolerance, kind, range| {
+        let value = section.quantity(key, kind, range);
+        let tolerance = read_tolerance(&section, tolerance, kind, value);
+        value.map(|value| Printed { value, tolerance })
+    };
+    let text = |key| section.text(key).map(|t| t.get_ref().clone());
+    let axis = Axis {
+        id: text("id").unwrap_or_default(),
+        note: text("note").unwrap_or_default(),
+        mass: number("mass", "mass_tolerance", &units::MASS, Range::Positive),
+        viscous_friction: number(
+            "viscous_friction",
+            "viscous_friction_tolerance",
+            &units::LINEAR_VISCOUS_FRICTION,
+            Range::NonNegative,
+        ),
+        coulomb_friction: number("coulomb_friction", "coulomb_friction_tolerance", &units::FORCE, Range::NonNegative),
+        effects: Vec::new(),
+        fit: Fit::default(),
+    };
+    section.finish();
+    Some(axis)
 }
 
 fn read_motor(section: &Section) -> Option<Motor> {
@@ -214,7 +326,7 @@ fn read_gear(section: &Section) -> FittedGear {
     }
 }
 
-fn read_effects(section: &Section, motor: Option<&Motor>, fit: &mut Fit) -> Vec<FittedEffect> {
+fn read_effects(section: &Section, motor: Option<&Motor>, of_axis: bool, fit: &mut Fit) -> Vec<FittedEffect> {
     let mut effects = Vec::new();
     for (effect, tolerances) in EFFECTS.iter().zip(EFFECT_TOLERANCES.iter()) {
         let name = effect.name();
@@ -230,7 +342,7 @@ fn read_effects(section: &Section, motor: Option<&Motor>, fit: &mut Fit) -> Vec<
             );
         }
         for instance in instances {
-            let values = read_values(&instance, *effect, tolerances, fit);
+            let values = read_values(&instance, *effect, tolerances, of_axis, fit);
             instance.finish();
             effects.extend(values.map(|values| FittedEffect { effect: *effect, values }));
         }
@@ -239,30 +351,46 @@ fn read_effects(section: &Section, motor: Option<&Motor>, fit: &mut Fit) -> Vec<
 }
 
 /// The values of one instance of an effect.
-fn read_values(section: &Section, effect: &dyn Effect, tolerances: &[&'static str], fit: &mut Fit) -> Option<Vec<f64>> {
+fn read_values(
+    section: &Section,
+    effect: &dyn Effect,
+    tolerances: &[&'static str],
+    of_axis: bool,
+    fit: &mut Fit,
+) -> Option<Vec<f64>> {
     // Friction and drops have no sign.
     let signed = effect.is_signed();
-    let mut values = Vec::new();
+    let (mut values, mut found) = (Vec::new(), Vec::new());
     for (index, (parameter, tolerance)) in effect.parameters().iter().zip(tolerances).enumerate() {
         let range = match () {
             () if index >= effect.linear() && effect.shape() != Shape::None => Range::Positive,
             () if signed => Range::Any,
             () => Range::NonNegative,
         };
-        let value = if parameter.kind.needs_unit() {
-            section.required_quantity(parameter.name, parameter.kind, range)
+        let kind = if of_axis { on_axis(parameter.kind) } else { parameter.kind };
+        let value = if kind.needs_unit() {
+            section.required_quantity(parameter.name, kind, range)
         } else {
             if !section.has(parameter.name) {
                 section.missing(parameter.name, "0.05");
             }
             section.number(parameter.name, range)
         };
-        if let Some(deviation) = read_tolerance(section, tolerance, parameter.kind, value) {
-            fit.tolerances.push((format!("{}.{}", effect.name(), parameter.name), deviation));
-        }
+        found.extend(read_tolerance(section, tolerance, kind, value).map(|tolerance| (parameter.name, tolerance)));
         values.push(value);
     }
-    values.into_iter().collect()
+    let values: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
+    let name = |parameter: &str| parameter_name(effect, &values, parameter);
+    fit.tolerances.extend(found.into_iter().map(|(parameter, tolerance)| (name(parameter), tolerance)));
+    Some(values)
+}
+
+/// The name of a parameter of an instance of an effect: `effect.parameter`, of an order `effect.order.parameter`.
+pub fn parameter_name(effect: &dyn Effect, values: &[f64], parameter: &str) -> String {
+    match (effect.shape(), values.last()) {
+        (Shape::Order, Some(order)) => format!("{}.{order}.{parameter}", effect.name()),
+        _ => format!("{}.{parameter}", effect.name()),
+    }
 }
 
 fn read_covariance(section: &Section, fit: &mut Fit) {

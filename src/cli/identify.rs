@@ -3,8 +3,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Html, Output};
+use crate::catalog::fitted::Fitted;
 use crate::design::remake::remake;
-use crate::measured::fitted::fitted_motor;
+use crate::measured::fitted::fitted_actuator;
 use crate::measured::{identify, read, simulate};
 use crate::report::plot::{self, Format, residual};
 use crate::report::{file, fitted, forward as forward_report, html, identify as report, remake as remake_report};
@@ -58,16 +59,17 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     };
     let reports = identify::identify(&bench, &identify::Options { band })
         .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
+    // One actuator: the choice is made again with what the file says.
+    let actuator = fitted_actuator(&bench, &reports);
     let remade = match &robot {
         None => None,
         Some(robot) => {
             super::check_gears(robot, &bench.catalog)?;
-            let declared = bench.declared.motor.as_ref().map(|m| m.id.clone());
-            let Some((declared, motor)) = declared.zip(fitted_motor(&bench, &reports)) else {
+            let (Some(declared), Some(Fitted::Motor(motor))) = (&bench.declared.motor, &actuator) else {
                 let why = "`--requirement`: a linear axis has no motor of the catalogue to choose again";
                 return Err(Failure::Argument(why.into()));
             };
-            Some(remake(robot, &bench.catalog, &declared, &motor))
+            Some(remake(robot, &bench.catalog, &declared.id, motor))
         }
     };
     let forward = reports.iter().find_map(|report| simulate::forward_check(&bench, report));
@@ -78,7 +80,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         written.push(format!("The residual before and after is drawn in {}.", path.display()));
     }
     if let Some(path) = &arguments.write {
-        file::write_whole(path, fitted::text(&bench, &reports).as_bytes()).map_err(Failure::Argument)?;
+        let Some(actuator) = &actuator else {
+            return Err(Failure::Argument("`--write`: the fitted numbers make no row of a motor".into()));
+        };
+        file::write_whole(path, fitted::text(actuator, &reports).as_bytes()).map_err(Failure::Argument)?;
         written.push(format!("The fitted actuator is in {}.", path.display()));
     }
     let text = arguments.output.choose(

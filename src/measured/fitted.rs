@@ -1,146 +1,360 @@
-//! From what identification found to an actuator that the design can use.
+//! The fitted actuator: what the logs say of a machine, as one set of facts.
 //!
-//! The declared row keeps every number that the logs did not show; those that were fitted take their place, on
-//! the sheet too, so that tolerances and metrics follow.
+//! The one idea: every number knows which fitted numbers it follows from, and how. So its ± and the covariance are one
+//! statement, and the file that is written and the choice that is made again are of the same actuator. The row is made on
+//! the q axis with the digits that a file has, through the same door as the row of any file: [`Motor::new`].
+//!
+//! Where two equations see one parameter, that with the least standard error says it, alone: equations of a bench
+//! share instruments, so a mean of them would claim more than was measured. What the others see is in the note.
 
-use super::bench::{Bench, Declared};
-use super::identify::{Parameter, Report};
+mod numbers;
+
+use self::numbers::{Fits, Number};
+use super::bench::{Bench, Use};
+use super::identify::Report;
+use crate::actuator::effects::{EFFECTS, Effect, Shape};
 use crate::actuator::fitted::{FittedEffect, FittedGear};
-use crate::catalog::{Fit, Motor, Printed, Provenance};
+use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
+use crate::catalog::fitted::{Axis, Fit, Fitted, Provenance, parameter_name, settled, settled_difference};
+
+use crate::catalog::{Conventions, FIELDS, Field, Identity, Motor, Printed, Sheet, SourceKind};
+use crate::input::Range;
+use crate::measured::characterize::row::REDUNDANT;
+use crate::report::number;
 use crate::requirement::backdrive_efficiency;
 
-/// The declared motor with the parameters that were fitted and the effects that were found; `None` for a linear
-/// axis, which has no motor of a catalogue. Standard errors become tolerances: ± two of them.
+/// The declared actuator with the numbers that were fitted and the effects that were found. What the logs do not show is
+/// as declared, with its own ±; a fitted number's ± is two standard errors. `None` where the numbers make no row,
+/// which no bench file that was read leads to.
+pub fn fitted_actuator(bench: &Bench, reports: &[Report]) -> Option<Fitted> {
+    let mut builder =
+        Builder { fits: Fits::new(bench, reports), tolerances: Vec::new(), named: Vec::new(), notes: Vec::new() };
+    match &bench.declared.motor {
+        Some(motor) => builder.motor(motor).map(|motor| Fitted::Motor(Box::new(motor))),
+        None => Some(Fitted::Axis(builder.axis())),
+    }
+}
+
+/// The fitted actuator as a motor; `None` for a linear axis, which has no motor of a catalogue.
 pub fn fitted_motor(bench: &Bench, reports: &[Report]) -> Option<Motor> {
-    let declared = &bench.declared;
-    let mut motor = declared.motor.clone()?;
-    // What the bench file declares beyond the row belongs to the actuator too.
-    for (name, values) in &declared.effects {
-        let known = motor.effects.iter().any(|e| e.name() == name);
-        match (name.as_str(), known) {
-            ("viscous_friction", _) => set_viscous(&mut motor, values[0], None),
-            ("coulomb_friction", _) => set_coulomb(&mut motor, values[0], None),
-            (_, false) => motor.effects.extend(FittedEffect::new(name, values.clone())),
-            _ => {}
-        }
+    match fitted_actuator(bench, reports)? {
+        Fitted::Motor(motor) => Some(*motor),
+        Fitted::Axis(_) => None,
     }
-    let mut gear = FittedGear { ratio: Some(declared.ratio), ..motor.fitted_gear.unwrap_or_default() };
-    let mut fit = Fit { version: env!("CARGO_PKG_VERSION").to_string(), ..Fit::default() };
-    let constants_alike = motor.sheet.back_emf_constant.is_none() && motor.sheet.speed_constant.is_none();
-    for report in reports {
-        for parameter in report.parameters.iter().filter(|p| p.standard_error.is_some() && p.fitted.is_finite()) {
-            set_parameter(&mut motor, &mut gear, declared, parameter, constants_alike);
-        }
-        for found in &report.effects {
-            for values in &found.instances {
-                match found.name {
-                    "viscous_friction" => set_viscous(&mut motor, values[0], error_of(&found.parameters)),
-                    "coulomb_friction" => set_coulomb(&mut motor, values[0], error_of(&found.parameters)),
-                    name => motor.effects.extend(FittedEffect::new(name, values.clone())),
-                }
+}
+
+/// What is gathered on the way.
+struct Builder<'a> {
+    fits: Fits<'a>,
+    /// ± of the effects' parameters.
+    tolerances: Vec<(String, f64)>,
+    /// Numbers that follow from fitted ones, by their place in the file.
+    named: Vec<(String, Number)>,
+    notes: Vec<String>,
+}
+
+/// Numbers of the motor that are worked out together.
+struct Constants {
+    torque_constant: Option<Number>,
+    back_emf: Option<Number>,
+    resistance: Option<Number>,
+}
+
+impl Builder<'_> {
+    fn motor(&mut self, motor: &Motor) -> Option<Motor> {
+        let constants = self.constants(motor);
+        let mut sheet = Sheet::default();
+        for field in FIELDS.iter().filter(|f| !REDUNDANT.contains(&f.name)) {
+            let fitted = self.column(motor, field, &constants).filter(|n| field.range.contains(n.value));
+            let printed = match fitted {
+                Some(fitted) => Some(self.printed(format!("motor.{}", field.name), &fitted, field.kind.si)),
+                None => declared(motor, field),
+            };
+            if let Some(printed) = printed {
+                (field.set)(&mut sheet, printed);
             }
         }
+        let gear = self.gear(motor);
+        let effects = self.effects(true);
+        // A brushed motor's ampere is the q axis' already.
+        let brushed = motor.conventions.commutation == Commutation::Brushed;
+        let conventions = Conventions {
+            commutation: motor.conventions.commutation,
+            terminals: Terminals::QAxis,
+            winding: motor.conventions.winding,
+            current: if brushed { CurrentConvention::Dc } else { CurrentConvention::QAxis },
+            back_emf: sheet.back_emf_constant.map(|_| BackEmfConvention::QAxis),
+            speed_constant: None,
+        };
+        let poles = motor.pole_pairs.filter(|_| !brushed);
+        let made = Motor::new(self.identity(motor), conventions, sheet, poles).ok()?;
+        Some(Motor { effects, fitted_gear: gear, fit: Some(self.finish()), ..made })
     }
-    if let [only] = reports {
-        fit.names.clone_from(&only.fitted_names);
-        fit.covariance.clone_from(&only.covariance);
+
+    fn identity(&mut self, motor: &Motor) -> Identity {
+        let bench = self.fits.bench;
+        self.notes.extend(self.fits.disagreements());
+        self.notes.push(format!("fitted row of `{}`", motor.id));
+        if bench.declared.ratio != 1.0 {
+            self.notes.push(format!(
+                "measured behind a gear of {}: friction and inertia at the motor contain the gear's input side",
+                number(bench.declared.ratio)
+            ));
+        }
+        let logs = bench.logs.len();
+        Identity {
+            id: format!("{}-fitted", motor.id),
+            manufacturer: motor.manufacturer.clone(),
+            model: motor.model.clone(),
+            source: format!(
+                "identified from {logs} {} of the bench `{}` ({}); what they do not show: {}",
+                if logs == 1 { "log" } else { "logs" },
+                bench.name,
+                bench.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+                motor.source
+            ),
+            source_kind: SourceKind::Measured,
+            note: self.notes.join("; "),
+            accepted_findings: motor.accepted_findings.clone(),
+        }
     }
-    fit.provenance = bench
-        .logs
-        .iter()
-        .map(|log| Provenance {
-            log: log.name.clone(),
-            sha256: Some(log.hash.clone()),
-            usage: Some(if log.usage == super::bench::Use::Fit { "fit" } else { "held_out" }.into()),
-        })
-        .collect();
-    motor.fitted_gear = Some(gear);
-    motor.fit = Some(fit);
-    Some(motor)
-}
 
-fn error_of(parameters: &[Parameter]) -> Option<f64> {
-    parameters.first().and_then(|p| p.standard_error)
-}
-
-fn set_viscous(motor: &mut Motor, value: f64, error: Option<f64>) {
-    motor.viscous_friction = Some(value);
-    motor.sheet.viscous_friction = Some(Printed { value, tolerance: error.map(|e| 2.0 * e) });
-}
-
-fn set_coulomb(motor: &mut Motor, value: f64, error: Option<f64>) {
-    motor.coulomb_friction = Some(value);
-    motor.sheet.coulomb_friction = Some(Printed { value, tolerance: error.map(|e| 2.0 * e) });
-}
-
-/// A printed number scaled with the change of its q-axis value.
-fn rescale(printed: &mut Option<Printed>, value: f64, old: f64, error: Option<f64>) {
-    if let Some(p) = printed {
-        let unit = p.value / old;
-        *p = Printed { value: value * unit, tolerance: error.map(|e| 2.0 * e * unit) };
+    /// K_T, K_B and R where the logs show them. From duty alone K_T/R is seen: with the resistance that holds.
+    fn constants(&mut self, motor: &Motor) -> Constants {
+        let positive = |n: &Number| n.value > 0.0;
+        let resistance = self.fits.best("resistance", |_| true).filter(positive);
+        let back_emf = self.fits.best("back_emf_constant", |_| true).filter(positive);
+        let direct = self.fits.best("torque_constant", |f| !f.sees_quotient).filter(positive);
+        let torque_constant = direct.or_else(|| {
+            let quotient = self.fits.best("torque_constant", |f| f.sees_quotient).filter(positive)?;
+            self.notes.push("from duty and position K_T/R alone is seen: K_T is that with this resistance".into());
+            Some(match &resistance {
+                Some(r) => quotient.times(&r.by_factor(1.0 / motor.resistance)),
+                None => quotient,
+            })
+        });
+        Constants { torque_constant, back_emf, resistance }
     }
-}
 
-fn set_parameter(
-    motor: &mut Motor,
-    gear: &mut FittedGear,
-    declared: &Declared,
-    parameter: &Parameter,
-    constants_alike: bool,
-) {
-    let (value, error) = (parameter.fitted, parameter.standard_error);
-    match parameter.name.as_str() {
-        "torque_constant" if value > 0.0 => {
-            rescale(&mut motor.sheet.torque_constant, value, motor.torque_constant, error);
-            motor.torque_constant = value;
+    /// A column that follows from fitted numbers, on the q axis; `None` where it stays as declared.
+    fn column(&mut self, motor: &Motor, field: &Field, constants: &Constants) -> Option<Number> {
+        let of_bench = |effect: &str| self.fits.declared_effect(effect).map(Number::exact);
+        match field.name {
+            "resistance" => constants.resistance.clone(),
+            "inductance" => self.fits.best("inductance", |_| true),
+            "torque_constant" => constants.torque_constant.clone(),
+            "back_emf_constant" => constants.back_emf.clone(),
+            "rotor_inertia" => {
+                // J_m + J_g was seen: the gear keeps what it declares. Less than that is no rotor.
+                let gear = self.fits.bench.declared.gear.inertia;
+                let seen = self.fits.best("inertia", |_| true)?;
+                let rotor = seen.plus(-gear);
+                if rotor.value <= 0.0 {
+                    self.notes
+                        .push("the inertia that was seen is less than the gear's: the rotor's is as declared".into());
+                    return None;
+                }
+                if gear > 0.0 {
+                    self.notes.push("the gear's inertia is taken as declared".into());
+                }
+                Some(rotor)
+            }
+            "coulomb_friction" => {
+                let declared = of_bench("coulomb_friction");
+                self.fits.best("coulomb_friction.torque", |_| true).filter(|n| n.value >= 0.0).or(declared)
+            }
+            "viscous_friction" => {
+                let declared = of_bench("viscous_friction");
+                self.viscous(motor, constants).or(declared)
+            }
+            _ => None,
+        }
+    }
+
+    /// Viscous friction b. Where a voltage drives, what opposes motion holds the back-EMF too: `D = b + K_T K_B/R`,
+    /// with the K_T/R of the same fit.
+    fn viscous(&mut self, motor: &Motor, constants: &Constants) -> Option<Number> {
+        let direct = self.fits.best("viscous_friction.coefficient", |f| !f.sees_quotient).filter(|n| n.value >= 0.0);
+        if direct.is_some() {
+            return direct;
+        }
+        let back_emf = match (&constants.back_emf, &constants.torque_constant) {
+            (Some(own), _) => own.clone(),
             // A row that gives only one of the two constants takes the other from it.
-            if constants_alike {
-                motor.back_emf_constant = value;
-            }
+            (None, Some(k)) if motor.sheet.back_emf_constant.or(motor.sheet.speed_constant).is_none() => k.clone(),
+            _ => Number::exact(motor.back_emf_constant),
+        };
+        let (damping, quotient) = self.fits.damping(motor)?;
+        let taken = back_emf.times(&quotient);
+        let left = damping.minus(&taken);
+        let error = self.fits.error(&left).unwrap_or(0.0);
+        if left.value >= 0.0 {
+            self.notes.push("viscous friction is the damping that was seen less K_T K_B/R".into());
+            return Some(left);
         }
-        "back_emf_constant" if value > 0.0 => {
-            rescale(&mut motor.sheet.back_emf_constant, value, motor.back_emf_constant, error);
-            motor.back_emf_constant = value;
+        if left.value > -2.0 * error {
+            self.notes.push(
+                "the damping that was seen is that of the back-EMF: viscous friction is zero within its ±".into(),
+            );
+            return Some(Number { value: 0.0, ..left });
         }
-        "resistance" if value > 0.0 => {
-            rescale(&mut motor.sheet.resistance, value, motor.resistance, error);
-            motor.resistance = value;
-        }
-        "inductance" if value >= 0.0 => {
-            if let Some(old) = motor.inductance.filter(|l| *l > 0.0) {
-                rescale(&mut motor.sheet.inductance, value, old, error);
-            }
-            motor.inductance = Some(value);
-        }
-        "inertia" => {
-            // J_m + J_g was seen: the gear keeps what it declares. Less than that is no rotor.
-            let rotor = value - declared.gear.inertia;
-            if rotor > 0.0 {
-                motor.rotor_inertia = Some(rotor);
-                motor.sheet.rotor_inertia = Some(Printed { value: rotor, tolerance: error.map(|e| 2.0 * e) });
-            }
-        }
-        "viscous_friction.coefficient" if value >= 0.0 => set_viscous(motor, value, error),
-        "coulomb_friction.torque" if value >= 0.0 => set_coulomb(motor, value, error),
-        "load_dependent_friction.factor" if value >= 0.0 => {
-            motor.effects.retain(|e| e.name() != "load_dependent_friction");
-            gear.efficiency = Some(1.0 / (1.0 + value));
-            gear.backdrive_efficiency = Some(backdrive_efficiency(1.0 / (1.0 + value)));
-        }
-        // A declared effect that was refitted: `effect.parameter`, or `effect.order.parameter`.
-        name => {
-            let mut parts = name.splitn(2, '.');
-            let (Some(effect), Some(rest)) = (parts.next(), parts.next()) else { return };
-            let number = rest.rsplit_once('.').map_or(rest, |(_, last)| last);
-            let order = rest.rsplit_once('.').and_then(|(order, _)| order.parse::<f64>().ok());
-            for fitted in motor.effects.iter_mut().filter(|e| e.name() == effect) {
-                let linear = fitted.effect.linear();
-                let same = order.is_none_or(|order| fitted.values.get(linear) == Some(&order));
-                let place = fitted.effect.parameters()[..linear].iter().position(|p| p.name == number);
-                if let (true, Some(place)) = (same, place) {
-                    fitted.values[place] = value;
-                }
-            }
+        self.notes.push(
+            "the damping that was seen is less than K_T K_B/R: K_B is smaller than declared, and viscous friction as declared"
+                .into(),
+        );
+        None
+    }
+
+    /// A linear axis has no row: its mass and friction.
+    fn axis(&mut self) -> Axis {
+        let bench = self.fits.bench;
+        let declared = &bench.declared;
+        let effects = self.effects(false);
+        self.notes.extend(self.fits.disagreements());
+        let mut one = |place: &str, name: &str, effect: &str, own: Option<f64>, unit: &str, range: Range| {
+            let fitted = self.fits.best(name, |_| true).filter(|n| range.contains(n.value));
+            let known = || self.fits.declared_effect(effect).or(own).map(Number::exact);
+            fitted.or_else(known).map(|n| self.printed(format!("axis.{place}"), &n, unit))
+        };
+        let mass = one("mass", "mass", "", declared.mass, "kg", Range::Positive);
+        let (b, c) = (declared.viscous_friction, declared.coulomb_friction);
+        let viscous_friction =
+            one("viscous_friction", "viscous_friction.coefficient", "viscous_friction", b, "N*s/m", Range::NonNegative);
+        let coulomb_friction =
+            one("coulomb_friction", "coulomb_friction.torque", "coulomb_friction", c, "N", Range::NonNegative);
+        Axis {
+            id: format!("{}-fitted", bench.name),
+            note: self.notes.join("; "),
+            mass,
+            viscous_friction,
+            coulomb_friction,
+            effects,
+            fit: self.finish(),
         }
     }
+
+    /// What load-dependent friction says of the gear: `η = 1/(1 + γ)` forwards, `η_b = 1 − γ` backwards.
+    fn gear(&mut self, motor: &Motor) -> Option<FittedGear> {
+        let ratio = self.fits.bench.declared.ratio;
+        let mut gear = motor.fitted_gear.unwrap_or_default();
+        let fitted = self.fits.best("load_dependent_friction.factor", |_| true).filter(|f| f.value > 0.0);
+        // What was fitted is the whole loss; what was only declared beyond the row adds to that of the row's gear.
+        let own = gear.efficiency.filter(|_| fitted.is_none()).unwrap_or(1.0);
+        let back = gear.backdrive_efficiency.filter(|_| fitted.is_none()).unwrap_or_else(|| backdrive_efficiency(own));
+        let factor = fitted.or_else(|| self.fits.declared_effect("load_dependent_friction").map(Number::exact));
+        if let Some(factor) = &factor {
+            let whole = 1.0 / own + factor.value;
+            let efficiency = factor.through(1.0 / whole, -1.0 / (whole * whole));
+            let backdrive = factor.through(back - factor.value, -1.0);
+            gear.efficiency = Some(self.printed("gear.efficiency".into(), &efficiency, "1").value);
+            gear.backdrive_efficiency = Some(self.printed("gear.backdrive_efficiency".into(), &backdrive, "1").value);
+        }
+        if ratio != 1.0 || factor.is_some() {
+            gear.ratio = Some(settled(ratio, "1"));
+        }
+        (gear != FittedGear::default()).then_some(gear)
+    }
+
+    /// Effects that were found, and those that were declared beyond the row, with their fitted values: in the order of
+    /// the library.
+    fn effects(&mut self, turns: bool) -> Vec<FittedEffect> {
+        let mut effects = Vec::new();
+        for effect in EFFECTS.iter().copied().filter(|e| !has_a_column(e.name(), turns)) {
+            for instance in self.fits.instances(effect) {
+                effects.extend(self.instance(effect, &instance));
+            }
+        }
+        effects
+    }
+
+    /// One instance of an effect; what a file may not hold stays as it was declared, or is left out.
+    fn instance(&mut self, effect: &'static dyn Effect, instance: &[f64]) -> Option<FittedEffect> {
+        let fitted = self.fits.values(effect, instance);
+        let holds = |index: usize, value: f64| match index {
+            i if i >= effect.linear() && effect.shape() != Shape::None => Range::Positive.contains(value),
+            _ if effect.is_signed() => value.is_finite(),
+            _ => Range::NonNegative.contains(value),
+        };
+        let good = fitted.iter().enumerate().all(|(k, n)| holds(k, n.value));
+        if !good {
+            self.notes.push(format!("`{}` has a sign that it cannot have: it stays as declared", effect.name()));
+        }
+        let numbers = if good { fitted } else { instance.iter().map(|v| Number::exact(*v)).collect() };
+        if !good && !instance.iter().enumerate().all(|(k, v)| holds(k, *v)) {
+            return None;
+        }
+        let mut values = Vec::new();
+        for (parameter, found) in effect.parameters().iter().zip(&numbers) {
+            let name = parameter_name(effect, instance, parameter.name);
+            let printed = self.printed(format!("effects.{name}"), found, parameter.kind.si);
+            self.tolerances.extend(printed.tolerance.map(|tolerance| (name, tolerance)));
+            values.push(printed.value);
+        }
+        Some(FittedEffect { effect, values })
+    }
+
+    /// A number as a file has it, with its ± of two standard errors.
+    fn printed(&mut self, place: String, found: &Number, unit: &str) -> Printed {
+        let error = self.fits.error(found).filter(|e| e.is_finite() && *e > 0.0);
+        if !found.by.is_empty() {
+            self.named.push((place, found.clone()));
+        }
+        let tolerance = error.map(|e| settled_difference(2.0 * e));
+        Printed { value: settled(found.value, unit), tolerance }
+    }
+
+    /// Version, covariance and logs.
+    fn finish(&mut self) -> Fit {
+        let named = std::mem::take(&mut self.named);
+        let covariance = |a: usize, b: usize| {
+            let own = if a == b { named[a].1.loose } else { 0.0 };
+            settled_difference(self.fits.covariance(&named[a].1, &named[b].1) + own)
+        };
+        let logs = self.fits.bench.logs.iter();
+        Fit {
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            tolerances: std::mem::take(&mut self.tolerances),
+            covariance: (0..named.len()).map(|a| (0..named.len()).map(|b| covariance(a, b)).collect()).collect(),
+            provenance: logs
+                .map(|log| Provenance {
+                    log: log.name.clone(),
+                    sha256: Some(log.hash.clone()),
+                    usage: Some(if log.usage == Use::Fit { "fit" } else { "held_out" }.into()),
+                })
+                .collect(),
+            names: named.into_iter().map(|(place, _)| place).collect(),
+        }
+    }
+}
+
+/// Effects that have a column of the row or of the gear. An axis has no gear.
+fn has_a_column(name: &str, turns: bool) -> bool {
+    matches!(name, "viscous_friction" | "coulomb_friction") || (turns && name == "load_dependent_friction")
+}
+
+/// A column on the q axis as declared, with its own ±.
+fn declared(motor: &Motor, field: &Field) -> Option<Printed> {
+    let printed = (field.get)(&motor.sheet);
+    let (value, of) = match field.name {
+        "resistance" => (Some(motor.resistance), printed),
+        "inductance" => (motor.inductance, printed),
+        // Where the sheet has only one of the two constants, the other is taken equal again.
+        "torque_constant" => (printed.map(|_| motor.torque_constant), printed),
+        "back_emf_constant" => {
+            let of = printed.or(motor.sheet.speed_constant);
+            (of.map(|_| motor.back_emf_constant), of)
+        }
+        "rotor_inertia" => (motor.rotor_inertia, printed),
+        "coulomb_friction" => (motor.coulomb_friction, printed),
+        "viscous_friction" => (motor.viscous_friction, printed),
+        "continuous_current" => (motor.continuous_current, printed),
+        "peak_current" => (motor.peak_current, printed),
+        _ => (printed.map(|p| p.value), printed),
+    };
+    let value = value?;
+    let tolerance = of.and_then(|p| p.relative_tolerance()).map(|t| t * value.abs());
+    Some(Printed {
+        value: settled(value, field.kind.si),
+        tolerance: tolerance.filter(|t| *t > 0.0).map(settled_difference),
+    })
 }

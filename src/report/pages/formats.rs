@@ -358,8 +358,9 @@ pub const FITTED: &[Table] = &[
             (
                 "motor",
                 "table",
-                "the columns of a motor catalogue, values with their units; `…_tolerance` too; required",
+                "the columns of a motor catalogue, values with their units; `…_tolerance` too; required but for an axis",
             ),
+            ("axis", "table", "of a linear axis, in place of `motor`: it cannot be chosen"),
             ("gear", "table", "numbers of the gear on the bench"),
             ("effects", "table of tables", "what was found, by name; `[[effects.cogging]]` for several orders"),
             ("covariance", "table", "of the fitted numbers"),
@@ -377,7 +378,14 @@ pub const FITTED: &[Table] = &[
     },
     Table {
         path: "[covariance]",
-        keys: &[("names", "list of texts", "in order"), ("matrix", "list of lists of numbers", "SI")],
+        keys: &[
+            (
+                "names",
+                "list of texts",
+                "numbers of this file, in order: `motor.resistance`, `effects.eddy_drag.torque`, of an order `effects.cogging.12.cosine`",
+            ),
+            ("matrix", "list of lists of numbers", "SI; a `…_tolerance` is two square roots of its diagonal"),
+        ],
     },
     Table {
         path: "[[provenance]]",
@@ -388,6 +396,21 @@ pub const FITTED: &[Table] = &[
         ],
     },
 ];
+
+/// The table of a fitted linear axis.
+pub const FITTED_AXIS: &[Table] = &[Table {
+    path: "[axis]",
+    keys: &[
+        ("id", "text", "its name"),
+        ("mass", "mass", "that moves"),
+        ("mass_tolerance", "mass", "±"),
+        ("viscous_friction", "linear viscous friction", ""),
+        ("viscous_friction_tolerance", "linear viscous friction", "±"),
+        ("coulomb_friction", "force", ""),
+        ("coulomb_friction_tolerance", "force", "±"),
+        ("note", "text", "what the reader should know"),
+    ],
+}];
 
 /// Design files.
 pub const DESIGN: &[Table] = &[
@@ -470,6 +493,7 @@ pub fn text() -> String {
         "Written by `identify --write`; stands wherever a catalogue file may stand.",
         FITTED,
     );
+    tables(&mut out, FITTED_AXIS);
     let names: Vec<String> = EFFECTS.iter().map(|e| format!("`{}`", e.name())).collect();
     out.push_str(&format!(
         "\nTables of `[effects]`: {}; their parameters are on the page of [effects](effects.md).\n",
