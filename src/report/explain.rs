@@ -76,6 +76,9 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&format!("  {}\n", wrap(&format!("{limit}: {why}"), 4)));
         }
     }
+    if let Some(note) = super::between::words(joint) {
+        out.push_str(&format!("\n{}\n", wrap(&format!("{note}."), 2)));
+    }
     out.push_str(&format!(
         "\n{}\n",
         wrap(&format!("The row: {}; {}", conventions_line(story.motor), story.motor.source), 2)
@@ -223,7 +226,7 @@ pub fn json(story: &Explanation) -> Value {
         "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power, "peak_current_a": e.peak_current,
         "rms_current_a": e.rms_current, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
         "winding_temperature_k": story.winding_temperature.flatten(), "thermal_runaway": story.winding_temperature == Some(None),
-        "margins": margins, "limits": limits, "best": best,
+        "margins": margins, "limits": limits, "best": best, "between_samples": super::between::json(story.joint),
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
         "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),

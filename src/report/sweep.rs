@@ -165,6 +165,7 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     for ((limit, why), n) in unchecked {
         out.push(format!("Not checked in {n} designs: {limit}, because {why}"));
     }
+    out.extend(super::between::words(sweep.joint));
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {
         reasons
@@ -212,7 +213,7 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             Value::Object(object)
         });
         let unusable = sweep.unusable.iter().map(|(motor, gear, why)| json!({ "motor": motor, "gear": gear, "because": why.reason() }));
-        json!({ "joint": sweep.joint.name, "designs": designs.collect::<Vec<_>>(), "left_out": unusable.collect::<Vec<_>>() })
+        json!({ "joint": sweep.joint.name, "between_samples": super::between::json(sweep.joint), "designs": designs.collect::<Vec<_>>(), "left_out": unusable.collect::<Vec<_>>() })
     });
     json!({ "robot": robot.name, "joints": joints.collect::<Vec<_>>() })
 }

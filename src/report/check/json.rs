@@ -39,7 +39,7 @@ pub fn json(report: &Report, strict: bool) -> Value {
                     "peak_current_a": e.peak_current, "rms_current_a": e.rms_current, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
                     "winding_temperature_k": examined.winding_temperature.flatten(), "load_inertia_kgm2": examined.load_inertia,
                     "load_inertia_estimated": examined.load_inertia.map(|_| examined.load_inertia_estimated), "best_ratio": examined.best.map(|b| b.0),
-                    "margins": margins, "limits": limits,
+                    "margins": margins, "limits": limits, "between_samples": crate::report::between::json(choice.joint),
                     "not_checked": examined.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
                 })
             }
