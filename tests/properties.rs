@@ -233,17 +233,18 @@ proptest! {
     fn repeating_the_period_changes_nothing(numbers in numbers(), amplitudes in prop::array::uniform6(1.0..8.0), phases in prop::array::uniform6(0.0..6.0)) {
         let once = motion(amplitudes, phases, 40, 0.8);
         let twice = {
-            let double = |v: &[f64]| [v, v].concat();
-            let time = once.time.iter().copied().chain(once.time.iter().map(|t| t + 0.8)).collect();
+            let double = |v: &[f64]| {
+                let given: Vec<f64> = once.given.iter().map(|k| v[*k]).collect();
+                given.repeat(2)
+            };
+            let first: Vec<f64> = once.given.iter().map(|k| once.time[*k]).collect();
+            let time = first.iter().copied().chain(first.iter().map(|t| t + 0.8)).collect();
             Motion::from_samples(
                 Samples {
                     time,
                     torque: double(&once.torque),
                     velocity: Some(double(&once.velocity)),
-                    acceleration: Some(double(&once.acceleration)),
-                    torque_rate: Some(double(&once.torque_rate)),
-                    jerk: Some(double(&once.jerk)),
-                    position: None,
+                    ..Samples::default()
                 },
                 Course::Periodic(1.6),
             )

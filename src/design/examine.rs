@@ -133,13 +133,16 @@ pub fn apparent_inertia(motion: &Motion) -> Option<f64> {
     if matches!(motion.course, Course::Points(_)) {
         return None;
     }
-    let mut columns = vec![vec![1.0; motion.len()], motion.acceleration.clone(), motion.velocity.clone()];
-    if let Some(position) = &motion.position {
+    // What a spline says between the samples is no evidence of its own.
+    let given = |values: &[f64]| motion.given.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+    let samples = motion.given.len();
+    let mut columns = vec![vec![1.0; samples], given(&motion.acceleration), given(&motion.velocity)];
+    if let Some(position) = motion.position.as_ref().map(|q| given(q)) {
         columns.push(position.iter().map(|q| q.sin()).collect());
         columns.push(position.iter().map(|q| q.cos()).collect());
     }
-    let matrix = nalgebra::DMatrix::from_fn(motion.len(), columns.len(), |k, j| columns[j][k]);
-    let torque = nalgebra::DVector::from_column_slice(&motion.torque);
+    let matrix = nalgebra::DMatrix::from_fn(samples, columns.len(), |k, j| columns[j][k]);
+    let torque = nalgebra::DVector::from_vec(given(&motion.torque));
     // The decomposition does not end on what is not finite.
     if matrix.iter().chain(torque.iter()).any(|value| !value.is_finite()) {
         return None;
@@ -151,7 +154,7 @@ pub fn apparent_inertia(motion: &Motion) -> Option<f64> {
         return None;
     }
     // Where gravity and inertia go alike, neither is known: its standard error says so.
-    let freedom = motion.len().checked_sub(columns.len()).filter(|n| *n > 0)?;
+    let freedom = samples.checked_sub(columns.len()).filter(|n| *n > 0)?;
     let covariance = (matrix.transpose() * &matrix).try_inverse()?;
     let error = (left / freedom as f64 * covariance[(1, 1)]).max(0.0).sqrt();
     (solution[1] > 0.0 && error <= UNCERTAIN * solution[1]).then_some(solution[1])

@@ -59,8 +59,33 @@ impl Torques {
             acceleration: Some(trajectory.acceleration[joint].clone()),
             ..Samples::default()
         };
-        let mut motion = Motion::from_samples(samples(&self.smooth[joint]), trajectory.course);
+        let mut motion = Motion::at_samples(samples(&self.smooth[joint]), trajectory.course);
         motion.torque = self.torque[joint].clone();
+        motion
+    }
+
+    /// The same at every instant, where the trajectory leaves the accelerations to its spline; where it gives
+    /// them, with an estimate of what may lie between.
+    pub fn motion_at_every_instant(&self, trajectory: &Trajectory, joint: usize) -> Motion {
+        let given = trajectory.gives_acceleration[joint];
+        let samples = Samples {
+            time: trajectory.time.clone(),
+            torque: self.smooth[joint].clone(),
+            position: Some(trajectory.position[joint].clone()),
+            velocity: Some(trajectory.velocity[joint].clone()),
+            acceleration: given.then(|| trajectory.acceleration[joint].clone()),
+            ..Samples::default()
+        };
+        let mut motion = Motion::from_samples(samples, trajectory.course);
+        // Friction has one size, and the sign of the speed at every instant.
+        let rubs = self.torque[joint].iter().zip(&self.smooth[joint]).map(|(all, smooth)| (all - smooth).abs());
+        let friction = rubs.fold(0.0, f64::max);
+        for (torque, velocity) in motion.torque.iter_mut().zip(&motion.velocity) {
+            *torque += if *velocity == 0.0 { 0.0 } else { friction * velocity.signum() };
+        }
+        for (i, k) in motion.given.iter().enumerate() {
+            motion.torque[*k] = self.torque[joint][i];
+        }
         motion
     }
 }

@@ -27,6 +27,8 @@ pub struct Trajectory {
     pub velocity: Vec<Vec<f64>>,
     /// Per joint and sample: accelerations \[rad/s², m/s²\].
     pub acceleration: Vec<Vec<f64>>,
+    /// Per joint: whether the trajectory gives its accelerations; else they are the spline's.
+    pub gives_acceleration: Vec<bool>,
     /// Forces at the origins of frames, world axes.
     pub contacts: Vec<Contact>,
 }
@@ -199,6 +201,7 @@ fn read_table(
         position: Vec::new(),
         velocity: Vec::new(),
         acceleration: Vec::new(),
+        gives_acceleration: Vec::new(),
         contacts: Vec::new(),
         time,
     };
@@ -257,6 +260,7 @@ impl Trajectory {
         let begin = self.time[0];
         let closed = position.iter().zip(&self.time).map(|(q, t)| q - rate * (t - begin)).collect();
         let given = velocity.is_some();
+        self.gives_acceleration.push(acceleration.is_some());
         let samples = Samples {
             torque: vec![0.0; self.time.len()],
             time: self.time.clone(),
@@ -265,7 +269,7 @@ impl Trajectory {
             acceleration,
             ..Samples::default()
         };
-        let motion = Motion::from_samples(samples, self.course);
+        let motion = Motion::at_samples(samples, self.course);
         let offset = if given { 0.0 } else { rate };
         self.velocity.push(motion.velocity.iter().map(|v| v + offset).collect());
         self.acceleration.push(motion.acceleration);

@@ -84,6 +84,9 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&paragraph(&format!("{limit}: {what}"), 2, 4));
         }
     }
+    if let Some(note) = super::between::words(joint) {
+        out.push_str(&format!("\n{}", paragraph(&format!("{note}."), 0, 2)));
+    }
     let line = format!("The row: {}; {}", conventions_line(story.motor), story.motor.source);
     out.push_str(&format!("\n{}", paragraph(&line, 0, 2)));
     if !story.motor.note.is_empty() {
@@ -272,7 +275,7 @@ pub fn json(story: &Explanation) -> Value {
         "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power,
         "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
         "winding_temperature_k": story.winding_temperature.flatten(), "thermal_runaway": story.winding_temperature == Some(None),
-        "margins": margins, "limits": limits, "best": best,
+        "margins": margins, "limits": limits, "best": best, "between_samples": super::between::json(story.joint),
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
         "judged": story.unjudged.is_empty(), "unjudged": super::unjudged::list(&story.unjudged),

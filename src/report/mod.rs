@@ -2,6 +2,7 @@
 //! JSON and its CSV from the same facts.
 
 pub mod audit;
+mod between;
 pub mod characterize;
 pub mod check;
 pub mod compare;

@@ -177,6 +177,9 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     if ideal {
         out.push_str(&paragraph("No gear is described: it is taken as free of loss, inertia and mass.", 2, 4));
     }
+    if let Some(note) = super::between::words(joint) {
+        out.push_str(&format!("  {}\n", wrap(&format!("{note}."), 4)));
+    }
     if let Some(spring) = &joint.limits.spring {
         out.push_str(&paragraph(&super::spring::asked(spring), 2, 2));
     }
@@ -478,14 +481,24 @@ pub fn margins_json(margins: &[Margin], joint: &Joint) -> (Value, Value) {
     let full = margins.iter().map(|m| {
         json!({
             "limit": m.limit, "demand": m.demand, "bound": m.bound, "unit": m.unit, "margin": m.margin, "of": m.owner,
-            "sample": m.sample, "at": m.sample.map(|k| joint.motion.name_sample(k)),
+            "sample": m.sample.and_then(|k| joint.motion.given_sample(k)), "time_s": m.sample.and_then(|k| time_of(joint, k)),
+            "at": m.sample.map(|k| joint.motion.name_sample(k)),
         })
     });
     (Value::Object(short), Value::Array(full.collect()))
 }
 
 fn bind_json(bind: &Bind, joint: &Joint) -> Value {
-    json!({ "limit": bind.limit, "sample": bind.sample, "at": bind.sample.map(|k| joint.motion.name_sample(k)) })
+    let motion = &joint.motion;
+    json!({
+        "limit": bind.limit, "sample": bind.sample.and_then(|k| motion.given_sample(k)),
+        "time_s": bind.sample.and_then(|k| time_of(joint, k)), "at": bind.sample.map(|k| motion.name_sample(k)),
+    })
+}
+
+/// When a sample of a joint's motion is \[s\]; operating points have no time.
+fn time_of(joint: &Joint, sample: usize) -> Option<f64> {
+    (!matches!(joint.motion.course, Course::Points(_))).then(|| joint.motion.moment(sample))
 }
 
 fn design_json(design: &Design, joint: &Joint) -> Value {
@@ -565,6 +578,7 @@ pub fn json(result: &RobotResult) -> Value {
             "count": j.joint.count,
             "objective": j.joint.objective.name(),
             "derived_by_spline": j.joint.motion.derived,
+            "between_samples": super::between::json(j.joint),
             "candidates": j.candidates.iter().map(|d| design_json(d, j.joint)).collect::<Vec<_>>(),
             "unjudged": unjudged::json(&j.unjudged, j.joint),
             "rejected": j.rejected.iter().map(|r| {

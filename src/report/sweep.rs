@@ -197,6 +197,7 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     for ((limit, what), n) in assumed {
         out.push(format!("Assumed in {n} designs: {limit}: {what}"));
     }
+    out.extend(super::between::words(sweep.joint));
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {
         reasons
@@ -237,15 +238,25 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             put("margins", margins);
             put("limits", limits);
             put("assumed", d.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect());
-            put("not_checked", d.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
+            put(
+                "not_checked",
+                d.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect(),
+            );
             for metric in METRICS.iter().take(4) {
                 put(&format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(d.motor)));
             }
             currents::put(&mut object, d.motor, e);
             Value::Object(object)
         });
-        let unusable = sweep.unusable.iter().map(|(motor, gear, why)| json!({ "motor": motor, "gear": gear, "because": why.reason() }));
-        json!({ "joint": sweep.joint.name, "designs": designs.collect::<Vec<_>>(), "unjudged": unjudged::sweep_json(sweep), "left_out": unusable.collect::<Vec<_>>() })
+        let unusable = sweep
+            .unusable
+            .iter()
+            .map(|(motor, gear, why)| json!({ "motor": motor, "gear": gear, "because": why.reason() }));
+        json!({
+            "joint": sweep.joint.name, "between_samples": super::between::json(sweep.joint),
+            "designs": designs.collect::<Vec<_>>(), "unjudged": unjudged::sweep_json(sweep),
+            "left_out": unusable.collect::<Vec<_>>()
+        })
     });
     json!({ "robot": robot.name, "joints": joints.collect::<Vec<_>>() })
 }

@@ -169,7 +169,8 @@ pub(super) fn driven_text(driven: &Driven, robot: &Robot) -> String {
 /// The same for programs.
 pub(super) fn driven_json(driven: &Driven, robot: &Robot) -> Value {
     let carried = driven.carried.iter().map(|c| {
-        let time = robot.joints[c.carrying].motion.time.get(c.worst());
+        let motion = &robot.joints[c.carrying].motion;
+        let time = motion.given.get(c.worst()).map(|k| motion.time[*k]);
         json!({
             "carrying_joint": robot.joints[c.carrying].name,
             "actuator_of": robot.joints[c.actuator].name,

@@ -6,10 +6,9 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::motion::{Course, Motion};
+use super::motion::Motion;
 use super::read::{MotionReader, repeat_every};
 use super::robot::Joint;
-use super::spline;
 use crate::input::{InputError, Problem, Range, Section, Source};
 use crate::mechanism::torques::{self, Carried, Torques};
 use crate::mechanism::trajectory::{self, Trajectory};
@@ -39,11 +38,7 @@ impl Driven {
         let felt = |c: &&Carried| self.separate && c.largest().abs() > 1e-12 * size;
         for Carried { carrying, actuator, coefficients } in self.carried.iter().filter(felt) {
             let Joint { motion, carries, .. } = &mut joints[*carrying];
-            let rate = match motion.course {
-                Course::Periodic(period) => spline::periodic(&motion.time, coefficients, period).first,
-                _ => spline::open(&motion.time, coefficients).first,
-            };
-            let torque_per_mass = coefficients.clone();
+            let (torque_per_mass, rate) = motion.at_every_sample(coefficients);
             carries.push(super::robot::Carried { joint: *actuator, torque_per_mass, rate, constant: false });
         }
     }
@@ -233,7 +228,7 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
         }
     };
     let travel = lead.filter(|_| !turns).map(|lead| lead / std::f64::consts::TAU);
-    let mut motion = known.torques.motion(&known.trajectory, joint);
+    let mut motion = known.torques.motion_at_every_instant(&known.trajectory, joint);
     motion.repeat_every = known.repeat_every;
     Some((travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r)), Use { joint, place, said, travel }))
 }

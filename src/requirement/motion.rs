@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::instants::{self, Between};
 use super::spline::{self, Derivatives};
 use crate::input::csv::{Column, Content, Table};
 use crate::input::{InputError, Problem, Range, Source};
@@ -18,8 +19,8 @@ pub enum Course {
     Points(Option<f64>),
 }
 
-/// Samples k = 1…K of what a joint asks of its actuator, output side, SI. All vectors have the
-/// length K.
+/// Samples k = 1…K of what a joint asks of its actuator, output side, SI: those that are given, and the instants
+/// between them that it takes to see all of the declared spline (`instants.rs`). All vectors but the last have the length K.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// Periodic, once, or points.
@@ -36,7 +37,8 @@ pub struct Motion {
     pub torque_rate: Vec<f64>,
     /// Jerk \[rad/s³\], j.
     pub jerk: Vec<f64>,
-    /// Share of the time that each sample stands for (trapezoid rule); sums to one.
+    /// Share of the time that each sample stands for; sums to one. By the trapezoid rule, and by Simpson's where the
+    /// way between two given samples is divided.
     pub weight: Vec<f64>,
     /// Share of the time at standstill (speed exactly zero over a whole interval) that each sample
     /// stands for.
@@ -49,6 +51,10 @@ pub struct Motion {
     /// After what time a motion that happens once is made again \[s\], with rest in between; `None` where it is
     /// made from cold. It counts for heat alone.
     pub repeat_every: Option<f64>,
+    /// Which of the samples are given, in order; all others are instants between them.
+    pub given: Vec<usize>,
+    /// What is known between the samples.
+    pub between: Between,
 }
 
 /// Samples as they stand in a file or in a requirement; `None` is to be derived.
@@ -88,11 +94,27 @@ pub struct Point {
 }
 
 impl Motion {
-    /// A motion from samples in time. A periodic one must not repeat its first sample.
+    /// A motion from samples in time. A periodic one must not repeat its first sample. Where no rate but a velocity
+    /// is given, the spline is the motion, and the instants that it takes are put between the samples.
     ///
     /// # Panics
     /// With fewer samples than the spline needs, or neither position nor velocity.
     pub fn from_samples(samples: Samples, course: Course) -> Motion {
+        let given = samples.acceleration.is_some() || samples.torque_rate.is_some() || samples.jerk.is_some();
+        let motion = Motion::at_samples(samples, course);
+        if given { Motion { between: Between::Given(instants::likely(&motion)), ..motion } } else { motion.resolved() }
+    }
+
+    /// The same with the instants between its samples, where its spline is the motion.
+    pub(super) fn resolved(self) -> Motion {
+        instants::resolve(self)
+    }
+
+    /// As [`Motion::from_samples`], at the given samples alone; of what lies between nothing is said.
+    ///
+    /// # Panics
+    /// As [`Motion::from_samples`].
+    pub(crate) fn at_samples(samples: Samples, course: Course) -> Motion {
         let Samples { time, torque, position, velocity, acceleration, torque_rate, jerk } = samples;
         let differentiate = |y: &[f64]| -> Derivatives {
             match course {
@@ -130,6 +152,7 @@ impl Motion {
         let (weight, dwell) = time_weights(&time, &velocity, course);
         Motion {
             course,
+            given: (0..time.len()).collect(),
             time,
             torque,
             velocity,
@@ -141,6 +164,7 @@ impl Motion {
             position,
             derived,
             repeat_every: None,
+            between: Between::Nothing,
         }
     }
 
@@ -169,6 +193,8 @@ impl Motion {
             position: None,
             derived: Vec::new(),
             repeat_every: None,
+            given: (0..points.len()).collect(),
+            between: Between::Nothing,
         }
     }
 
@@ -254,11 +280,16 @@ impl Motion {
         (0..self.len()).map(|k| self.weight[k] * quantity(k)).sum()
     }
 
+    /// When sample k is \[s\]: beside a change of sign at a given sample, that of the given one.
+    pub fn moment(&self, k: usize) -> f64 {
+        self.time[self.given_sample(k).map_or(k, |i| self.given[i])]
+    }
+
     /// Names sample k for people: its time, or its number for operating points.
     pub fn name_sample(&self, k: usize) -> String {
         match self.course {
             Course::Points(_) => format!("point {}", k + 1),
-            _ => format!("t = {} s", crate::report::number(self.time[k])),
+            _ => format!("t = {} s", crate::report::number(self.moment(k))),
         }
     }
 }
@@ -361,13 +392,9 @@ pub fn read_carrying(
     let read = read_samples(source, periodic, period, joints, &mut problems);
     InputError::unless_empty(source, problems)?;
     let (motion, carried) = read.expect("a motion without problems was read");
-    let with_rate = |(name, mut values): (String, Vec<f64>)| {
-        values.truncate(motion.len());
-        let rate = match motion.course {
-            Course::Periodic(period) => spline::periodic(&motion.time, &values, period),
-            _ => spline::open(&motion.time, &values),
-        };
-        (name, values, rate.first)
+    let with_rate = |(name, values): (String, Vec<f64>)| {
+        let (values, rates) = motion.at_every_sample(&values[..motion.given.len()]);
+        (name, values, rates)
     };
     let carried = carried.into_iter().map(with_rate).collect();
     Ok((motion, carried))
@@ -619,14 +646,15 @@ mod tests {
 
     #[test]
     fn weights_are_those_of_the_trapezoid_rule() {
-        let text = "time [s],torque [N*m],velocity [rad/s]\n0,1,0\n0.1,2,0\n0.4,3,1\n1,1,0\n";
+        let text = "time [s],torque [N*m],velocity [rad/s],acceleration [rad/s^2]\n\
+                    0,1,0,0\n0.1,2,0,0\n0.4,3,1,0\n1,1,0,0\n";
         let motion = read(&source(text), true, None).unwrap();
         assert_eq!(motion.len(), 3);
         assert_relative_eq!(motion.weight.iter().sum::<f64>(), 1.0, max_relative = 1e-14);
         // By hand: 0.1·1.5 + 0.3·2.5 + 0.6·2 = 2.1
         assert_relative_eq!(motion.mean(|k| motion.torque[k]), 2.1, max_relative = 1e-12);
         assert_eq!(motion.dwell, vec![0.05, 0.05, 0.0]);
-        assert_eq!(motion.derived, vec!["acceleration", "jerk", "torque_rate"]);
+        assert_eq!(motion.derived, vec!["jerk", "torque_rate"]);
     }
 
     #[test]
@@ -634,6 +662,6 @@ mod tests {
         let text = "time [s],torque [N*m],velocity [rad/s]\n0,1,0\n0.1,2,0\n0.4,3,1\n1,1.5,0\n";
         assert!(read(&source(text), true, None).is_err());
         assert!(read(&source(text), false, None).is_ok());
-        assert_eq!(read(&source(text), true, Some(1.5)).unwrap().len(), 4);
+        assert_eq!(read(&source(text), true, Some(1.5)).unwrap().given.len(), 4);
     }
 }

@@ -49,7 +49,7 @@ pub fn json(report: &Report, strict: bool) -> Value {
                     "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
                     "winding_temperature_k": examined.winding_temperature.flatten(), "load_inertia_kgm2": examined.load_inertia,
                     "load_inertia_estimated": examined.load_inertia.map(|_| examined.load_inertia_estimated), "best_ratio": examined.best.map(|b| b.0),
-                    "margins": margins, "limits": limits,
+                    "margins": margins, "limits": limits, "between_samples": crate::report::between::json(choice.joint),
                     "judged": unjudged(facts).is_empty(), "unjudged": list(&unjudged(facts)),
                     "assumed": examined.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect::<Vec<_>>(),
                     "not_checked": examined.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
