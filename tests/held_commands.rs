@@ -254,6 +254,7 @@ fn finds_it(servo: Servo, more: &str) {
     assert!((found - servo.inertia).abs() < 3.0 * error, "{found} ± {error} for {}", servo.inertia);
     assert!(error < 0.05 * servo.inertia, "{error} of {}", servo.inertia);
     assert_eq!(lag, None);
+    assert!(report.effects.is_empty(), "{:?}", report.effects);
 }
 
 #[test]
