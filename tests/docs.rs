@@ -138,7 +138,7 @@ fn benches_are_documented() {
     let log = |more: &str| format!("[[log]]\nfile = \"x.csv\"\n{more}\n");
     let text = format!(
         "{NO}\nkind = \"dynamometer\"\nactuator = {{ motor = \"t-motor-ri50\", ratio = 7.5, {NO} }}\n[columns]\n{NO}\n\
-         time = {{ name = \"t\", unit = \"s\", {NO} }}\nvelocity = {{ name = \"w\", unit = \"rpm\", {NO} }}\n[load]\n{NO}\n{}",
+         time = {{ name = \"t\", unit = \"s\", {NO} }}\nvelocity = {{ name = \"w\", unit = \"rpm\", {NO} }}\nduty = {{ name = \"d\", {NO} }}\n[load]\n{NO}\n{}",
         log(NO)
     );
     compare(BENCH, &known(&text, &["identify", "file.toml"]));

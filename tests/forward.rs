@@ -46,6 +46,7 @@ fn pendulum(angle: f64, duration: f64) -> Track {
         fits: true,
         position: vec![0.0; time.len()],
         input: Input::Current(vec![0.0; time.len()]),
+        held: false,
         supply: Vec::new(),
         volts_per_duty: 1.0,
         off: Vec::new(),

@@ -1,7 +1,7 @@
 //! What a bench file says: which actuator was tested, how, and where its logs are. SI, canonical
 //! frames: currents and voltages on the power-invariant q axis, torque at the output.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use crate::catalog::convention::{Commutation, Winding};
@@ -173,6 +173,8 @@ pub struct Log {
     pub difference: Option<f64>,
     /// ± (95 %) of the gain of a channel's instrument, as a share, where the bench file says it.
     pub gains: BTreeMap<Channel, f64>,
+    /// Channels that drive the machine and hold a row's value until the next row, as a digital drive does.
+    pub held: BTreeSet<Channel>,
     /// Time \[s\], increasing; row number for a steady table without time.
     pub time: Vec<f64>,
     /// The channels that the log has.

@@ -8,7 +8,7 @@ mod columns;
 mod readings;
 mod table;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range as Span;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -460,6 +460,7 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
         rotor: plan.rotor,
         difference: plan.difference(),
         gains: plan.gains(),
+        held: plan.held(),
         time: rows.time,
         channels: rows.channels,
         remarks,
@@ -472,6 +473,15 @@ impl Plan {
         let of = |c: &Column| match c.target {
             Target::Channel(channel) => Some((channel, c.gain_tolerance?)),
             Target::Time => None,
+        };
+        self.columns.iter().filter_map(of).collect()
+    }
+
+    /// The channels that hold their value from row to row.
+    fn held(&self) -> BTreeSet<Channel> {
+        let of = |c: &Column| match c.target {
+            Target::Channel(channel) if c.held => Some(channel),
+            _ => None,
         };
         self.columns.iter().filter_map(of).collect()
     }

@@ -31,8 +31,9 @@ fn column(bench: &Bench, channel: Channel) -> (&'static str, &'static str, &'sta
         Channel::Voltage => ("voltage", "vq_v", "V", ", convention = \"q_axis\""),
         Channel::WindingTemperature => ("winding_temperature", "t_winding_c", "degC", ""),
         Channel::HousingTemperature => ("housing_temperature", "t_housing_c", "degC", ""),
-        Channel::Duty => ("duty", "duty", "1", ""),
-        Channel::Goal => ("goal", "goal_rad", "rad", ", side = \"output\""),
+        // This servo is analogue: its duty and goal go on between the rows.
+        Channel::Duty => ("duty", "duty", "1", ", held = false"),
+        Channel::Goal => ("goal", "goal_rad", "rad", ", side = \"output\", held = false"),
         Channel::Supply => ("supply", "supply_v", "V", ""),
         Channel::Force => ("force", "force_n", "N", ""),
     }

@@ -41,6 +41,8 @@ pub struct Column {
     pub difference: Option<f64>,
     /// ± (95 %) of its gain as a share, where that is said.
     pub gain_tolerance: Option<f64>,
+    /// Whether a row's value holds until the next row, of what drives the machine.
+    pub held: bool,
     /// What was assumed.
     pub remarks: Vec<String>,
 }
@@ -230,6 +232,7 @@ fn read_column(
     } else {
         None
     };
+    let held = read_held(&section, quantity, placed.map(|(target, _)| target));
     section.finish();
     let (target, factor) = placed?;
     let (name, unit) = (name?, unit?);
@@ -249,8 +252,18 @@ fn read_column(
         convention,
         difference,
         gain_tolerance,
+        held,
         remarks,
     })
+}
+
+/// Whether a row's value holds until the next, of what drives the machine. A digital drive holds what it is told: a duty
+/// cycle and a goal. A current or force is what an instrument read of something that goes on between the rows; where it
+/// is a command, the file has to say so.
+fn read_held(section: &Section, quantity: Quantity, target: Option<Target>) -> bool {
+    let drives = |t| matches!(t, Target::Channel(Channel::Duty | Channel::Goal | Channel::Current));
+    let said = if target.is_none_or(drives) { section.boolean("held") } else { None };
+    said.unwrap_or(matches!(quantity, Quantity::Duty | Quantity::Goal))
 }
 
 /// What drives the other machine may be a current, a torque, a voltage or a duty cycle: only its course counts.

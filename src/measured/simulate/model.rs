@@ -8,6 +8,9 @@ use crate::actuator::effects::{Effect, Equation, Operating, Scale, Shape};
 use crate::measured::identify::balance::declared_effects;
 use crate::measured::{Declared, signals};
 
+/// The longest lag that is looked for \[s\].
+pub(super) const LONGEST_LAG: f64 = 0.05;
+
 /// A number of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Slot {
@@ -207,7 +210,7 @@ impl Model {
                         let size = value.max(load).max(f64::MIN_POSITIVE);
                         within(value, size, if load > 0.0 { 0.0 } else { 0.02 * size }, f64::INFINITY)
                     }
-                    Slot::Lag => within(value, 0.005, 0.0, 0.05),
+                    Slot::Lag => within(value, 0.005, 0.0, LONGEST_LAG),
                     Slot::Value(term, index) => {
                         let Term { effect, values, .. } = &self.machine.terms[term];
                         let linear = effect.linear();

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::check::name;
-use super::model::{Counted, Model, Slot, declared_machine, error, scale};
+use super::model::{Counted, LONGEST_LAG, Model, Slot, declared_machine, error, scale};
 use super::track::{Input, Track};
 use crate::actuator::effects::{EFFECTS, Effect, Equation, Shape, effect};
 use crate::measured::identify::{CHANCE, Found, Parameter, Refused, Report, Stage, Target, Unexplained, Verdict};
@@ -45,6 +45,11 @@ const DRAWS: usize = 20_000;
 const STEPS: usize = 6;
 /// Relative standard error beyond which a declared parameter is not seen.
 const UNSEEN: f64 = 0.3;
+/// Least lag that is one \[s\], and where the search for one starts.
+const LEAST_LAG: f64 = 2e-4;
+const FIRST_LAG: f64 = 0.003;
+/// Share of the longest lag that is looked for beyond which it is none: it lies at the end of its range.
+const MOST_OF_LAG: f64 = 0.95;
 /// Most rows of the pictures.
 const ROWS: usize = 24_000;
 /// Error over the noise of the sensor beyond which something is left.
@@ -95,7 +100,7 @@ impl Candidate {
         let mut with = model.clone();
         match self {
             Candidate::Lag => {
-                with.machine.lag = 0.003;
+                with.machine.lag = FIRST_LAG;
                 with.slots.push(Slot::Lag);
                 vec![with]
             }
@@ -148,7 +153,8 @@ impl Candidate {
 
     fn plausible(self, model: &Model) -> Result<(), String> {
         match self {
-            Candidate::Lag if model.machine.lag <= 2e-4 => Err("it would be zero".into()),
+            Candidate::Lag if model.machine.lag <= LEAST_LAG => Err("it would be zero".into()),
+            Candidate::Lag if !is_a_lag(model.machine.lag) => Err("it would be at the end of its range".into()),
             Candidate::Lag => Ok(()),
             Candidate::Effect(effect) => {
                 let values = model.machine.terms.iter().find(|t| t.effect.name() == effect.name());
@@ -156,6 +162,11 @@ impl Candidate {
             }
         }
     }
+}
+
+/// Whether a lag \[s\] is one: above zero, and not at the end of its range.
+fn is_a_lag(lag: f64) -> bool {
+    (LEAST_LAG..MOST_OF_LAG * LONGEST_LAG).contains(&lag)
 }
 
 /// The logs and how they judge.
@@ -301,6 +312,7 @@ pub fn identify_servo(bench: &Bench) -> Option<Report> {
     let known_terms = declared.machine.terms.len();
     let (mut model, held) = refit(&declared, &judges, &all, bench);
     story.stages.push(stage("refit", &everything, &model));
+    let late = model.slots.contains(&Slot::Lag);
     let candidates = candidates(&all, &mut story);
     let mut now = judges.left_out(&model);
     for _ in 0..STEPS {
@@ -314,8 +326,13 @@ pub fn identify_servo(bench: &Bench) -> Option<Report> {
     }
     // What later ones made superfluous.
     let mut added: Vec<Candidate> = candidates.iter().copied().filter(|c| is_added(*c, &model, known_terms)).collect();
-    while added.len() > 1 {
-        let trials: Vec<(Candidate, Model, Vec<f64>)> = added
+    loop {
+        // A lag from the beginning is no discovery: without it the inertia would answer for it.
+        let asked: Vec<Candidate> = added.iter().copied().filter(|c| !late || !matches!(c, Candidate::Lag)).collect();
+        if asked.len() < 2 {
+            break;
+        }
+        let trials: Vec<(Candidate, Model, Vec<f64>)> = asked
             .iter()
             .map(|c| {
                 let mut without = c.removed(&model);
@@ -339,6 +356,11 @@ pub fn identify_servo(bench: &Bench) -> Option<Report> {
         added.retain(|c| c.name() != candidate.name());
     }
     judges.fit(&mut model, 30, 1e-7);
+    if model.slots.contains(&Slot::Lag) && !is_a_lag(model.machine.lag) {
+        model = Candidate::Lag.removed(&model);
+        added.retain(|c| !matches!(c, Candidate::Lag));
+        judges.fit(&mut model, 30, 1e-7);
+    }
     story.stages.push(stage("final", &everything, &model));
     Some(report(bench, &all, &judges, &declared, &model, &added, &candidates, held, story, &now))
 }
@@ -358,14 +380,30 @@ fn stage(name: &str, tracks: &[&Track], model: &Model) -> Stage {
     Stage::new(name, fit, held)
 }
 
-/// The declared model's own parameters refitted; those that the logs don't show stay as declared.
+/// The declared model's own parameters refitted; those that the logs don't show stay as declared. An input that comes
+/// late and an inertia answer for the same phase, so they are fitted together, before any effect can take the place of
+/// either. Like an effect, a lag has to earn its place on what was left out.
 fn refit(declared: &Model, judges: &Judges, all: &[Track], bench: &Bench) -> (Model, Vec<String>) {
-    let mut model = declared.clone();
-    model.slots = vec![Slot::Inertia, Slot::Damping];
+    let plain = refit_from(declared.clone(), declared, judges, all, bench);
+    let mut late = declared.clone();
+    late.machine.lag = FIRST_LAG;
+    late.slots = vec![Slot::Lag];
+    let late = refit_from(late, declared, judges, all, bench);
+    if !late.0.slots.contains(&Slot::Lag) {
+        return plain;
+    }
+    let (before, after) = (judges.left_out(&plain.0), judges.left_out(&late.0));
+    let worth = judges.error(&after) <= (1.0 - WORTH) * judges.error(&before);
+    if worth && chance(&before, &after) <= CHANCE { late } else { plain }
+}
+
+fn refit_from(start: Model, declared: &Model, judges: &Judges, all: &[Track], bench: &Bench) -> (Model, Vec<String>) {
+    let mut model = start;
     // Without a known load only ratios to the drive's gain are seen.
     if all.iter().any(|t| t.fits && t.load_gravity + t.load_inertia > 0.0) {
-        model.slots.insert(0, Slot::TorqueConstant);
+        model.slots.push(Slot::TorqueConstant);
     }
+    model.slots.extend([Slot::Inertia, Slot::Damping]);
     for (t, term) in model.machine.terms.iter().enumerate() {
         model.slots.extend((0..term.effect.linear()).map(|j| Slot::Value(t, j)));
     }
@@ -377,6 +415,10 @@ fn refit(declared: &Model, judges: &Judges, all: &[Track], bench: &Bench) -> (Mo
     let mut held = Vec::new();
     loop {
         judges.fit(&mut model, 25, 1e-5);
+        if model.slots.contains(&Slot::Lag) && !is_a_lag(model.machine.lag) {
+            model = Candidate::Lag.removed(&model);
+            continue;
+        }
         let matrix = covariance(&model, judges);
         let worst = (0..model.slots.len())
             .filter_map(|k| {
@@ -619,7 +661,9 @@ fn report(
         })
         .collect();
     let mut artefacts = Vec::new();
-    if added.iter().any(|c| matches!(c, Candidate::Lag)) {
+    // One that is not seen beside its error stays in the fit for the errors' sake, and is not told.
+    let is_seen = deviation("lag").is_some_and(|e| model.machine.lag > 3.0 * e);
+    if added.iter().any(|c| matches!(c, Candidate::Lag)) && is_seen {
         artefacts.push(Report::lag("duty", model.machine.lag));
     }
     let floor = noise(all);

@@ -49,6 +49,9 @@ pub struct Track {
     pub position: Vec<f64>,
     /// What drives it.
     pub input: Input,
+    /// Whether that holds each sample's value until the next (a digital drive's command), or lies on a line between
+    /// them (what an instrument read).
+    pub held: bool,
     /// Supply voltage at each sample \[V\], and its part that reaches the q axis is `volts_per_duty` of it.
     pub supply: Vec<f64>,
     /// Quadrature voltage per volt of duty times supply.
@@ -67,8 +70,9 @@ pub struct Track {
     pub starts: Vec<(usize, State)>,
 }
 
-/// Missing samples bridged linearly, held at the ends. `None` where fewer than two are there.
-fn bridged(time: &[f64], values: &[f64]) -> Option<Vec<f64>> {
+/// Missing samples bridged: by the last value where it is held, else linearly, and held at the ends. `None` where fewer
+/// than two are there.
+fn bridged(time: &[f64], values: &[f64], held: bool) -> Option<Vec<f64>> {
     let known: Vec<usize> = (0..values.len()).filter(|k| values[*k].is_finite()).collect();
     if known.len() < 2 {
         return None;
@@ -81,7 +85,7 @@ fn bridged(time: &[f64], values: &[f64]) -> Option<Vec<f64>> {
                     next += 1;
                 }
                 let (a, b) = (known[next], known[(next + 1).min(known.len() - 1)]);
-                if k <= a || a == b {
+                if k <= a || a == b || (held && k < b) {
                     return values[a];
                 }
                 values[a] + (values[b] - values[a]) * (time[k] - time[a]) / (time[b] - time[a])
@@ -149,23 +153,24 @@ impl Track {
             .channel(Channel::OutputVelocity)
             .map(<[f64]>::to_vec)
             .or_else(|| log.channel(Channel::MotorVelocity).map(|w| w.iter().map(|v| v / ratio).collect()));
-        let get = |c: Channel| log.channel(c).and_then(|v| bridged(&time, v));
+        let is_held = |c: Channel| log.held.contains(&c);
+        let get = |c: Channel| log.channel(c).and_then(|v| bridged(&time, v, is_held(c)));
         let declared_supply = log.controller.and_then(|c| c.supply);
         let supply = get(Channel::Supply).or_else(|| declared_supply.map(|v| vec![v; time.len()]));
         let duty = get(Channel::Duty);
-        let goal = opened(Channel::Goal).and_then(|g| bridged(&time, &g));
+        let goal = opened(Channel::Goal).and_then(|g| bridged(&time, &g, is_held(Channel::Goal)));
         let mut off = Vec::new();
-        let (input, supply) = if let Some(current) = get(Channel::Current) {
-            (Input::Current(current), Vec::new())
+        let (driven_by, input, supply) = if let Some(current) = get(Channel::Current) {
+            (Channel::Current, Input::Current(current), Vec::new())
         } else if let (Some(c), Some(goal), Some(supply)) = (log.controller, &goal, &supply) {
             if let Some(duty) = log.channel(Channel::Duty) {
                 let asked = |k: usize| (c.gain * (goal[k] - position[k])).abs() > ASKED;
                 off = is_off(duty, asked);
             }
             let input = Input::Goal { goal: goal.clone(), gain: c.gain, damping: c.damping, limit: c.limit };
-            (input, supply.clone())
+            (Channel::Goal, input, supply.clone())
         } else {
-            (Input::Duty(duty?), supply?)
+            (Channel::Duty, Input::Duty(duty?), supply?)
         };
         let reference =
             declared.motor.as_ref().map_or(crate::catalog::REFERENCE_TEMPERATURE, |m| m.reference_temperature);
@@ -185,6 +190,7 @@ impl Track {
             time,
             position,
             input,
+            held: is_held(driven_by),
             supply,
             volts_per_duty: declared.motor.as_ref().map_or(1.0, volts_per_duty),
             off,
@@ -245,19 +251,20 @@ impl Track {
                 break;
             }
             let span = self.time[k + 1] - self.time[k];
-            let steps = ((span / longest).ceil() as usize).clamp(1, MOST_STEPS);
+            let steps = signals::covering(span / longest).clamp(1, MOST_STEPS);
             let h = span / steps as f64;
             sample.is_open = self.off.get(k).copied().unwrap_or(false);
             (sample.winding_rise, sample.housing_rise) = (last(&self.winding, k), last(&self.housing, k));
             for j in 0..steps {
-                // Inputs at the middle of the step, linear between samples.
+                // Inputs at the middle of the step: as they are held, or linear between samples.
                 let share = (j as f64 + 0.5) / steps as f64;
                 let between = |values: &[f64]| values[k] + share * (values[k + 1] - values[k]);
+                let told = |values: &[f64]| if self.held { values[k] } else { between(values) };
                 let now = match &self.input {
-                    Input::Current(values) | Input::Duty(values) => between(values),
+                    Input::Current(values) | Input::Duty(values) => told(values),
                     Input::Goal { goal, gain, damping, limit } => {
                         let position = state.position + 0.5 * h * state.speed;
-                        (gain * (between(goal) - position) - damping * state.speed).clamp(-limit, *limit)
+                        (gain * (told(goal) - position) - damping * state.speed).clamp(-limit, *limit)
                     }
                 };
                 let delayed = delay.at(self.time[k] + share * span, now);
@@ -307,6 +314,7 @@ impl Track {
                 name: self.name.clone(),
                 fits: self.fits,
                 input,
+                held: self.held,
                 supply: of(&self.supply),
                 volts_per_duty: self.volts_per_duty,
                 off: if self.off.is_empty() { Vec::new() } else { self.off[range.clone()].to_vec() },

@@ -304,6 +304,25 @@ pub const BENCH: &[Table] = &[
         ],
     },
     Table {
+        path: "[duty]",
+        keys: &[
+            ("name", "text", "in the log's header; required"),
+            ("unit", "unit", "a pure number unless said"),
+            ("scale", "number", "factor on the column"),
+            ("sign", "1, -1", ""),
+            ("bits", "whole number", "width of a counter that wraps"),
+            ("gain_tolerance", "share", "as of `velocity`"),
+            (
+                "held",
+                "true, false",
+                "whether a row's value holds until the next row, as a digital drive holds a command. Also of `goal`, `current` \
+                 and `force`. Unless said, `duty` and `goal` are held; `current` and `force` are taken for measured, and lie on \
+                 a line between rows. A current that was commanded: `held = true`. A duty of a loop much faster than the log: \
+                 `held = false`",
+            ),
+        ],
+    },
+    Table {
         path: "[load]",
         keys: &[
             ("inertia", "inertia", "at the output"),
