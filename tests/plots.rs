@@ -197,6 +197,7 @@ fn the_voltage_boundary_meets_the_circle() {
                         let gear = &joint.gear;
                         let (factor, friction) = match flow {
                             Flow::Driving => (1.0 / gear.efficiency, 1.0),
+                            Flow::Holding => unreachable!("it is not asked"),
                             Flow::Braking => (gear.backdrive_efficiency, 1.0),
                         };
                         let shaft = factor * torque / n
