@@ -163,14 +163,15 @@ fn no_instant_of_the_declared_spline_exceeds_what_is_reported() {
         let dense = dense(&torque, &velocity, period);
         for ratio in [2.0, 8.0, 30.0] {
             let evaluation = evaluate(&robot, &motor, ratio);
-            // The terms: φ τ/N, N J α, φ τ̇/N, N J j, N ω.
-            let terms = |t: f64| {
+            // The terms at some φ: φ τ/N, N J α, φ τ̇/N, N J j, N ω.
+            let terms = |t: f64, phi: f64| {
                 let ([tau, rate, _], [v, a, j]) = (torque.at(t), velocity.at(t));
-                let phi = if tau * v < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
                 [phi * tau / ratio, ratio * 1e-4 * a, phi * rate / ratio, ratio * 1e-4 * j, ratio * v]
             };
             let look = |t: f64| {
-                let [load, own, rate, jerk, speed] = terms(t);
+                let braking = torque.at(t)[0] * velocity.at(t)[0] < 0.0;
+                let phi = if braking { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
+                let [load, own, rate, jerk, speed] = terms(t, phi);
                 let shaft = load + own;
                 let quadrature = 10.0 * shaft + 0.01 * (rate + jerk) + 0.1 * speed;
                 let power = 100.0 * shaft * shaft + speed * shaft;
@@ -179,9 +180,10 @@ fn no_instant_of_the_declared_spline_exceeds_what_is_reported() {
             let (mut most, mut largest) = ([0.0_f64; 4], [0.0_f64; 5]);
             for t in &dense {
                 most.iter_mut().zip(look(*t)).for_each(|(m, value)| *m = m.max(value));
-                largest.iter_mut().zip(terms(*t)).for_each(|(l, term)| *l = l.max(term.abs()));
+                let driven = terms(*t, 1.0 / gear.efficiency);
+                largest.iter_mut().zip(driven).for_each(|(l, term)| *l = l.max(term.abs()));
             }
-            // The largest of the terms, added up.
+            // The largest of the terms, added up; the load's as if it were driven, as the largest may come back.
             let [load, own, rate, jerk, speed] = largest;
             let shaft = load + own;
             let power = 100.0 * shaft * shaft + speed * shaft;

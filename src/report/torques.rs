@@ -279,19 +279,25 @@ fn file_name(joint: &str) -> String {
 fn motion_file(answer: &Answer, row: &Row, number: usize) -> String {
     let (effort, unit) = (row.joint.effort_unit(), row.joint.position_unit());
     let what = if row.joint.motion == Degree::Turns { "torque" } else { "force" };
-    let header = [
+    let mut header = vec![
         "time [s]".to_string(),
         format!("{what} [{effort}]"),
         format!("velocity [{unit}/s]"),
         format!("position [{unit}]"),
-        format!("acceleration [{unit}/s^2]"),
-        format!("{what}_rate [{effort}/s]"),
     ];
+    // Rates that are the spline's are left to it: a file that gives them says nothing of what lies between its
+    // rows. Friction jumps where no spline does.
+    let torques = &answer.torques;
+    let by_spline = !answer.trajectory.gives_acceleration[number] && torques.torque[number] == torques.smooth[number];
+    if !by_spline {
+        header.extend([format!("acceleration [{unit}/s^2]"), format!("{what}_rate [{effort}/s]")]);
+    }
+    let columns = header.len() - 1;
     let motion = &row.motion;
     let position = &answer.trajectory.position[number];
     let line = |k: usize, time: f64| {
         let values = [motion.torque[k], motion.velocity[k], position[k], motion.acceleration[k], motion.torque_rate[k]];
-        std::iter::once(time).chain(values).map(|v| csv_number(Some(v))).collect::<Vec<_>>()
+        std::iter::once(time).chain(values.into_iter().take(columns)).map(|v| csv_number(Some(v))).collect::<Vec<_>>()
     };
     let mut lines: Vec<Vec<String>> = motion.time.iter().enumerate().map(|(k, t)| line(k, *t)).collect();
     if let Course::Periodic(period) = motion.course {
