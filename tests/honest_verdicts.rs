@@ -137,6 +137,21 @@ impl Bench {
         (0..200).fold(torque / MACHINE.1, |i, _| i + 0.7 * (torque - self.torque(i, angle, rise)) / MACHINE.1)
     }
 
+    /// Speed, acceleration and angle: standing first, then within half a second under way.
+    fn motion(&self, speed: &Motion, t: f64) -> [f64; 3] {
+        let [w, a, q] = speed.at(t);
+        let since = (t - self.stands * SAMPLES as f64 / RATE) / 0.5;
+        if since <= 0.0 && self.stands > 0.0 {
+            return [0.0, 0.0, 1.0];
+        }
+        if since >= 1.0 || self.stands == 0.0 {
+            return [w, a, q];
+        }
+        let phase = 0.5 * TAU * since;
+        let (share, rate) = (0.5 - 0.5 * phase.cos(), 0.5 * TAU * phase.sin());
+        [share * w, share * a + rate * w, q]
+    }
+
     fn noise(&self, random: &mut Random) -> Vec<f64> {
         let white: Vec<f64> = (0..=SAMPLES).map(|_| random.normal()).collect();
         match self.colour {
@@ -161,7 +176,7 @@ impl Bench {
         let mut held = 0.0;
         for k in 0..SAMPLES {
             let t = k as f64 / RATE;
-            let [w, a, q] = if (k as f64) < self.stands * SAMPLES as f64 { [0.0, 0.0, 1.0] } else { speed.at(t) };
+            let [w, a, q] = self.motion(&speed, t);
             let rise = 40.0 * (1.0 - (-t / 4.0).exp());
             let beside = self.noise * noise[k] + self.disturbance * slow[k];
             let friction = self.coulomb * if w == 0.0 { 0.0 } else { w.signum() };

@@ -617,6 +617,7 @@ impl Balance {
     fn shown_by(&self, variable: Variable) -> &'static str {
         match (self.target, variable) {
             (Target::Torque, _) | (Target::Drive, Variable::TorqueCurvature) => "positions on both sides of the gear",
+            (Target::Drive, _) if self.unit == "N" => "a force sensor at the output",
             (Target::Drive | Target::WindUp | Target::Position, _) => "a torque sensor at the output",
             (Target::Voltage, Variable::Current) => "a measured current",
             (Target::Voltage, _) => "a measured supply voltage",
@@ -1055,6 +1056,9 @@ pub fn visible(effect: &dyn Effect, balance: &Balance, declared: &Declared) -> R
         "torque_offset" if balance.target.has_zero() => Some("the zero of the sensor hides it"),
         "gravity" if balance.target != Target::Drive => Some("the sensor sees what hangs at the output"),
         "gear_ripple" if declared.ratio == 1.0 => Some("without a gear it is cogging"),
+        "gear_compliance" if declared.ratio == 1.0 && balance.target != Target::WindUp => {
+            Some("without a gear nothing winds up")
+        }
         "supply_sag" if balance.has_measured_volts || balance.has_measured_supply => {
             Some("the voltage is measured, sag and all")
         }

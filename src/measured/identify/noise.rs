@@ -253,7 +253,7 @@ impl Spectrum<'_> {
         let (slope, error) = slope(&bins, self.windows);
         let rises_or_falls = slope.abs() + 1.645 * error > FLAT;
         if rises_or_falls || is_bent(&bins, self.windows) {
-            return Err("the spectrum is not flat");
+            return Err("the spectrum is not shown to be flat");
         }
         Ok(bins.iter().map(|b| b.1).sum::<f64>() / bins.len() as f64)
     }
