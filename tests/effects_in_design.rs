@@ -177,14 +177,15 @@ fn own(case: &Case, n: f64) -> Own {
     let mean = |f: &dyn Fn(&Point) -> f64| timed().map(|(p, s)| s[0] * f(p)).sum::<f64>();
     let squared_current = mean(&heating);
     let at_rest = timed().map(|(p, s)| s[1] * heating(p)).sum::<f64>();
-    // Voltage and power.
+    // Voltage and power taken, of the winding at its hottest.
+    let r_hot = r * raw::hottest_factor(motor, joint.limits.winding_temperature, robot.ambient);
     let brushless = motor.conventions.commutation == Commutation::Brushless;
     let (l, poles) = (motor.inductance.unwrap_or(0.0), motor.pole_pairs.filter(|_| brushless).unwrap_or(0));
     let voltage = |p: &Point, s: f64| {
-        let v_q = (r * torque(p, s) + l * rate(p, s)) / k + k_b * n * p.velocity;
+        let v_q = (r_hot * torque(p, s) + l * rate(p, s)) / k + k_b * n * p.velocity;
         v_q.hypot(f64::from(poles) * n * p.velocity * l * torque(p, s) / k)
     };
-    let power = |p: &Point, s: f64| r * (torque(p, s) / k).powi(2) + k_b * n * p.velocity * torque(p, s) / k;
+    let power = |p: &Point, s: f64| r_hot * (torque(p, s) / k).powi(2) + k_b * n * p.velocity * torque(p, s) / k;
     let magnitude = |p: &Point, s: f64| torque(p, s).abs();
     let most = largest(&case.raw, &magnitude);
     let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
@@ -212,7 +213,11 @@ fn own(case: &Case, n: f64) -> Own {
     let steady = !matches!(joint.motion.course, Course::Once(_));
     let continuous_current = motor.continuous_current.filter(|_| steady);
     limit("continuous_current", squared_current.sqrt(), continuous_current);
-    limit("continuous_torque", (mean(&|p| usual(p).powi(2)) + ripple_square).sqrt(), motor.continuous_torque.filter(|_| steady));
+    limit(
+        "continuous_torque",
+        (mean(&|p| usual(p).powi(2)) + ripple_square).sqrt(),
+        motor.continuous_torque.filter(|_| steady),
+    );
     limit("standstill_holding", (squared_current + own * at_rest).sqrt(), continuous_current);
     limit("voltage", largest(&case.raw, &voltage), Some(volt));
     limit("bus_power", watt, robot.bus.power);

@@ -419,6 +419,12 @@ impl Candidate<'_> {
         if self.catalog_gear.is_some_and(|g| g.inertia.is_none()) {
             unchecked.push(("gear_inertia", "the gear's inertia is not known: it is left out"));
         }
+        if hot_winding(self.motor, self.joint, self.robot.ambient).is_none() {
+            assumed.push((
+                "voltage",
+                "no temperature of the winding is known: its resistance is taken at the reference temperature",
+            ));
+        }
         if asked.iter().any(|a| a.limit.name == "standstill_holding") && self.share_of_winding().is_none() {
             assumed.push((
                 "standstill_holding",
@@ -429,7 +435,6 @@ impl Candidate<'_> {
     }
 }
 
-
 /// Highest winding temperature: the lower of the motor's and the requirement's \[K\], and whose.
 pub fn hottest(motor: &Motor, joint: &Joint) -> Option<(f64, &'static str)> {
     let motor = motor.max_winding_temperature.map(|t| (t, "motor"));
@@ -438,6 +443,18 @@ pub fn hottest(motor: &Motor, joint: &Joint) -> Option<(f64, &'static str)> {
         (Some(m), Some(a)) => Some(if a.0 < m.0 { a } else { m }),
         (m, a) => m.or(a),
     }
+}
+
+/// The temperature of the winding \[K\] that voltage and power taken are judged at: the highest that motor and
+/// requirement allow; where none is known that which the continuous current leads to in steady state, as no design that
+/// keeps its limits is hotter. `None` where neither is known.
+pub fn hot_winding(motor: &Motor, joint: &Joint, ambient: f64) -> Option<f64> {
+    let rated = || {
+        let (current, r_th) = (motor.continuous_current?, motor.thermal_resistance?);
+        let reference = motor.reference_temperature;
+        thermal::winding_temperature(current * current, motor.resistance, reference, r_th, ambient)
+    };
+    hottest(motor, joint).map(|(kelvin, _)| kelvin).or_else(rated)
 }
 
 /// A limit on the square of the shaft torque.
@@ -473,20 +490,26 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         });
     };
     let limit = limit * limit;
-    let (course, repeats) = load.squared_current_course(actuator, candidate.standing_share(), ratio);
     // Even the largest heat, held for ever, would be carried.
     let largest = load.largest_squared_current(actuator, candidate.standing_share(), ratio);
     if stretch::is_within(largest, limit) {
         return Verdict::Kept;
     }
+    let (course, repeats) = load.squared_current_course(actuator, candidate.standing_share(), ratio);
     let nodes = candidate.two_node();
     match (nodes, candidate.winding_temperature()) {
-        _ if !load.has_durations => return Verdict::Unknown("the operating points have no durations, and the hottest could not be held for ever"),
+        _ if !load.has_durations => {
+            return Verdict::Unknown(
+                "the operating points have no durations, and the hottest could not be held for ever",
+            );
+        }
         (Some(node), Some((hottest, _))) => {
             let holds = course.iter().map(|piece| (piece.duration, actuator.resistance * piece.from));
             return match node.rise_at_the_end(holds, hottest) <= hottest - node.ambient {
                 true => Verdict::Kept,
-                false => Verdict::Unknown("the order of the operating points is not known, and the hottest last may be too hot"),
+                false => Verdict::Unknown(
+                    "the order of the operating points is not known, and the hottest last may be too hot",
+                ),
             };
         }
         _ => {}
@@ -494,11 +517,21 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
     let own = candidate.motor.sheet.thermal_time_constant_winding.map(|t| SHORT_SHARE * t.value);
     let short = own.map_or(SHORT_STRETCH, |own| own.min(SHORT_STRETCH));
     match (stretch::longest(&course, limit, repeats) < short, nodes.is_some(), load.starts_cold()) {
-        (true, false, false) => Verdict::Assumed("judged by its mean heat: the thermal time constants are not known, and heat stays above its steady limit for less than 1 s at a time"),
-        (true, true, false) => Verdict::Assumed("judged by its mean heat: no highest winding temperature is known, and heat stays above its steady limit for less than 1 s at a time"),
-        (true, _, true) => Verdict::Assumed("taken as kept: from cold heat stays above its steady limit for less than 1 s at a time"),
-        (false, false, _) => Verdict::Unknown("the thermal time constants are not known, and heat stays above its steady limit for 1 s or longer"),
-        (false, true, _) => Verdict::Unknown("no highest winding temperature is known, and heat stays above its steady limit for long"),
+        (true, false, false) => Verdict::Assumed(
+            "judged by its mean heat: the thermal time constants are not known, and heat stays above its steady limit for less than 1 s at a time",
+        ),
+        (true, true, false) => Verdict::Assumed(
+            "judged by its mean heat: no highest winding temperature is known, and heat stays above its steady limit for less than 1 s at a time",
+        ),
+        (true, _, true) => {
+            Verdict::Assumed("taken as kept: from cold heat stays above its steady limit for less than 1 s at a time")
+        }
+        (false, false, _) => Verdict::Unknown(
+            "the thermal time constants are not known, and heat stays above its steady limit for 1 s or longer",
+        ),
+        (false, true, _) => {
+            Verdict::Unknown("no highest winding temperature is known, and heat stays above its steady limit for long")
+        }
     }
 }
 
@@ -607,7 +640,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "voltage",
         unit: "V",
-        formula: "max √(v_q² + v_d²) ≤ V",
+        formula: "max √(v_q² + v_d²) ≤ V, with R of the hottest winding allowed",
         class: Class::Convex,
         prepare: |c| torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
     },
@@ -689,7 +722,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "torque_bandwidth_voltage",
         unit: "V",
-        formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases",
+        formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases and R of the hottest winding",
         class: Class::Convex,
         prepare: |c| match (&c.load.bandwidth, c.motor.inductance) {
             (None, _) => Prepared::NotAsked,
@@ -700,7 +733,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "bus_power",
         unit: "W",
-        formula: "max (R i² + K_B N ω i)/η_d ≤ P",
+        formula: "max (R i² + K_B N ω i)/η_d ≤ P, with R of the hottest winding",
         class: Class::Convex,
         prepare: |c| match c.robot.bus.power {
             Some(bound) => plain(Demand::Samples(Functional::Power), 1.0 / c.robot.bus.drive_efficiency, bound, "bus"),
@@ -710,7 +743,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "bus_current",
         unit: "A",
-        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus",
+        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus, with R of the hottest winding",
         class: Class::Convex,
         prepare: |c| match c.robot.bus.current {
             Some(bound) => {
@@ -723,7 +756,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "regeneration",
         unit: "W",
-        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration",
+        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration, with R at its reference temperature",
         class: Class::ReverseConvex,
         prepare: |c| match c.robot.bus.regeneration {
             Regeneration::Allowed => Prepared::NotAsked,

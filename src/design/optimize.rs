@@ -3,10 +3,10 @@
 use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
+use super::evaluate::Judged;
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
 use super::prune::{self, Pruned};
 use super::spring::SpringChoice;
-use super::evaluate::Judged;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
 use crate::actuator::limits::Remark;
 use crate::actuator::metrics::{METRICS, Shown};

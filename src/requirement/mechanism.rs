@@ -169,7 +169,11 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
     for key in ["periodic", "period", "repeat_every", "motion", "points"] {
         if section.has(key) {
             let message = format!("`{key}` does not go with `mechanism_joint`");
-            let help = if key.starts_with("period") || key == "repeat_every" { "write it in [mechanism]" } else { "remove one of the two" };
+            let help = if key.starts_with("period") || key == "repeat_every" {
+                "write it in [mechanism]"
+            } else {
+                "remove one of the two"
+            };
             section.note(Problem::at(section.span_of(key), message, "the motion is the trajectory's").help(help));
         }
     }
