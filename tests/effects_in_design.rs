@@ -177,14 +177,15 @@ fn own(case: &Case, n: f64) -> Own {
     let mean = |f: &dyn Fn(&Point) -> f64| timed().map(|(p, s)| s[0] * f(p)).sum::<f64>();
     let squared_current = mean(&heating);
     let at_rest = timed().map(|(p, s)| s[1] * heating(p)).sum::<f64>();
-    // Voltage and power.
+    // Voltage and power taken, of the winding at its hottest.
+    let r_hot = r * raw::hottest_factor(motor, joint.limits.winding_temperature, robot.ambient);
     let brushless = motor.conventions.commutation == Commutation::Brushless;
     let (l, poles) = (motor.inductance.unwrap_or(0.0), motor.pole_pairs.filter(|_| brushless).unwrap_or(0));
     let voltage = |p: &Point, s: f64| {
-        let v_q = (r * torque(p, s) + l * rate(p, s)) / k + k_b * n * p.velocity;
+        let v_q = (r_hot * torque(p, s) + l * rate(p, s)) / k + k_b * n * p.velocity;
         v_q.hypot(f64::from(poles) * n * p.velocity * l * torque(p, s) / k)
     };
-    let power = |p: &Point, s: f64| r * (torque(p, s) / k).powi(2) + k_b * n * p.velocity * torque(p, s) / k;
+    let power = |p: &Point, s: f64| r_hot * (torque(p, s) / k).powi(2) + k_b * n * p.velocity * torque(p, s) / k;
     let magnitude = |p: &Point, s: f64| torque(p, s).abs();
     let most = largest(&case.raw, &magnitude);
     let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);

@@ -319,9 +319,10 @@ fn with_rest_it_is_judged_in_the_state_that_repeats() {
     // The loss stays the mean over the motion itself.
     assert_relative_eq!(evaluation.loss, mean * 60.0 / 3.5, max_relative = 1e-5);
     // No rest at all is the motion that repeats.
-    robot.joints[0].motion.repeat_every = Some(3.5 - 1e-6);
-    let dense = demand(&look(&robot, &motor, 1.0).0, "winding_peak_temperature").unwrap();
-    assert_relative_eq!(dense, repeated(&with_rest[..2]), max_relative = 1e-5);
+    let mut dense = holds(&[(0.5, 20.0), (3.0, 8.0)], |lasts| Course::Once(lasts - 1e-6));
+    dense.joints[0].motion.repeat_every = Some(3.5 - 1e-6);
+    let rise = demand(&look(&dense, &motor, 1.0).0, "winding_peak_temperature").unwrap();
+    assert_relative_eq!(rise, repeated(&[(0.5, 400.0), (3.0, 64.0)]), max_relative = 1e-5);
     // Without time constants the stretch is what counts: 3.5 s above 10 A, however long the rest.
     robot.joints[0].motion.repeat_every = Some(60.0);
     let unknown = look(&robot, &self::motor(TIMES, &[]), 1.0).1;
@@ -380,9 +381,81 @@ fn an_inductance_without_pole_pairs_counts_where_the_current_changes() {
     assert_eq!(said(&judged.unchecked, "inductance"), None);
 }
 
-/// Resistance at the temperature that the rated 10 A lead to, over that at the reference.
+/// Resistance at the temperature that the rated 10 A lead to, over that at the reference:
+/// R/R_0 = 1 + α x/(1 − α x) with the rise x = 100 K at constant resistance.
 fn hot_rated() -> f64 {
-    1.0
+    1.0 / (1.0 - 100.0 * 0.003_93 / (1.0 + 0.003_93 * 5.0))
+}
+
+#[test]
+fn voltage_and_power_see_the_winding_at_its_hottest() {
+    // 3 A at 50 rad/s: R i + K_B ω = 3 + 5 V cold. At 200 °C the copper has 1 + 175 · 0.003854 times its resistance.
+    let mut robot = robot("{ torque = '0.3 N*m', speed = '50 rad/s', duration = '1 s' }");
+    robot.bus.power = Some(1e3);
+    robot.bus.regeneration = Regeneration::Limited(1.0);
+    let hot = |kelvin: f64| 1.0 + (kelvin - 25.0) / (1.0 / 0.003_93 + 5.0);
+    let still = [("inductance [mH]", "0")];
+    let look = |robot: &Robot, motor: &Motor| look(robot, motor, 1.0);
+    let (evaluation, judged) = look(&robot, &motor(&[], &still));
+    assert_relative_eq!(demand(&evaluation, "voltage").unwrap(), 3.0 * hot(200.0) + 5.0, max_relative = 1e-9);
+    assert_relative_eq!(demand(&evaluation, "bus_power").unwrap(), 9.0 * hot(200.0) + 15.0, max_relative = 1e-9);
+    // Loss and what comes back stay at the reference.
+    assert_relative_eq!(evaluation.loss, 9.0, max_relative = 1e-9);
+    assert_eq!(said(&judged.assumed, "voltage"), None);
+    // The requirement's limit is the lower; without any, the rated current tells.
+    let mut cooler = robot.clone();
+    cooler.joints[0].limits.winding_temperature = Some(373.15);
+    let volts = demand(&look(&cooler, &motor(&[], &still)).0, "voltage").unwrap();
+    assert_relative_eq!(volts, 3.0 * hot(100.0) + 5.0, max_relative = 1e-9);
+    let volts = demand(&look(&robot, &motor(&["max_winding"], &still)).0, "voltage").unwrap();
+    assert_relative_eq!(volts, 3.0 * hot_rated() + 5.0, max_relative = 1e-9);
+    // Nothing tells: cold, and said.
+    let (evaluation, judged) = look(&robot, &motor(&["max_winding", "continuous_current"], &still));
+    assert_relative_eq!(demand(&evaluation, "voltage").unwrap(), 8.0, max_relative = 1e-9);
+    assert!(said(&judged.assumed, "voltage").is_some());
+    // Power that comes back: 5 · 3 − 9 W, cold.
+    let back = self::robot("{ torque = '-0.3 N*m', speed = '50 rad/s', duration = '1 s' }");
+    let back = Robot { bus: robot.bus.clone(), ..back };
+    let (evaluation, _) = look(&back, &motor(&[], &still));
+    assert_relative_eq!(demand(&evaluation, "regeneration").unwrap(), 15.0 - 9.0, max_relative = 1e-9);
+}
+
+/// Every design keeps its voltage at the temperature that it is itself predicted to have.
+#[test]
+fn no_design_breaks_its_voltage_at_its_own_temperature() {
+    let catalog = Catalog::builtin().unwrap();
+    let mut bound = 0;
+    for (torque, speed) in [(20.0, 10.0), (5.0, 30.0), (60.0, 2.0)] {
+        let text = format!(
+            "name='r'\nbus={{voltage='24 V'}}\n[[joint]]\nname='j'\nratio={{min=1,max=300}}\nobjective='loss'\npoints=[{{torque='{torque} N*m',speed='{speed} rad/s',duration='1 s'}}]\n"
+        );
+        let robot = read_source(&Arc::new(Source::new("robot.toml", text))).unwrap();
+        for design in &optimize(&robot, &catalog).joints[0].candidates {
+            let (motor, n) = (design.motor, design.optimum.ratio);
+            let (Some(Some(kelvin)), false) =
+                (design.winding_temperature, design.assumed.iter().any(|a| a.0 == "voltage"))
+            else {
+                continue;
+            };
+            let voltage = design.evaluation.margins.iter().find(|m| m.limit == "voltage").unwrap();
+            bound += usize::from(voltage.margin < 1e-6);
+            let alpha = 1.0 / (1.0 / 0.003_93 + motor.reference_temperature - 293.15);
+            let r = motor.resistance * (1.0 + alpha * (kelvin - motor.reference_temperature));
+            let c = motor.coulomb_friction.unwrap_or(0.0) + motor.viscous_friction.unwrap_or(0.0) * n * speed;
+            let i = (torque / n + c) / motor.torque_constant;
+            let v_q = r * i + motor.back_emf_constant * n * speed;
+            let poles = f64::from(motor.pole_pairs.unwrap_or(0));
+            let v_d = poles * n * speed * motor.inductance.unwrap_or(0.0) * i;
+            assert!(
+                v_q.hypot(v_d) <= voltage.bound * (1.0 + 1e-8),
+                "{}: {} {}",
+                motor.id,
+                v_q.hypot(v_d),
+                voltage.bound
+            );
+        }
+    }
+    assert!(bound > 10, "{bound}");
 }
 
 #[test]

@@ -552,7 +552,8 @@ fn limits_say_whose_they_are_and_what_is_left() {
         case.motor.continuous_current = None;
         let Some(found) = at(&case, "winding_temperature") else { panic!("not asked") };
         // i² R_th R (1 + α (T − T_0)) = T − T_a.
-        let r = case.motor.resistance * (1.0 + 0.0039 * (hottest - case.motor.reference_temperature));
+        let a = raw::copper(case.motor.reference_temperature);
+        let r = case.motor.resistance * (1.0 + a * (hottest - case.motor.reference_temperature));
         let current = ((hottest - case.robot.ambient) / (2.0 * r)).sqrt();
         assert_relative_eq!(found.bound, current, max_relative = 1e-12);
         assert_eq!(found.owner, owner);
@@ -619,8 +620,9 @@ fn quick_looks_at_the_windings_temperature_are_true_and_sharp() {
         let (peak, sample) = load.winding_peak(&actuator, &node, n);
         assert!(sample.is_some_and(|s| s < joint.motion.len()));
         // Held for ever: T = T_a + r (1 + α (T_a − T_0))/(1 − α r).
-        let warm = 1.0 + 0.0039 * (node.ambient - node.reference);
-        let held = 40.0 * warm / (1.0 - 0.0039 * 40.0);
+        let a = raw::copper(node.reference);
+        let warm = 1.0 + a * (node.ambient - node.reference);
+        let held = 40.0 * warm / (1.0 - a * 40.0);
         assert!(peak <= held * (1.0 + 1e-9), "{i}: {peak} {held}");
         assert!(load.winding_peak_is_within(&actuator, &node, n, held * (1.0 + 1e-9)), "{i}");
         assert!(!load.winding_peak_is_within(&actuator, &node, n, held * (1.0 - 1e-9)), "{i}");
@@ -812,10 +814,10 @@ fn cuts_of_the_windings_temperature_touch_and_stay_below() {
             let heat: Vec<f64> = {
                 let sample = |p: &Point| {
                     let j = case.motor.rotor_inertia.unwrap() + joint.gear.inertia;
-                    let phi = if p.torque * p.velocity < 0.0 {
-                        joint.gear.backdrive_efficiency
-                    } else {
-                        1.0 / joint.gear.efficiency
+                    let phi = match p.torque * p.velocity {
+                        _ if p.velocity == 0.0 => 1.0,
+                        power if power < 0.0 => joint.gear.backdrive_efficiency,
+                        _ => 1.0 / joint.gear.efficiency,
                     };
                     let torque = phi * p.torque / n
                         + n * (j * p.acceleration + case.motor.viscous_friction.unwrap_or(0.0) * p.velocity);
@@ -874,14 +876,16 @@ fn the_envelope_is_where_its_functional_meets_the_bound() {
                 let rubs = motor.coulomb_friction.unwrap_or(0.0) + motor.viscous_friction.unwrap_or(0.0) * n * speed;
                 let current = (phi * sign * load / n + rubs) / motor.torque_constant;
                 let poles = motor.inductance_and_poles().map_or(0.0, |(l, p)| l * p);
-                let v_q = motor.resistance * current + motor.back_emf_constant * n * speed;
+                let asked = joint.limits.winding_temperature;
+                let hot = motor.resistance * raw::hottest_factor(motor, asked, case.robot.ambient);
+                let v_q = hot * current + motor.back_emf_constant * n * speed;
                 let v_d = poles * n * speed * current;
-                let power = motor.resistance * current * current + motor.back_emf_constant * n * speed * current;
+                let work = motor.back_emf_constant * n * speed * current;
                 match functional {
                     Functional::TorqueSquared => (current * motor.torque_constant).powi(2),
                     Functional::VoltageSquared => v_q * v_q + v_d * v_d,
-                    Functional::Power => power,
-                    Functional::PowerBack => -power,
+                    Functional::Power => hot * current * current + work,
+                    Functional::PowerBack => -(motor.resistance * current * current + work),
                 }
             };
             let usual = case.raw.iter().map(|p| p.torque.abs()).fold(0.0, f64::max);

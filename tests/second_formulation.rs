@@ -94,6 +94,7 @@ struct Problem<'a> {
     usual: Vec<Sample>,
     rippled: Vec<Sample>,
     copper: f64,
+    hot_copper: f64,
     emf: f64,
     cross: f64,
     inertia: f64,
@@ -130,12 +131,14 @@ impl<'a> Problem<'a> {
         let poles = motor.pole_pairs.filter(|_| brushless).map_or(0.0, f64::from);
         let (l, j) = (inductance.unwrap_or(0.0), motor.rotor_inertia? + gear.inertia);
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
+        // Voltage and power taken see the winding at its hottest.
+        let r_hot = r * raw::hottest_factor(motor, asked.winding_temperature, case.robot.ambient);
         let passed =
             |p: &Point| if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
         let sample = |p: &Point, share: [f64; 2], rubs: f64, phi: f64| {
             let torque = [phi * p.torque, j * p.acceleration + b * p.velocity, rubs];
             let rate = [phi * p.torque_rate, j * p.jerk + b * p.acceleration, 0.0];
-            let mut voltage = add(torque.map(|x| x * r / k_t), rate, l / k_t);
+            let mut voltage = add(torque.map(|x| x * r_hot / k_t), rate, l / k_t);
             voltage[1] += motor.back_emf_constant * p.velocity;
             Sample { torque, voltage, speed: p.velocity, share }
         };
@@ -169,7 +172,7 @@ impl<'a> Problem<'a> {
             (true, Modulation::SpaceVector) => 0.5_f64.sqrt(),
         };
         let hot = least(&[motor.max_winding_temperature, asked.winding_temperature]);
-        let resistance = r * (1.0 + 0.0039 * (hot - motor.reference_temperature));
+        let resistance = r * (1.0 + raw::copper(motor.reference_temperature) * (hot - motor.reference_temperature));
         let by_heat = motor.thermal_resistance.map(|r_th| ((hot - case.robot.ambient) / (r_th * resistance)).sqrt());
         let heating = least(&[motor.continuous_current, by_heat]) * k_t;
         let stands = brushless && case.shares.iter().any(|s| s[1] > 0.0);
@@ -207,6 +210,7 @@ impl<'a> Problem<'a> {
             usual,
             rippled: every(&case.rippled),
             copper: r / (k_t * k_t),
+            hot_copper: r_hot / (k_t * k_t),
             emf: motor.back_emf_constant / k_t,
             cross: poles * l / k_t,
             inertia: j,
@@ -228,16 +232,16 @@ impl<'a> Problem<'a> {
     }
 
     /// Below the power of a sample times a factor: `R i² + K_B N ω i`, in which N T is `A + B N² + C N`.
-    fn power(&self, on: &Interval, s: &Sample, factor: f64) -> Plane {
+    fn power(&self, on: &Interval, s: &Sample, factor: f64, copper: f64) -> Plane {
         let turning = factor * self.emf * s.speed;
-        let copper = on.square(s.torque, factor * self.copper);
+        let copper = on.square(s.torque, factor * copper);
         let plane = add(copper, [0.0, turning * s.torque[2], turning * s.torque[0]], 1.0);
         add(plane, on.square_of_ratio(turning * s.torque[1]), 1.0)
     }
 
-    fn power_at(&self, s: &Sample, n: f64) -> f64 {
+    fn power_at(&self, s: &Sample, n: f64, copper: f64) -> f64 {
         let torque = s.torque[0] / n + s.torque[1] * n + s.torque[2];
-        self.copper * torque * torque + self.emf * n * s.speed * torque
+        copper * torque * torque + self.emf * n * s.speed * torque
     }
 
     /// Whether no ratio of an interval can keep all limits.
@@ -262,8 +266,8 @@ impl<'a> Problem<'a> {
             || torque(&self.rippled, b.rippled_torque)
             || voltage(&self.most, b.voltage)
             || voltage(&self.rippled, b.rippled_voltage)
-            || b.power < NONE && self.most.iter().any(|s| on.least(self.power(on, s, 1.0)) > b.power)
-            || b.back < NONE && self.most.iter().any(|s| on.least(self.power(on, s, -1.0)) > b.back)
+            || b.power < NONE && self.most.iter().any(|s| on.least(self.power(on, s, 1.0, self.hot_copper)) > b.power)
+            || b.back < NONE && self.most.iter().any(|s| on.least(self.power(on, s, -1.0, self.copper)) > b.back)
             || b.rms < NONE && mean(0.0) > b.rms * b.rms
             || b.holding < NONE && mean(b.own) > b.holding * b.holding
             || self.mass(on.b) > b.mass && self.mass(on.a * (1.0 + 1e-9)) > b.mass
@@ -290,10 +294,10 @@ impl<'a> Problem<'a> {
         let torque = |s: &Sample| s.torque[0] / n + s.torque[1] * n + s.torque[2];
         let eta = self.case.robot.bus.drive_efficiency;
         let loss: f64 = self.usual.iter().map(|s| s.share[0] * self.copper * torque(s).powi(2)).sum();
-        let drawn = |s: &Sample| (self.power_at(s, n) / eta).max(self.power_at(s, n) * eta);
+        let drawn = |s: &Sample| (self.power_at(s, n, self.copper) / eta).max(self.power_at(s, n, self.copper) * eta);
         let energy: f64 = self.usual.iter().map(|s| s.share[0] * drawn(s)).sum();
         let current = self.most.iter().map(|s| torque(s).abs()).fold(0.0, f64::max) / self.case.motor.torque_constant;
-        let power = self.most.iter().map(|s| self.power_at(s, n)).fold(0.0, f64::max) / eta;
+        let power = self.most.iter().map(|s| self.power_at(s, n, self.hot_copper)).fold(0.0, f64::max) / eta;
         self.weight(Quantity::Loss) * loss
             + self.weight(Quantity::Energy) * energy * self.duration
             + self.weight(Quantity::PeakCurrent) * current
@@ -311,9 +315,9 @@ impl<'a> Problem<'a> {
         for s in &self.usual {
             plane = add(plane, on.square(s.torque, weight(Quantity::Loss) * s.share[0] * self.copper), 1.0);
             if weight(Quantity::Energy) > 0.0 {
-                let factor = if self.power_at(s, on.at) > 0.0 { 1.0 / eta } else { eta };
+                let factor = if self.power_at(s, on.at, self.copper) > 0.0 { 1.0 / eta } else { eta };
                 let factor = factor * s.share[0] * self.duration * weight(Quantity::Energy);
-                plane = add(plane, self.power(on, s, factor), 1.0);
+                plane = add(plane, self.power(on, s, factor, self.copper), 1.0);
             }
         }
         // A largest is above each of its samples: those that lead at the ends and in the middle.
@@ -328,11 +332,11 @@ impl<'a> Problem<'a> {
         }
         if weight(Quantity::PeakPower) > 0.0 {
             let leads = [on.a, on.at, on.b].map(|n| {
-                let power = |s: &Sample| self.power_at(s, n);
+                let power = |s: &Sample| self.power_at(s, n, self.hot_copper);
                 self.most.iter().max_by(|x, y| power(x).total_cmp(&power(y))).unwrap()
             });
             let factor = weight(Quantity::PeakPower) / eta;
-            let with = |p: &Plane| leads.map(|lead| add(*p, self.power(on, lead, factor), 1.0));
+            let with = |p: &Plane| leads.map(|lead| add(*p, self.power(on, lead, factor, self.hot_copper), 1.0));
             planes = planes.iter().flat_map(|p| with(p).into_iter().chain([*p])).collect();
         }
         planes.into_iter().map(|plane| on.least(plane)).fold(f64::NEG_INFINITY, f64::max)

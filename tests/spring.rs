@@ -44,6 +44,10 @@ impl Case {
         let (gear, raw) = (&joint.gear, &self.raw);
         let (r, k_t, l) = (motor.resistance, motor.torque_constant, motor.inductance.unwrap_or(0.0));
         let poles = f64::from(motor.pole_pairs.unwrap_or(0));
+        // The winding at its hottest, where that is known: here by a highest temperature or not at all.
+        let (t_0, hottest) = (motor.reference_temperature, joint.limits.winding_temperature);
+        assert!(motor.max_winding_temperature.is_none() && motor.thermal_resistance.is_none());
+        let r_hot = r * hottest.map_or(1.0, |t| 1.0 + (t - t_0) / (1.0 / 0.003_93 + t_0 - 293.15));
         let j = motor.rotor_inertia.unwrap() + gear.inertia;
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
         let count = raw.time.len();
@@ -60,9 +64,10 @@ impl Case {
             let t = phi * tau / n + n * (j * alpha + b * omega) + c * omega.signum();
             let t_rate = phi * rate / n + n * (j * jerk + b * alpha);
             let i = t / k_t;
-            let v_q = r * i + l * t_rate / k_t + motor.back_emf_constant * n * omega;
+            let v_q = r_hot * i + l * t_rate / k_t + motor.back_emf_constant * n * omega;
             let v_d = poles * n * omega * l * i;
-            let power = r * i * i + motor.back_emf_constant * n * omega * i;
+            let work = motor.back_emf_constant * n * omega * i;
+            let (power, taken) = (r * i * i + work, r_hot * i * i + work);
             // The trapezoid rule, periodic.
             let before =
                 if k > 0 { raw.time[k] - raw.time[k - 1] } else { self.period + raw.time[0] - raw.time[count - 1] };
@@ -72,7 +77,7 @@ impl Case {
             mean += share * i * i;
             drawn += share * power * if power > 0.0 { 1.0 / bus.drive_efficiency } else { bus.drive_efficiency };
             (peak, volt, out) = (peak.max(i.abs()), volt.max(v_q.hypot(v_d)), out.max(tau.abs()));
-            (watt, back) = (watt.max(power), back.max(-power));
+            (watt, back) = (watt.max(taken), back.max(-power));
         }
         let inertia = n * n * j;
         let mut excess = f64::MIN;

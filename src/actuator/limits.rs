@@ -416,9 +416,20 @@ impl Candidate<'_> {
 
     /// What the limits that are asked of this candidate assume at every ratio.
     pub fn assumptions(&self, asked: &[Asked]) -> Vec<Remark> {
-        let holds = asked.iter().any(|a| a.limit.name == "standstill_holding");
-        let all = "what part of the thermal resistance is the winding's own is not known: all of it is taken to be";
-        if holds && self.share_of_winding().is_none() { vec![("standstill_holding", all)] } else { Vec::new() }
+        let mut assumed = Vec::new();
+        if hot_winding(self.motor, self.joint, self.robot.ambient).is_none() {
+            assumed.push((
+                "voltage",
+                "no temperature of the winding is known: its resistance is taken at the reference temperature",
+            ));
+        }
+        if asked.iter().any(|a| a.limit.name == "standstill_holding") && self.share_of_winding().is_none() {
+            assumed.push((
+                "standstill_holding",
+                "what part of the thermal resistance is the winding's own is not known: all of it is taken to be",
+            ));
+        }
+        assumed
     }
 }
 
@@ -430,6 +441,18 @@ pub fn hottest(motor: &Motor, joint: &Joint) -> Option<(f64, &'static str)> {
         (Some(m), Some(a)) => Some(if a.0 < m.0 { a } else { m }),
         (m, a) => m.or(a),
     }
+}
+
+/// The temperature of the winding \[K\] that voltage and power taken are judged at: the highest that motor and
+/// requirement allow; where none is known that which the continuous current leads to in steady state, as no design that
+/// keeps its limits is hotter. `None` where neither is known.
+pub fn hot_winding(motor: &Motor, joint: &Joint, ambient: f64) -> Option<f64> {
+    let rated = || {
+        let (current, r_th) = (motor.continuous_current?, motor.thermal_resistance?);
+        let reference = motor.reference_temperature;
+        thermal::winding_temperature(current * current, motor.resistance, reference, r_th, ambient)
+    };
+    hottest(motor, joint).map(|(kelvin, _)| kelvin).or_else(rated)
 }
 
 /// A limit on the square of the shaft torque.
@@ -558,12 +581,12 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         });
     };
     let limit = limit * limit;
-    let (course, repeats) = load.squared_current_course(actuator, candidate.standing_share(), ratio);
     // Even the largest heat, held for ever, would be carried.
     let largest = load.largest_squared_current(actuator, candidate.standing_share(), ratio);
     if stretch::is_within(largest, limit) {
         return Verdict::Kept;
     }
+    let (course, repeats) = load.squared_current_course(actuator, candidate.standing_share(), ratio);
     let nodes = candidate.two_node();
     match (nodes, candidate.winding_temperature()) {
         _ if !load.has_durations => {
@@ -715,7 +738,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "voltage",
         unit: "V",
-        formula: "max √(v_q² + v_d²) ≤ V",
+        formula: "max √(v_q² + v_d²) ≤ V, with R of the hottest winding allowed",
         class: Class::Convex,
         stated: the_supply,
         prepare: |c| torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
@@ -804,7 +827,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "torque_bandwidth_voltage",
         unit: "V",
-        formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases",
+        formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases and R of the hottest winding",
         class: Class::Convex,
         stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
         prepare: |c| match (&c.load.bandwidth, c.motor.inductance) {
@@ -816,7 +839,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "bus_power",
         unit: "W",
-        formula: "max (R i² + K_B N ω i)/η_d ≤ P",
+        formula: "max (R i² + K_B N ω i)/η_d ≤ P, with R of the hottest winding",
         class: Class::Convex,
         stated: |robot, _| robot.bus.power.is_some(),
         prepare: |c| match c.robot.bus.power {
@@ -827,7 +850,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "bus_current",
         unit: "A",
-        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus",
+        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus, with R of the hottest winding",
         class: Class::Convex,
         stated: |robot, _| robot.bus.current.is_some(),
         prepare: |c| match c.robot.bus.current {
@@ -841,7 +864,7 @@ pub const LIMITS: &[Limit] = &[
     Limit {
         name: "regeneration",
         unit: "W",
-        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration",
+        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration, with R at its reference temperature",
         class: Class::ReverseConvex,
         stated: |robot, _| robot.bus.regeneration != Regeneration::Allowed,
         prepare: |c| match c.robot.bus.regeneration {

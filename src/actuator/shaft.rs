@@ -12,6 +12,9 @@
 //! P   = R i² + K_B N ω i                           without d(½ L i²)/dt, which is zero over a cycle
 //! ```
 //!
+//! R in the voltage and in the power that is taken is that of the hottest winding that may be; in heat, loss, energy and
+//! power that comes back it is that of the reference temperature.
+//!
 //! The coefficients are made here, once; the sweep weighs features with them at a ratio, the ratio
 //! program takes the same coefficients as Laurent polynomials.
 
@@ -20,6 +23,7 @@ use std::ops::{Index, IndexMut};
 use super::effects;
 use super::fitted::{self, Shortfall};
 use super::laurent::Laurent;
+use super::thermal;
 use crate::catalog::Motor;
 use crate::requirement::GearModel;
 
@@ -149,8 +153,11 @@ pub fn sign(velocity: f64) -> f64 {
 /// A motor with a gear: all coefficients that the equations of a sample need, SI, q axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Actuator {
-    /// Winding resistance \[Ω\].
+    /// Winding resistance at the reference temperature \[Ω\].
     pub resistance: f64,
+    /// Winding resistance that voltage and power taken are computed with \[Ω\]: that at the reference temperature until
+    /// [`Actuator::with_winding_at`].
+    pub hot_resistance: f64,
     /// Torque constant \[N·m/A\].
     pub torque_constant: f64,
     /// Back-EMF constant \[V·s/rad\].
@@ -202,6 +209,7 @@ impl Actuator {
         let forms = [1.0 / gear.efficiency, gear.backdrive_efficiency, 1.0].map(form);
         Actuator {
             resistance: motor.resistance,
+            hot_resistance: motor.resistance,
             torque_constant,
             back_emf_constant: motor.back_emf_constant,
             inertia,
@@ -211,6 +219,19 @@ impl Actuator {
             torque: forms.map(|form| form.0),
             voltage: forms.map(|form| form.1),
         }
+    }
+
+    /// The same with the resistance in voltage and power taken that of a winding at a temperature \[K\], for a
+    /// resistance at `reference` \[K\].
+    #[must_use]
+    pub fn with_winding_at(mut self, temperature: f64, reference: f64) -> Actuator {
+        let hot = self.resistance * thermal::resistance_factor(temperature, reference);
+        let more = (hot - self.hot_resistance) / self.torque_constant;
+        for (voltage, torque) in self.voltage.iter_mut().zip(&self.torque) {
+            *voltage = voltage.plus(more, torque);
+        }
+        self.hot_resistance = hot;
+        self
     }
 
     /// Torque at the motor shaft as a linear form.
@@ -240,11 +261,12 @@ impl Actuator {
         self.voltage_form(flow).polynomial(features).squared() + direct.squared()
     }
 
-    /// Terminal power of a sample \[W\].
-    pub fn power(&self, flow: Flow, features: &[f64; FEATURES]) -> Laurent {
+    /// Terminal power of a sample \[W\], with so much copper loss per squared torque \[W/(N·m)²\]: [`Actuator::hot_copper`]
+    /// for what is taken.
+    pub fn power(&self, copper: f64, flow: Flow, features: &[f64; FEATURES]) -> Laurent {
         let torque = self.torque_form(flow).polynomial(features);
         let speed = Laurent::monomial(features[Feature::Velocity as usize], 1);
-        torque.squared() * self.copper() + speed * torque * (self.back_emf_constant / self.torque_constant)
+        torque.squared() * copper + speed * torque * (self.back_emf_constant / self.torque_constant)
     }
 
     /// `T` of a sample as coefficients of N⁻¹, 1 and N \[N·m\].
@@ -272,7 +294,7 @@ impl Actuator {
         for flow in 0..FLOWS {
             for (form, per_torque, per_rate) in [
                 (&mut actuator.torque[flow], 1.0, 0.0),
-                (&mut actuator.voltage[flow], self.resistance / self.torque_constant, self.rate),
+                (&mut actuator.voltage[flow], self.hot_resistance / self.torque_constant, self.rate),
             ] {
                 form[Feature::Speed] = 0.0;
                 form[Feature::One] = per_torque;
@@ -301,7 +323,12 @@ impl Actuator {
         (self.resistance * squared, self.resistance * slope)
     }
 
-    /// Copper loss per squared torque \[W/(N·m)²\], `R/K_T²`.
+    /// Copper loss per squared torque of the hottest winding \[W/(N·m)²\].
+    pub fn hot_copper(&self) -> f64 {
+        self.hot_resistance / (self.torque_constant * self.torque_constant)
+    }
+
+    /// Copper loss per squared torque at the reference temperature \[W/(N·m)²\], `R/K_T²`.
     pub fn copper(&self) -> f64 {
         self.resistance / (self.torque_constant * self.torque_constant)
     }

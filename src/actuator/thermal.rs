@@ -1,8 +1,26 @@
 //! Winding temperature in steady state, with the resistance of copper rising with temperature.
 
-/// Temperature coefficient of copper's resistance \[1/K\], of the resistance at the reference
-/// temperature.
-pub const COPPER: f64 = 0.0039;
+/// Temperature coefficient of copper's resistance \[1/K\], of the resistance at 20 °C (IEC 60028).
+const AT_20_DEGREES: f64 = 0.003_93;
+
+/// 20 °C \[K\].
+const TWENTY_DEGREES: f64 = 293.15;
+
+/// Temperature coefficient of copper's resistance \[1/K\], of the resistance at a reference temperature \[K\]: the
+/// resistance is a straight line in temperature, so that `α(T_0) = α_20/(1 + α_20 (T_0 − 20 °C))`. Only above 40 K or so;
+/// below it is held at what it is there.
+///
+/// ```
+/// assert!((gearwise::actuator::thermal::copper(298.15) - 0.003_854).abs() < 1e-6);
+/// ```
+pub fn copper(reference: f64) -> f64 {
+    AT_20_DEGREES / (1.0 + AT_20_DEGREES * (reference - TWENTY_DEGREES)).max(0.01)
+}
+
+/// Copper's resistance at a temperature over that at the reference temperature \[both K\], not negative.
+pub fn resistance_factor(temperature: f64, reference: f64) -> f64 {
+    (1.0 + copper(reference) * (temperature - reference)).max(f64::MIN_POSITIVE)
+}
 
 /// Winding temperature \[K\] where the heat `R_th R(T) i²` flows to ambient for ever; `None` where no
 /// temperature balances it (thermal runaway).
@@ -10,9 +28,9 @@ pub const COPPER: f64 = 0.0039;
 /// `T = T_a + R_th R_0 i² (1 + α (T − T_0))` is linear in T: it is solved, not iterated.
 ///
 /// ```
-/// // A hold of 2.4525 A in 1 Ω over 10 K/W: 60.1 K at constant resistance, 78.6 K with hot copper.
+/// // A hold of 2.4525 A in 1 Ω over 10 K/W: 60.1 K at constant resistance, 78.3 K with hot copper.
 /// let hot = gearwise::actuator::thermal::winding_temperature(2.4525_f64.powi(2), 1.0, 298.15, 10.0, 298.15);
-/// assert!((hot.unwrap() - 298.15 - 78.58).abs() < 0.01);
+/// assert!((hot.unwrap() - 298.15 - 78.30).abs() < 0.01);
 /// ```
 pub fn winding_temperature(
     mean_current_squared: f64,
@@ -22,8 +40,9 @@ pub fn winding_temperature(
     ambient: f64,
 ) -> Option<f64> {
     let rise = thermal_resistance * resistance * mean_current_squared;
-    let denominator = 1.0 - COPPER * rise;
-    (denominator > 0.0).then(|| (ambient + rise * (1.0 - COPPER * reference)) / denominator)
+    let coefficient = copper(reference);
+    let denominator = 1.0 - coefficient * rise;
+    (denominator > 0.0).then(|| (ambient + rise * (1.0 - coefficient * reference)) / denominator)
 }
 
 /// Mean squared current \[A²\] that heats the winding to `limit` \[K\] in steady state; not positive
@@ -35,7 +54,7 @@ pub fn allowed_current_squared(
     thermal_resistance: f64,
     ambient: f64,
 ) -> f64 {
-    let hot = resistance * (1.0 + COPPER * (limit - reference)).max(f64::MIN_POSITIVE);
+    let hot = resistance * resistance_factor(limit, reference);
     (limit - ambient) / (thermal_resistance * hot)
 }
 

@@ -21,7 +21,7 @@ pub enum Functional {
     TorqueSquared,
     /// `v_q² + v_d²` \[V²\].
     VoltageSquared,
-    /// Terminal power taken \[W\].
+    /// Terminal power taken \[W\], of the hottest winding.
     Power,
     /// Terminal power given back \[W\].
     PowerBack,
@@ -33,8 +33,8 @@ impl Functional {
         match self {
             Functional::TorqueSquared => actuator.torque_squared(flow, features),
             Functional::VoltageSquared => actuator.voltage_squared(flow, features),
-            Functional::Power => actuator.power(flow, features),
-            Functional::PowerBack => actuator.power(flow, features) * -1.0,
+            Functional::Power => actuator.power(actuator.hot_copper(), flow, features),
+            Functional::PowerBack => actuator.power(actuator.copper(), flow, features) * -1.0,
         }
     }
 }
@@ -83,7 +83,9 @@ struct Weights {
     torque: [f64; FEATURES],
     voltage: [f64; FEATURES],
     direct: f64,
+    /// Of the hottest winding, for power taken; and at the reference temperature, for what comes back.
     copper: f64,
+    cold_copper: f64,
     emf: f64,
 }
 
@@ -196,9 +198,7 @@ impl Waveform {
             Functional::TorqueSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_torque::<D>),
             Functional::VoltageSquared => self.search::<D>(actuator, ratio, bound_voltage::<D>, value_voltage::<D>),
             Functional::Power => self.search::<D>(actuator, ratio, bound_power::<D>, value_power::<D>),
-            Functional::PowerBack => {
-                self.search::<D>(actuator, ratio, bound_power_back::<D>, |w, x| -value_power::<D>(w, x))
-            }
+            Functional::PowerBack => self.search::<D>(actuator, ratio, bound_power_back::<D>, value_power_back::<D>),
         }
     }
 
@@ -295,7 +295,8 @@ impl Weights {
             torque: actuator.torque_form(flow).weights(ratio),
             voltage: actuator.voltage_form(flow).weights(ratio),
             direct: actuator.cross_coupling * ratio,
-            copper: actuator.copper(),
+            copper: actuator.hot_copper(),
+            cold_copper: actuator.copper(),
             emf: actuator.back_emf_constant / actuator.torque_constant * ratio,
         }
     }
@@ -359,6 +360,12 @@ fn bound_voltage<const D: usize>(weights: &Weights, node: &Node) -> f64 {
 fn value_power<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
     let torque = dot::<D>(&weights.torque, features);
     weights.copper * torque * torque + weights.emf * features[VELOCITY] * torque
+}
+
+#[inline(always)]
+fn value_power_back<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+    let torque = dot::<D>(&weights.torque, features);
+    -(weights.cold_copper * torque * torque + weights.emf * features[VELOCITY] * torque)
 }
 
 /// Largest and smallest product of speed and torque over a box.

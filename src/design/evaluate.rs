@@ -303,7 +303,7 @@ impl<'a> Prepared<'a> {
                 let sides =
                     [was, is].map(|sign| torque(Flow::of(motion.torque[k], sign), k, sign) / actuator.torque_constant);
                 let jump = (sides[0] - sides[1]).abs();
-                let left = candidate.voltage() - actuator.resistance * sides[0].abs().max(sides[1].abs());
+                let left = candidate.voltage() - actuator.hot_resistance * sides[0].abs().max(sides[1].abs());
                 longest = longest.max(match () {
                     () if jump == 0.0 => 0.0,
                     () if left > 0.0 => inductance * jump / left,

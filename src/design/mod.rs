@@ -26,7 +26,7 @@ pub use optimize::optimize;
 pub use sweep::sweep;
 
 use crate::actuator::fitted::gear_with_fit;
-use crate::actuator::limits::hottest;
+use crate::actuator::limits::{hot_winding, hottest};
 use crate::actuator::{Actuator, Load};
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
 use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
@@ -101,6 +101,14 @@ fn covers_gear(joint: &Joint) -> bool {
     matches!(joint.ratio, RatioChoice::Catalog { efficiency_covers: EfficiencyCovers::LoadAndGear, .. })
 }
 
+/// The actuator with the resistance of the hottest winding that may be in its voltage and power, where that is known.
+fn with_hot_winding(actuator: Actuator, robot: &Robot, joint: &Joint, motor: &Motor) -> Actuator {
+    match hot_winding(motor, joint, robot.ambient) {
+        Some(kelvin) => actuator.with_winding_at(kelvin, motor.reference_temperature),
+        None => actuator,
+    }
+}
+
 /// A candidate with a continuous ratio.
 pub fn continuous_candidate<'a>(
     robot: &'a Robot,
@@ -111,6 +119,7 @@ pub fn continuous_candidate<'a>(
     let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
     let gear = gear_with_fit(motor, &joint.gear);
     let actuator = Actuator::at_temperature(motor, rotor, &gear, hottest(motor, joint).map(|t| t.0), true);
+    let actuator = with_hot_winding(actuator, robot, joint, motor);
     Ok(Candidate { robot, joint, load, motor, catalog_gear: None, gear, actuator, folded: false })
 }
 
@@ -137,7 +146,8 @@ pub fn geared_candidate<'a>(
     // Where the efficiency covers the gear's inertia, the load has it already.
     let at_the_shaft = GearModel { inertia: if covers_gear(joint) { 0.0 } else { model.inertia }, ..model };
     let hottest = hottest(motor, joint).map(|t| t.0);
-    let mut actuator = Actuator::at_temperature(motor, rotor, &at_the_shaft, hottest, false);
+    let actuator = Actuator::at_temperature(motor, rotor, &at_the_shaft, hottest, false);
+    let mut actuator = with_hot_winding(actuator, robot, joint, motor);
     actuator.inertia = rotor + model.inertia;
     Ok(Candidate { robot, joint, load, motor, catalog_gear: Some(gear), gear: model, actuator, folded: false })
 }

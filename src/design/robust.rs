@@ -26,7 +26,7 @@ use super::judge;
 use super::optimize::{Design, JointResult, Options, Reason, RobotResult, optimize_with};
 use super::program::{Bind, Certificate, Limited, Optimum, Outcome, RatioProgram, Window};
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
-use crate::actuator::limits::Candidate;
+use crate::actuator::limits::{Candidate, hottest};
 use crate::catalog::{Catalog, FIELDS, Field, Identity, Motor, Printed};
 use crate::requirement::{Joint, RatioChoice, Regeneration, Robot};
 
@@ -252,6 +252,12 @@ fn unproved(robot: &Robot, nominal: &Prepared, all: &[Toleranced]) -> Option<&'s
         ["thermal_resistance_winding_housing", "thermal_time_constant_winding", "thermal_time_constant_housing"];
     if matches!(robot.bus.regeneration, Regeneration::Limited(_)) && has(&of_power) {
         return Some("power that comes back may be largest between the corners of the tolerances");
+    }
+    let by_rating = hottest(nominal.candidate.motor, nominal.candidate.joint).is_none() && has(&["continuous_current"]);
+    if has(&["max_winding_temperature"]) || by_rating {
+        return Some(
+            "voltage takes the winding at its hottest, which the other end of its tolerance would make hotter",
+        );
     }
     if asked("winding_peak_temperature") && has(&thermal) {
         return Some("temperature over the motion may be highest between the ends of the thermal tolerances");

@@ -204,7 +204,7 @@ impl HeatTest {
                 *w = keeps * *w + self.wander * (1.0 - keeps * keeps).sqrt() * r.normal();
             }
             for _ in 0..(1.0 / h) as usize {
-                let heat = self.copper * (1.0 + 0.0039 * (winding - 298.15)) * i * i;
+                let heat = self.copper * (1.0 + 0.003_854 * (winding - 298.15)) * i * i;
                 let through = (winding - housing) / r_wh;
                 winding += h * (heat - through) * r_wh / t_w;
                 housing += h * (through - (housing - AMBIENT) / r_ha) * r_ha / t_h;

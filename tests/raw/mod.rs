@@ -89,8 +89,13 @@ impl Case {
         let held = |p: &Point| p.torque / n + n * j * p.acceleration;
         let usual = |p: &Point| if p.velocity == 0.0 { held(p) } else { smooth(p) + friction(p.velocity) };
         let most = |p: &Point| smooth(p) + friction(if p.velocity == 0.0 { smooth(p) } else { p.velocity });
-        let power = |p: &Point| r * (most(p) / k_t).powi(2) + motor.back_emf_constant * n * p.velocity * most(p) / k_t;
-        let v_q = |p: &Point| r * most(p) / k_t + l * rate(p) / k_t + motor.back_emf_constant * n * p.velocity;
+        // Voltage and power taken see the winding at its hottest, all else at the reference of its resistance.
+        let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
+        let r_hot = r * hottest_factor(motor, asked.winding_temperature, self.robot.ambient);
+        let work = |p: &Point| motor.back_emf_constant * n * p.velocity * most(p) / k_t;
+        let power = |p: &Point| r_hot * (most(p) / k_t).powi(2) + work(p);
+        let cold_power = |p: &Point| r * (most(p) / k_t).powi(2) + work(p);
+        let v_q = |p: &Point| r_hot * most(p) / k_t + l * rate(p) / k_t + motor.back_emf_constant * n * p.velocity;
         let v_d = |p: &Point| -f64::from(poles) * n * p.velocity * l * most(p) / k_t;
         let voltage = |p: &Point| v_q(p).hypot(v_d(p));
         let torque = |p: &Point| most(p).abs();
@@ -101,19 +106,19 @@ impl Case {
         let (most_torque, most_load) = (largest(raw, &torque), largest(raw, &|p| p.torque.abs()));
         let (most_ripple, ripple_voltage) = (largest(&self.rippled, &torque), largest(&self.rippled, &voltage));
         let watt = largest(raw, &power) / bus.drive_efficiency;
-        let back = largest(raw, &|p| -power(p)) * bus.drive_efficiency;
+        let back = largest(raw, &|p| -cold_power(p)) * bus.drive_efficiency;
         let speed = n * largest(raw, &|p| p.velocity.abs());
         let stages = |ratio: f64| (0..300).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
         let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
         let (inertia, mass) = (n * n * j, motor.mass.unwrap() + of_gear);
         // Bounds.
-        let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
         let amplitude = if brushless { 1.5_f64.sqrt() } else { 1.0 };
         let current = least(motor.peak_current, joint.drive_current.or(bus.drive_current).map(|i| i * amplitude));
         let circle = if bus.modulation == Modulation::Sine { 0.375_f64.sqrt() } else { 0.5_f64.sqrt() };
         let volt = Some(bus.voltage * bus.modulation_limit * if brushless { circle } else { 1.0 });
         let hot = least(motor.max_winding_temperature, asked.winding_temperature).zip(motor.thermal_resistance);
-        let resistance = |kelvin: f64| r * (1.0 + 0.0039 * (kelvin - motor.reference_temperature));
+        let t_0 = motor.reference_temperature;
+        let resistance = |kelvin: f64| r * (1.0 + copper(t_0) * (kelvin - t_0));
         let hot = hot.map(|(hot, r_th)| ((hot - self.robot.ambient) / (r_th * resistance(hot))).sqrt());
         // A motion that happens once, from cold, has no steady state of heat.
         let once = matches!(joint.motion.course, Course::Once(_));
@@ -181,7 +186,9 @@ impl Case {
             outside: value(sheet.thermal_resistance_housing_ambient)?,
             winding: value(sheet.thermal_time_constant_winding)?,
             housing: value(sheet.thermal_time_constant_housing)?,
-            warm: 1.0 + COPPER * (self.robot.ambient - self.motor.reference_temperature),
+            copper: copper(self.motor.reference_temperature),
+            warm: 1.0
+                + copper(self.motor.reference_temperature) * (self.robot.ambient - self.motor.reference_temperature),
         })
     }
 
@@ -218,8 +225,23 @@ impl Case {
     }
 }
 
-/// Temperature coefficient of copper's resistance.
-const COPPER: f64 = 0.0039;
+/// Temperature coefficient of copper's resistance at a temperature: 0.00393 of the resistance at 20 °C.
+pub fn copper(reference: f64) -> f64 {
+    1.0 / (1.0 / 0.003_93 + reference - 293.15)
+}
+
+/// Resistance over that at the reference, at the highest temperature that motor and requirement allow, or else at the
+/// one that the rated current settles at.
+pub fn hottest_factor(motor: &Motor, asked: Option<f64>, ambient: f64) -> f64 {
+    let (t_0, a) = (motor.reference_temperature, copper(motor.reference_temperature));
+    let rated = || {
+        let x = motor.thermal_resistance? * motor.resistance * motor.continuous_current?.powi(2);
+        // T = T_a + x (1 + α (T − T_0)), where it settles.
+        (a * x < 1.0).then(|| ambient + x * (1.0 + a * (ambient - t_0)) / (1.0 - a * x))
+    };
+    let hottest = motor.max_winding_temperature.into_iter().chain(asked).reduce(f64::min).or_else(rated);
+    hottest.map_or(1.0, |kelvin| 1.0 + a * (kelvin - t_0))
+}
 
 /// Winding and housing: resistances and time constants, and resistance at ambient over the reference's.
 pub struct Nodes {
@@ -227,6 +249,7 @@ pub struct Nodes {
     outside: f64,
     pub winding: f64,
     housing: f64,
+    copper: f64,
     warm: f64,
 }
 
@@ -260,7 +283,7 @@ impl Nodes {
         let (c_w, c_h) = (self.winding / self.between, self.housing / self.outside);
         let exchange = 1.0 / (self.between * c_h);
         let a = [
-            [COPPER * watt / c_w - 1.0 / self.winding, 1.0 / self.winding],
+            [self.copper * watt / c_w - 1.0 / self.winding, 1.0 / self.winding],
             [exchange, -exchange - 1.0 / self.housing],
         ];
         (a, [watt * self.warm / c_w, 0.0])
@@ -279,20 +302,36 @@ impl Nodes {
         (e, [(e[0][0] - 1.0) * x[0] + e[0][1] * x[1], e[1][0] * x[0] + (e[1][1] - 1.0) * x[1]])
     }
 
+    /// The parts of an interval, with the heats at their ends: at most 1/16 of the winding's time constant long.
+    fn parts(&self, length: f64, [q, then]: [f64; 2]) -> impl Iterator<Item = (f64, [f64; 2])> {
+        let count = (16.0 * length / self.winding).ceil().clamp(1.0, 256.0);
+        let at = move |k: u32| q + (then - q) * f64::from(k) / count;
+        (0..count as u32).map(move |k| (length / count, [at(k), at(k + 1)]))
+    }
+
     /// The largest rise of the winding, in the periodic state or from cold; infinite where it runs away.
-    /// As the model declares it: parts of at most 1/16 of the winding's time constant, each with its mean heat.
+    /// As the model declares it: each part in two halves with its mean heat and its first moment, or at its mean where it is
+    /// short; and between the ends of a part eight steps at the larger heat of their ends.
     pub fn peak(&self, heat: &Heat) -> f64 {
         let mut parts = Vec::new();
-        for (_, length, [q, then]) in heat.intervals() {
-            let count = (16.0 * length / self.winding).ceil().clamp(1.0, 256.0);
-            let share = |part: u32| (f64::from(part) + 0.5) / count;
-            parts.extend((0..count as u32).map(|part| self.hold(q + (then - q) * share(part), length / count)));
+        for (_, length, ends) in heat.intervals() {
+            for (h, [q, then]) in self.parts(length, ends) {
+                let mean = 0.5 * (q + then);
+                // A straight line has the moment Δ h²/12; two halves at ± x have x h²/4.
+                let off = (then - q) / 3.0;
+                let halves = match h <= self.winding / 256.0 {
+                    true => vec![self.hold(mean, h)],
+                    false => vec![self.hold(mean - off, 0.5 * h), self.hold(mean + off, 0.5 * h)],
+                };
+                parts.push((h, [q, then], halves));
+            }
         }
         let mut rise = [0.0; 2];
         if heat.period.is_some() {
             // x = Φ x + d: the columns of Φ from two starts, d from cold.
-            let end = |start: [f64; 2]| parts.iter().fold(start, |x, part| apply(part, x));
-            let linear = |start: [f64; 2]| parts.iter().fold(start, |x, (m, _)| apply(&(*m, [0.0; 2]), x));
+            let all = || parts.iter().flat_map(|part| &part.2);
+            let end = |start: [f64; 2]| all().fold(start, |x, part| apply(part, x));
+            let linear = |start: [f64; 2]| all().fold(start, |x, (m, _)| apply(&(*m, [0.0; 2]), x));
             let (d, first, second) = (end([0.0; 2]), linear([1.0, 0.0]), linear([0.0, 1.0]));
             let (a, b, c, e) = (1.0 - first[0], -second[0], -first[1], 1.0 - second[1]);
             let determinant = a * e - b * c;
@@ -302,25 +341,29 @@ impl Nodes {
             rise = [(e * d[0] - b * d[1]) / determinant, (a * d[1] - c * d[0]) / determinant];
         }
         let mut peak = rise[0];
-        for part in &parts {
-            rise = apply(part, rise);
+        for (h, [q, then], halves) in &parts {
+            let at = |k: i32| q + (then - q) * f64::from(k) / 8.0;
+            (0..8).fold(rise, |x, k| {
+                let x = apply(&self.hold(at(k).max(at(k + 1)), h / 8.0), x);
+                peak = peak.max(x[0]);
+                x
+            });
+            rise = halves.iter().fold(rise, |x, half| apply(half, x));
             peak = peak.max(rise[0]);
         }
         if peak.is_nan() { f64::INFINITY } else { peak }
     }
 
-    /// What the parts of constant heat may be wrong by \[K\], at a rise: within a part of length h, whose heat
-    /// changes by Δq, the rise bulges by `h Δq/(8 C_w)`; and the second order, `(h/τ_w)²/12` of what the largest
-    /// heat changes in one τ_w.
-    pub fn doubt(&self, heat: &Heat, rise: f64) -> f64 {
-        let (mut bulge, mut longest) = (0.0_f64, 0.0_f64);
-        for (_, length, [q, then]) in heat.intervals() {
-            let count = (16.0 * length / self.winding).ceil().clamp(1.0, 256.0);
-            let part = length / count / self.winding;
-            (bulge, longest) = (bulge.max(part * (then - q).abs() / count / 8.0), longest.max(part));
+    /// What the bound from above may give away \[K\], at a rise: within a part of length h, whose heat changes by Δq, each
+    /// of eight steps has `Δq/16` too much, `h Δq/(16 C_w)` in all.
+    pub fn given_away(&self, heat: &Heat, rise: f64) -> f64 {
+        let mut most = 0.0_f64;
+        for (_, length, ends) in heat.intervals() {
+            for (h, [q, then]) in self.parts(length, ends) {
+                most = most.max(h / self.winding * (then - q).abs() / 16.0);
+            }
         }
-        let most = heat.watt.iter().copied().fold(0.0, f64::max);
-        (bulge + longest.powi(2) / 12.0 * most) * self.between * (self.warm + COPPER * rise)
+        most * self.between * (self.warm + self.copper * rise)
     }
 
     /// The largest rise by the classic Runge-Kutta rule for heat that is linear between samples: no parts, and

@@ -90,7 +90,8 @@ impl<'a> Goal<'a> {
             return Laurent::default();
         }
         let point = waveform.point(largest.index);
-        candidate.actuator.power(point.flow, &point.features) * (1.0 / candidate.robot.bus.drive_efficiency)
+        candidate.actuator.power(candidate.actuator.hot_copper(), point.flow, &point.features)
+            * (1.0 / candidate.robot.bus.drive_efficiency)
     }
 
     /// What steps with the ratio: the weighted mass, where it is by stages.

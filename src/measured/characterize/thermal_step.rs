@@ -9,7 +9,7 @@ use super::estimate::Estimate;
 use super::{
     Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, find, logs_of,
 };
-use crate::actuator::thermal::COPPER;
+use crate::actuator::thermal::resistance_factor;
 use crate::catalog::REFERENCE_TEMPERATURE;
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::signals;
@@ -74,7 +74,7 @@ impl Heating {
         let [r_wh, r_ha, tau_w, tau_h] = [p[0], p[1], p[2], p[3]];
         let (c_w, c_h) = (tau_w / r_wh, tau_h / r_ha);
         let slope = |(w, h): (f64, f64), i: f64| {
-            let heat = copper.resistance.value * (1.0 + COPPER * (w - copper.reference)) * i * i;
+            let heat = copper.resistance.value * resistance_factor(w, copper.reference) * i * i;
             let through = (w - h) / r_wh;
             ((heat - through) / c_w, (through - (h - ambient) / r_ha) / c_h)
         };
@@ -120,7 +120,7 @@ impl Heating {
         let h0 = self.housing.as_ref().and_then(|h| first(h)).unwrap_or(w0);
         let h1 = self.housing.as_ref().and_then(|h| last(h)).unwrap_or(0.5 * (w1 + ambient));
         let mean_square = self.current.iter().map(|i| i * i).sum::<f64>() / self.current.len() as f64;
-        let heat = copper.resistance.value * (1.0 + COPPER * (w1 - copper.reference)) * mean_square;
+        let heat = copper.resistance.value * resistance_factor(w1, copper.reference) * mean_square;
         let duration = self.time.last()? - self.time.first()?;
         if heat <= 0.0 || w1 - w0 < 2.0 {
             return None;

@@ -1,6 +1,6 @@
 use super::{MADE, table};
 use crate::actuator::Load;
-use crate::actuator::limits::{Check, LIMITS, Limit};
+use crate::actuator::limits::{Check, LIMITS, Limit, Verdict};
 use crate::catalog::Catalog;
 use crate::design::geared_candidate;
 use crate::input::Source;
@@ -70,6 +70,10 @@ fn missing() -> Vec<(&'static str, &'static str)> {
         };
         let unknown = |limit: &'static Limit| match limit.check(&candidate) {
             Check::Unknown(why) => Some((limit.name, why)),
+            Check::AtRatio(judge) => match judge(&candidate, 1.0) {
+                Verdict::Unknown(why) => Some((limit.name, why)),
+                Verdict::Kept | Verdict::Assumed(_) => None,
+            },
             _ => None,
         };
         for one in LIMITS.iter().filter_map(unknown) {

@@ -126,11 +126,18 @@ pub(super) fn torque_magnitude(actuator: &Actuator, sample: &Sample, region: &Re
     form
 }
 
-/// Adds a lower bound of `weight P`, the terminal power.
-pub(super) fn add_power(actuator: &Actuator, sample: &Sample, form: &mut Form, weight: f64, region: &Region, z: Point) {
+/// Adds a lower bound of `weight P`, the terminal power with so much copper loss per squared torque.
+pub(super) fn add_power(
+    (actuator, copper): (&Actuator, f64),
+    sample: &Sample,
+    form: &mut Form,
+    weight: f64,
+    region: &Region,
+    z: Point,
+) {
     let shaft = shaft(actuator, sample, region);
     let emf = actuator.back_emf_constant / actuator.torque_constant * sample.velocity.abs();
-    shaft.add_square(form, weight * actuator.copper(), region, z);
+    shaft.add_square(form, weight * copper, region, z);
     shaft.add_times_ratio(form, weight * emf, region, z);
 }
 
@@ -146,7 +153,7 @@ pub(super) fn functional(
     let mut form = Form::default();
     match what {
         Functional::TorqueSquared => add_torque_squared(actuator, sample, &mut form, 1.0, region, z),
-        Functional::Power => add_power(actuator, sample, &mut form, 1.0, region, z),
+        Functional::Power => add_power((actuator, actuator.hot_copper()), sample, &mut form, 1.0, region, z),
         Functional::PowerBack => {
             let shaft = shaft(actuator, sample, region);
             // −T² lies above the chord over the range of T.
@@ -205,10 +212,10 @@ pub(super) fn torque_at(actuator: &Actuator, sample: &Sample, z: Point) -> f64 {
         + form[Feature::Sign] * sample.sign
 }
 
-/// Terminal power at a point \[W\].
-pub(super) fn power_at(actuator: &Actuator, sample: &Sample, torque: f64, z: Point) -> f64 {
+/// Terminal power at a point \[W\], with so much copper loss per squared torque.
+pub(super) fn power_at((actuator, copper): (&Actuator, f64), sample: &Sample, torque: f64, z: Point) -> f64 {
     let emf = actuator.back_emf_constant / actuator.torque_constant;
-    actuator.copper() * torque * torque + emf * z[0].sqrt() * sample.velocity * torque
+    copper * torque * torque + emf * z[0].sqrt() * sample.velocity * torque
 }
 
 /// `v_q² + v_d²` at a point \[V²\].

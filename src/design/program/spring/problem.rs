@@ -244,9 +244,10 @@ impl<'a> Problem<'a> {
             let mut best = [(f64::NEG_INFINITY, 0_usize); 4];
             for (i, sample) in samples.iter().enumerate() {
                 let torque = model::torque_at(actuator, sample, z);
-                let power = model::power_at(actuator, sample, torque, z);
+                let power = model::power_at((actuator, actuator.hot_copper()), sample, torque, z);
+                let cold = model::power_at((actuator, actuator.copper()), sample, torque, z);
                 let voltage = model::voltage_squared_at(actuator, sample, torque, z);
-                for (best, value) in best.iter_mut().zip([torque * torque, voltage, power, -power]) {
+                for (best, value) in best.iter_mut().zip([torque * torque, voltage, power, -cold]) {
                     if value > best.0 {
                         *best = (value, i);
                     }
@@ -339,7 +340,7 @@ impl<'a> Problem<'a> {
     fn energy_share(&self, k: usize, sample: &Sample, z: Point) -> (f64, f64) {
         let efficiency = self.prepared.candidate.robot.bus.drive_efficiency;
         let torque = model::torque_at(self.actuator(), sample, z);
-        let power = model::power_at(self.actuator(), sample, torque, z);
+        let power = model::power_at((self.actuator(), self.actuator().copper()), sample, torque, z);
         let factor = self.motion.weight[k] * if power > 0.0 { 1.0 / efficiency } else { efficiency };
         (factor, factor * power)
     }
@@ -353,7 +354,10 @@ impl<'a> Problem<'a> {
         let peak = |f: Functional| {
             let at = |s: &Sample| {
                 let torque = model::torque_at(actuator, s, z);
-                if f == Functional::Power { model::power_at(actuator, s, torque, z) } else { torque * torque }
+                match f {
+                    Functional::Power => model::power_at((actuator, actuator.hot_copper()), s, torque, z),
+                    _ => torque * torque,
+                }
             };
             let values = self.limits.iter().map(|s| (at(s), s));
             values.fold((f64::NEG_INFINITY, &self.limits[0]), |a, b| if b.0 > a.0 { b } else { a })
@@ -388,7 +392,7 @@ impl<'a> Problem<'a> {
             let each = weight(Quantity::Energy) * self.motion.duration().unwrap_or(f64::NAN);
             for (k, sample) in self.means.iter().enumerate() {
                 let factor = self.energy_share(k, sample, z).0;
-                model::add_power(actuator, sample, &mut form, each * factor, region, z);
+                model::add_power((actuator, actuator.copper()), sample, &mut form, each * factor, region, z);
             }
         }
         if weight(Quantity::PeakPower) > 0.0 {
@@ -396,7 +400,7 @@ impl<'a> Problem<'a> {
             // Where nothing is drawn at any instant the peak is zero.
             if power > 0.0 {
                 let each = weight(Quantity::PeakPower) / candidate.robot.bus.drive_efficiency;
-                model::add_power(actuator, sample, &mut form, each, region, z);
+                model::add_power((actuator, actuator.hot_copper()), sample, &mut form, each, region, z);
             }
         }
         // At the start of a piece of ratios the mass is still that of the piece before.
