@@ -126,7 +126,7 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
     let heading = format!(
-        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed), limits on them q-axis amperes",
+        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed)",
         robot.name,
         super::counted(robot.joints.len(), "joint"),
         super::counted(motors, "motor"),
@@ -182,6 +182,10 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     }
     if let Some(spring) = &joint.limits.spring {
         out.push_str(&paragraph(&super::spring::asked(spring), 2, 2));
+    }
+    if joint.objective.weight(Quantity::PeakCurrent) > 0.0 {
+        let frame = "The objective's current is on the q axis: √(3/2) times the phase amplitude that the table shows.";
+        out.push_str(&paragraph(frame, 2, 4));
     }
     if asks_for_nothing(joint) {
         let line = "The motion asks for no torque and no acceleration: the order says nothing.";
