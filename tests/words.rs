@@ -107,7 +107,10 @@ fn currents_have_names_that_say_which_everywhere() {
     // Tables say which, and which one limits compare.
     let (_, out, _) = run(path, &OPTIMIZE);
     let head = out.lines().next().unwrap();
-    assert!(head.contains("phase amplitudes") && head.contains("limits on them q-axis"), "{head}");
+    assert!(head.contains("phase amplitudes") && !out.contains("q axis"), "{out}");
+    fs::write(path.join("current.toml"), robot("", &format!("objective = \"peak_current\"\n{POINTS}"))).unwrap();
+    let (_, out, _) = run(path, &["optimize", "current.toml", "--catalog", "motors.csv"]);
+    assert!(out.contains("The objective's current is on the q axis"), "{out}");
     let (_, out, _) = run(path, &EXPLAIN);
     assert!(out.contains("A (phase amplitude)") && out.contains("A (q axis)"), "{out}");
     assert!(flat(&out).contains("compare q-axis amperes"), "{out}");

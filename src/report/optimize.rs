@@ -126,7 +126,7 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
     let mut out = format!(
-        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed), limits on them q-axis amperes\n",
+        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed)\n",
         robot.name,
         super::counted(robot.joints.len(), "joint"),
         super::counted(motors, "motor"),
@@ -176,6 +176,11 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     }
     if let Some(spring) = &joint.limits.spring {
         out.push_str(&format!("  {}\n", super::spring::asked(spring)));
+    }
+    if joint.objective.weight(Quantity::PeakCurrent) > 0.0 {
+        out.push_str(
+            "  The objective's current is on the q axis: √(3/2) times the phase amplitude that the table shows.\n",
+        );
     }
     if asks_for_nothing(joint) {
         out.push_str("  The motion asks for no torque and no acceleration: the order says nothing.\n");
