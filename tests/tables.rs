@@ -55,12 +55,15 @@ fn what_does_not_fit_is_tried_in_its_order() {
          \u{20}    feasible from 5.12 to 9.87; of another-motor\n"
     );
     // Units beneath their headings: 2 + 1 + 2 + 13 + 2 + 6 + 2 + 4 + 2 + 7 = 41.
-    let broken = "  #  motor            loss  mass     peak\n\
-                  \u{20}                     [W]  [kg]  current\n\
-                  \u{20}                                    [A]\n\
-                  \u{20} 1  a-motor        0.0774     –     12.5\n";
+    let broken = [
+        "  #  motor            loss  mass     peak",
+        "                       [W]  [kg]  current",
+        "                                      [A]",
+        "  1  a-motor        0.0774     –     12.5",
+    ]
+    .join("\n");
     for width in [56, 41] {
-        assert!(motors().text_at(width).starts_with(broken), "{}", motors().text_at(width));
+        assert!(motors().text_at(width).starts_with(&broken), "{}", motors().text_at(width));
     }
     // Without the first that may be dropped; that is said, with where it is.
     let text = motors().text_at(40);
@@ -87,9 +90,13 @@ fn prose_gives_way_and_nothing_else() {
     let text = Table::new(columns).rows([row.to_vec()]).text_at(52);
     assert_eq!(
         text,
-        "rule         asks that                     severity\n\
-         a-long-name  the winding stays below the   error\n\
-         \u{20}            temperature of its sheet\n"
+        [
+            "rule         asks that                      severity",
+            "a-long-name  the winding stays below the    error",
+            "             temperature of its sheet",
+            "",
+        ]
+        .join("\n")
     );
 }
 
@@ -139,7 +146,7 @@ const MOTORS: [&str; 8] = [
 ];
 
 /// Gears of the shipped catalogue.
-const GEARS: [&str; 3] = ["planetary-faulhaber-42gpt-14", "planetary-faulhaber-38a-16", "planetary-apex-af060-50"];
+const GEARS: [&str; 3] = ["planetary-apex-af042-20", "planetary-apex-af060-50", "strain-wave-harmonic-drive-csf-17-50"];
 
 /// A folder with a small catalogue and requirements of its own.
 struct Folder(tempfile::TempDir);
@@ -382,7 +389,9 @@ fn every_rank_stands_with_its_own_motor_window_and_notes() {
     files.push("gears.toml".into());
     let mut ranked = 0;
     for file in &files {
-        let words = ["optimize", file, "--catalog", "catalog"];
+        // With a spring two motors with long names, because each takes its time.
+        let catalog = if file.starts_with("spring") { "catalog/maxon.csv" } else { "catalog" };
+        let words = ["optimize", file, "--catalog", catalog];
         let json = folder.json(&words);
         let joints = json["joints"].as_array().unwrap();
         ranked += joints.iter().map(|j| j["candidates"].as_array().unwrap().len().min(5)).sum::<usize>();
