@@ -305,7 +305,12 @@ fn rules_and_measures_are_unique_and_documented() {
 }
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(folder).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gearwise"))
+        .env_remove("COLUMNS")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
 }
 
 fn said(output: &Output) -> (Option<i32>, String, String) {
