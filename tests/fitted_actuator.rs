@@ -205,7 +205,7 @@ fn report(target: Target, parameters: &[(&str, f64, f64)]) -> Report {
         unit: "N*m",
         band: None,
         samples: (0, 0),
-        noise_floor: 0.0,
+        evidence: Default::default(),
         verdict: Verdict::Explained,
         stages: Vec::new(),
         artefacts: Vec::new(),
