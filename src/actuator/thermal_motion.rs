@@ -16,7 +16,7 @@
 //!
 //! **Discretisation.** Heat is piecewise linear between samples. Each interval is split into parts of at
 //! most τ_w/16 (256 parts at most). A part whose heat goes from q_a to q_b is held in two halves at `(5 q_a + q_b)/6` and
-//! `(q_a + 5 q_b)/6`, which have the mean and the first moment of that heat (one of less than τ_w/256 at its mean), and the
+//! `(q_a + 5 q_b)/6`, which have the mean and the first moment of that heat (one of less than τ_w/1024 at its mean), and the
 //! constant-coefficient equations of each are solved exactly: `x ← e^{hA(q)} x + ∫e^{tA(q)} dt b(q)`. So
 //!
 //! * the log-convexity above holds for the discrete solution, too, as all weights are positive. It does not for the
@@ -28,10 +28,10 @@
 //! * the split depends on times only, never on heat. The heat of a cycle is the trapezoid rule's, as everywhere in the model.
 //!
 //! **Between the ends of parts** the winding may be hotter. There its temperature is bounded from above: a part is gone
-//! through once more in eight steps, each at the larger of the heats at its ends. The larger of two numbers is convex in both
+//! through once more in n steps (4096 h/τ_w, from 4 to 256), each at the larger of the heats at its ends. The larger of two numbers is convex in both
 //! and rises with them, so log-convexity stays, and the bound converges from above: it gives away at most
-//! `h |q_b − q_a|/(16 C_w)`, which is 0.4 % of what the part's change of heat would lead to in the end over R_wh where a part is
-//! τ_w/16 long, and 0.01 % where samples are 500 times as dense as τ_w. It is looked at only where it might be the peak.
+//! `h |q_b − q_a|/(2 n C_w)`, no more than 1/8192 of `R_wh |q_b − q_a|` in parts of up to τ_w/16. It is looked at only where
+//! it might be the peak.
 //!
 //! The exponential comes from its Taylor series, doubled where the part is long, not from eigenvalues:
 //! nothing is divided by, so double eigenvalues, a clamped housing (`R_ha = 0`: one node) and the
@@ -48,10 +48,13 @@ const PARTS_PER_TIME_CONSTANT: f64 = 16.0;
 const MOST_PARTS: f64 = 256.0;
 
 /// Parts shorter than this share of the winding's time constant are held at one heat.
-const SHORT: f64 = 1.0 / 256.0;
+const SHORT: f64 = 1.0 / 1024.0;
 
-/// Steps in which a part is gone through between its ends.
-const STEPS_WITHIN: usize = 8;
+/// Steps per winding time constant in which a part is gone through between its ends.
+const STEPS_PER_TIME_CONSTANT: f64 = 4096.0;
+
+/// Fewest and most of these steps.
+const STEPS_WITHIN: (f64, f64) = (4.0, 256.0);
 
 /// `1/(n+1)!`, the coefficients of `φ(z) = (e^z − 1)/z`.
 const PHI: [f64; 12] = [
@@ -181,6 +184,8 @@ struct Part {
 struct Within {
     rise: f64,
     steps: usize,
+    /// Whether that is the sample after it.
+    ends: bool,
 }
 
 /// A time of constant heat with its step, and what a watt in it adds.
@@ -379,13 +384,19 @@ impl<'a> Heat<'a> {
 
     /// The steps within a part that starts at `part`: shares of the next sample at both ends, and the share at
     /// which the heat is larger.
-    fn steps_within(&self, part: &Part, [from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
-        let (falls, step) = (self.between(part, from) >= self.between(part, to), (to - from) / STEPS_WITHIN as f64);
-        (0..STEPS_WITHIN).map(move |k| from + step * (k + usize::from(!falls)) as f64)
+    fn steps_within(&self, part: &Part, [from, to]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
+        let (falls, step) = (self.between(part, from) >= self.between(part, to), (to - from) / count as f64);
+        (0..count).map(move |k| from + step * (k + usize::from(!falls)) as f64)
     }
 }
 
 impl Rates {
+    /// In how many steps a part of a length \[s\] is gone through: depends on times only.
+    fn steps_within(&self, duration: f64) -> usize {
+        let (fewest, most) = STEPS_WITHIN;
+        (STEPS_PER_TIME_CONSTANT * self.winding * duration).ceil().clamp(fewest, most) as usize
+    }
+
     /// The largest rise within a part, and where, if it is above another; a bound from above.
     fn highest_within(&self, heat: &Heat, part: &Part, start: Rise, above: f64) -> Option<Within> {
         let (shares, duration) = part.whole?;
@@ -403,11 +414,12 @@ impl Rates {
         }
         let (mut rise, mut highest) = (start, None);
         let mut above = above;
-        for (k, share) in heat.steps_within(part, shares).enumerate() {
-            rise = self.step(duration / STEPS_WITHIN as f64, heat.between(part, share)).apply(rise);
+        let count = self.steps_within(duration);
+        for (k, share) in heat.steps_within(part, shares, count).enumerate() {
+            rise = self.step(duration / count as f64, heat.between(part, share)).apply(rise);
             if rise[0] > above {
                 above = rise[0];
-                highest = Some(Within { rise: above, steps: k + 1 });
+                highest = Some(Within { rise: above, steps: k + 1, ends: k + 1 == count && shares[1] == 1.0 });
             }
         }
         highest
@@ -513,8 +525,7 @@ impl TwoNode {
                 (peak, peak_sample) = (number(rise[0]), part.sample);
             }
             if let Some(within) = rates.highest_within(heat, &part, rise, peak) {
-                let at_its_end = within.steps == STEPS_WITHIN && part.whole.is_some_and(|whole| whole.0[1] == 1.0);
-                (peak, peak_sample) = (within.rise, if at_its_end { part.next } else { part.sample });
+                (peak, peak_sample) = (within.rise, if within.ends { part.next } else { part.sample });
             }
             rise = step(&part).apply(rise);
         });
@@ -566,8 +577,9 @@ impl TwoNode {
             && let Some((shares, duration)) = part.whole
         {
             let mut rise = *before;
-            for share in heat.steps_within(part, shares).take(steps) {
-                let duration = duration / STEPS_WITHIN as f64;
+            let count = rates.steps_within(duration);
+            for share in heat.steps_within(part, shares, count).take(steps) {
+                let duration = duration / count as f64;
                 let step = Part { share, duration, heat: heat.between(part, share), ..*part };
                 let node = Watt::new(&rates, step, rise);
                 rise = node.step.apply(rise);
@@ -1061,13 +1073,13 @@ mod tests {
                     peak(&motor, &Heat { heat: &moved, ..heat }, course)
                 };
                 let step = 1e-5 * threshold(&motor);
-                let difference = (moved(step) - moved(-step)) / (2.0 * step);
-                assert_relative_eq!(
-                    gradient[k],
-                    difference,
-                    max_relative = 1e-5,
-                    epsilon = 1e-6 * scale + 1e-11 / step * 100.0
-                );
+                // The peak may move from one step within its part to the next: a convex function's subgradient lies
+                // between the differences to either side, which are close to each other.
+                let here = moved(0.0);
+                let (back, ahead) = ((here - moved(-step)) / step, (moved(step) - here) / step);
+                let slack = 1e-5 * gradient[k] + 1e-6 * scale + 1e-11 / step * 200.0;
+                assert!(gradient[k] >= back - slack && gradient[k] <= ahead + slack, "{back} {} {ahead}", gradient[k]);
+                assert!(ahead - back <= 1e-2 * gradient[k] + slack, "{back} {ahead}");
             }
         }
     }

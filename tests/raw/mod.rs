@@ -311,7 +311,7 @@ impl Nodes {
 
     /// The largest rise of the winding, in the periodic state or from cold; infinite where it runs away.
     /// As the model declares it: each part in two halves with its mean heat and its first moment, or at its mean where it is
-    /// short; and between the ends of a part eight steps at the larger heat of their ends.
+    /// short; and between the ends of a part steps of 1/4096 of the time constant (4 to 256) at the larger heat of their ends.
     pub fn peak(&self, heat: &Heat) -> f64 {
         let mut parts = Vec::new();
         for (_, length, ends) in heat.intervals() {
@@ -319,7 +319,7 @@ impl Nodes {
                 let mean = 0.5 * (q + then);
                 // A straight line has the moment Δ h²/12; two halves at ± x have x h²/4.
                 let off = (then - q) / 3.0;
-                let halves = match h <= self.winding / 256.0 {
+                let halves = match h <= self.winding / 1024.0 {
                     true => vec![self.hold(mean, h)],
                     false => vec![self.hold(mean - off, 0.5 * h), self.hold(mean + off, 0.5 * h)],
                 };
@@ -342,9 +342,10 @@ impl Nodes {
         }
         let mut peak = rise[0];
         for (h, [q, then], halves) in &parts {
-            let at = |k: i32| q + (then - q) * f64::from(k) / 8.0;
-            (0..8).fold(rise, |x, k| {
-                let x = apply(&self.hold(at(k).max(at(k + 1)), h / 8.0), x);
+            let count = (4096.0 * h / self.winding).ceil().clamp(4.0, 256.0);
+            let at = |k: u32| q + (then - q) * f64::from(k) / count;
+            (0..count as u32).fold(rise, |x, k| {
+                let x = apply(&self.hold(at(k).max(at(k + 1)), h / count), x);
                 peak = peak.max(x[0]);
                 x
             });
@@ -355,12 +356,13 @@ impl Nodes {
     }
 
     /// What the bound from above may give away \[K\], at a rise: within a part of length h, whose heat changes by Δq, each
-    /// of eight steps has `Δq/16` too much, `h Δq/(16 C_w)` in all.
+    /// of n steps has `Δq/(2 n)` too much, `h Δq/(2 n C_w)` in all.
     pub fn given_away(&self, heat: &Heat, rise: f64) -> f64 {
         let mut most = 0.0_f64;
         for (_, length, ends) in heat.intervals() {
             for (h, [q, then]) in self.parts(length, ends) {
-                most = most.max(h / self.winding * (then - q).abs() / 16.0);
+                let count = (4096.0 * h / self.winding).ceil().clamp(4.0, 256.0);
+                most = most.max(h / self.winding * (then - q).abs() / (2.0 * count));
             }
         }
         most * self.between * (self.warm + self.copper * rise)
