@@ -12,7 +12,12 @@ use serde_json::Value;
 const EXAMPLE: &str = "requirements/bench/motor_on_bench.toml";
 
 fn gearwise_in(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(folder).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gearwise"))
+        .env_remove("COLUMNS")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
 }
 
 fn gearwise(arguments: &[&str]) -> Output {

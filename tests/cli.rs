@@ -8,7 +8,12 @@ use common::repository;
 use serde_json::Value;
 
 fn gearwise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(repository("")).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gearwise"))
+        .env_remove("COLUMNS")
+        .args(arguments)
+        .current_dir(repository(""))
+        .output()
+        .unwrap()
 }
 
 fn stdout(output: &Output) -> String {

@@ -13,7 +13,12 @@ use serde_json::Value;
 const EXAMPLE: &str = "requirements/bench/leg_actuator.toml";
 
 fn gearwise(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(repository("")).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gearwise"))
+        .env_remove("COLUMNS")
+        .args(arguments)
+        .current_dir(repository(""))
+        .output()
+        .unwrap()
 }
 
 fn stdout(output: &Output) -> String {

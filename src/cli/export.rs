@@ -203,7 +203,9 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             number(s.speed.value)
         )
     }));
-    Ok(Done { text: format!("{}\nwritten to {}\n", said.join("\n"), out.display()), satisfied })
+    said.push(format!("written to {}", out.display()));
+    let text = said.iter().map(|line| crate::report::table::paragraph(line, 0, 2)).collect();
+    Ok(Done { text, satisfied })
 }
 
 /// `--map JOINT=PATTERN`, with the joints checked.

@@ -39,6 +39,7 @@ use crate::catalog::{Catalog, Motor};
 use crate::input::{InputError, Recording, tame};
 use crate::report::html;
 use crate::report::plot::{self, Figure};
+use crate::report::table;
 use crate::requirement::Robot;
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
@@ -299,6 +300,7 @@ pub fn run() -> ExitCode {
             return ExitCode::from(2);
         }
     }
+    table::set_width(width());
     let result = match &cli.command {
         Command::Optimize(arguments) => optimize::run(arguments),
         Command::Explain(arguments) => explain::run(arguments),
@@ -341,6 +343,14 @@ pub fn run() -> ExitCode {
             ExitCode::from(130)
         }
     }
+}
+
+/// The width of tables and paragraphs: `COLUMNS`, else the terminal's, else the same everywhere.
+fn width() -> usize {
+    let out = console::Term::stdout();
+    // `size` has the usual 80 for a terminal that does not tell its size.
+    let terminal = out.is_term().then(|| usize::from(out.size().1));
+    table::decide(std::env::var("COLUMNS").ok().as_deref(), terminal)
 }
 
 fn plural(count: usize, word: &str) -> String {

@@ -146,10 +146,11 @@ fn told(arguments: &Arguments, summary: &crate::study::Summary) -> Done {
 /// The summary with where the results are.
 pub(super) fn written(out: &Path, text: String) -> String {
     let parquet = if cfg!(feature = "parquet") { ", results.parquet" } else { "" };
-    format!(
-        "{text}\nIn {}: results.csv{parquet}, summary.json, summary.svg, inputs.csv, errors.csv, manifest.json\n",
+    let files = format!(
+        "In {}: results.csv{parquet}, summary.json, summary.svg, inputs.csv, errors.csv, manifest.json",
         out.display()
-    )
+    );
+    format!("{text}\n{}", crate::report::table::paragraph(&files, 0, 2))
 }
 
 /// The results are there, of this very study.

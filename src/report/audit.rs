@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::table::wrap;
+use super::table::paragraph;
 use crate::catalog::Catalog;
 use crate::catalog::audit::{CHECKS, Finding, Severity};
 
@@ -28,13 +28,14 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
             out.push_str(&format!("{}\n", finding.id));
             last = &finding.id;
         }
-        out.push_str(&format!("  {}\n", wrap(&format!("{} [{}] {}", word(finding), finding.code, finding.message), 6)));
+        let line = format!("{} [{}] {}", word(finding), finding.code, finding.message);
+        out.push_str(&paragraph(&line, 2, 6));
         if let Some(why) = &finding.explanation {
-            out.push_str(&format!("      {}\n", wrap(&format!("→ {why}"), 8)));
+            out.push_str(&paragraph(&format!("→ {why}"), 6, 8));
         }
         if finding.accepted {
             let note = catalog.motors.iter().find(|m| m.id == finding.id).map_or("", |m| m.note.as_str());
-            out.push_str(&format!("      {}\n", wrap(&format!("note of the row: {note}"), 8)));
+            out.push_str(&paragraph(&format!("note of the row: {note}"), 6, 8));
         }
     }
     if !findings.is_empty() {
@@ -42,14 +43,14 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
     }
     let accepted = findings.iter().filter(|f| f.accepted && f.severity == Severity::Error).count();
     let notes = findings.iter().filter(|f| f.severity == Severity::Note).count();
-    out.push_str(&format!(
-        "{} motors and {} gears, {} checks: {} errors, {accepted} explained by the row's note, {notes} notes\n",
+    let line = format!(
+        "{} motors and {} gears, {} checks: {} errors, {accepted} explained by the row's note, {notes} notes",
         catalog.motors.len(),
         catalog.gears.len(),
         CHECKS.len(),
         broken(findings),
-    ));
-    out
+    );
+    out + &paragraph(&line, 0, 2)
 }
 
 /// For programs.

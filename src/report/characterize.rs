@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::handy::handy;
 use super::number;
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph, wrap};
 use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, Winding, word};
 use crate::catalog::import::{cell, head, safe};
@@ -44,29 +44,30 @@ fn value(e: &Estimate, unit: &'static str) -> String {
 /// For people.
 pub fn text(bench: &Bench, result: &Characterization, written: &[String]) -> String {
     let logs = bench.logs.len();
-    let mut out = format!(
-        "{}: {} {}, N = {}; ± are 95 %, motor side, q axis\n\n",
+    let heading = format!(
+        "{}: {}, N = {}; ± are 95 %, motor side, q axis",
         bench.name,
-        logs,
-        if logs == 1 { "log" } else { "logs" },
+        super::counted(logs, "log"),
         number(bench.declared.ratio)
     );
+    let mut out = format!("{}\n", paragraph(&heading, 0, 2));
     for log in bench.logs.iter().filter(|l| !l.remarks.is_empty()) {
-        out.push_str(&format!("{}\n", wrap(&format!("{}: {}", log.name, log.remarks.join("; ")), 2)));
+        out.push_str(&paragraph(&format!("{}: {}", log.name, log.remarks.join("; ")), 0, 2));
     }
     if bench.logs.iter().any(|l| !l.remarks.is_empty()) {
         out.push('\n');
     }
-    let rows: Vec<Vec<String>> = result
-        .outcomes
-        .iter()
-        .flat_map(|o| o.quantities.iter().map(move |q| (o, q)))
-        .map(|(o, q)| {
-            let e = &q.estimate;
-            vec![q.name.into(), value(e, q.unit), share(e.relative()), o.test.into()]
-        })
-        .collect();
-    out.push_str(&table(&["quantity", ">value", ">±", "test"], &rows));
+    let rows = result.outcomes.iter().flat_map(|o| o.quantities.iter().map(move |q| (o, q))).map(|(o, q)| {
+        let e = &q.estimate;
+        vec![q.name.into(), value(e, q.unit), share(e.relative()), o.test.into()]
+    });
+    let columns = vec![
+        Column::name("quantity"),
+        Column::number("value", ""),
+        Column::number("±", "").dropped(2),
+        Column::name("test").dropped(1),
+    ];
+    out.push_str(&Table::new(columns).also_in("`--csv`, `--json`").rows(rows).text());
     for outcome in &result.outcomes {
         out.push_str(&section(outcome));
     }
@@ -76,7 +77,7 @@ pub fn text(bench: &Bench, result: &Characterization, written: &[String]) -> Str
     }
     out.push_str(&row_text(&result.row));
     for line in written {
-        out.push_str(&format!("{line}\n"));
+        out.push_str(&paragraph(line, 0, 2));
     }
     out
 }
@@ -84,10 +85,10 @@ pub fn text(bench: &Bench, result: &Characterization, written: &[String]) -> Str
 fn section(outcome: &Outcome) -> String {
     let mut out = format!("\n{}\n", outcome.test);
     for method in &outcome.method {
-        out.push_str(&format!("  {}\n", wrap(method, 2)));
+        out.push_str(&paragraph(method, 2, 2));
     }
     for q in outcome.quantities.iter().filter(|q| !q.remark.is_empty()) {
-        out.push_str(&format!("  {}\n", wrap(&format!("{}: {}", q.name, q.remark), 4)));
+        out.push_str(&paragraph(&format!("{}: {}", q.name, q.remark), 2, 4));
     }
     for log in &outcome.logs {
         let values: Vec<String> =
@@ -95,7 +96,7 @@ fn section(outcome: &Outcome) -> String {
         let mut parts = values;
         parts.extend(log.remarks.iter().cloned());
         let mark = if log.used { "" } else { " (not used)" };
-        out.push_str(&format!("  {}\n", wrap(&format!("{}{mark}: {}", log.log, parts.join("; ")), 4)));
+        out.push_str(&paragraph(&format!("{}{mark}: {}", log.log, parts.join("; ")), 2, 4));
     }
     out.push_str(&findings(&outcome.findings));
     out
@@ -113,19 +114,20 @@ fn findings(findings: &[Finding]) -> String {
 fn row_text(row: &Row) -> String {
     let mut out = format!("\nCatalogue row `{}`\n", row.id);
     for (name, from) in &row.taken {
-        out.push_str(&format!("  {name}: not measured, {from}\n"));
+        out.push_str(&paragraph(&format!("{name}: not measured, {from}"), 2, 4));
     }
     if row.missing.is_empty() {
-        out.push_str("  complete: `audit`, `rank`, `compare`, `sweep` and `optimize --catalog` read it\n");
+        let line = "complete: `audit`, `rank`, `compare`, `sweep` and `optimize --catalog` read it";
+        out.push_str(&paragraph(line, 2, 4));
     } else {
-        out.push_str(&format!("  not complete: a catalogue row needs {}\n", row.missing.join(", ")));
+        out.push_str(&paragraph(&format!("not complete: a catalogue row needs {}", row.missing.join(", ")), 2, 4));
     }
     let useful = ["rotor_inertia", "mass", "inductance", "peak_current", "continuous_current"];
     let unknown: Vec<&str> =
         FIELDS.iter().filter(|f| useful.contains(&f.name) && (f.get)(&row.sheet).is_none()).map(|f| f.name).collect();
     if !unknown.is_empty() {
         let text = format!("unknown, which limits what can be checked: {}", unknown.join(", "));
-        out.push_str(&format!("  {}\n", wrap(&text, 2)));
+        out.push_str(&paragraph(&text, 2, 2));
     }
     out
 }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::rank::with_tolerance;
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph};
 use super::{number, optional};
 use crate::actuator::metrics::{METRICS, MatchedInertia, at_matched_inertia, metric};
 use crate::actuator::step_response::{StepResponse, simulate};
@@ -54,15 +54,17 @@ fn row(what: &str, values: [Option<f64>; 2], unit: &str, lower_is_better: Option
     vec![format!("{what} [{unit}]"), a, b, better]
 }
 
-/// A table under its title: header as of a text table, and rows.
-pub(super) type Titled = (String, Vec<String>, Vec<Vec<String>>);
+/// A table under its title: columns and rows.
+pub(super) type Titled = (String, Vec<Column>, Vec<Vec<String>>);
 
 /// What is compared, table by table: as computed, metrics, at matched inertia, step response.
 pub(super) fn tables(comparison: &Comparison) -> [Titled; 4] {
     let [a, b] = comparison.motors;
     let pair = |f: fn(&Motor) -> Option<f64>| comparison.motors.map(f);
-    let header =
-        || vec![String::new(), format!(">{}", a.id), format!(">{}", b.id), ">advantage of the first".to_string()];
+    let header = || {
+        let [a, b] = [a, b].map(|motor| Column::number(&*motor.id, ""));
+        vec![Column::name(""), a, b, Column::number("advantage\nof the first", "")]
+    };
     let computed = vec![
         row("resistance R", pair(|m| Some(m.resistance)), "ohm", None),
         row("inductance L", pair(|m| m.inductance), "mH", None),
@@ -129,28 +131,29 @@ pub(super) fn faster(comparison: &Comparison) -> Option<String> {
 pub fn text(comparison: &Comparison) -> String {
     let mut out = String::new();
     for (k, (title, header, rows)) in tables(comparison).into_iter().enumerate() {
-        let header: Vec<&str> = header.iter().map(String::as_str).collect();
         let gap = if k == 0 { "" } else { "\n" };
-        out.push_str(&format!("{gap}{title}\n\n{}", table(&header, &rows)));
+        out.push_str(&format!("{gap}{}\n{}", paragraph(&title, 0, 2), Table::new(header).rows(rows).text()));
         if k == 1
             && let Some(line) = faster(comparison)
         {
-            out.push_str(&format!("\n{}\n", wrap(&line, 0)));
+            out.push_str(&format!("\n{}", paragraph(&line, 0, 0)));
         }
     }
-    out.push_str("\nWhere the numbers come from, and what is doubtful about them\n\n");
+    let heading = "Where the numbers come from, and what is doubtful about them";
+    out.push_str(&format!("\n{}\n", paragraph(heading, 0, 2)));
     for motor in comparison.motors {
-        out.push_str(&wrap(&format!("{}: {}; {}", motor.id, conventions_line(motor), motor.source), 2));
-        out.push('\n');
+        let line = format!("{}: {}; {}", motor.id, conventions_line(motor), motor.source);
+        out.push_str(&paragraph(&line, 0, 2));
         if !motor.note.is_empty() {
-            out.push_str(&format!("  {}\n", wrap(&motor.note, 2)));
+            out.push_str(&paragraph(&motor.note, 2, 2));
         }
         for assumption in &motor.assumptions {
-            out.push_str(&format!("  assumed: {assumption}\n"));
+            out.push_str(&paragraph(&format!("assumed: {assumption}"), 2, 4));
         }
         for finding in audit_motor(motor) {
             let why = finding.explanation.map_or_else(String::new, |w| format!(" ({w})"));
-            out.push_str(&format!("  {}\n", wrap(&format!("audit [{}]: {}{why}", finding.code, finding.message), 4)));
+            let line = format!("audit [{}]: {}{why}", finding.code, finding.message);
+            out.push_str(&paragraph(&line, 2, 4));
         }
     }
     out

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::optimize::{bind_text, fitted_json, fitted_notes, margins_json, proof, reason_text};
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph};
 use super::{number, optional};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::audit::{audit_motor, conventions_line};
@@ -22,35 +22,35 @@ pub fn text(story: &Explanation) -> String {
     let joint = story.joint;
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
     let verdict = if e.feasible { "keeps every limit that could be checked" } else { "is not feasible" };
-    let mut out = format!("{}: {} at N = {}{gear} {verdict}\n\n", joint.name, story.motor.id, number(e.ratio));
+    let heading = format!("{}: {} at N = {}{gear} {verdict}", joint.name, story.motor.id, number(e.ratio));
+    let mut out = format!("{}\n", paragraph(&heading, 0, 2));
     out.push_str(&limits(story));
     out.push('\n');
     for (what, value, unit) in quantities(story) {
         out.push_str(&format!("  {what:<24}{} {unit}\n", optional(value)));
         if what == WINDING && story.winding_temperature == Some(None) {
-            out.push_str(&format!("  {RUNAWAY}\n"));
+            out.push_str(&paragraph(RUNAWAY, 2, 4));
         }
     }
     match &story.spring {
         Some(Ok(spring)) => {
             let line = format!("With a {}", super::spring::text(spring, e.loss));
             let line = if spring.rest_angle.is_some() { line } else { super::spring::text(spring, e.loss) };
-            out.push_str(&format!("\n{}\n", wrap(&line, 0)));
-            out.push_str("  shadow prices, sensitivities and what would have to change are those at this spring\n");
+            out.push_str(&format!("\n{}", paragraph(&line, 0, 0)));
+            let line = "shadow prices, sensitivities and what would have to change are those at this spring";
+            out.push_str(&paragraph(line, 2, 4));
         }
         Some(Err(why)) => {
             let line = format!("No spring will do: {}. All else is without a spring.", reason_text(why, joint).1);
-            out.push_str(&format!("\n{}\n", wrap(&line, 0)));
+            out.push_str(&format!("\n{}", paragraph(&line, 0, 0)));
         }
         None => {}
     }
     match &story.best {
         Some(Ok(optimum)) => out.push_str(&best(story, optimum)),
         Some(Err(reason)) => {
-            out.push_str(&format!(
-                "\n{}\n",
-                wrap(&format!("No ratio of this motor will do: {}.", reason_text(reason, joint).1), 0)
-            ));
+            let line = format!("No ratio of this motor will do: {}.", reason_text(reason, joint).1);
+            out.push_str(&format!("\n{}", paragraph(&line, 0, 0)));
         }
         None => {}
     }
@@ -58,36 +58,35 @@ pub fn text(story: &Explanation) -> String {
         let heading = if story.best.is_some() { "Any one of these would make it feasible" } else { "What is exceeded" };
         out.push_str(&format!("\n{heading}:\n"));
         for remedy in &story.remedies {
-            out.push_str(&format!("  {}\n", remedy_text(remedy)));
+            out.push_str(&paragraph(&remedy_text(remedy), 2, 4));
         }
     } else if matches!(story.best, Some(Err(_))) {
-        out.push_str("\nNo single limit, widened alone, would make it feasible.\n");
+        let line = "No single limit, widened alone, would make it feasible.";
+        out.push_str(&format!("\n{}", paragraph(line, 0, 2)));
     }
     let fitted = fitted_notes(story.motor, joint);
     if !fitted.is_empty() {
         out.push_str("\nFitted to this actuator:\n");
         for note in fitted {
-            out.push_str(&format!("  {}\n", wrap(&format!("{}: {}", note.effect, note.how), 4)));
+            out.push_str(&paragraph(&format!("{}: {}", note.effect, note.how), 2, 4));
         }
     }
     if !story.unchecked.is_empty() {
         out.push_str("\nNot checked:\n");
         for (limit, why) in &story.unchecked {
-            out.push_str(&format!("  {}\n", wrap(&format!("{limit}: {why}"), 4)));
+            out.push_str(&paragraph(&format!("{limit}: {why}"), 2, 4));
         }
     }
-    out.push_str(&format!(
-        "\n{}\n",
-        wrap(&format!("The row: {}; {}", conventions_line(story.motor), story.motor.source), 2)
-    ));
+    let line = format!("The row: {}; {}", conventions_line(story.motor), story.motor.source);
+    out.push_str(&format!("\n{}", paragraph(&line, 0, 2)));
     if !story.motor.note.is_empty() {
-        out.push_str(&format!("  {}\n", wrap(&story.motor.note, 2)));
+        out.push_str(&paragraph(&story.motor.note, 2, 2));
     }
     for assumption in &story.motor.assumptions {
-        out.push_str(&format!("  assumed: {assumption}\n"));
+        out.push_str(&paragraph(&format!("assumed: {assumption}"), 2, 4));
     }
     for finding in audit_motor(story.motor) {
-        out.push_str(&format!("  {}\n", wrap(&format!("audit [{}]: {}", finding.code, finding.message), 4)));
+        out.push_str(&paragraph(&format!("audit [{}]: {}", finding.code, finding.message), 2, 4));
     }
     out
 }
@@ -128,11 +127,22 @@ pub(super) fn remedy_text(remedy: &Remedy) -> String {
     )
 }
 
-/// Header of [`limit_rows`].
-pub(super) const LIMITS: [&str; 7] = ["limit", ">demand", ">limit", "", ">margin", "whose", "at"];
+/// The columns of [`limit_rows`].
+pub(super) fn limit_columns() -> Vec<Column> {
+    vec![
+        Column::name("limit"),
+        Column::number("demand", ""),
+        Column::number("limit", ""),
+        Column::name("unit"),
+        Column::number("margin", ""),
+        Column::name("whose").dropped(1),
+        Column::name("at").dropped(2),
+    ]
+}
 
 fn limits(story: &Explanation) -> String {
-    table(&LIMITS, &limit_rows(&story.evaluation.margins, story.joint))
+    let rows = limit_rows(&story.evaluation.margins, story.joint);
+    Table::new(limit_columns()).also_in("`--json`").rows(rows).text()
 }
 
 /// The limits of a design, tightest first.
@@ -176,20 +186,17 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
 fn best(story: &Explanation, optimum: &Optimum) -> String {
     let joint = story.joint;
     let line = best_line(story, optimum);
-    let mut out = format!("\n{}\n", wrap(&line, 0));
+    let mut out = format!("\n{}", paragraph(&line, 0, 0));
     if let Certificate::Certified { lower_bound, method, .. } = &optimum.certificate {
-        out.push_str(&format!("  no ratio is better than {lower_bound:.9e} {} ({method})\n", joint.objective.unit()));
+        let line = format!("no ratio is better than {lower_bound:.9e} {} ({method})", joint.objective.unit());
+        out.push_str(&paragraph(&line, 2, 4));
     }
     if optimum.shadow_prices.is_empty() {
         out.push_str("  no limit binds at N*: every shadow price is zero\n");
     }
     for price in &optimum.shadow_prices {
-        out.push_str(&format!(
-            "  {} +1 %: {} {}\n",
-            price.limit,
-            joint.objective.name(),
-            percent(price.elasticity / 100.0)
-        ));
+        let change = percent(price.elasticity / 100.0);
+        out.push_str(&paragraph(&format!("{} +1 %: {} {change}", price.limit, joint.objective.name()), 2, 4));
     }
     out.push_str("\nIf the motor were better, the ratio chosen anew:\n");
     for s in &story.sensitivities {
@@ -197,7 +204,7 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
             || "no ratio is feasible".to_string(),
             |o| format!("{} {}", joint.objective.name(), percent(o)),
         );
-        out.push_str(&format!("  {} {}: {change}\n", s.parameter, percent(s.change)));
+        out.push_str(&paragraph(&format!("{} {}: {change}", s.parameter, percent(s.change)), 2, 4));
     }
     out
 }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::number;
-use super::table::table;
+use super::table::{Column, Table, paragraph_at};
 use crate::measured::simulate::{Errors, ForwardCheck};
 
 fn rows(check: &ForwardCheck) -> Vec<(&'static str, &'static str, Errors)> {
@@ -12,37 +12,35 @@ fn rows(check: &ForwardCheck) -> Vec<(&'static str, &'static str, Errors)> {
     rows
 }
 
-/// Error of the simulated position before and after, and with the model fitted for simulation.
-pub fn text(check: &ForwardCheck) -> String {
+/// Error of the simulated position before and after, and with the model fitted for simulation; as text of a width.
+pub fn text_at(check: &ForwardCheck, width: usize) -> String {
     let held = rows(check).iter().any(|r| r.2.held_out.is_some());
-    let named = [format!(">fit [{}]", check.unit), format!(">held out [{}]", check.unit)];
-    let mut header = vec!["simulated", named[0].as_str()];
-    if held {
-        header.push(&named[1]);
-    }
-    let cells = rows(check)
-        .into_iter()
-        .map(|(_, label, errors)| {
-            let mut row = vec![label.to_string(), number(errors.fit)];
-            if held {
-                row.push(errors.held_out.map_or_else(|| "–".into(), number));
-            }
-            row
-        })
-        .collect::<Vec<_>>();
+    let mut columns = vec![Column::name("simulated"), Column::number("fit", check.unit)];
+    columns.extend(held.then(|| Column::number("held out", check.unit)));
+    let cells = rows(check).into_iter().map(|(_, label, errors)| {
+        let mut row = vec![label.to_string(), number(errors.fit)];
+        if held {
+            row.push(errors.held_out.map_or_else(|| "–".into(), number));
+        }
+        row
+    });
     let how = if check.closed_loop { "the goal through the declared controller" } else { "what was put in" };
-    let mut text = format!("Position simulated forward from {how}, error (rms):\n");
-    text += &table(&header, &cells);
+    let say = |line: &str| paragraph_at(line, 0, 2, width);
+    let mut text = say(&format!("Position simulated forward from {how}, error (rms):"));
+    text += &Table::new(columns).rows(cells).text_at(width);
     if !check.without.is_empty() {
-        text += &format!(
-            "To simulate, the model is better without {}: on left-out parts of the logs.\n",
-            check.without.join(", ")
-        );
+        let without = check.without.join(", ");
+        text += &say(&format!("To simulate, the model is better without {without}: on left-out parts of the logs."));
     }
     if !check.not_simulated.is_empty() {
-        text += &format!("Not simulated: {}.\n", check.not_simulated.join(", "));
+        text += &say(&format!("Not simulated: {}.", check.not_simulated.join(", ")));
     }
     text
+}
+
+/// [`text_at`] of the width that was decided.
+pub fn text(check: &ForwardCheck) -> String {
+    text_at(check, super::table::width())
 }
 
 /// The same for programs.

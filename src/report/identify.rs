@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::handy::{handy, with_error};
 use super::number;
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph, paragraph_at, width};
 use crate::actuator::effects::Enters;
 use crate::measured::identify::{Found, Parameter, Refused, Report, Stage, Target, Verdict};
 use crate::measured::{Bench, Channel, Log, Use};
@@ -127,7 +127,7 @@ pub fn text(bench: &Bench, reports: &[Report], written: &[String]) -> String {
             }
         }
         for (reason, names) in reasons {
-            out.push_str(&format!("  {}\n", wrap(&format!("{}: {reason}", names.join(", ")), 4)));
+            out.push_str(&paragraph(&format!("{}: {reason}", names.join(", ")), 2, 4));
         }
     }
     let mut runs: Vec<&String> = Vec::new();
@@ -139,12 +139,12 @@ pub fn text(bench: &Bench, reports: &[Report], written: &[String]) -> String {
     if !runs.is_empty() {
         out.push_str("\nWhat to measure next:\n");
         for run in runs {
-            out.push_str(&format!("  {}\n", wrap(run, 4)));
+            out.push_str(&paragraph(run, 2, 4));
         }
     }
-    out.push_str(&format!("\n{}\n", wrap(&sentence(bench, reports), 0)));
+    out.push_str(&format!("\n{}", paragraph(&sentence(bench, reports), 0, 0)));
     for file in written {
-        out.push_str(&format!("{file}\n"));
+        out.push_str(&paragraph(file, 0, 2));
     }
     out
 }
@@ -156,20 +156,19 @@ fn heading(bench: &Bench) -> String {
         Some(motor) => format!("{} at N = {}", motor.id, number(bench.declared.ratio)),
         None => format!("linear axis of {} kg", bench.declared.mass.map_or_else(|| "–".into(), number)),
     };
-    let mut out =
-        format!("{}: {what}; {} to fit, {} held out\n", bench.name, logs(count(Use::Fit)), logs(count(Use::HeldOut)));
-    let rows: Vec<Vec<String>> = bench
-        .logs
-        .iter()
-        .map(|log| vec![format!("  {}", log.name), log.kind.name().into(), used(log).into(), log.len().to_string()])
-        .collect();
-    out.push_str(&table(&["  log", "kind", "use", ">rows"], &rows));
+    let heading =
+        format!("{}: {what}; {} to fit, {} held out", bench.name, logs(count(Use::Fit)), logs(count(Use::HeldOut)));
+    let mut out = paragraph(&heading, 0, 2);
+    let row = |log: &Log| vec![log.name.clone(), log.kind.name().into(), used(log).into(), log.len().to_string()];
+    let columns =
+        vec![Column::name("log"), Column::name("kind"), Column::name("use"), Column::number("rows", "").dropped(1)];
+    out.push_str(&Table::new(columns).indented(2).rows(bench.logs.iter().map(row)).text());
     for log in &bench.logs {
         for remark in &log.remarks {
-            out.push_str(&format!("  {}\n", wrap(&format!("{}: {remark}", log.name), 4)));
+            out.push_str(&paragraph(&format!("{}: {remark}", log.name), 2, 4));
         }
         for channel in stuck(log) {
-            out.push_str(&format!("  {}\n", wrap(&format!("{}: {channel} has one value throughout", log.name), 4)));
+            out.push_str(&paragraph(&format!("{}: {channel} has one value throughout", log.name), 2, 4));
         }
     }
     out
@@ -239,23 +238,25 @@ pub(super) fn used(log: &Log) -> &'static str {
 /// One equation from top to bottom.
 fn equation(bench: &Bench, report: &Report) -> String {
     let band = report.band.map_or_else(String::new, |b| format!("; band 0 to {} Hz", number(b)));
-    let mut out = format!(
-        "\n{}{band}; {} samples, {} rows in the regression\n",
+    let heading = format!(
+        "{}{band}; {} samples, {} rows in the regression",
         equation_title(report),
         report.samples.0,
         report.samples.1
     );
+    let mut out = format!("\n{}", paragraph(&heading, 0, 2));
     out.push_str(&story(report));
     out.push_str(&format!("  noise floor {} {}\n", number(report.noise_floor), report.unit));
     for remark in &report.remarks {
-        out.push_str(&format!("  {}\n", wrap(remark, 4)));
+        out.push_str(&paragraph(remark, 2, 4));
     }
     if !report.artefacts.is_empty() {
         out.push_str("\n  Artefacts of the measurement:\n");
         for artefact in &report.artefacts {
             let (value, unit) = handy(artefact.value, unit_on(bench, artefact.unit));
             let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-            out.push_str(&format!("    {} of {}: {}{unit}\n", artefact.kind, artefact.channel, number(value)));
+            let line = format!("{} of {}: {}{unit}", artefact.kind, artefact.channel, number(value));
+            out.push_str(&paragraph(&line, 4, 6));
         }
     }
     if !report.parameters.is_empty() {
@@ -263,22 +264,22 @@ fn equation(bench: &Bench, report: &Report) -> String {
         out.push_str(&parameters(bench, &report.parameters));
     }
     for effect in &report.effects {
-        out.push_str(&effect_text(bench, report, effect));
+        out.push_str(&effect_text(bench, report, effect, width()));
     }
     for left in &report.unexplained {
         let line = format!("Left unexplained, depends on {}: {}", left.depends_on, left.detail);
-        out.push_str(&format!("\n  {}\n", wrap(&line, 4)));
+        out.push_str(&format!("\n{}", paragraph(&line, 2, 4)));
     }
     out
 }
 
 fn story(report: &Report) -> String {
-    let (header, rows) = story_rows(report);
-    table(&header.each_ref().map(String::as_str), &rows)
+    let (columns, rows) = story_rows(report);
+    Table::new(columns).indented(2).also_in("`--json`").rows(rows).text()
 }
 
-/// Header and rows of the error as it goes down.
-pub(super) fn story_rows(report: &Report) -> ([String; 7], Vec<Vec<String>>) {
+/// Columns and rows of the error as it goes down.
+pub(super) fn story_rows(report: &Report) -> (Vec<Column>, Vec<Vec<String>>) {
     let ratio = |value: f64| if report.noise_floor > 0.0 { number(value / report.noise_floor) } else { "–".into() };
     let held = |value: Option<f64>, f: &dyn Fn(f64) -> String| value.map_or_else(|| "–".into(), f);
     // Of a target that does not vary no variance can be accounted for.
@@ -288,7 +289,7 @@ pub(super) fn story_rows(report: &Report) -> ([String; 7], Vec<Vec<String>>) {
         .iter()
         .map(|stage| {
             vec![
-                format!("  {}", stage_label(report, stage)),
+                stage_label(report, stage),
                 number(stage.fit),
                 held(stage.held_out, &number),
                 vaf(stage.fit_vaf),
@@ -299,17 +300,33 @@ pub(super) fn story_rows(report: &Report) -> ([String; 7], Vec<Vec<String>>) {
         })
         .collect();
     let unit = report.unit;
-    let (fit, held) = (format!(">fit [{unit}]"), format!(">held out [{unit}]"));
-    let [vaf, vaf_held, noise, noise_held] =
-        [">VAF fit [%]", ">held out [%]", ">x noise", ">held out x noise"].map(String::from);
-    (["  RMSE".into(), fit, held, vaf, vaf_held, noise, noise_held], rows)
+    let columns = vec![
+        Column::name("RMSE"),
+        Column::number("fit", unit),
+        Column::number("held out", unit),
+        Column::number("VAF fit", "%").dropped(4),
+        Column::number("held out", "%").dropped(3),
+        Column::number("x noise", "").dropped(1),
+        Column::number("held out\nx noise", "").dropped(2),
+    ];
+    (columns, rows)
 }
 
-/// Header of [`parameter_rows`].
-pub(super) const PARAMETERS: [&str; 6] = ["  parameter", ">declared", ">fitted", ">± 1 s.e.", "unit", ">change"];
+/// The columns of [`parameter_rows`].
+pub(super) fn parameter_columns() -> Vec<Column> {
+    vec![
+        Column::name("parameter"),
+        Column::number("declared", ""),
+        Column::number("fitted", ""),
+        Column::number("± 1 s.e.", ""),
+        Column::name("unit"),
+        Column::number("change", "").dropped(1),
+    ]
+}
 
 fn parameters(bench: &Bench, parameters: &[Parameter]) -> String {
-    table(&PARAMETERS, &parameter_rows(bench, parameters))
+    let rows = parameter_rows(bench, parameters);
+    Table::new(parameter_columns()).indented(2).also_in("`--json`").rows(rows).text()
 }
 
 /// Declared and fitted numbers, in units that are handy.
@@ -325,7 +342,7 @@ pub(super) fn parameter_rows(bench: &Bench, parameters: &[Parameter]) -> Vec<Vec
                 format!("{}{} %", if change > 0.0 { "+" } else { "" }, percent(change))
             });
             vec![
-                format!("  {}", p.name),
+                p.name.clone(),
                 p.declared.map_or_else(|| "–".into(), |d| number(d * factor)),
                 p.standard_error.map_or_else(|| "not seen, held".into(), |_| number(p.fitted * factor)),
                 p.standard_error.map_or_else(String::new, |e| format!("± {}", number(e * factor))),
@@ -336,32 +353,31 @@ pub(super) fn parameter_rows(bench: &Bench, parameters: &[Parameter]) -> Vec<Vec
         .collect()
 }
 
-pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found) -> String {
-    let mut out = format!("\n  {}: {}; {} {} rms\n", effect.name, effect.equation, number(effect.size), report.unit);
+/// An effect that was found, as text of a width.
+pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found, width: usize) -> String {
+    let say = |line: &str| paragraph_at(line, 4, 4, width);
+    let heading = format!("{}: {}; {} {} rms", effect.name, effect.equation, number(effect.size), report.unit);
+    let mut out = format!("\n{}", paragraph_at(&heading, 2, 4, width));
     let values: Vec<String> = effect
         .parameters
         .iter()
         .map(|p| format!("{} = {}", p.name, with_error(p.fitted, p.standard_error, unit_on(bench, p.unit))))
         .collect();
-    out.push_str(&format!("    {}\n", wrap(&values.join(", "), 4)));
+    out.push_str(&say(&values.join(", ")));
     if let (Some(before), Some(after)) = (effect.held_out_before, effect.held_out_after) {
-        out.push_str(&format!(
-            "    held-out error {} {} without it, {} with it\n",
-            number(before),
-            report.unit,
-            number(after)
-        ));
+        let [before, after] = [before, after].map(number);
+        out.push_str(&say(&format!("held-out error {before} {} without it, {after} with it", report.unit)));
     }
     if !effect.confounded_with.is_empty() {
         let names: Vec<String> = effect.confounded_with.iter().map(|n| n.to_string()).collect();
         let line = format!("these logs cannot tell it from {}", listed(&names));
-        out.push_str(&format!("    {}\n", wrap(&line, 4)));
+        out.push_str(&say(&line));
     }
     let enters = match effect.enters {
         Enters::NotAtAll(why) => format!("in the model it {}: {why}", effect.enters.words()),
         other => format!("in the model it {}", other.words()),
     };
-    out.push_str(&format!("    {}\n", wrap(&enters, 4)));
+    out.push_str(&say(&enters));
     out
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph};
 use crate::catalog::import::{Holds, Import, Place, Remark, RemarkKind};
 
 /// A catalogue file that was written.
@@ -39,30 +39,29 @@ fn by_reason(import: &Import, kind: RemarkKind) -> Vec<(&'static str, Vec<&Remar
 fn line(remark: &Remark) -> String {
     let Place { file, line, column } = &remark.place;
     let key = if remark.key.is_empty() { String::new() } else { format!("{}: ", remark.key) };
-    format!("  {}\n", wrap(&format!("{file}:{line}:{column}: {key}{}", remark.message), 6))
+    paragraph(&format!("{file}:{line}:{column}: {key}{}", remark.message), 2, 6)
 }
 
 /// For people; `rows` lists every assumption with its row, else one example of each.
 pub fn text(import: &Import, written: &[Written], rows: bool) -> String {
     let cells = |cells: [&str; 5]| cells.map(String::from).to_vec();
-    let files: Vec<Vec<String>> = import
-        .files
-        .iter()
-        .map(|f| {
-            let [all, taken, refused] = [f.rows, f.taken, f.rows - f.taken].map(|n| n.to_string());
-            cells([&f.file, f.holds.word(), &all, &taken, &refused])
-        })
-        .collect();
-    let mut out = table(&["file", "holds", ">rows", ">taken", ">refused"], &files);
-    out.push_str(&format!(
-        "\n{} motors and {} gears; {} pairs are compatible by the database.\n",
+    let files = import.files.iter().map(|f| {
+        let [all, taken, refused] = [f.rows, f.taken, f.rows - f.taken].map(|n| n.to_string());
+        cells([&f.file, f.holds.word(), &all, &taken, &refused])
+    });
+    let [rows_read, taken, refused] = ["rows", "taken", "refused"].map(|heading| Column::number(heading, ""));
+    let columns = vec![Column::name("file"), Column::name("holds"), rows_read, taken, refused];
+    let mut out = Table::new(columns).rows(files).text();
+    let counts = format!(
+        "{} motors and {} gears; {} pairs are compatible by the database.",
         import.motors.len(),
         import.gears.len(),
         import.compatible_pairs
-    ));
+    );
+    out.push_str(&format!("\n{}", paragraph(&counts, 0, 2)));
     out.push_str("\nAssumed of every row\n");
     for assumption in &import.assumptions {
-        out.push_str(&format!("  {}\n", wrap(assumption, 4)));
+        out.push_str(&paragraph(assumption, 2, 4));
     }
     for (kind, title) in [
         (RemarkKind::Assumed, "Assumed of single rows"),

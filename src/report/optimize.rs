@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value, json};
 
 use super::prune;
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph, wrap};
 use super::{csv_number, different_motors, number, optional};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
@@ -120,13 +120,14 @@ pub fn proof(certificate: &Certificate) -> String {
 pub fn text(result: &RobotResult, shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
-    let mut out = format!(
-        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed)\n",
+    let heading = format!(
+        "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed)",
         robot.name,
         super::counted(robot.joints.len(), "joint"),
         super::counted(motors, "motor"),
         number(robot.bus.voltage)
     );
+    let mut out = paragraph(&heading, 0, 2);
     if let Some(driven) = &robot.driven {
         out.push_str(&super::torques::driven_text(driven, robot));
     }
@@ -158,19 +159,22 @@ pub(super) fn verdict(result: &JointResult) -> String {
 fn joint_text(result: &JointResult, shown: Shown) -> String {
     let joint = result.joint;
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
-    let mut out = format!("{} (×{}), {ratio}, least {}: {verdict}\n", joint.name, joint.count, joint.objective.name());
+    let heading = format!("{} (×{}), {ratio}, least {}: {verdict}", joint.name, joint.count, joint.objective.name());
+    let mut out = paragraph(&heading, 0, 2);
     if joint.motion.course == Course::Points(None) {
-        out.push_str("  The operating points have no durations: they weigh alike, and heat is not checked.\n");
+        let line = "The operating points have no durations: they weigh alike, and heat is not checked.";
+        out.push_str(&paragraph(line, 2, 4));
     }
     let ideal = !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == GearModel::IDEAL;
     if ideal {
-        out.push_str("  No gear is described: it is taken as free of loss, inertia and mass.\n");
+        out.push_str(&paragraph("No gear is described: it is taken as free of loss, inertia and mass.", 2, 4));
     }
     if let Some(spring) = &joint.limits.spring {
-        out.push_str(&format!("  {}\n", super::spring::asked(spring)));
+        out.push_str(&paragraph(&super::spring::asked(spring), 2, 2));
     }
     if asks_for_nothing(joint) {
-        out.push_str("  The motion asks for no torque and no acceleration: the order says nothing.\n");
+        let line = "The motion asks for no torque and no acceleration: the order says nothing.";
+        out.push_str(&paragraph(line, 2, 4));
     }
     if !result.candidates.is_empty() {
         out.push('\n');
@@ -211,52 +215,63 @@ pub(super) fn drive_current(motor: &Motor, current: f64) -> f64 {
 
 fn candidates_table(result: &JointResult, top: usize) -> String {
     let joint = result.joint;
+    let (columns, with_objective) = candidate_columns(joint);
+    let mut table = Table::new(columns).indented(2).also_in("`--csv`, `--json`");
+    for (place, design) in result.candidates.iter().take(top).enumerate() {
+        let e = &design.evaluation;
+        let mut row = vec![(place + 1).to_string(), design.motor.id.clone()];
+        row.push(number(e.ratio));
+        if with_objective {
+            row.push(number(design.optimum.objective));
+        }
+        let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
+        row.extend([
+            number(e.loss),
+            number(drive_current(design.motor, e.peak_current)),
+            number(e.reflected_inertia),
+            optional(e.mass),
+            optional(s_m),
+        ]);
+        row.push(proof(&design.optimum.certificate));
+        table.push(row, vec![details(design, joint)]);
+    }
+    let mut out = table.text();
+    let hidden = result.candidates.len().saturating_sub(top);
+    if hidden > 0 {
+        let line = format!("… and {hidden} more; `--top {}` shows all", result.candidates.len());
+        out.push_str(&paragraph(&line, 2, 4));
+    }
+    out
+}
+
+/// The columns of the candidates, and whether one of them is the objective's alone. What is minimised is never dropped.
+fn candidate_columns(joint: &Joint) -> (Vec<Column>, bool) {
+    let sole = joint.objective.sole();
     // Loss, peak current, inertia and mass have columns of their own.
-    let objective = match joint.objective.sole() {
-        None => Some(">objective".to_string()),
+    let objective = match sole {
+        None => Some(Column::number("objective", "")),
         Some(Quantity::Energy | Quantity::PeakPower) => {
-            Some(format!(">{} [{}]", joint.objective.name(), joint.objective.unit()))
+            Some(Column::number(joint.objective.name(), joint.objective.unit()))
         }
         Some(_) => None,
     };
+    let with_objective = objective.is_some();
     let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
-    let mut header = vec![">#", "motor", if geared { ">N" } else { ">N*" }];
-    header.extend(objective.as_deref());
-    header.extend([">loss [W]", ">I peak [A]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", "proof"]);
-    let shown = &result.candidates[..top.min(result.candidates.len())];
-    let rows: Vec<Vec<String>> = shown
-        .iter()
-        .enumerate()
-        .map(|(place, design)| {
-            let e = &design.evaluation;
-            let mut row = vec![(place + 1).to_string(), design.motor.id.clone()];
-            row.push(number(e.ratio));
-            if objective.is_some() {
-                row.push(number(design.optimum.objective));
-            }
-            let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
-            row.extend([
-                number(e.loss),
-                number(drive_current(design.motor, e.peak_current)),
-                number(e.reflected_inertia),
-                optional(e.mass),
-                optional(s_m),
-            ]);
-            row.push(proof(&design.optimum.certificate));
-            row
-        })
-        .collect();
-    let mut lines = table(&header, &rows).lines().map(|l| format!("  {l}\n")).collect::<Vec<_>>().into_iter();
-    let mut out = lines.next().unwrap_or_default();
-    for (design, line) in shown.iter().zip(lines) {
-        out.push_str(&line);
-        out.push_str(&format!("     {}\n", wrap(&details(design, joint), 7)));
-    }
-    let hidden = result.candidates.len().saturating_sub(top);
-    if hidden > 0 {
-        out.push_str(&format!("  … and {hidden} more; `--top {}` shows all\n", result.candidates.len()));
-    }
-    out
+    let ratio = if geared { "N" } else { "N*" };
+    let of = |quantity: Quantity, column: Column, order: u8| {
+        if sole == Some(quantity) { column } else { column.dropped(order) }
+    };
+    let mut columns = vec![Column::number("#", ""), Column::name("motor"), Column::number(ratio, "")];
+    columns.extend(objective);
+    columns.extend([
+        of(Quantity::Loss, Column::number("loss", "W"), 6),
+        of(Quantity::PeakCurrent, Column::number("I peak", "A"), 4),
+        of(Quantity::ReflectedInertia, Column::number("J", "kg*m^2"), 3),
+        of(Quantity::Mass, Column::number("mass", "kg"), 5),
+        Column::number("S_M", "ms").dropped(1),
+        Column::name("proof").dropped(2),
+    ]);
+    (columns, with_objective)
 }
 
 /// Which ratios are feasible and what ends them, and which limit is nearest.
@@ -394,63 +409,51 @@ fn summary(result: &RobotResult) -> String {
         true => "First choices, each joint by itself and carrying nothing:",
         false => "First choices:",
     });
+    out.push('\n');
     for joint in &result.joints {
         let choice = joint.candidates.first().map_or_else(|| "none".to_string(), choice_text);
-        out.push_str(&format!("\n  {}", wrap(&format!("{} ×{}: {choice}", joint.joint.name, joint.joint.count), 4)));
+        out.push_str(&paragraph(&format!("{} ×{}: {choice}", joint.joint.name, joint.joint.count), 2, 4));
         let checked = joint.candidates.iter().find(|d| d.unchecked.is_empty());
-        match (joint.candidates.first(), checked) {
+        let line = match (joint.candidates.first(), checked) {
             (Some(first), Some(checked)) if !first.unchecked.is_empty() => {
-                out.push_str(&format!(
-                    "\n    {}",
-                    wrap(&format!("best with every limit checked: {}", choice_text(checked)), 6)
-                ));
+                format!("best with every limit checked: {}", choice_text(checked))
             }
             (Some(first), None) if !first.unchecked.is_empty() && joint.pruned.is_some() => {
-                out.push_str("\n    none of the first has every limit checked; the others were not looked at");
+                "none of the first has every limit checked; the others were not looked at".into()
             }
             (Some(first), None) if !first.unchecked.is_empty() => {
-                out.push_str("\n    no motor of which every limit could be checked can do it");
+                "no motor of which every limit could be checked can do it".into()
             }
-            _ => {}
-        }
+            _ => continue,
+        };
+        out.push_str(&paragraph(&line, 4, 6));
     }
-    out.push('\n');
+    let mut say = |line: &str| out.push_str(&paragraph(line, 2, 4));
     match (result.actuator_mass(), robot.budget.actuator_mass) {
         (Some(mass), Some(limit)) => {
             let verdict = if mass <= limit { "within" } else { "OVER" };
-            out.push_str(&format!(
-                "  actuator mass {} kg, {verdict} the budget of {} kg\n",
-                number(mass),
-                number(limit)
-            ));
+            say(&format!("actuator mass {} kg, {verdict} the budget of {} kg", number(mass), number(limit)));
         }
-        (Some(mass), None) => out.push_str(&format!(
-            "  actuator mass {} kg, {}\n",
-            number(mass),
-            different_motors(result.distinct_motors())
-        )),
-        (None, Some(_)) => out.push_str("  the actuator mass budget cannot be checked: a mass is not known\n"),
-        (None, None) => {
-            out.push_str("  the actuator mass cannot be told: a mass is not known, or a joint has no choice\n")
+        (Some(mass), None) => {
+            let motors = different_motors(result.distinct_motors());
+            say(&format!("actuator mass {} kg, {motors}", number(mass)));
         }
+        (None, Some(_)) => say("the actuator mass budget cannot be checked: a mass is not known"),
+        (None, None) => say("the actuator mass cannot be told: a mass is not known, or a joint has no choice"),
     }
     if let Some(limit) = robot.budget.max_distinct_motors {
         let verdict = if result.distinct_motors() <= limit as usize { "within" } else { "OVER" };
-        out.push_str(&format!(
-            "  {}, {verdict} the budget of {limit} (each joint chosen by itself)\n",
-            different_motors(result.distinct_motors())
-        ));
+        let motors = different_motors(result.distinct_motors());
+        say(&format!("{motors}, {verdict} the budget of {limit} (each joint chosen by itself)"));
     }
     let several = robot.joints.iter().map(|j| j.count).sum::<u32>() > 1;
     if several && robot.shared_power().is_none() && (robot.bus.power.is_some() || robot.bus.current.is_some()) {
-        out.push_str(
-            "  the bus's power and current are kept by each joint alone; `power` in [budget] limits all together\n",
-        );
+        say("the bus's power and current are kept by each joint alone; `power` in [budget] limits all together");
     }
     let without: Vec<&str> =
         result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
     if !without.is_empty() {
-        out.push_str(&format!("  NO motor of the catalogue can do: {}\n", without.join(", ")));
+        say(&format!("NO motor of the catalogue can do: {}", without.join(", ")));
     }
     out
 }

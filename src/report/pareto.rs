@@ -2,13 +2,20 @@
 
 use serde_json::{Value, json};
 
-use super::table::table;
+use super::table::{Column, Table, paragraph};
 use super::{csv_number, number, optional};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::requirement::Quantity;
 
-fn header(front: &Front) -> [String; 2] {
-    front.quantities.map(|q| format!(">{} [{}]", q.name(), q.unit()))
+/// The columns of a front, with a gear and the mass where they say something; the front's own are never dropped.
+fn columns(front: &Front, geared: bool, with_mass: bool) -> Vec<Column> {
+    let mut columns = vec![Column::name("motor")];
+    columns.extend(geared.then(|| Column::name("gear")));
+    columns.push(Column::number("N", ""));
+    columns.extend(front.quantities.map(|q| Column::number(q.name(), q.unit())));
+    columns.extend(with_mass.then(|| Column::number("mass", "kg").dropped(1)));
+    columns.push(Column::name("proof").dropped(2));
+    columns
 }
 
 /// For people: each run of ratios of one motor as its first and last point.
@@ -16,25 +23,18 @@ pub fn text(fronts: &[Front]) -> String {
     let mut out = String::new();
     for front in fronts {
         let [a, b] = front.quantities;
-        out.push_str(&format!(
-            "{}: {} against {}; {} motors have a feasible design, {} points on the front\n\n",
+        let heading = format!(
+            "{}: {} against {}; {} motors have a feasible design, {} points on the front",
             front.joint.name,
             a.name(),
             b.name(),
             front.motors,
             front.points.len()
-        ));
-        let columns = header(front);
+        );
+        out.push_str(&format!("{}\n", paragraph(&heading, 0, 2)));
         let geared = front.points.iter().any(|p| p.gear.is_some());
-        let mut names = vec!["motor"];
-        if geared {
-            names.push("gear");
-        }
         let with_mass = !front.quantities.contains(&Quantity::Mass);
-        names.extend([">N", &columns[0], &columns[1]]);
-        names.extend(with_mass.then_some(">mass [kg]"));
-        names.push("proof");
-        let rows: Vec<Vec<String>> = front
+        let rows = front
             .points
             .iter()
             .enumerate()
@@ -53,15 +53,13 @@ pub fn text(fronts: &[Front]) -> String {
                 row.extend(with_mass.then(|| optional(p.evaluation.mass)));
                 row.push(if p.certified { "exact".into() } else { "not certified".into() });
                 row
-            })
-            .collect();
-        if rows.is_empty() {
+            });
+        let table = Table::new(columns(front, geared, with_mass)).also_in("`--csv`, `--json`").rows(rows);
+        if table.is_empty() {
             out.push_str("  no motor of the catalogue can do it\n\n");
         } else {
-            out.push_str(&table(&names, &rows));
-            out.push_str(
-                "\nTwo lines of one motor are the ends of a run: every ratio between them is on its front.\n\n",
-            );
+            let note = "Two lines of one motor are the ends of a run: every ratio between them is on its front.";
+            out.push_str(&format!("{}\n{}\n", table.text(), paragraph(note, 0, 0)));
         }
     }
     out

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::number;
-use super::table::wrap;
+use super::table::paragraph;
 use crate::design::optimize::JointResult;
 use crate::design::prune::Pruned;
 use crate::requirement::Joint;
@@ -35,7 +35,7 @@ pub(super) fn text(joint: &Joint, pruned: &Pruned) -> String {
         joint.objective.name(),
         number(*least),
     );
-    format!("  {}\n", wrap(&line, 4))
+    paragraph(&line, 2, 4)
 }
 
 /// Why a motor was not solved.

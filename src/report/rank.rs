@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::table::{Column, Table, paragraph};
 use super::{csv_number, number};
 use crate::actuator::metrics::{Estimate, METRICS, Metric, Shown};
 use crate::catalog::Motor;
@@ -59,37 +60,23 @@ pub fn with_tolerance(metric: &Metric, estimate: Option<Estimate>) -> String {
 /// For people.
 pub fn text(ranking: &Ranking, top: usize) -> String {
     let metric = ranking.metric;
-    let mut columns: Vec<&Metric> = vec![metric];
-    columns.extend(METRICS.iter().filter(|m| m.shown >= Shown::InRank && m.name != metric.name));
-    let mut header = vec![">#".to_string(), "motor".into()];
-    header.extend(columns.iter().map(|m| format!(">{}\n[{}]", m.symbol, m.unit)));
-    header.insert(3, ">ahead\nof next".into());
-    let rows: Vec<Vec<String>> = ranking
-        .ranked
-        .iter()
-        .take(top)
-        .enumerate()
-        .map(|(place, (motor, _))| {
-            let mut row = vec![(place + 1).to_string(), motor.id.clone()];
-            row.extend(
-                columns.iter().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))),
-            );
-            row.insert(3, ranking.sure(place).map_or_else(|| "?".into(), |p| format!("{:.0} %", 100.0 * p)));
-            row
-        })
-        .collect();
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let mut out = format!(
-        "{}: {}; {} is better\n\n",
-        metric.symbol,
-        metric.meaning,
-        if metric.lower_is_better { "less" } else { "more" }
-    );
-    out.push_str(&super::table::table(&header, &rows));
+    let mut metrics: Vec<&Metric> = vec![metric];
+    metrics.extend(METRICS.iter().filter(|m| m.shown >= Shown::InRank && m.name != metric.name));
+    let rows = ranking.ranked.iter().take(top).enumerate().map(|(place, (motor, _))| {
+        let mut row = vec![(place + 1).to_string(), motor.id.clone()];
+        row.extend(metrics.iter().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))));
+        row.insert(3, ranking.sure(place).map_or_else(|| "?".into(), |p| format!("{:.0} %", 100.0 * p)));
+        row
+    });
+    let better = if metric.lower_is_better { "less" } else { "more" };
+    let mut out = paragraph(&format!("{}: {}; {better} is better", metric.symbol, metric.meaning), 0, 2);
+    out.push('\n');
+    out.push_str(&Table::new(columns(&metrics)).also_in("`--csv`, `--json`").rows(rows).text());
     let hidden = ranking.ranked.len().saturating_sub(top);
     out.push('\n');
     if hidden > 0 {
-        out.push_str(&format!("{hidden} more are ranked; `--top {}` shows all.\n", ranking.ranked.len()));
+        let line = format!("{hidden} more are ranked; `--top {}` shows all.", ranking.ranked.len());
+        out.push_str(&paragraph(&line, 0, 2));
     }
     if !ranking.unranked.is_empty() {
         let ids: Vec<&str> = ranking.unranked.iter().map(|m| m.id.as_str()).collect();
@@ -99,17 +86,28 @@ pub fn text(ranking: &Ranking, top: usize) -> String {
             ids.len(),
             ids.join(", ")
         );
-        out.push_str(&super::table::wrap(&list, 2));
-        out.push('\n');
+        out.push_str(&paragraph(&list, 0, 2));
     }
     let known = "`±` is what the rows state, combined as independent; `ahead of next` reads it as a 95 % interval. `?`: a ± is missing";
     let assumed = ranking.default_tolerance.map_or_else(
         || " (`--tolerance 5%` assumes one).".to_string(),
         |t| format!("; where a row has none, ±{} % was assumed.", number(100.0 * t)),
     );
-    out.push_str(&super::table::wrap(&format!("{known}{assumed}"), 0));
-    out.push('\n');
+    out.push_str(&paragraph(&format!("{known}{assumed}"), 0, 0));
     out
+}
+
+/// The columns: place, motor, the metric that orders and how sure its order is; the other metrics where there is room.
+fn columns(metrics: &[&Metric]) -> Vec<Column> {
+    let mut columns = vec![Column::number("#", ""), Column::name("motor")];
+    let last = metrics.len() as u8;
+    columns.extend(metrics.iter().zip(0..).map(|(metric, place)| {
+        let column = Column::number(metric.symbol, metric.unit);
+        // The last first.
+        if place == 0 { column } else { column.dropped(last - place) }
+    }));
+    columns.insert(3, Column::number("ahead\nof next", ""));
+    columns
 }
 
 /// For programs.

@@ -4,33 +4,39 @@ use serde_json::{Map, Value, json};
 
 use super::number;
 use super::optimize::{bind_text, margins_json, proof, reason_text};
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph_at};
 use crate::design::program::Certificate;
 use crate::design::remake::{Choice, Chosen, Regret, Remade};
-use crate::requirement::Joint;
+use crate::requirement::{Joint, RatioChoice};
 
 /// For people.
 pub fn text(remade: &[Remade]) -> String {
-    let mut out = String::new();
-    for one in remade {
-        out.push_str(&joint_text(one));
-    }
-    out
+    text_at(remade, super::table::width())
 }
 
-fn joint_text(one: &Remade) -> String {
+/// [`text`] of a width \[columns\].
+pub fn text_at(remade: &[Remade], width: usize) -> String {
+    remade.iter().map(|one| joint_text(one, width)).collect()
+}
+
+fn columns(joint: &Joint) -> Vec<Column> {
+    let ends = if matches!(joint.ratio, RatioChoice::Catalog { .. }) { "gear" } else { "bounded by" };
+    vec![
+        Column::name(""),
+        Column::name("motor"),
+        Column::number("N*", ""),
+        Column::number("window", "").dropped(2),
+        Column::prose(ends).dropped(1),
+        Column::number(joint.objective.name(), joint.objective.unit()),
+        Column::number("rank", ""),
+        Column::name("proof").dropped(3),
+    ]
+}
+
+fn joint_text(one: &Remade, width: usize) -> String {
     let joint = one.joint;
-    let mut out = format!("{}: the choice made again (least {})\n\n", joint.name, joint.objective.name());
-    let header = [
-        "",
-        "motor",
-        ">N*",
-        ">window",
-        "",
-        &format!(">{} [{}]", joint.objective.name(), joint.objective.unit()),
-        ">rank",
-        "proof",
-    ];
+    let heading = format!("{}: the choice made again (least {})", joint.name, joint.objective.name());
+    let mut out = format!("{}\n", paragraph_at(&heading, 0, 2, width));
     let mut rows = Vec::new();
     if let Some(before) = &one.before {
         rows.push(choice_row("as declared", one, before));
@@ -45,10 +51,8 @@ fn joint_text(one: &Remade) -> String {
             None => none_row(what, "–"),
         });
     }
-    for line in table(&header, &rows).lines() {
-        out.push_str(&format!("  {line}\n"));
-    }
-    let mut say = |line: String| out.push_str(&format!("  {}\n", wrap(&line, 4)));
+    out.push_str(&Table::new(columns(joint)).indented(2).also_in("`--json`").rows(rows).text_at(width));
+    let mut say = |line: String| out.push_str(&paragraph_at(&line, 2, 4, width));
     for (what, choice) in [("as declared", one.before.as_ref()), ("as fitted", Some(&one.after))] {
         match choice.map(|c| &c.outcome) {
             Some(Ok(chosen)) => {

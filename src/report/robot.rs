@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph, wrap};
 use super::{different_motors, number, optional};
 use crate::design::optimize::Design;
 use crate::design::robot::{Change, Choice, Combination, Wanting};
@@ -12,8 +12,8 @@ use crate::requirement::{Joint, Regeneration, Robot};
 /// For people.
 pub fn text(choice: &Choice) -> String {
     let robot = choice.robot;
-    let mut out = format!("The whole robot, {}:\n", aim(choice));
-    out.push_str(&format!("  {}\n", wrap(&kept(choice), 4)));
+    let mut out = paragraph(&format!("The whole robot, {}:", aim(choice)), 0, 2);
+    out.push_str(&paragraph(&kept(choice), 2, 4));
     let Some(best) = choice.combinations.first() else {
         out.push_str(&wanting_text(choice));
         return out;
@@ -40,27 +40,27 @@ pub fn text(choice: &Choice) -> String {
         }
     }
     if choice.others_left_out {
-        out.push_str("\n  The search took long: what other budgets would give was not looked at.\n");
+        let line = "The search took long: what other budgets would give was not looked at.";
+        out.push_str(&format!("\n{}", paragraph(line, 2, 4)));
     }
     if choice.front.len() > 1 {
-        out.push_str("\n  Less mass costs (the best for each mass, other budgets kept):\n");
-        let value = match unit(choice) {
-            "" => format!(">{}", choice.total.name),
-            unit => format!(">{} [{unit}]", choice.total.name),
-        };
+        out.push_str(&format!(
+            "\n{}",
+            paragraph("Less mass costs (the best for each mass, other budgets kept):", 2, 4)
+        ));
+        let columns = vec![
+            Column::number("mass", "kg"),
+            Column::number(&*choice.total.name, unit(choice)),
+            Column::prose("against the choice"),
+        ];
         let rows = choice.front.iter().map(|c| {
             let differ = best.joints.iter().zip(&c.joints).filter(|(a, b)| name(a) != name(b)).count();
             let change = if differ > 2 { format!("{differ} joints differ") } else { differences(robot, best, c) };
             vec![optional(c.mass), number(c.objective), change]
         });
-        let rows: Vec<Vec<String>> = rows.collect();
-        out.push_str(&indented(&table(&[">mass [kg]", &value, "against the choice"], &rows)));
+        out.push_str(&Table::new(columns).indented(4).rows(rows).text());
     }
     out
-}
-
-fn indented(text: &str) -> String {
-    text.lines().map(|l| format!("    {l}\n")).collect()
 }
 
 fn unit(choice: &Choice) -> &'static str {
@@ -119,31 +119,36 @@ fn name(design: &Design) -> String {
 }
 
 fn designs(robot: &Robot, best: &Combination) -> String {
-    let rows: Vec<Vec<String>> = robot
-        .joints
-        .iter()
-        .zip(&best.joints)
-        .map(|(joint, design)| {
-            let e = &design.evaluation;
-            let mark = if design.unchecked.is_empty() { "" } else { " *" };
-            let tightest =
-                e.tightest().map_or_else(String::new, |m| format!("{} {:.0} %", m.limit, (100.0 * m.margin).max(0.0)));
-            vec![
-                joint.name.clone(),
-                joint.count.to_string(),
-                format!("{}{mark}", name(design)),
-                number(e.ratio),
-                number(e.loss),
-                number(e.reflected_inertia),
-                optional(e.mass),
-                tightest,
-            ]
-        })
-        .collect();
-    let header = ["joint", ">×", "motor", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]", "tightest margin"];
-    let mut out: String = table(&header, &rows).lines().map(|l| format!("  {}\n", l.trim_end())).collect();
+    let rows = robot.joints.iter().zip(&best.joints).map(|(joint, design)| {
+        let e = &design.evaluation;
+        let mark = if design.unchecked.is_empty() { "" } else { " *" };
+        let tightest =
+            e.tightest().map_or_else(String::new, |m| format!("{} {:.0} %", m.limit, (100.0 * m.margin).max(0.0)));
+        vec![
+            joint.name.clone(),
+            joint.count.to_string(),
+            format!("{}{mark}", name(design)),
+            number(e.ratio),
+            number(e.loss),
+            number(e.reflected_inertia),
+            optional(e.mass),
+            tightest,
+        ]
+    });
+    let columns = vec![
+        Column::name("joint"),
+        Column::number("×", ""),
+        Column::name("motor"),
+        Column::number("N", ""),
+        Column::number("loss", "W").dropped(4),
+        Column::number("J", "kg*m^2").dropped(1),
+        Column::number("mass", "kg").dropped(3),
+        Column::name("tightest\nmargin").dropped(2),
+    ];
+    let mut out = Table::new(columns).indented(2).also_in("`--json`").rows(rows).text();
     if best.joints.iter().any(|d| !d.unchecked.is_empty()) {
-        out.push_str("  * not every limit could be checked: the joint's table above says which\n");
+        let line = "* not every limit could be checked: the joint's table above says which";
+        out.push_str(&paragraph(line, 2, 4));
     }
     out
 }
@@ -223,10 +228,10 @@ fn change_text(choice: &Choice, best: &Combination, change: &Change) -> String {
 
 fn wanting_text(choice: &Choice) -> String {
     let proved = match choice.proof.certified() {
-        true => "  NO combination keeps all of this.",
-        false => "  No combination was found that keeps all of this; that there is none is not proved.",
+        true => "NO combination keeps all of this.",
+        false => "No combination was found that keeps all of this; that there is none is not proved.",
     };
-    let mut out = format!("{proved}\n");
+    let mut out = paragraph(proved, 2, 4);
     for wanting in &choice.wanting {
         let line = match wanting {
             Wanting::Joints(names) => format!("no motor of the catalogue can do: {}", names.join(", ")),

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::optimize::{bind_text, proof, reason_text};
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph};
 use super::{csv_number, number};
 use crate::design::optimize::JointResult;
 use crate::design::program::Certificate;
@@ -34,7 +34,8 @@ fn tolerances_text(all: &[Toleranced]) -> String {
 
 /// For people.
 pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize) -> String {
-    let mut out = format!("{}: designs that keep all limits over the tolerances of the motors\n", robot.name);
+    let heading = format!("{}: designs that keep all limits over the tolerances of the motors", robot.name);
+    let mut out = paragraph(&heading, 0, 2);
     for joint in joints {
         out.push('\n');
         out.push_str(&joint_text(joint, top));
@@ -45,42 +46,37 @@ pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize) -> String {
 fn joint_text(result: &RobustJoint, top: usize) -> String {
     let JointResult { joint, candidates, .. } = &result.nominal;
     let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
-    let mut out = format!(
-        "{} (×{}), least {}: {} motors can do it by their printed numbers; of those with tolerances {with} also at worst, {} not\n",
+    let heading = format!(
+        "{} (×{}), least {}: {} motors can do it by their printed numbers; of those with tolerances {with} also at worst, {} not",
         joint.name,
         joint.count,
         joint.objective.name(),
         candidates.len(),
         result.lost.len()
     );
-    let unit = match joint.objective.unit() {
-        "1" => String::new(),
-        unit => format!(" [{unit}]"),
-    };
-    let objective = format!(">{}{unit}", joint.objective.name());
-    let header = [">#", "motor", ">N* nominal", ">N robust", &objective, ">at worst", "proof"];
-    let shown = &result.designs[..top.min(result.designs.len())];
-    let rows: Vec<Vec<String>> = shown
-        .iter()
-        .enumerate()
-        .map(|(place, d)| {
-            let mut row = vec![(place + 1).to_string(), d.nominal.motor.id.clone()];
-            row.extend([d.nominal.optimum.ratio, d.optimum.ratio, d.optimum.objective, d.worst_objective].map(number));
-            row.push(proof(&d.optimum.certificate));
-            row
-        })
-        .collect();
-    if !rows.is_empty() {
-        let mut lines = table(&header, &rows).lines().map(|l| format!("  {l}\n")).collect::<Vec<_>>().into_iter();
-        out.push('\n');
-        out.push_str(&lines.next().unwrap_or_default());
-        for (design, line) in shown.iter().zip(lines) {
-            out.push_str(&line);
-            out.push_str(&format!("     {}\n", wrap(&details(design, result), 7)));
-        }
-        let hidden = result.designs.len() - shown.len();
+    let mut out = paragraph(&heading, 0, 2);
+    let columns = vec![
+        Column::number("#", ""),
+        Column::name("motor"),
+        Column::number("N*\nnominal", ""),
+        Column::number("N\nrobust", ""),
+        Column::number(joint.objective.name().replace(" + ", "\n+ "), joint.objective.unit()),
+        Column::number("at worst", joint.objective.unit()),
+        Column::name("proof").dropped(1),
+    ];
+    let mut table = Table::new(columns).indented(2).also_in("`--csv`, `--json`");
+    for (place, d) in result.designs.iter().take(top).enumerate() {
+        let mut row = vec![(place + 1).to_string(), d.nominal.motor.id.clone()];
+        row.extend([d.nominal.optimum.ratio, d.optimum.ratio, d.optimum.objective, d.worst_objective].map(number));
+        row.push(proof(&d.optimum.certificate));
+        table.push(row, vec![details(d, result)]);
+    }
+    if !table.is_empty() {
+        out.push_str(&format!("\n{}", table.text()));
+        let hidden = result.designs.len().saturating_sub(top);
         if hidden > 0 {
-            out.push_str(&format!("  … and {hidden} more; `--top {}` shows all\n", result.designs.len()));
+            let line = format!("… and {hidden} more; `--top {}` shows all", result.designs.len());
+            out.push_str(&paragraph(&line, 2, 4));
         }
     }
     for lost in &result.lost {
@@ -90,39 +86,39 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
             number(lost.nominal.optimum.ratio),
             reason_text(&lost.reason, joint).1
         );
-        out.push_str(&format!("  {}\n", wrap(&sentence, 4)));
+        out.push_str(&paragraph(&sentence, 2, 4));
     }
     if !result.contenders.is_empty() {
-        out.push_str(&format!(
-            "\n  {}\n",
-            wrap(
-                &format!(
-                    "The first {} of the nominal order with their numbers drawn at random, {SAMPLES} times (each ± is \
-                     two standard deviations; what has no ± stays):",
-                    result.contenders.len()
-                ),
-                4
-            )
-        ));
-        let rows: Vec<Vec<String>> = result
-            .contenders
-            .iter()
-            .map(|c| {
-                vec![
-                    c.motor.id.clone(),
-                    percent(c.feasible_nominal),
-                    percent(c.first_nominal),
-                    c.feasible_robust.map_or_else(|| "–".into(), percent),
-                    percent(c.first_robust),
-                ]
-            })
-            .collect();
-        let header = ["motor", ">keeps limits at N*", ">is first", ">keeps limits at N robust", ">is first then"];
-        for line in table(&header, &rows).lines() {
-            out.push_str(&format!("  {line}\n"));
-        }
+        let heading = format!(
+            "The first {} of the nominal order with their numbers drawn at random, {SAMPLES} times (each ± is two \
+             standard deviations; what has no ± stays):",
+            result.contenders.len()
+        );
+        out.push_str(&format!("\n{}", paragraph(&heading, 2, 4)));
+        out.push_str(&contenders(result));
     }
     out
+}
+
+/// How likely each of the first keeps its limits and is first.
+fn contenders(result: &RobustJoint) -> String {
+    let columns = vec![
+        Column::name("motor"),
+        Column::number("keeps limits\nat N*", ""),
+        Column::number("is first", ""),
+        Column::number("keeps limits\nat N robust", ""),
+        Column::number("is first\nthen", ""),
+    ];
+    let rows = result.contenders.iter().map(|c| {
+        vec![
+            c.motor.id.clone(),
+            percent(c.feasible_nominal),
+            percent(c.first_nominal),
+            c.feasible_robust.map_or_else(|| "–".into(), percent),
+            percent(c.first_robust),
+        ]
+    });
+    Table::new(columns).indented(2).rows(rows).text()
 }
 
 fn details(design: &RobustDesign, result: &RobustJoint) -> String {

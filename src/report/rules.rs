@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::table::{table, wrap};
+use super::table::{Column, Table, paragraph};
 use crate::rules::measure::measures;
 use crate::rules::{RULES, Rule, Test};
 
@@ -18,31 +18,35 @@ fn bounds(rule: &Rule) -> Option<String> {
 
 /// All rules.
 pub fn list() -> String {
-    let rows: Vec<Vec<String>> =
-        RULES.iter().map(|r| vec![r.code.into(), r.name.into(), r.severity.name().into(), r.summary.into()]).collect();
-    format!(
-        "{}\n`gearwise rule CODE` says more; `gearwise rule --measures` lists what rules of your own can measure.\n",
-        table(&["code", "name", "severity", "asks that"], &rows)
-    )
+    let rows = RULES.iter().map(|r| vec![r.code.into(), r.name.into(), r.severity.name().into(), r.summary.into()]);
+    let columns = vec![
+        Column::name("code"),
+        Column::name("name"),
+        Column::name("severity").dropped(1),
+        Column::prose("asks that"),
+    ];
+    let table = Table::new(columns).also_in("`--json`").rows(rows);
+    let more = "`gearwise rule CODE` says more; `gearwise rule --measures` lists what rules of your own can measure.";
+    format!("{}\n{}", table.text(), paragraph(more, 0, 0))
 }
 
 /// All measures.
 pub fn measure_list() -> String {
-    let rows: Vec<Vec<String>> =
-        measures().iter().map(|m| vec![m.name.clone(), m.unit.into(), m.meaning.clone()]).collect();
-    table(&["measure", "unit", "what it is"], &rows)
+    let rows = measures().iter().map(|m| vec![m.name.clone(), m.unit.into(), m.meaning.clone()]);
+    let columns = vec![Column::name("measure"), Column::name("unit"), Column::prose("what it is")];
+    Table::new(columns).rows(rows).text()
 }
 
 /// One rule.
 pub fn text(rule: &Rule) -> String {
-    let mut out = format!("{} {} ({})\n{}\n", rule.code, rule.name, rule.severity.name(), wrap(rule.summary, 0));
+    let mut out = format!("{} {} ({})\n{}", rule.code, rule.name, rule.severity.name(), paragraph(rule.summary, 0, 0));
     for (what, text) in
         [("What it does", rule.what), ("Why", rule.why), ("Example", rule.example), ("How to mend it", rule.mend)]
     {
-        out.push_str(&format!("\n{what}\n  {}\n", wrap(text, 2)));
+        out.push_str(&format!("\n{what}\n{}", paragraph(text, 2, 2)));
     }
     if let Some(bounds) = bounds(rule) {
-        out.push_str(&format!("\nBounds\n  {}\n", wrap(&bounds, 2)));
+        out.push_str(&format!("\nBounds\n{}", paragraph(&bounds, 2, 2)));
     }
     let key = match rule.test {
         Test::Bounds { min: Some(_), .. } => "min = 0.05",

@@ -11,7 +11,7 @@ pub fn asked(spring: &Spring) -> String {
     let [k0, k1] = spring.stiffness.map(number);
     let [q0, q1] = spring.rest_angle.map(|q| number(q.to_degrees()));
     format!(
-        "A parallel spring is chosen with the ratio: {k0} to {k1} N*m/rad, at rest between {q0} and {q1} deg; what no\n  ratio can do is said of the spring that comes nearest."
+        "A parallel spring is chosen with the ratio: {k0} to {k1} N*m/rad, at rest between {q0} and {q1} deg; what no ratio can do is said of the spring that comes nearest."
     )
 }
 

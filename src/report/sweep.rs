@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::{Map, Value, json};
 
 use super::optimize::{fitted_json, fitted_notes, margins_json};
-use super::table::table;
+use super::table::{Column, Table, paragraph};
 use super::{csv_number, number, optional};
 use crate::actuator::metrics::{METRICS, Metric};
 use crate::design::sweep::{JointSweep, SweptDesign};
@@ -65,43 +65,59 @@ pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -
 
 /// For people.
 pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infeasible: bool) -> String {
-    let mut out = format!("{}: {}\n", robot.name, super::counted(robot.joints.len(), "joint"));
+    let mut out = paragraph(&format!("{}: {}", robot.name, super::counted(robot.joints.len(), "joint")), 0, 2);
     for sweep in sweeps {
         let feasible = sweep.designs.iter().filter(|d| d.evaluation.feasible).count();
-        out.push_str(&format!("\n{}: {} designs, {feasible} feasible\n\n", sweep.joint.name, sweep.designs.len()));
-        let header =
-            ["motor", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", ">m·S_M [g*ms]", ">S_T [g*(A/N)^2]"];
+        let heading = format!("{}: {} designs, {feasible} feasible", sweep.joint.name, sweep.designs.len());
+        out.push_str(&format!("\n{}\n", paragraph(&heading, 0, 2)));
         let designs = ordered(sweep, order);
-        let shown: Vec<&&SweptDesign> =
-            designs.iter().filter(|d| infeasible || d.evaluation.feasible).take(top).collect();
-        let rows: Vec<Vec<String>> = shown
-            .iter()
-            .map(|d| {
-                let e = &d.evaluation;
-                let metric =
-                    |i: usize| optional(METRICS[i].value(d.motor).map(|v| crate::units::in_unit(v, METRICS[i].unit)));
-                let mut row = vec![
-                    d.motor.id.clone(),
-                    number(e.ratio),
-                    number(e.loss),
-                    number(e.reflected_inertia),
-                    optional(e.mass),
-                ];
-                row.extend([metric(0), metric(2), metric(1)]);
-                row
-            })
-            .collect();
-        if !rows.is_empty() {
-            let table = table(&header, &rows);
-            let mut lines = table.lines();
-            out.push_str(&format!("  {}\n", lines.next().unwrap_or_default()));
-            for (design, line) in shown.iter().zip(lines) {
-                out.push_str(&format!("  {line}\n     {}\n", super::table::wrap(&verdict(design, sweep.joint), 7)));
-            }
+        let mut table = Table::new(columns(order)).indented(2).also_in("`--csv`, `--json`");
+        for d in designs.iter().filter(|d| infeasible || d.evaluation.feasible).take(top) {
+            let e = &d.evaluation;
+            let metric =
+                |i: usize| optional(METRICS[i].value(d.motor).map(|v| crate::units::in_unit(v, METRICS[i].unit)));
+            let mut row = vec![
+                d.motor.id.clone(),
+                number(e.ratio),
+                number(e.loss),
+                number(e.reflected_inertia),
+                optional(e.mass),
+            ];
+            row.extend([metric(0), metric(2), metric(1)]);
+            table.push(row, vec![verdict(d, sweep.joint)]);
+        }
+        if !table.is_empty() {
+            out.push_str(&table.text());
         }
         out.push_str(&counts(sweep));
     }
     out
+}
+
+/// The columns of the designs; what orders them is never dropped.
+fn columns(order: Order) -> Vec<Column> {
+    let first = match order {
+        Order::Quantity(Quantity::Loss) => "loss",
+        Order::Quantity(Quantity::ReflectedInertia) => "J",
+        Order::Quantity(Quantity::Mass) => "mass",
+        Order::Metric(metric) => metric.symbol,
+        _ => "",
+    };
+    let number = |heading: &str, unit: &str, drop: u8| {
+        let column = Column::number(heading, unit);
+        if heading == first { column } else { column.dropped(drop) }
+    };
+    let metric = |i: usize, drop: u8| number(METRICS[i].symbol, METRICS[i].unit, drop);
+    vec![
+        Column::name("motor"),
+        Column::number("N", ""),
+        number("loss", "W", 6),
+        number("J", "kg*m^2", 4),
+        number("mass", "kg", 5),
+        metric(0, 3),
+        metric(2, 2),
+        metric(1, 1),
+    ]
 }
 
 /// Feasible with how much left, or why not; with which gear.
@@ -123,7 +139,7 @@ fn counts(sweep: &JointSweep) -> String {
     let lines = lines.iter().enumerate().map(|(k, line)| {
         // A blank line sets the designs apart.
         let gap = if k == 0 && line.starts_with(INFEASIBLE) { "\n" } else { "" };
-        format!("{gap}{}\n", super::table::wrap(line, 2))
+        format!("{gap}{}", paragraph(line, 0, 2))
     });
     lines.collect()
 }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use serde_json::{Map, Value, json};
 
+use super::table::{Column, Table, paragraph};
 use super::{counted, csv_number, number, optional};
 use crate::mechanism::torques::{Carried, Torques};
 use crate::mechanism::trajectory::Trajectory;
@@ -81,56 +82,53 @@ pub fn text(answer: &Answer) -> String {
         Course::Once(duration) => format!("once, {} s", number(duration)),
         Course::Points(_) => String::new(),
     };
-    let mut out = format!(
-        "{}: {}, {} kg with payload, {}, {course}\n\n",
+    let heading = format!(
+        "{}: {}, {} kg with payload, {}, {course}",
         answer.mechanism.name,
         counted(answer.mechanism.moving().len(), "joint"),
         number(answer.mechanism.mass()),
         counted(trajectory.len(), "sample")
     );
+    let mut out = format!("{}\n", paragraph(&heading, 0, 2));
     let rows = answer.rows();
     let slides = rows.iter().any(|row| row.joint.motion == Degree::Slides);
     let (torque, speed, each) =
         if slides { ("N*m, N", "rad/s, m/s", "N*m/kg, N/kg") } else { ("N*m", "rad/s", "N*m/kg") };
-    let header = [
-        "joint".to_string(),
-        format!(">peak torque\n[{torque}]"),
-        ">at t\n[s]".into(),
-        format!(">rms torque\n[{torque}]"),
-        format!(">peak speed\n[{speed}]"),
-        ">mean power\n[W]".into(),
-        ">peak power\n[W]".into(),
-        format!(">per kg carried\n[{each}]"),
-        "worst placed\nactuator".into(),
-        ">at t\n[s]".into(),
+    let columns = vec![
+        Column::name("joint"),
+        Column::number("peak torque", torque),
+        Column::number("at t", "s").dropped(5),
+        Column::number("rms torque", torque),
+        Column::number("peak speed", speed),
+        Column::number("mean power", "W").dropped(4),
+        Column::number("peak power", "W").dropped(6),
+        Column::number("per kg carried", each).dropped(3),
+        Column::name("worst placed\nactuator").dropped(2),
+        Column::number("at t", "s").dropped(1),
     ];
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let largest = answer.carried.iter().fold(0.0_f64, |a, c| a.max(c.largest().abs()));
-    let rows: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| {
-            let felt = row.worst.filter(|c| rounded(c.largest(), largest) != 0.0);
-            vec![
-                row.joint.name.clone(),
-                number(row.peak),
-                number(trajectory.time[row.peak_at]),
-                number(row.rms),
-                number(row.speed),
-                number(rounded(row.mean_power, row.peak_power)),
-                number(row.peak_power),
-                optional(row.worst.map(|c| rounded(c.largest(), largest))),
-                row.worst.map_or_else(
-                    || "carries none".into(),
-                    |c| felt.map_or_else(|| "feels none".into(), |_| answer.name(c.actuator).to_string()),
-                ),
-                felt.map_or_else(|| "–".into(), |c| number(trajectory.time[c.worst()])),
-            ]
-        })
-        .collect();
-    out.push_str(&super::table::table(&header, &rows));
+    let rows = rows.iter().map(|row| {
+        let felt = row.worst.filter(|c| rounded(c.largest(), largest) != 0.0);
+        vec![
+            row.joint.name.clone(),
+            number(row.peak),
+            number(trajectory.time[row.peak_at]),
+            number(row.rms),
+            number(row.speed),
+            number(rounded(row.mean_power, row.peak_power)),
+            number(row.peak_power),
+            optional(row.worst.map(|c| rounded(c.largest(), largest))),
+            row.worst.map_or_else(
+                || "carries none".into(),
+                |c| felt.map_or_else(|| "feels none".into(), |_| answer.name(c.actuator).to_string()),
+            ),
+            felt.map_or_else(|| "–".into(), |c| number(trajectory.time[c.worst()])),
+        ]
+    });
+    out.push_str(&Table::new(columns).also_in("`--json`").rows(rows).text());
     out.push('\n');
     for note in ABOUT.iter().copied().chain(answer.notes.iter().map(String::as_str)) {
-        out.push_str(&format!("  {}\n", super::table::wrap(note, 2)));
+        out.push_str(&paragraph(note, 2, 2));
     }
     out
 }
@@ -165,7 +163,7 @@ pub(super) fn driven_text(driven: &Driven, robot: &Robot) -> String {
         };
         lines.push(format!("Actuators carry actuators, at most: {}. {counted}", carries.join(", ")));
     }
-    lines.iter().map(|line| format!("  {}\n", super::table::wrap(line, 4))).collect()
+    lines.iter().map(|line| paragraph(line, 2, 4)).collect()
 }
 
 /// The same for programs.

@@ -31,7 +31,12 @@ impl Workspace {
 
     /// Runs the program with the words after its name.
     pub fn run(&self, words: &[String]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_gearwise")).args(words).current_dir(self.folder.path()).output().unwrap()
+        Command::new(env!("CARGO_BIN_EXE_gearwise"))
+            .env_remove("COLUMNS")
+            .args(words)
+            .current_dir(self.folder.path())
+            .output()
+            .unwrap()
     }
 }
 

@@ -1,6 +1,6 @@
 //! A check for people.
 
-use crate::report::table::{table, wrap};
+use crate::report::table::{Column, Table, paragraph};
 use crate::report::{counted, number, optional};
 use crate::rules::lock::LockState;
 use crate::rules::{Finding, Location, Report, Severity, Test, rule};
@@ -19,13 +19,14 @@ fn printable(text: &str) -> String {
 pub fn text(report: &Report, strict: bool) -> String {
     let design = report.facts.design;
     let actuators: u32 = design.robot.joints.iter().map(|j| j.count).sum();
-    let mut out = format!(
-        "{}: {}, {}, {} rules\n\n",
+    let heading = format!(
+        "{}: {}, {}, {} rules",
         printable(&design.robot.name),
         counted(design.joints.len(), "joint"),
         counted(actuators as usize, "actuator"),
         report.rules.iter().filter(|r| r.severity != Severity::Off).count()
     );
+    let mut out = format!("{}\n", paragraph(&heading, 0, 2));
     out.push_str(&joints(report));
     let (allowed, open): (Vec<&Finding>, Vec<&Finding>) = report.findings.iter().partition(|f| f.allowed.is_some());
     for severity in [Severity::Error, Severity::Warning, Severity::Note] {
@@ -45,11 +46,8 @@ pub fn text(report: &Report, strict: bool) -> String {
         for finding in &allowed {
             let rule = report.rule_of(finding);
             let line = format!("{}{} {}: {}", of(finding), rule.code, rule.name, printable(&finding.message));
-            out.push_str(&format!("  {}\n", wrap(&line, 4)));
-            out.push_str(&format!(
-                "    {}\n",
-                wrap(&format!("because {}", finding.allowed.as_deref().unwrap_or("")), 6)
-            ));
+            out.push_str(&paragraph(&line, 2, 4));
+            out.push_str(&paragraph(&format!("because {}", finding.allowed.as_deref().unwrap_or("")), 4, 6));
         }
     }
     let skipped = not_judged(report);
@@ -58,9 +56,9 @@ pub fn text(report: &Report, strict: bool) -> String {
             "Not judged, because what they measure is not known, not asked for, or beyond its limit already: {}",
             skipped.join("; ")
         );
-        out.push_str(&format!("\n{}\n", wrap(&line, 2)));
+        out.push_str(&format!("\n{}", paragraph(&line, 0, 2)));
     }
-    out.push_str(&format!("\n{}\n", summary(report, strict)));
+    out.push_str(&format!("\n{}", paragraph(&summary(report, strict), 0, 2)));
     out
 }
 
@@ -74,39 +72,43 @@ fn of(finding: &Finding) -> String {
 }
 
 fn joints(report: &Report) -> String {
-    let rows: Vec<Vec<String>> = report
-        .facts
-        .joints
-        .iter()
-        .map(|facts| {
-            let choice = &facts.choice;
-            let mut row = vec![
-                printable(&choice.joint.name),
-                choice.joint.count.to_string(),
-                printable(&choice.motor.id),
-                choice.gear.map_or_else(|| "–".into(), |g| printable(&g.id)),
-                number(choice.ratio),
-            ];
-            match &facts.examined {
-                Ok(examined) => {
-                    let e = &examined.evaluation;
-                    let tightest = e.tightest();
-                    row.extend([
-                        tightest.map_or_else(|| "–".into(), |m| m.limit.to_string()),
-                        tightest.map_or_else(
-                            || "–".into(),
-                            |m| format!("{} %", number((1000.0 * m.margin).round() / 10.0)),
-                        ),
-                        number(e.loss),
-                        optional(e.mass),
-                    ]);
-                }
-                Err(_) => row.extend(["not evaluated".into(), "–".into(), "–".into(), "–".into()]),
+    let rows = report.facts.joints.iter().map(|facts| {
+        let choice = &facts.choice;
+        let mut row = vec![
+            printable(&choice.joint.name),
+            choice.joint.count.to_string(),
+            printable(&choice.motor.id),
+            choice.gear.map_or_else(|| "–".into(), |g| printable(&g.id)),
+            number(choice.ratio),
+        ];
+        match &facts.examined {
+            Ok(examined) => {
+                let e = &examined.evaluation;
+                let tightest = e.tightest();
+                row.extend([
+                    tightest.map_or_else(|| "–".into(), |m| m.limit.to_string()),
+                    tightest
+                        .map_or_else(|| "–".into(), |m| format!("{} %", number((1000.0 * m.margin).round() / 10.0))),
+                    number(e.loss),
+                    optional(e.mass),
+                ]);
             }
-            row
-        })
-        .collect();
-    table(&["joint", ">count", "motor", "gear", ">N", "tightest", ">margin", ">loss [W]", ">mass [kg]"], &rows)
+            Err(_) => row.extend(["not evaluated".into(), "–".into(), "–".into(), "–".into()]),
+        }
+        row
+    });
+    let columns = vec![
+        Column::name("joint"),
+        Column::number("count", "").dropped(1),
+        Column::name("motor"),
+        Column::name("gear").dropped(2),
+        Column::number("N", ""),
+        Column::name("tightest"),
+        Column::number("margin", ""),
+        Column::number("loss", "W").dropped(4),
+        Column::number("mass", "kg").dropped(3),
+    ];
+    Table::new(columns).also_in("`--json`").rows(rows).text()
 }
 
 /// `joints` are all of which this is found; the place is the first one's.
@@ -114,18 +116,18 @@ fn story(report: &Report, finding: &Finding, joints: &str) -> String {
     let rule = report.rule_of(finding);
     let head = format!("{} {} {}", finding.severity.name(), rule.code, rule.name);
     let head = if rule.code == rule.name { format!("{} {}", finding.severity.name(), rule.name) } else { head };
-    let mut out = format!("{}: {head}\n", place(&finding.location));
+    let mut out = paragraph(&format!("{}: {head}", place(&finding.location)), 0, 2);
     let of = if joints.is_empty() { String::new() } else { format!("{joints}: ") };
-    out.push_str(&format!("  {}\n", wrap(&format!("{of}{}", printable(&finding.message)), 2)));
+    out.push_str(&paragraph(&format!("{of}{}", printable(&finding.message)), 2, 2));
     if let Some(asked) = &finding.asked {
-        out.push_str(&format!("  asked for in {}\n", place(asked)));
+        out.push_str(&paragraph(&format!("asked for in {}", place(asked)), 2, 4));
     }
     if let Some(reason) = &finding.reason {
-        out.push_str(&format!("  {}\n", wrap(&format!("reason of the rules file: {}", printable(reason)), 2)));
+        out.push_str(&paragraph(&format!("reason of the rules file: {}", printable(reason)), 2, 2));
     }
     let mend = finding.help.clone().or_else(|| crate::rules::rule(&rule.code).map(|r| r.mend.to_string()));
     if let Some(mend) = mend {
-        out.push_str(&format!("  {}\n", wrap(&format!("→ {}", printable(&mend)), 4)));
+        out.push_str(&paragraph(&format!("→ {}", printable(&mend)), 2, 4));
     }
     out
 }

@@ -11,7 +11,7 @@ pub fn page(comparison: &Comparison) -> Page {
     let mut sections: Vec<Section> = tables(comparison)
         .into_iter()
         .map(|(title, header, rows)| {
-            Section::new(title.clone(), vec![Part::Table(Table::new(title, &header).rows(rows))])
+            Section::new(title.clone(), vec![Part::Table(Table::of(title, &header).rows(rows))])
         })
         .collect();
     if let Some(step) = sections.last_mut() {

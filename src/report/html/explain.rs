@@ -3,7 +3,7 @@
 use super::{Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
-use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, quantities, remedy_text};
+use crate::report::explain::{RUNAWAY, best_line, limit_columns, limit_rows, percent, quantities, remedy_text};
 use crate::report::optimize::{fitted_notes, reason_text};
 use crate::report::plot::design as plot;
 use crate::report::{number, optional, spring};
@@ -52,7 +52,9 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         Section::new("Figures", vec![Part::Figure(plot::explained(robot, story))]),
         Section::new(
             "Limits",
-            vec![Part::Table(Table::new("Limits, the tightest first", &LIMITS).rows(limit_rows(&e.margins, joint)))],
+            vec![Part::Table(
+                Table::of("Limits, the tightest first", &limit_columns()).rows(limit_rows(&e.margins, joint)),
+            )],
         ),
         Section::new("What it needs and weighs", vec![Part::Table(needs(story))]),
     ];

@@ -7,9 +7,10 @@ use crate::measured::identify::Report;
 use crate::measured::simulate::ForwardCheck;
 use crate::report::handy::handy;
 use crate::report::identify::{
-    PARAMETERS, effect_text, equation_title, parameter_rows, refused, sentence, story_rows, stuck, unit_on, used,
+    effect_text, equation_title, parameter_columns, parameter_rows, refused, sentence, story_rows, stuck, unit_on, used,
 };
 use crate::report::plot::residual as plot;
+use crate::report::table::PLAIN_WIDTH;
 use crate::report::{forward, number, remake};
 
 /// The page; `forward` and `remade` where they were made.
@@ -18,10 +19,10 @@ pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, r
     let mut sections: Vec<Section> =
         reports.iter().enumerate().map(|(k, r)| equation(bench, r, group_of(&figure, k))).collect();
     if let Some(check) = forward {
-        sections.push(Section::new("Simulated forward", vec![Part::Plain(forward::text(check))]));
+        sections.push(Section::new("Simulated forward", vec![Part::Plain(forward::text_at(check, PLAIN_WIDTH))]));
     }
     if let Some(remade) = remade {
-        sections.push(Section::new("The choice made again", vec![Part::Plain(remake::text(remade))]));
+        sections.push(Section::new("The choice made again", vec![Part::Plain(remake::text_at(remade, PLAIN_WIDTH))]));
     }
     let rows = refused(reports).into_iter().map(|(r, _)| vec![r.name.clone(), r.reason.clone()]);
     let table = Table::new("Effects that were not added", &["effect", "because"]).rows(rows);
@@ -81,11 +82,10 @@ fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
     let noise = number(report.noise_floor);
     let text = format!("{samples} samples, {rows} rows in the regression{band}; noise floor {noise} {}.", report.unit);
     let (header, rows) = story_rows(report);
-    let mut parts =
-        vec![Part::Text(text), Part::Table(Table::new("Error (RMSE) as it goes down", &header).rows(trimmed(rows)))];
+    let mut parts = vec![Part::Text(text), Part::Table(Table::of("Error (RMSE) as it goes down", &header).rows(rows))];
     parts.extend(figure);
-    let rows = trimmed(parameter_rows(bench, &report.parameters));
-    parts.extend(Table::new("Numbers of the declared model", &PARAMETERS).rows(rows).part());
+    let rows = parameter_rows(bench, &report.parameters);
+    parts.extend(Table::of("Numbers of the declared model", &parameter_columns()).rows(rows).part());
     let rows = report.artefacts.iter().map(|a| {
         let (value, unit) = handy(a.value, unit_on(bench, a.unit));
         vec![
@@ -98,15 +98,10 @@ fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
     let artefacts = Table::new("Artefacts of the measurement", &["artefact", "channel", ">value", "unit"]);
     parts.extend(artefacts.rows(rows).part());
     for effect in &report.effects {
-        parts.push(Part::Plain(effect_text(bench, report, effect).trim().to_string()));
+        parts.push(Part::Plain(effect_text(bench, report, effect, PLAIN_WIDTH).trim().to_string()));
     }
     if !report.remarks.is_empty() {
         parts.push(Part::List(report.remarks.clone()));
     }
     Section::new(equation_title(report), parts)
-}
-
-/// The text tables indent their first column.
-fn trimmed(rows: Vec<Vec<String>>) -> Vec<Vec<String>> {
-    rows.into_iter().map(|row| row.into_iter().map(|cell| cell.trim().to_string()).collect()).collect()
 }

@@ -150,6 +150,12 @@ impl Table {
         Table { caption: caption.into(), columns: header.iter().map(column).collect(), rows: Vec::new() }
     }
 
+    /// A table with the columns of a text table.
+    pub fn of(caption: impl Into<String>, columns: &[super::table::Column]) -> Table {
+        let header: Vec<String> = columns.iter().map(super::table::Column::of_page).collect();
+        Table::new(caption, &header)
+    }
+
     /// With rows that are about nothing in particular.
     #[must_use]
     pub fn rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Table {

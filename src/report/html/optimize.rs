@@ -5,7 +5,7 @@ use crate::actuator::metrics::METRICS;
 use crate::catalog::Catalog;
 use crate::design::optimize::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
-use crate::report::explain::{LIMITS, limit_rows};
+use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
     asks_for_nothing, bind_text, choice_text, drive_current, margin_text, notes, proof, ratio_text, reason_text,
     verdict,
@@ -187,7 +187,7 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
     parts.extend(candidates(result, names).part());
     if let Some(first) = result.candidates.first() {
         let name = format!("{names}: limits of the first choice, {}", choice_text(first));
-        let limits = Table::new(name, &LIMITS).rows(limit_rows(&first.evaluation.margins, joint));
+        let limits = Table::of(name, &limit_columns()).rows(limit_rows(&first.evaluation.margins, joint));
         parts.extend(limits.part().map(|part| folded("Limits of the first choice", part)));
         let rows = first.optimum.shadow_prices.iter().map(|p| vec![p.limit.to_string(), number(p.elasticity)]);
         let change = format!(">change of {} [%]", joint.objective.name());
