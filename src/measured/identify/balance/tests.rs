@@ -207,6 +207,9 @@ fn columns_change_with_the_response_exactly_where_the_table_says() {
     }
 }
 
+/// Takes what is known of a variable from an operating point.
+type Hide = fn(&mut Operating);
+
 /// What an effect needs is at least what its equation reads.
 #[test]
 fn an_effect_needs_what_it_reads() {
@@ -222,7 +225,7 @@ fn an_effect_needs_what_it_reads() {
         housing_rise: 20.0,
         duty: 0.4,
     };
-    let hidden: [(Variable, fn(&mut Operating)); 9] = [
+    let hidden: [(Variable, Hide); 9] = [
         (Variable::Speed, |p| (p.speed, p.direction) = (f64::NAN, f64::NAN)),
         (Variable::Angle, |p| p.angle = f64::NAN),
         (Variable::OutputAngle, |p| p.output_angle = f64::NAN),
