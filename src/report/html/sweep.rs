@@ -17,7 +17,11 @@ pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
     let can: usize = sweeps.iter().map(feasible).sum();
     let headline = match without.as_slice() {
         [] => format!("{can} of {total} designs are feasible; every joint has at least one."),
-        names => format!("No design of these ratios is feasible for: {}.", names.join(", ")),
+        names => {
+            let unknown = sweeps.iter().any(|s| feasible(s) == 0 && s.designs.iter().any(|d| d.is_unjudged()));
+            let which = if unknown { " that can be judged" } else { "" };
+            format!("No design of these ratios{which} is feasible for: {}.", names.join(", "))
+        }
     };
     let mut best = Table::new(
         "The first of each joint",
