@@ -206,6 +206,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW030" => motor(&[("rotor_inertia", "")]),
         "GW031" => motor(&[("inductance", "")]),
         "GW032" => motor(&[("viscous_friction", "")]),
+        "GW033" => motor(&[("mass", "")]),
         "GW040" => robot(&[("\"6 kg\"", "\"0.5 kg\"")]),
         "GW041" => design(&[("name = \"hip\"\nmotor = \"alpha-1\"", "name = \"hip\"\nmotor = \"alpha-2\"")]),
         "GW043" => robot(&[("\"6 kg\"", "\"6 kg\"\npower = \"1 W\"")]),
@@ -589,7 +590,7 @@ fn optimize_writes_a_design_that_passes_its_limits() {
     let arguments = ["optimize", "robot.toml", "--catalog", "motors.csv", "--write-design", "designs/second.toml"];
     let (status, _, stderr) = said(&run(folder.path(), &arguments));
     assert_eq!(status, Some(1));
-    assert_eq!(stderr, "no design written: no motor can do knee\n");
+    assert_eq!(stderr, "no design written: no motor of the catalogue can do: knee\n");
     assert!(!folder.path().join("designs/second.toml").exists());
 }
 

@@ -38,19 +38,23 @@ fn every_shipped_requirement_has_a_choice_for_every_joint() {
     assert!(files.len() >= 4);
     for file in files {
         let output = gearwise(&["optimize", &file, "--json"]);
-        assert_eq!(output.status.code(), Some(0), "{file}");
         let result: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let of = |joint: &Value, list: &str| joint[list].as_array().unwrap().clone();
+        // At the jump's knee no motor that could do it has the numbers by which its temperature is judged.
+        let unknown = file.ends_with("quadruped_jump.toml");
+        let done = result["joints"].as_array().unwrap().iter().all(|j| !of(j, "candidates").is_empty());
+        assert_eq!((output.status.code(), done), (Some(i32::from(unknown)), !unknown), "{file}");
         for joint in result["joints"].as_array().unwrap() {
-            let (candidates, rejected) =
-                (joint["candidates"].as_array().unwrap(), joint["rejected"].as_array().unwrap());
-            assert!(!candidates.is_empty(), "{file} {}", joint["joint"]);
-            assert_eq!(candidates.len() + rejected.len(), 125, "no motor is dropped silently");
-            for reject in rejected {
+            let [candidates, unjudged, rejected] = ["candidates", "unjudged", "rejected"].map(|list| of(joint, list));
+            assert!(!candidates.is_empty() || !unjudged.is_empty(), "{file} {}", joint["joint"]);
+            assert_eq!(candidates.len() + unjudged.len() + rejected.len(), 125, "no motor is dropped silently");
+            assert!(unjudged.iter().all(|u| u["because"].as_str().unwrap().starts_with("cannot be judged: ")));
+            for reject in &rejected {
                 assert!(!reject["because"].as_str().unwrap().is_empty());
                 assert!(!reject["because"].as_str().unwrap().contains("not solved"), "{file}: {reject}");
             }
             let mut last = f64::NEG_INFINITY;
-            for candidate in candidates {
+            for candidate in &candidates {
                 let objective = candidate["objective"].as_f64().unwrap();
                 assert!(objective >= last, "best first");
                 last = objective;
@@ -102,7 +106,7 @@ fn sweep_gives_every_design_with_its_verdict() {
         assert_eq!(designs.len() + 7 * left_out.len(), 7 * 125);
         for design in designs {
             let feasible = design["feasible"].as_bool().unwrap();
-            assert_eq!(feasible, design["because"].is_null());
+            assert_eq!(feasible && design["judged"] == true, design["because"].is_null());
             let worst =
                 design["margins"].as_object().unwrap().values().map(|m| m.as_f64().unwrap()).fold(f64::MAX, f64::min);
             assert_eq!(feasible, worst >= -1e-9);
@@ -126,7 +130,8 @@ fn a_sweep_can_be_ordered_by_the_metrics() {
         let result =
             json(&["sweep", "requirements/quadruped_mini_cheetah.toml", "--ratios", "5", "--sort", by, "--json"]);
         let designs = result["joints"][1]["designs"].as_array().unwrap();
-        let feasible: Vec<&Value> = designs.iter().filter(|d| d["feasible"] == true).collect();
+        let choice = |d: &&Value| d["feasible"] == true && d["judged"] == true;
+        let feasible: Vec<&Value> = designs.iter().filter(choice).collect();
         assert!(feasible.len() > 5);
         let key = match by {
             "s_m" => "s_m_s",

@@ -63,7 +63,7 @@ fn is_caught(input: &Path, spoil: impl Fn(&mut Design) -> Option<Reason>) -> Opt
 fn a_wrong_answer_is_caught() {
     fn nowhere() -> Reason {
         let bind = Bind { limit: "voltage", sample: None };
-        Reason::Infeasible(Infeasible::Nowhere { bind, least: 2.0, ratio: 1.0 })
+        Reason::Infeasible(Infeasible::Nowhere { bind, least: 2.0, allowed: 1.0, ratio: 1.0 })
     }
     type Spoil = dyn Fn(&mut Design) -> Option<Reason> + Sync;
     // Where a limit binds at every ratio that is left, the scan has nothing to say against "impossible".

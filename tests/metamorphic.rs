@@ -501,7 +501,7 @@ fn a_period_written_down_twice_changes_nothing() {
             for joint in r["joints"].as_array().unwrap() {
                 for c in joint["candidates"].as_array().unwrap() {
                     let keep =
-                        ["loss_w", "window", "objective", "margins", "peak_current_a", "mean_electrical_power_w"];
+                        ["loss_w", "window", "objective", "margins", "peak_current_q_a", "mean_electrical_power_w"];
                     let kept: serde_json::Map<_, _> = keep.iter().map(|k| (k.to_string(), c[*k].clone())).collect();
                     found.push(serde_json::json!([joint["joint"], c["motor"], c["binds"], kept]));
                 }
@@ -540,7 +540,7 @@ fn refining_time_leaves_peaks_and_brings_means_to_their_limit() {
             let from = text.find(&format!("\"{key}\":")).unwrap_or_else(|| panic!("{key} of {text}")) + key.len() + 3;
             text[from..].split([',', '}']).next().unwrap().parse::<f64>().unwrap()
         };
-        (number("loss_w"), number("peak_current_a"), first)
+        (number("loss_w"), number("peak_current_q_a"), first)
     };
     let (coarse, fine, finest) = (at(6), at(24), at(96));
     assert!((coarse.1 / finest.1 - 1.0).abs() < 1e-12 && coarse.2 == finest.2 && fine.2 == finest.2);
@@ -570,7 +570,7 @@ fn rewinding_every_motor_changes_no_choice() {
                     joint["rejected"].as_array().unwrap().iter().map(|r| r["motor"].clone()).collect();
                 found.push(serde_json::json!([joint["joint"], rejected]));
                 for c in joint["candidates"].as_array().unwrap() {
-                    let current = c["peak_current_a"].as_f64().unwrap() * turns;
+                    let current = c["peak_current_q_a"].as_f64().unwrap() * turns;
                     let keep = ["loss_w", "window", "ratio", "margins", "binds", "mass_kg", "reflected_inertia_kgm2"];
                     let kept: serde_json::Map<_, _> = keep.iter().map(|k| (k.to_string(), c[*k].clone())).collect();
                     found.push(serde_json::json!([c["motor"], c["gear"], kept, current]));

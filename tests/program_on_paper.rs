@@ -221,7 +221,7 @@ fn refusals_have_the_numbers_of_the_raw_waveforms() {
         let grid: Vec<f64> = (0..=400).map(|k| min * (max / min).powf(f64::from(k) / 400.0)).collect();
         let least = |limit: &str| grid.iter().map(|n| over(limit, *n)).fold(f64::INFINITY, f64::min);
         match why {
-            Infeasible::Never { bind, least: told, ratio } => {
+            Infeasible::Never { bind, least: told, ratio, .. } => {
                 never += 1;
                 assert!(ratio >= min * (1.0 - 1e-9) && ratio <= max * (1.0 + 1e-9));
                 assert!(
@@ -242,7 +242,7 @@ fn refusals_have_the_numbers_of_the_raw_waveforms() {
                     assert!(over(high.limit, at_most * 1.001) > 1.0 - 1e-6, "{i} {high:?}");
                 }
             }
-            Infeasible::Nowhere { bind, least: told, ratio } => {
+            Infeasible::Nowhere { bind, least: told, ratio, .. } => {
                 nowhere += 1;
                 if bind.limit.starts_with("ratio") {
                     continue;
@@ -309,7 +309,7 @@ fn stages_that_meet_the_mass_exactly_are_allowed() {
         }
         case.robot.joints[0].limits.actuator_mass = Some(0.5 * motor);
         match with_program(&case, |p| p.solve()) {
-            Outcome::Infeasible(Infeasible::Never { bind, least, ratio }) => {
+            Outcome::Infeasible(Infeasible::Never { bind, least, ratio, .. }) => {
                 assert_eq!((bind.limit, bind.sample, ratio), ("actuator_mass", None, 1.0));
                 assert!((least - 2.0).abs() < 1e-12);
             }

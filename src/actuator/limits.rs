@@ -10,7 +10,7 @@ use super::thermal_motion::TwoNode;
 use super::waveform::Functional;
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Gear, Motor};
-use crate::requirement::{GearModel, Joint, Regeneration, Robot};
+use crate::requirement::{GearModel, Joint, RatioChoice, Regeneration, Robot};
 
 /// A motor and a gear for a joint, before the ratio is chosen.
 #[derive(Debug, Clone, Copy)]
@@ -118,6 +118,8 @@ pub struct Limit {
     pub formula: &'static str,
     /// Which ratios it leaves.
     pub class: Class,
+    /// Whether the requirement itself asks for it: then a design of which it cannot be judged is no choice.
+    pub stated: fn(&Robot, &Joint) -> bool,
     prepare: fn(&Candidate) -> Prepared,
 }
 
@@ -138,6 +140,11 @@ impl Limit {
     /// Whether the demand has the requirement's safety factor in it.
     pub fn has_safety(&self) -> bool {
         self.formula.contains("safety")
+    }
+
+    /// Whether demand and bound are q-axis amperes (power invariant), not those of a phase or of the bus.
+    pub fn is_q_axis(&self) -> bool {
+        self.unit == "A" && self.formula.contains("/K_T")
     }
 
     /// Whether the limit applies to a candidate, and how.
@@ -187,7 +194,7 @@ impl Asked {
                 Some(waveform) => over(waveform, functional),
                 None => (0.0, None),
             },
-            Demand::Mass => (candidate.mass_at(ratio).unwrap_or(0.0), None),
+            Demand::Mass => (candidate.known_mass_at(ratio), None),
             Demand::WindingPeak(node) => candidate.load.winding_peak(&candidate.actuator, &node, ratio),
             Demand::MeanCurrentSquared(worst_phase) => {
                 (candidate.load.mean_current_squared(&candidate.actuator, worst_phase, ratio), None)
@@ -251,6 +258,16 @@ impl Candidate<'_> {
     /// Mass of motor and gear at a ratio \[kg\]; `None` where either is unknown.
     pub fn mass_at(&self, ratio: f64) -> Option<f64> {
         Some(self.motor.mass? + self.gear.mass_at(ratio)?)
+    }
+
+    /// What is known of that mass \[kg\]: the actuator weighs at least this.
+    pub fn known_mass_at(&self, ratio: f64) -> f64 {
+        self.motor.mass.unwrap_or(0.0) + self.gear.mass_at(ratio).unwrap_or(0.0)
+    }
+
+    /// What is needed beside the limits and not known: name and why.
+    pub fn lacking(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
+        NEEDS.iter().filter_map(|need| Some((need.name, (need.missing)(self)?)))
     }
 
     /// All limits with what they say of this candidate.
@@ -367,7 +384,87 @@ fn plain(demand: Demand, factor: f64, bound: f64, owner: &'static str) -> Prepar
     Prepared::Asked { demand, squared: false, factor, bound, owner }
 }
 
+/// Nothing in a requirement asks for it: a data sheet does.
+fn by_data_sheets(_: &Robot, _: &Joint) -> bool {
+    false
+}
+
+/// The voltage is what every requirement has, not a limit that somebody put; without inductance it is checked
+/// without it, which is said (see [`NEEDS`]).
+fn the_supply(_: &Robot, _: &Joint) -> bool {
+    false
+}
+
+fn a_temperature(_: &Robot, joint: &Joint) -> bool {
+    joint.limits.winding_temperature.is_some()
+}
+
+/// A rating of the gear that the requirement describes, not of one from the catalogue.
+fn described(joint: &Joint, rating: Option<f64>) -> bool {
+    rating.is_some() && matches!(joint.ratio, RatioChoice::Continuous { .. })
+}
+
 const NO_DURATIONS: &str = "the operating points have no durations";
+
+const NO_MASS: &str = "the mass of motor or gear is not known";
+
+/// Something that is asked of a candidate and that no limit of the model asks for: a number without which a limit
+/// says less, or one that the whole robot needs.
+pub struct Need {
+    /// Name, beside those of the limits.
+    pub name: &'static str,
+    /// Whether the requirement asks for what cannot be judged without it.
+    pub stated: fn(&Robot, &Joint) -> bool,
+    /// What is missing, if anything.
+    pub missing: fn(&Candidate) -> Option<&'static str>,
+}
+
+impl std::fmt::Debug for Need {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+fn no_mass(candidate: &Candidate) -> Option<&'static str> {
+    candidate.mass_at(1.0).is_none().then_some(NO_MASS)
+}
+
+/// Every need.
+pub const NEEDS: &[Need] = &[
+    Need {
+        name: "inductance",
+        stated: the_supply,
+        missing: |c| match (c.motor.inductance_and_poles(), c.motor.inductance) {
+            (Some(_), _) => None,
+            (None, None) => Some("the motor's inductance is not known: voltage is checked without it"),
+            (None, Some(_)) => Some("the motor's pole pairs are not known: voltage is checked without inductance"),
+        },
+    },
+    Need {
+        name: "gear_inertia",
+        stated: |_, joint| joint.limits.reflected_inertia.is_some(),
+        missing: |c| {
+            let unknown = c.catalog_gear.is_some_and(|gear| gear.inertia.is_none());
+            unknown.then_some("the gear's inertia is not known: it is left out")
+        },
+    },
+    Need {
+        name: "mass_budget",
+        stated: |robot, _| robot.budget.actuator_mass.is_some(),
+        missing: |c| c.robot.budget.actuator_mass.and_then(|_| no_mass(c)),
+    },
+    Need {
+        name: "carried_mass",
+        stated: |robot, joint| robot.carries(joint) || !joint.carries.is_empty(),
+        missing: |c| if c.robot.carries(c.joint) { no_mass(c) } else { None },
+    },
+];
+
+/// Whether the requirement itself asks for something, by the name of the limit or of the need.
+pub fn is_stated(name: &str, robot: &Robot, joint: &Joint) -> bool {
+    LIMITS.iter().any(|limit| limit.name == name && (limit.stated)(robot, joint))
+        || NEEDS.iter().any(|need| need.name == name && (need.stated)(robot, joint))
+}
 
 /// Every limit.
 pub const LIMITS: &[Limit] = &[
@@ -376,6 +473,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "A",
         formula: "safety · max |T|/K_T ≤ I_peak",
         class: Class::Convex,
+        stated: |robot, joint| joint.drive_current.or(robot.bus.drive_current).is_some(),
         prepare: |c| match c.peak_current() {
             Some((bound, owner)) => c.peak(Demand::Samples(Functional::TorqueSquared), bound, owner),
             None => Prepared::Unknown("neither motor nor drive says a largest current"),
@@ -386,6 +484,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "N*m",
         formula: "safety · max |T| ≤ T_peak",
         class: Class::Convex,
+        stated: by_data_sheets,
         prepare: |c| match c.motor.peak_torque {
             Some(bound) => {
                 let safety = c.joint.limits.safety;
@@ -400,6 +499,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "A",
         formula: "√mean(T²)/K_T ≤ I_continuous",
         class: Class::Convex,
+        stated: by_data_sheets,
         prepare: |c| match c.motor.continuous_current {
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
             Some(bound) => c.heating(false, bound, "motor"),
@@ -411,6 +511,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "N*m",
         formula: "√mean(T²) ≤ T_continuous",
         class: Class::Convex,
+        stated: by_data_sheets,
         prepare: |c| match c.motor.continuous_torque {
             None => Prepared::NotAsked,
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
@@ -424,6 +525,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "A",
         formula: "√mean(T²)/K_T ≤ √((T_max − T_ambient)/(R_th R(T_max))): steady state, hot copper",
         class: Class::Convex,
+        stated: a_temperature,
         prepare: |c| match (c.thermal_current(), c.winding_temperature()) {
             (Some(_), _) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
             (Some((bound, owner)), _) => c.heating(false, bound, owner),
@@ -439,6 +541,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "K",
         formula: "max T_winding − T_ambient ≤ T_max − T_ambient over the motion: two nodes, hot copper, periodic state or from cold",
         class: Class::Convex,
+        stated: a_temperature,
         prepare: |c| match (c.two_node(), c.winding_temperature()) {
             (Some(node), Some((limit, owner))) if c.load.has_course() => {
                 plain(Demand::WindingPeak(node), 1.0, (limit - node.ambient).max(0.0), owner)
@@ -452,6 +555,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "A",
         formula: "√(mean(T²) + mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat",
         class: Class::Convex,
+        stated: a_temperature,
         prepare: |c| {
             if c.load.dwell == 0.0 {
                 return Prepared::NotAsked;
@@ -473,6 +577,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "V",
         formula: "max √(v_q² + v_d²) ≤ V",
         class: Class::Convex,
+        stated: the_supply,
         prepare: |c| torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
     },
     Limit {
@@ -480,6 +585,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "rad/s",
         formula: "N max |ω| ≤ ω_max",
         class: Class::UpperBound,
+        stated: by_data_sheets,
         prepare: |c| match c.motor.max_speed {
             Some(bound) => {
                 let (speed, sample) = c.load.peak_speed;
@@ -493,6 +599,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "rad/s",
         formula: "N max |ω| ≤ ω_gear",
         class: Class::UpperBound,
+        stated: |_, joint| described(joint, joint.gear.max_input_speed),
         prepare: |c| match c.gear.max_input_speed {
             Some(bound) => {
                 let (speed, sample) = c.load.peak_speed;
@@ -506,6 +613,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "N*m",
         formula: "safety · max |τ| ≤ τ_gear peak",
         class: Class::Fixed,
+        stated: |_, joint| described(joint, joint.gear.peak_torque),
         prepare: |c| match c.gear.peak_torque {
             Some(bound) => {
                 let (torque, sample) = c.load.peak_torque;
@@ -520,6 +628,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "N*m",
         formula: "√mean(τ²) ≤ τ_gear continuous",
         class: Class::Fixed,
+        stated: |_, joint| described(joint, joint.gear.continuous_torque),
         prepare: |c| match c.gear.continuous_torque {
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
             Some(bound) => plain(Demand::Fixed(c.load.rms_torque, None), 1.0, bound, "gear"),
@@ -532,6 +641,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "kg*m^2",
         formula: "N² (J_m + J_g) ≤ J",
         class: Class::UpperBound,
+        stated: |_, joint| joint.limits.reflected_inertia.is_some(),
         prepare: |c| match c.joint.limits.reflected_inertia {
             Some(bound) => {
                 plain(Demand::Polynomial(Laurent::monomial(c.actuator.inertia, 2), None), 1.0, bound, "requirement")
@@ -544,6 +654,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "A",
         formula: "safety · max |T + superposed|/K_T ≤ I_peak, at 32 phases",
         class: Class::Convex,
+        stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
         prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
             (None, _) => Prepared::NotAsked,
             (Some(_), Some((bound, owner))) => c.peak(Demand::Bandwidth(Functional::TorqueSquared), bound, owner),
@@ -555,6 +666,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "V",
         formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases",
         class: Class::Convex,
+        stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
         prepare: |c| match (&c.load.bandwidth, c.motor.inductance_and_poles()) {
             (None, _) => Prepared::NotAsked,
             (Some(_), Some(_)) => torque(Demand::Bandwidth(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
@@ -566,6 +678,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "W",
         formula: "max (R i² + K_B N ω i)/η_d ≤ P",
         class: Class::Convex,
+        stated: |robot, _| robot.bus.power.is_some(),
         prepare: |c| match c.robot.bus.power {
             Some(bound) => plain(Demand::Samples(Functional::Power), 1.0 / c.robot.bus.drive_efficiency, bound, "bus"),
             None => Prepared::NotAsked,
@@ -576,6 +689,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "A",
         formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus",
         class: Class::Convex,
+        stated: |robot, _| robot.bus.current.is_some(),
         prepare: |c| match c.robot.bus.current {
             Some(bound) => {
                 let factor = 1.0 / (c.robot.bus.drive_efficiency * c.robot.bus.voltage);
@@ -589,6 +703,7 @@ pub const LIMITS: &[Limit] = &[
         unit: "W",
         formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration",
         class: Class::ReverseConvex,
+        stated: |robot, _| robot.bus.regeneration != Regeneration::Allowed,
         prepare: |c| match c.robot.bus.regeneration {
             Regeneration::Allowed => Prepared::NotAsked,
             Regeneration::Limited(bound) => {
@@ -601,10 +716,13 @@ pub const LIMITS: &[Limit] = &[
         unit: "kg",
         formula: "m_motor + m_gear ≤ m",
         class: Class::UpperBound,
+        stated: |_, joint| joint.limits.actuator_mass.is_some(),
         prepare: |c| match (c.joint.limits.actuator_mass, c.mass_at(1.0)) {
             (None, _) => Prepared::NotAsked,
             (Some(bound), Some(_)) => plain(Demand::Mass, 1.0, bound, "requirement"),
-            (Some(_), None) => Prepared::Unknown("the mass of motor or gear is not known"),
+            // What is known is too heavy already.
+            (Some(bound), None) if c.known_mass_at(1.0) > bound => plain(Demand::Mass, 1.0, bound, "requirement"),
+            (Some(_), None) => Prepared::Unknown(NO_MASS),
         },
     },
 ];

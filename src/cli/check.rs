@@ -4,8 +4,8 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::{CatalogChoice, Done, Failure};
-use crate::input::Source;
-use crate::report::check::{github, json, junit, sarif, text};
+use crate::input::{InputError, Source};
+use crate::report::check::{github, input, json, junit, sarif, text};
 use crate::report::{file, json_text};
 use crate::requirement::DesignFile;
 use crate::rules::file::{RulesFile, read};
@@ -14,7 +14,7 @@ use crate::rules::lock::{Lock, path_of};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise check requirements/designs/quadruped_mini_cheetah/design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock\n\nExit status 1 if a rule with severity `error` is broken."
+    before_help = "Examples:\n  gearwise check requirements/designs/quadruped_mini_cheetah/design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock\n\nExit status 1 if a rule with severity `error` is broken. Where an input file is wrong (exit status 2) the mistakes stand in what --github, --json, --junit and --sarif write."
 )]
 pub struct Arguments {
     /// Design file (TOML)
@@ -48,6 +48,33 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let result = checked(arguments);
+    if let Err(Failure::Input(errors)) = &result {
+        wrong_input(arguments, errors)?;
+    }
+    result
+}
+
+/// Tells those that wait for findings what is wrong with the input, each in its form.
+fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failure> {
+    let root = std::env::current_dir().unwrap_or_default();
+    if let Some(path) = &arguments.junit {
+        file::write_whole(path, input::junit(errors).as_bytes()).map_err(Failure::Argument)?;
+    }
+    if let Some(path) = &arguments.sarif {
+        let text = json_text(&input::sarif(errors, &root));
+        file::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
+    }
+    let text = match (arguments.json, arguments.github) {
+        (true, _) => json_text(&input::json(errors)),
+        (_, true) => input::github(errors, &root),
+        _ => return Ok(()),
+    };
+    let not_printed = |e| Failure::Argument(format!("cannot write the result: {}", crate::input::reason(&e)));
+    super::print(&text).map_err(not_printed)
+}
+
+fn checked(arguments: &Arguments) -> Result<Done, Failure> {
     let design = DesignFile::read(&arguments.design)?;
     let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
     let catalog = super::catalog(paths)?;

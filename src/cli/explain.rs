@@ -13,7 +13,7 @@ use crate::requirement;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee\n  gearwise explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint hip\n  gearwise explain tq-robodrive-ilm-85x26@planetary-apex-af042-20 robot.toml\n\nExit status 1 if the design is not feasible."
+    before_help = "Examples:\n  gearwise explain t-motor-ri50 requirements/quadruped_mini_cheetah.toml --joint knee\n  gearwise explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint hip\n  gearwise explain tq-robodrive-ilm-85x26@planetary-apex-af042-20 robot.toml\n\nExit status 1 if the design is not feasible, or a limit that the requirement states cannot be judged."
 )]
 pub struct Arguments {
     /// Motor id, with `@RATIO` or `@GEAR` for a certain design; else the best ratio
@@ -49,5 +49,5 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     super::draw_plot(arguments.plot.as_ref(), || plot::explained(&robot, &story))?;
     arguments.html.write(&recording, || html::explain::page(&robot, &story))?;
     let text = if arguments.json { crate::report::json_text(&report::json(&story)) } else { report::text(&story) };
-    Ok(Done { text, satisfied: story.evaluation.feasible })
+    Ok(Done { text, satisfied: story.is_choice() })
 }

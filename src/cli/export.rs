@@ -10,11 +10,13 @@ use crate::catalog::{Gear, Motor};
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::examine;
 use crate::design::explain::explain;
+use crate::design::judge::unjudged;
 use crate::design::simulated::{LeftOut, SimulatedJoint};
 use crate::design::{Evaluation, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::input::Source;
 use crate::report::export::{Exported, FORMATS, NamedFile, Origin, patch};
 use crate::report::file;
+use crate::report::unjudged::sentence;
 use crate::requirement::{self, DesignFile, Joint, Robot};
 
 /// Arguments of the command.
@@ -147,6 +149,7 @@ fn exported<'a>(
         simulated,
         broken: broken.collect(),
         unchecked: unchecked.iter().map(|(limit, _)| *limit).collect(),
+        unjudged: unjudged(robot, joint, unchecked),
     })
 }
 
@@ -187,7 +190,16 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             joint.broken.join(", ")
         );
     }
-    let satisfied = joints.iter().all(|j| j.broken.is_empty());
+    for joint in joints.iter().filter(|j| j.broken.is_empty() && !j.unjudged.is_empty()) {
+        tell!(
+            "warning: joint `{}`: {} at N = {} {}; exported all the same",
+            joint.joint,
+            joint.motor.id,
+            crate::report::number(joint.simulated.ratio),
+            sentence(&joint.unjudged)
+        );
+    }
+    let satisfied = joints.iter().all(|j| j.broken.is_empty() && j.unjudged.is_empty());
     let Some(out) = &arguments.out else { return Ok(Done { text, satisfied }) };
     file::write_whole(out, text.as_bytes()).map_err(Failure::Argument)?;
     said.extend(joints.iter().map(|j| {

@@ -95,7 +95,8 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         tell!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
     }
     if let Some(names) = &arguments.pareto {
-        let fronts = fronts(&robot, &catalog, quantities(names)?, arguments.points as usize);
+        let points = arguments.points as usize;
+        let fronts = fronts(&robot, &catalog, quantities(names)?, points, arguments.only_checked);
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
         arguments.html.write(&recording, || html::pareto::page(&robot, &fronts))?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());

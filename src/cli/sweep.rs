@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&sweeps))?;
     arguments.html.write(&recording, || html::sweep::page(&robot, &sweeps, order))?;
-    let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.evaluation.feasible));
+    let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.is_choice()));
     let text = arguments.output.choose(
         || report::text(&robot, &sweeps, order, arguments.top, arguments.infeasible),
         || report::json(&robot, &sweeps, order),

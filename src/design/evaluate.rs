@@ -80,18 +80,14 @@ impl<'a> Prepared<'a> {
                 Check::NotAsked => {}
             }
         }
-        if candidate.motor.inductance_and_poles().is_none() {
-            let why = match candidate.motor.inductance {
-                None => "the motor's inductance is not known: voltage is checked without it",
-                Some(_) => "the motor's pole pairs are not known: voltage is checked without inductance",
-            };
-            unchecked.push(("inductance", why));
-        }
-        if candidate.catalog_gear.is_some_and(|g| g.inertia.is_none()) {
-            unchecked.push(("gear_inertia", "the gear's inertia is not known: it is left out"));
-        }
+        unchecked.extend(candidate.lacking());
         let mean_torque_squared = candidate.load.mean_torque_squared(&candidate.actuator);
         Prepared { candidate, asked, unchecked, mean_torque_squared }
+    }
+
+    /// What could not be checked of the design at a ratio, and why.
+    pub fn unchecked_at(&self, _ratio: f64) -> Vec<(&'static str, &'static str)> {
+        self.unchecked.clone()
     }
 
     /// The same without one limit.

@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::judge::Unknown;
 use super::program::{Outcome, RatioProgram};
 use super::robot::{carried_first, carrying, power_course};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
@@ -16,7 +17,7 @@ pub struct Examined {
     /// The design at its ratio, the costlier figures too.
     pub evaluation: Evaluation,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<(&'static str, &'static str)>,
+    pub unchecked: Vec<Unknown>,
     /// Steady winding temperature \[K\], where it can be told (`Some(None)`: it runs away).
     pub winding_temperature: Option<Option<f64>>,
     /// Highest winding temperature that motor and requirement allow \[K\].
@@ -67,6 +68,8 @@ pub fn examine(robot: &Robot, choices: &[Choice]) -> Vec<Result<Examined, Unusab
         let loaded = carrying(choice.joint, |carried| mass(carried).unwrap_or(0.0));
         let mut examined = examine_joint(robot, choice, loaded);
         if let (true, Ok(examined)) = (unknown, &mut examined) {
+            // Its own mass may be unknown, too, and carried by a third.
+            examined.unchecked.retain(|(name, _)| *name != "carried_mass");
             examined.unchecked.push(("carried_mass", "the mass of an actuator that it carries is not known"));
         }
         found[place] = Some(examined);
@@ -108,7 +111,7 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
         load_inertia: choice.design.load_inertia.or_else(|| apparent_inertia(&choice.joint.motion)),
         load_inertia_estimated: estimated,
         power: power_course(&prepared, robot.bus.drive_efficiency, ratio),
-        unchecked: prepared.unchecked,
+        unchecked: prepared.unchecked_at(ratio),
     })
 }
 

@@ -1,9 +1,10 @@
 //! The whole story of one motor at one joint: the design that was asked for, the best one, what the
 //! best one is sensitive to, and what would have to change where none is feasible.
 
-use super::optimize::Reason;
+use super::judge::{Unknown, unjudged};
+use super::optimize::{Reason, solve};
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram};
-use super::spring::{SpringChoice, choose};
+use super::spring::{SpringChoice, choose, nearest};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
 use crate::actuator::limits::Asked;
@@ -31,10 +32,15 @@ pub struct Explanation<'a> {
     /// Single changes that would make the motor feasible.
     pub remedies: Vec<Remedy>,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<(&'static str, &'static str)>,
+    pub unchecked: Vec<Unknown>,
+    /// Of those, what the requirement itself states: with any of them the design is no choice.
+    pub unjudged: Vec<Unknown>,
     /// The spring, where the joint asks for one: all else is with this spring. Or why no spring will do: all
     /// else is without one.
     pub spring: Option<Result<SpringChoice, Reason>>,
+    /// Where no spring will do and one has to be there: stiffness \[N·m/rad\] and rest angle \[rad\] of the allowed spring
+    /// that came nearest. All else is with it.
+    pub nearest_spring: Option<(f64, f64)>,
 }
 
 /// Relative change of the best objective with a relative change of a parameter, the ratio re-chosen.
@@ -65,6 +71,13 @@ pub struct Remedy {
     pub owner: &'static str,
 }
 
+impl Explanation<'_> {
+    /// Whether the design keeps every limit, and every limit that the requirement states could be judged.
+    pub fn is_choice(&self) -> bool {
+        self.evaluation.feasible && self.unjudged.is_empty()
+    }
+}
+
 /// Explains a motor at a ratio, or with a gear of the catalogue, at a joint. Without a ratio it is the
 /// best one, or where none is feasible the one that comes nearest.
 ///
@@ -91,13 +104,21 @@ pub fn explain<'a>(
         (None, RatioChoice::Continuous { min, max }) => (*min, *max),
         (None, RatioChoice::Catalog { .. }) => (1.0, 1.0),
     };
-    let chosen = choose(&Prepared::new(candidate), joint, gear, range);
-    let moved = chosen.as_ref().ok().and_then(|(spring, _)| {
-        let motion = joint.motion.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))?;
+    let prepared = Prepared::new(candidate);
+    let chosen = choose(&prepared, joint, gear, range);
+    // Without any spring all else would be about a joint that nobody asks for, where there has to be one.
+    let nearest_spring = match &chosen {
+        Err(_) if joint.limits.spring.is_some_and(|s| s.stiffness[0] > 0.0) => nearest(&prepared, joint, gear, range),
+        _ => None,
+    };
+    let found = chosen.as_ref().ok().map(|(spring, _)| (spring.stiffness, spring.rest_angle.unwrap_or(0.0)));
+    let moved = found.or(nearest_spring).and_then(|(stiffness, rest)| {
+        let motion = joint.motion.with_spring(stiffness, rest)?;
         Some(Joint { motion, ..joint.clone() })
     });
     let story = explain_as_it_is(robot, moved.as_ref().unwrap_or(joint), motor, gear, ratio)?;
     let Explanation { evaluation, winding_temperature, mut best, sensitivities, remedies, unchecked, .. } = story;
+    let unjudged = unjudged(robot, joint, &unchecked);
     // The proof of ratio and spring together stands in place of that of the ratio alone.
     if let (Ok((_, optimum)), Some(Ok(best)), None) = (&chosen, &mut best, ratio) {
         *best = optimum.clone();
@@ -113,7 +134,9 @@ pub fn explain<'a>(
         sensitivities,
         remedies,
         unchecked,
+        unjudged,
         spring,
+        nearest_spring,
     })
 }
 
@@ -156,7 +179,8 @@ fn explain_as_it_is<'a>(
     let evaluation =
         Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
     let winding_temperature = prepared.winding_temperature(here);
-    let unchecked = prepared.unchecked.clone();
+    let unchecked = prepared.unchecked_at(here);
+    let unjudged = unjudged(robot, joint, &unchecked);
     Ok(Explanation {
         joint,
         motor,
@@ -167,17 +191,10 @@ fn explain_as_it_is<'a>(
         sensitivities,
         remedies,
         unchecked,
+        unjudged,
         spring: None,
+        nearest_spring: None,
     })
-}
-
-fn solve(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Result<Optimum, Reason> {
-    match RatioProgram::new(prepared, &joint.objective, min, max).solve() {
-        Outcome::Optimal(optimum) => Ok(optimum),
-        Outcome::Infeasible(infeasible) => Err(Reason::Infeasible(infeasible)),
-        Outcome::Unbounded => Err(Reason::Unbounded),
-        Outcome::NotSolved(why) => Err(Reason::NotSolved(why)),
-    }
 }
 
 /// Re-solves with each parameter of the motor changed for the better by a tenth.

@@ -8,6 +8,7 @@ pub mod agreement;
 pub mod evaluate;
 pub mod examine;
 pub mod explain;
+pub mod judge;
 pub mod optimize;
 pub mod pareto;
 pub mod program;

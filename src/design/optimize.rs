@@ -3,12 +3,13 @@
 use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
+use super::judge::{self, Refused, Unjudged, Unknown};
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
 use super::prune::{self, Pruned};
 use super::spring::SpringChoice;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
 use crate::actuator::metrics::{METRICS, Shown};
-use crate::catalog::{Catalog, Motor};
+use crate::catalog::{Catalog, Gear, Motor};
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
 
 /// What was found for a robot.
@@ -25,8 +26,11 @@ pub struct RobotResult<'a> {
 pub struct JointResult<'a> {
     /// The joint.
     pub joint: &'a Joint,
-    /// Feasible designs, best first: one for each motor.
+    /// Feasible designs of which every limit that the requirement states could be judged, best first: one for each motor.
     pub candidates: Vec<Design<'a>>,
+    /// Designs that keep all that could be judged, and of which a limit that the requirement states could not: in the
+    /// order that they would have. None of them is a choice.
+    pub unjudged: Vec<Unjudged<'a>>,
     /// Motors that cannot do it, by id, with the reason.
     pub rejected: Vec<Rejected<'a>>,
     /// Rank correlation between each metric's ranking and the task's; empty where not all motors were solved.
@@ -76,12 +80,16 @@ pub enum Reason {
     Infeasible(Infeasible),
     /// A limit cannot be checked, and only designs with all limits checked were wanted.
     Unchecked(&'static str, &'static str),
+    /// It keeps all that could be judged, but limits that the requirement states cannot be: which, and why.
+    Unjudged(Vec<Unknown>),
     /// No gear of the catalogue keeps all limits; at the nearest one this is exceeded.
     Gears {
         /// The limit, with its sample.
         bind: Bind,
         /// Demand over limit.
         over: f64,
+        /// The limit, in its natural unit; of one of zero there are no multiples.
+        allowed: f64,
         /// How many gears were tried.
         tried: usize,
     },
@@ -156,10 +164,11 @@ pub fn optimize_with<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Option
 fn solve_joint<'a>(robot: &'a Robot, joint: &'a Joint, catalog: &'a Catalog, options: Options) -> JointResult<'a> {
     let demand = JointDemand::new(joint, catalog);
     if let Some(keep) = options.keep {
-        let (candidates, rejected, pruned) = prune::first(robot, joint, &demand, catalog, keep, &options);
-        return JointResult { joint, candidates, rejected, agreement: Vec::new(), pruned: Some(pruned) };
+        let (found, pruned) = prune::first(robot, joint, &demand, catalog, keep, &options);
+        let Sorted { candidates, unjudged, rejected } = found;
+        return JointResult { joint, candidates, unjudged, rejected, agreement: Vec::new(), pruned: Some(pruned) };
     }
-    let found: Vec<Result<Design, Rejected>> = catalog
+    let found: Vec<Result<Design, Refused>> = catalog
         .motors
         .par_iter()
         .map(|motor| {
@@ -168,15 +177,32 @@ fn solve_joint<'a>(robot: &'a Robot, joint: &'a Joint, catalog: &'a Catalog, opt
             found
         })
         .collect();
-    let (mut candidates, mut rejected) = (Vec::new(), Vec::new());
-    for result in found {
-        match result {
-            Ok(design) => candidates.push(design),
-            Err(why) => rejected.push(why),
+    let Sorted { candidates, unjudged, rejected } = Sorted::of(found);
+    JointResult { joint, agreement: agreement(&candidates), candidates, unjudged, rejected, pruned: None }
+}
+
+/// What came of motors, told apart: candidates and unjudged designs best first, what was rejected as it came.
+#[derive(Default)]
+pub(super) struct Sorted<'a> {
+    pub candidates: Vec<Design<'a>>,
+    pub unjudged: Vec<Unjudged<'a>>,
+    pub rejected: Vec<Rejected<'a>>,
+}
+
+impl<'a> Sorted<'a> {
+    pub(super) fn of(found: impl IntoIterator<Item = Result<Design<'a>, Refused<'a>>>) -> Sorted<'a> {
+        let mut sorted = Sorted::default();
+        for result in found {
+            match result {
+                Ok(design) => sorted.candidates.push(design),
+                Err(Refused::Unjudged(unjudged)) => sorted.unjudged.push(*unjudged),
+                Err(Refused::Rejected(why)) => sorted.rejected.push(why),
+            }
         }
+        sorted.candidates.sort_by(order);
+        sorted.unjudged.sort_by(|a, b| order(&a.design, &b.design));
+        sorted
     }
-    candidates.sort_by(order);
-    JointResult { joint, agreement: agreement(&candidates), candidates, rejected, pruned: None }
 }
 
 /// Best first: by objective, then loss, then id.
@@ -189,42 +215,52 @@ pub(super) fn order(a: &Design, b: &Design) -> std::cmp::Ordering {
 }
 
 /// The best design of one motor at one joint.
+///
+/// # Errors
+/// Why the motor is no choice: it cannot do it, or that it can is not known.
 pub fn best_design<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
     demand: &JointDemand<'a>,
     motor: &'a Motor,
     only_checked: bool,
-) -> Result<Design<'a>, Rejected<'a>> {
-    let reject = |gear, reason| Rejected { motor, gear, reason };
+) -> Result<Design<'a>, Refused<'a>> {
+    let reject = |(gear, reason)| Refused::Rejected(Rejected { motor, gear, reason });
+    let unusable = |why| reject((None, Reason::Unusable(why)));
     if joint.objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
-        return Err(reject(None, Reason::Unusable(Unusable::Mass)));
+        return Err(unusable(Unusable::Mass));
     }
     if joint.objective.weight(Quantity::Energy) > 0.0 && !demand.load.has_durations {
-        return Err(reject(None, Reason::Unusable(Unusable::Durations)));
+        return Err(unusable(Unusable::Durations));
     }
-    if joint.limits.spring.is_some() {
-        return super::spring::best_design(robot, joint, demand, motor, only_checked)
-            .map_err(|(gear, reason)| reject(gear, reason));
+    let candidate = match &joint.ratio {
+        RatioChoice::Continuous { .. } => continuous_candidate(robot, joint, &demand.load, motor).map_err(unusable)?,
+        RatioChoice::Catalog { .. } if joint.limits.spring.is_some() => {
+            return super::spring::best_gear(robot, joint, demand, motor, only_checked);
+        }
+        RatioChoice::Catalog { .. } => return best_gear(robot, joint, demand, motor, only_checked),
+    };
+    let prepared = Prepared::new(candidate);
+    if let Some((limit, why)) = judge::left_out(robot, joint, &prepared.unchecked, only_checked) {
+        return Err(reject((None, Reason::Unchecked(limit, why))));
     }
-    match &joint.ratio {
-        RatioChoice::Continuous { min, max } => {
-            let candidate = continuous_candidate(robot, joint, &demand.load, motor)
-                .map_err(|u| reject(None, Reason::Unusable(u)))?;
-            let prepared = Prepared::new(candidate);
-            if let (true, Some((limit, why))) = (only_checked, prepared.unchecked.first()) {
-                return Err(reject(None, Reason::Unchecked(limit, why)));
-            }
-            match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
-                Outcome::Optimal(optimum) => Ok(design(&prepared, motor, None, optimum)),
-                Outcome::Infeasible(infeasible) => Err(reject(None, Reason::Infeasible(infeasible))),
-                Outcome::Unbounded => Err(reject(None, Reason::Unbounded)),
-                Outcome::NotSolved(why) => Err(reject(None, Reason::NotSolved(why))),
-            }
-        }
-        RatioChoice::Catalog { .. } => {
-            best_gear(robot, joint, demand, motor, only_checked).map_err(|(gear, reason)| reject(gear, reason))
-        }
+    let RatioChoice::Continuous { min, max } = joint.ratio else {
+        unreachable!("gears of the catalogue were taken above")
+    };
+    let found = match joint.limits.spring {
+        Some(_) => super::spring::solve(&prepared, joint, motor, None, (min, max)),
+        None => solve(&prepared, joint, (min, max)).map(|optimum| design(&prepared, motor, None, optimum)),
+    };
+    judge::judged(robot, joint, found.map_err(|reason| reject((None, reason)))?, only_checked)
+}
+
+/// The best ratio, or why there is none.
+pub(super) fn solve(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Result<Optimum, Reason> {
+    match RatioProgram::new(prepared, &joint.objective, min, max).solve() {
+        Outcome::Optimal(optimum) => Ok(optimum),
+        Outcome::Infeasible(infeasible) => Err(Reason::Infeasible(infeasible)),
+        Outcome::Unbounded => Err(Reason::Unbounded),
+        Outcome::NotSolved(why) => Err(Reason::NotSolved(why)),
     }
 }
 
@@ -240,7 +276,7 @@ pub(super) fn design<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a
         motor,
         gear,
         evaluation,
-        unchecked: prepared.unchecked.clone(),
+        unchecked: prepared.unchecked_at(ratio),
         winding_temperature: prepared.winding_temperature(ratio),
         reversal_time: prepared.reversal_time(ratio),
         spring: None,
@@ -265,11 +301,12 @@ fn best_gear<'a>(
     demand: &JointDemand<'a>,
     motor: &'a Motor,
     only_checked: bool,
-) -> Result<Design<'a>, (Option<&'a str>, Reason)> {
-    let mut best: Option<(f64, f64, &'a str, Prepared, Evaluation)> = None;
-    let mut nearest: Option<(f64, &'a str, Bind, f64)> = None;
+) -> Result<Design<'a>, Refused<'a>> {
+    // The best of the designs that can be judged, and of those that cannot.
+    let mut best: [Option<(f64, f64, &'a Gear, Prepared)>; 2] = [None, None];
+    let mut nearest: Option<(f64, &'a str, Bind, f64, f64)> = None;
     let mut unusable = Unusable::NoGearFits;
-    let mut unchecked: Option<(&'a str, (&'static str, &'static str))> = None;
+    let mut unchecked: Option<(&'a str, Unknown)> = None;
     let mut tried = 0;
     for (gear, load) in demand.gears_for(motor) {
         let candidate = match geared_candidate(robot, joint, load, motor, gear) {
@@ -280,8 +317,8 @@ fn best_gear<'a>(
             }
         };
         let prepared = Prepared::new(candidate);
-        if let (true, Some(what)) = (only_checked, prepared.unchecked.first()) {
-            unchecked = Some((&gear.id, *what));
+        if let Some(what) = judge::left_out(robot, joint, &prepared.unchecked, only_checked) {
+            unchecked = Some((&gear.id, what));
             continue;
         }
         tried += 1;
@@ -292,34 +329,42 @@ fn best_gear<'a>(
                 tried -= 1;
                 continue;
             };
-            if best.as_ref().is_none_or(|(o, l, ..)| (objective, evaluation.loss) < (*o, *l)) {
-                best = Some((objective, evaluation.loss, &gear.id, prepared, evaluation));
+            let place = usize::from(!judge::unjudged(robot, joint, &prepared.unchecked_at(gear.ratio)).is_empty());
+            if best[place].as_ref().is_none_or(|(o, l, ..)| (objective, evaluation.loss) < (*o, *l)) {
+                best[place] = Some((objective, evaluation.loss, gear, prepared));
             }
         } else if let Some(margin) = evaluation.tightest()
             && nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m)
         {
             let bind = Bind { limit: margin.limit, sample: margin.sample };
-            nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound));
+            nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound, margin.bound));
         }
     }
-    if let Some((objective, _, gear, prepared, evaluation)) = best {
-        let ratio = evaluation.ratio;
-        let bind = Bind { limit: "gear", sample: None };
-        let optimum = Optimum {
-            ratio,
-            objective,
-            windows: vec![Window { min: ratio, max: ratio, low: bind.clone(), high: bind }],
-            certificate: Certificate::Certified { lower_bound: objective, gap: 0.0, method: "all gears evaluated" },
-            shadow_prices: Vec::new(),
-        };
-        return Ok(design(&prepared, motor, Some(gear), optimum));
+    let [first, apart] = best;
+    if let Some((objective, _, gear, prepared)) = first.or(apart) {
+        let found = design(&prepared, motor, Some(&gear.id), one_gear(gear.ratio, objective));
+        return judge::judged(robot, joint, found, only_checked);
     }
-    match (nearest, unchecked) {
-        (Some((_, gear, bind, over)), _) => Err((Some(gear), Reason::Gears { bind, over, tried })),
-        (None, Some((gear, (limit, why)))) => Err((Some(gear), Reason::Unchecked(limit, why))),
+    let (gear, reason) = match (nearest, unchecked) {
+        (Some((_, gear, bind, over, allowed)), _) => (Some(gear), Reason::Gears { bind, over, allowed, tried }),
+        (None, Some((gear, (limit, why)))) => (Some(gear), Reason::Unchecked(limit, why)),
         (None, None) => {
-            Err((None, Reason::Unusable(if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { unusable })))
+            let why = if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { unusable };
+            (None, Reason::Unusable(why))
         }
+    };
+    Err(Refused::Rejected(Rejected { motor, gear, reason }))
+}
+
+/// The only ratio of a gear as an optimum: that all gears are evaluated is the proof.
+pub(super) fn one_gear(ratio: f64, objective: f64) -> Optimum {
+    let bind = Bind { limit: "gear", sample: None };
+    Optimum {
+        ratio,
+        objective,
+        windows: vec![Window { min: ratio, max: ratio, low: bind.clone(), high: bind }],
+        certificate: Certificate::Certified { lower_bound: objective, gap: 0.0, method: "all gears evaluated" },
+        shadow_prices: Vec::new(),
     }
 }
 
@@ -342,7 +387,7 @@ impl JointResult<'_> {
     /// Number of motors of the catalogue, solved or not.
     pub fn motors(&self) -> usize {
         let left_out = self.pruned.as_ref().map_or(0, |p| p.behind + p.impossible.len() + p.not_solved.len());
-        self.candidates.len() + self.rejected.len() + left_out
+        self.candidates.len() + self.unjudged.len() + self.rejected.len() + left_out
     }
 }
 

@@ -8,7 +8,8 @@
 
 use rayon::prelude::*;
 
-use super::optimize::{Design, Options, Rejected, best_design, is_impossible, order};
+use super::judge::Refused;
+use super::optimize::{Design, Options, Sorted, best_design, is_impossible};
 use super::program::RatioProgram;
 use super::{JointDemand, Prepared, continuous_candidate, geared_candidate};
 use crate::catalog::{Catalog, Motor};
@@ -32,15 +33,15 @@ pub struct Pruned<'a> {
     pub not_solved: Vec<(&'a Motor, f64)>,
 }
 
-/// The best `keep` designs of a joint in order, the motors that were found not to do it, and the rest.
-pub fn first<'a>(
+/// What came of the motors of a joint that were solved, of the candidates the best `keep`, and the rest.
+pub(super) fn first<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
     demand: &JointDemand<'a>,
     catalog: &'a Catalog,
     keep: usize,
     options: &Options,
-) -> (Vec<Design<'a>>, Vec<Rejected<'a>>, Pruned<'a>) {
+) -> (Sorted<'a>, Pruned<'a>) {
     let bounds: Vec<Option<f64>> =
         catalog.motors.par_iter().map(|motor| lower_bound(robot, joint, demand, motor)).collect();
     // A motor without a bound is solved: that gives the reason why it cannot.
@@ -52,11 +53,13 @@ pub fn first<'a>(
         }
     }
     bounded.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let (mut found, mut rejected): (Vec<Design>, Vec<(usize, Rejected)>) = (Vec::new(), Vec::new());
+    // What was found, by motor; of it only candidates count among the first.
+    let mut found: Vec<(usize, Result<Design, Refused>)> = Vec::new();
+    let mut objectives: Vec<f64> = Vec::new();
     let mut impossible = Vec::new();
     let mut next = 0;
     loop {
-        let kth = keep.checked_sub(1).and_then(|k| found.get(k)).map(|d: &Design| d.optimum.objective);
+        let kth = keep.checked_sub(1).and_then(|k| objectives.get(k)).copied();
         let may_enter = |bound: f64| kth.is_none_or(|kth| bound - CLEAR * bound.abs() <= kth) && keep > 0;
         let block: Vec<usize> =
             bounded[next..].iter().take(BLOCK).take_while(|(b, _)| may_enter(*b)).map(|b| b.1).collect();
@@ -75,32 +78,29 @@ pub fn first<'a>(
         let solved: Vec<_> = queue.par_iter().map(solve).collect();
         for (index, result) in queue.drain(..).zip(solved) {
             match result {
-                Some(Ok(design)) => found.push(design),
-                Some(Err(why)) => rejected.push((index, why)),
+                Some(result) => {
+                    objectives.extend(result.as_ref().ok().map(|design| design.optimum.objective));
+                    found.push((index, result));
+                }
                 None => impossible.push(index),
             }
         }
-        found.sort_by(order);
+        objectives.sort_by(f64::total_cmp);
     }
-    if found.is_empty() {
+    if objectives.is_empty() {
         // What stands in the way of a joint without a design is told of every motor.
         let why = |index: &usize| best_design(robot, joint, demand, &catalog.motors[*index], options.only_checked);
         let solved: Vec<_> = impossible.par_iter().map(why).collect();
-        for (index, result) in impossible.drain(..).zip(solved) {
-            match result {
-                Ok(design) => found.push(design),
-                Err(why) => rejected.push((index, why)),
-            }
-        }
-        found.sort_by(order);
+        found.extend(impossible.drain(..).zip(solved));
     }
-    let behind = found.len().saturating_sub(keep);
-    found.truncate(keep);
-    rejected.sort_by_key(|(index, _)| *index);
+    found.sort_by_key(|(index, _)| *index);
+    let mut sorted = Sorted::of(found.into_iter().map(|(_, result)| result));
+    let behind = sorted.candidates.len().saturating_sub(keep);
+    sorted.candidates.truncate(keep);
     let not_solved = bounded[next..].iter().map(|(bound, index)| (&catalog.motors[*index], *bound)).collect();
     impossible.sort_unstable();
     let impossible = impossible.into_iter().map(|index| &catalog.motors[index]).collect();
-    (found, rejected.into_iter().map(|(_, why)| why).collect(), Pruned { keep, behind, impossible, not_solved })
+    (sorted, Pruned { keep, behind, impossible, not_solved })
 }
 
 /// What the objective is nowhere below for a motor; `None` where it has to be solved to be told.

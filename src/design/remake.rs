@@ -6,6 +6,7 @@
 //! gear looks the same on either side of it, but another ratio tells them apart: the choice is given
 //! for both readings.
 
+use super::judge::Refused;
 use super::optimize::{Design, Reason, best_design, optimize, order};
 use super::{Evaluation, JointDemand, Margin, Prepared, continuous_candidate, geared_candidate};
 use crate::actuator::fitted::{FittedEffect, Note, notes};
@@ -116,16 +117,17 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
         let after = best_design(robot, joint, &demand, &fitted, false);
         let others: Vec<&Design> = before.candidates.iter().filter(|d| d.motor.id != declared_id).collect();
         let rank = |design: &Design| 1 + others.iter().filter(|d| order(d, design).is_lt()).count();
-        let choice = |found: &Result<Design, super::optimize::Rejected>| match found {
+        let choice = |found: &Result<Design, Refused>| match found {
             Ok(design) => Choice { outcome: Ok(Chosen::new(design)), rank: Some(rank(design)) },
-            Err(rejected) => Choice { outcome: Err(rejected.reason.clone()), rank: None },
+            Err(refused) => Choice { outcome: Err(refused.reason()), rank: None },
         };
         let own = before.candidates.iter().find(|d| d.motor.id == declared_id);
-        let refused = before.rejected.iter().find(|r| r.motor.id == declared_id);
-        let own_before = match (own, refused) {
-            (Some(design), _) => Some(Choice { outcome: Ok(Chosen::new(design)), rank: Some(rank(design)) }),
-            (None, Some(rejected)) => Some(Choice { outcome: Err(rejected.reason.clone()), rank: None }),
-            (None, None) => None,
+        let rejected = before.rejected.iter().find(|r| r.motor.id == declared_id).map(|r| r.reason.clone());
+        let apart = before.unjudged.iter().find(|u| u.design.motor.id == declared_id);
+        let refused = rejected.or(apart.map(|u| Reason::Unjudged(u.because.clone())));
+        let own_before = match own {
+            Some(design) => Some(Choice { outcome: Ok(Chosen::new(design)), rank: Some(rank(design)) }),
+            None => refused.map(|reason| Choice { outcome: Err(reason), rank: None }),
         };
         let mut remade: Vec<&Design> = others.clone();
         remade.extend(after.as_ref().ok());
@@ -228,6 +230,6 @@ fn output_side(
     let found = best_design(robot, &joint, &demand, &motor, false);
     Some(match found {
         Ok(design) => Choice { outcome: Ok(Chosen::new(&design)), rank: Some(rank(&design)) },
-        Err(rejected) => Choice { outcome: Err(rejected.reason), rank: None },
+        Err(refused) => Choice { outcome: Err(refused.reason()), rank: None },
     })
 }

@@ -22,6 +22,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use super::judge;
 use super::optimize::{Design, JointResult, Options, Reason, RobotResult, optimize_with};
 use super::program::{Bind, Certificate, Limited, Optimum, Outcome, RatioProgram, Window};
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
@@ -329,8 +330,11 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> V
     let solve = |nominal: JointResult<'a>| {
         let joint = nominal.joint;
         let demand = JointDemand::new(joint, catalog);
-        let found: Vec<Result<RobustDesign, Reason>> =
-            nominal.candidates.par_iter().map(|design| best_robust(robot, joint, &demand, design)).collect();
+        let found: Vec<Result<RobustDesign, Reason>> = nominal
+            .candidates
+            .par_iter()
+            .map(|design| best_robust(robot, joint, &demand, design, options.only_checked))
+            .collect();
         let (mut designs, mut lost) = (Vec::new(), Vec::new());
         for (design, result) in nominal.candidates.iter().zip(found) {
             match result {
@@ -368,7 +372,8 @@ fn candidate<'p>(
     }
 }
 
-/// The design of a motor that keeps all limits over its tolerances.
+/// The design of a motor that keeps all limits over its tolerances; with `only_checked`, one of which every limit could
+/// be checked.
 ///
 /// # Errors
 /// Why no ratio does.
@@ -377,6 +382,7 @@ pub fn best_robust<'a>(
     joint: &'a Joint,
     demand: &JointDemand<'a>,
     nominal: &Design<'a>,
+    only_checked: bool,
 ) -> Result<RobustDesign<'a>, Reason> {
     let motor = nominal.motor;
     let all = toleranced(motor);
@@ -412,16 +418,22 @@ pub fn best_robust<'a>(
         }
         RatioChoice::Catalog { .. } => {
             let mut best: Option<RobustDesign> = None;
-            let mut nearest: Option<(f64, Bind, f64)> = None;
+            let mut nearest: Option<(f64, Bind, f64, f64)> = None;
             let mut tried = 0;
             for (gear, _) in demand.gears_for(motor) {
                 let Ok(boxed) = Boxed::new(robot, joint, demand, motor, &corners, Some(&gear.id)) else { continue };
+                // With another gear than the nominal one other limits may be unknown.
+                let unchecked = boxed.nominal.unchecked_at(gear.ratio);
+                let left_out = judge::left_out(robot, joint, &unchecked, only_checked).is_some();
+                if left_out || !judge::unjudged(robot, joint, &unchecked).is_empty() {
+                    continue;
+                }
                 tried += 1;
                 let tightest = boxed.tightest(gear.ratio);
                 if let Some(margin) = tightest.filter(|m| m.margin < -FEASIBILITY_TOLERANCE) {
                     if nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m) {
                         let bind = Bind { limit: margin.limit, sample: margin.sample };
-                        nearest = Some((margin.margin, bind, margin.demand / margin.bound));
+                        nearest = Some((margin.margin, bind, margin.demand / margin.bound, margin.bound));
                     }
                     continue;
                 }
@@ -447,7 +459,7 @@ pub fn best_robust<'a>(
                 }
             }
             let reason = match nearest {
-                Some((_, bind, over)) => Reason::Gears { bind, over, tried },
+                Some((_, bind, over, allowed)) => Reason::Gears { bind, over, allowed, tried },
                 None => Reason::Unusable(Unusable::NoGearFits),
             };
             best.ok_or(reason)

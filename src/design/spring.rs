@@ -1,12 +1,13 @@
 //! Joints with a parallel spring: motor, gear, ratio and spring chosen together, and what the spring is
 //! worth: the same joint with the same motor and no spring stands beside every choice.
 
-use super::optimize::{Design, Reason, design};
+use super::judge::{self, Refused};
+use super::optimize::{Design, Reason, Rejected, design};
 use super::program::spring::{self, SpringOptimum, Sprung};
 use super::program::{Certificate, Optimum, Outcome, RatioProgram};
-use super::{JointDemand, Prepared, Unusable, continuous_candidate, covers_gear, geared_candidate};
+use super::{JointDemand, Prepared, Unusable, covers_gear, geared_candidate};
 use crate::catalog::{Gear, Motor};
-use crate::requirement::{Joint, RatioChoice, Robot};
+use crate::requirement::{Joint, Robot};
 
 /// A spring that was chosen, and the same joint without it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,8 +88,21 @@ pub(super) fn choose(
     Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
 }
 
+/// The allowed spring that comes nearest to keeping the limits, where none does: stiffness \[N·m/rad\] and rest angle
+/// \[rad\]. `None` where no spring is chosen for the candidate at all.
+pub(super) fn nearest(
+    prepared: &Prepared,
+    joint: &Joint,
+    gear: Option<&Gear>,
+    range: (f64, f64),
+) -> Option<(f64, f64)> {
+    let asked = joint.limits.spring?;
+    let covered = gear.map_or(0.0, |g| covered_inertia(joint, g));
+    spring::nearest(prepared, &joint.objective, &asked, range, covered)
+}
+
 /// The same as a design.
-fn solve<'a>(
+pub(super) fn solve<'a>(
     prepared: &Prepared,
     joint: &Joint,
     motor: &'a Motor,
@@ -114,43 +128,27 @@ fn reason(outcome: Outcome) -> Reason {
     }
 }
 
-/// The best design with a spring of one motor at one joint, or the gear that came nearest and why.
-///
-/// # Errors
-/// Why the motor cannot do it.
-pub fn best_design<'a>(
-    robot: &'a Robot,
-    joint: &'a Joint,
-    demand: &JointDemand<'a>,
-    motor: &'a Motor,
-    only_checked: bool,
-) -> Result<Design<'a>, (Option<&'a str>, Reason)> {
-    match &joint.ratio {
-        RatioChoice::Continuous { min, max } => {
-            let candidate = continuous_candidate(robot, joint, &demand.load, motor)
-                .map_err(|unusable| (None, Reason::Unusable(unusable)))?;
-            let prepared = Prepared::new(candidate);
-            if let (true, Some((limit, why))) = (only_checked, prepared.unchecked.first()) {
-                return Err((None, Reason::Unchecked(limit, why)));
-            }
-            solve(&prepared, joint, motor, None, (*min, *max)).map_err(|reason| (None, reason))
-        }
-        RatioChoice::Catalog { .. } => best_gear(robot, joint, demand, motor, only_checked),
-    }
+/// Designs with gears of the catalogue, the best of them, and the least bound over them all.
+struct Best<'a> {
+    design: Option<Design<'a>>,
+    /// `None` once a gear has none.
+    bound: Option<f64>,
 }
 
-/// The best gear: the spring is solved for with each that fits.
-fn best_gear<'a>(
+/// The best gear: the spring is solved for with each that fits. Gears with which the design cannot be judged are
+/// looked at apart.
+///
+/// # Errors
+/// Why the motor is no choice.
+pub(super) fn best_gear<'a>(
     robot: &'a Robot,
     joint: &'a Joint,
     demand: &JointDemand<'a>,
     motor: &'a Motor,
     only_checked: bool,
-) -> Result<Design<'a>, (Option<&'a str>, Reason)> {
-    let mut best: Option<Design<'a>> = None;
+) -> Result<Design<'a>, Refused<'a>> {
+    let mut best = [true, false].map(|_| Best { design: None, bound: Some(f64::INFINITY) });
     let mut refused: Option<(Option<&'a str>, Reason)> = None;
-    // The least bound over all gears; `None` once one has none.
-    let mut bound = Some(f64::INFINITY);
     for (gear, load) in demand.gears_for(motor) {
         let candidate = match geared_candidate(robot, joint, load, motor, gear) {
             Ok(candidate) => candidate,
@@ -160,47 +158,61 @@ fn best_gear<'a>(
             }
         };
         let prepared = Prepared::new(candidate);
-        if let (true, Some((limit, why))) = (only_checked, prepared.unchecked.first()) {
+        if let Some((limit, why)) = judge::left_out(robot, joint, &prepared.unchecked, only_checked) {
             refused = refused.or(Some((Some(&gear.id), Reason::Unchecked(limit, why))));
             continue;
         }
+        let apart = usize::from(!judge::unjudged(robot, joint, &prepared.unchecked_at(gear.ratio)).is_empty());
         match solve(&prepared, joint, motor, Some(gear), (gear.ratio, gear.ratio)) {
-            Ok(design) => {
-                bound = bound.zip(design.spring.and_then(|s| s.lower_bound)).map(|(a, b)| a.min(b));
-                let better = |b: &Design| {
-                    (design.optimum.objective, design.evaluation.loss) < (b.optimum.objective, b.evaluation.loss)
-                };
-                if best.as_ref().is_none_or(better) {
-                    best = Some(design);
-                }
-            }
+            Ok(design) => best[apart].take(design),
             Err(why) => {
                 if matches!(why, Reason::NotSolved(_)) {
-                    bound = None;
+                    best[apart].bound = None;
                 }
                 refused = Some((Some(&gear.id), why));
             }
         }
     }
-    let Some(mut design) = best else {
+    let found = best.into_iter().find_map(Best::settled);
+    let Some(design) = found else {
         let unusable = if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { Unusable::NoGearFits };
-        return Err(refused.unwrap_or((None, Reason::Unusable(unusable))));
+        let (gear, reason) = refused.unwrap_or((None, Reason::Unusable(unusable)));
+        return Err(Refused::Rejected(Rejected { motor, gear, reason }));
     };
-    let objective = design.optimum.objective;
-    let gap = bound.map(|b| if objective == 0.0 { 0.0 } else { ((objective - b) / objective.abs()).max(0.0) });
-    if let (Certificate::Certified { .. }, Some(lower_bound)) = (&design.optimum.certificate, bound) {
-        design.optimum.certificate = match gap {
-            Some(gap) if gap <= super::program::GAP_TOLERANCE => {
-                let method = "all gears, each with its best spring";
-                Certificate::Certified { lower_bound: lower_bound.min(objective), gap, method }
-            }
-            _ => Certificate::NotCertified("another gear's spring could not be bounded closely enough".into()),
-        };
-    } else if bound.is_none() {
-        design.optimum.certificate = Certificate::NotCertified("another gear's spring could not be solved for".into());
+    judge::judged(robot, joint, design, only_checked)
+}
+
+impl<'a> Best<'a> {
+    /// Takes another gear's design in.
+    fn take(&mut self, design: Design<'a>) {
+        self.bound = self.bound.zip(design.spring.and_then(|s| s.lower_bound)).map(|(a, b)| a.min(b));
+        let key = |d: &Design| (d.optimum.objective, d.evaluation.loss);
+        if self.design.as_ref().is_none_or(|b| key(&design) < key(b)) {
+            self.design = Some(design);
+        }
     }
-    if let Some(spring) = &mut design.spring {
-        (spring.lower_bound, spring.gap) = (bound, gap);
+
+    /// The best of all, with the proof that no gear has a better one.
+    fn settled(self) -> Option<Design<'a>> {
+        let Best { design, bound } = self;
+        let mut design = design?;
+        let objective = design.optimum.objective;
+        let gap = bound.map(|b| if objective == 0.0 { 0.0 } else { ((objective - b) / objective.abs()).max(0.0) });
+        if let (Certificate::Certified { .. }, Some(lower_bound)) = (&design.optimum.certificate, bound) {
+            design.optimum.certificate = match gap {
+                Some(gap) if gap <= super::program::GAP_TOLERANCE => {
+                    let method = "all gears, each with its best spring";
+                    Certificate::Certified { lower_bound: lower_bound.min(objective), gap, method }
+                }
+                _ => Certificate::NotCertified("another gear's spring could not be bounded closely enough".into()),
+            };
+        } else if bound.is_none() {
+            design.optimum.certificate =
+                Certificate::NotCertified("another gear's spring could not be solved for".into());
+        }
+        if let Some(spring) = &mut design.spring {
+            (spring.lower_bound, spring.gap) = (bound, gap);
+        }
+        Some(design)
     }
-    Ok(design)
 }

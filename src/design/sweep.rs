@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::judge::{Unknown, unjudged};
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, RatioChoice, Robot};
@@ -27,7 +28,21 @@ pub struct SweptDesign<'a> {
     /// All about it.
     pub evaluation: Evaluation,
     /// Limits that could not be checked, and why.
-    pub unchecked: std::sync::Arc<[(&'static str, &'static str)]>,
+    pub unchecked: std::sync::Arc<[Unknown]>,
+    /// Of those, what the requirement itself states: with any of them the design is no choice.
+    pub unjudged: std::sync::Arc<[Unknown]>,
+}
+
+impl SweptDesign<'_> {
+    /// Whether it keeps every limit, and every limit that the requirement states could be judged.
+    pub fn is_choice(&self) -> bool {
+        self.evaluation.feasible && self.unjudged.is_empty()
+    }
+
+    /// Whether it keeps all that could be judged, but not all that the requirement states could be.
+    pub fn is_unjudged(&self) -> bool {
+        self.evaluation.feasible && !self.unjudged.is_empty()
+    }
 }
 
 /// `count` ratios from `min` to `max`, evenly spaced in ln N.
@@ -76,6 +91,13 @@ pub fn sweep_with_progress<'a>(
         .collect()
 }
 
+fn swept<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, ratio: f64) -> SweptDesign<'a> {
+    let unchecked = prepared.unchecked_at(ratio);
+    let unjudged = unjudged(prepared.candidate.robot, prepared.candidate.joint, &unchecked);
+    let evaluation = prepared.at(ratio);
+    SweptDesign { motor, gear, evaluation, unchecked: unchecked.into(), unjudged: unjudged.into() }
+}
+
 type MotorSweep<'a> = (Vec<SweptDesign<'a>>, Vec<(&'a str, Option<&'a str>, Unusable)>);
 
 fn sweep_motor<'a>(
@@ -90,15 +112,7 @@ fn sweep_motor<'a>(
         RatioChoice::Continuous { min, max } => match continuous_candidate(robot, joint, &demand.load, motor) {
             Ok(candidate) => {
                 let prepared = Prepared::new(candidate);
-                let unchecked: std::sync::Arc<[_]> = prepared.unchecked.clone().into();
-                for ratio in grid(*min, *max, ratios) {
-                    designs.push(SweptDesign {
-                        motor,
-                        gear: None,
-                        evaluation: prepared.at(ratio),
-                        unchecked: unchecked.clone(),
-                    });
-                }
+                designs.extend(grid(*min, *max, ratios).into_iter().map(|ratio| swept(&prepared, motor, None, ratio)));
             }
             Err(why) => unusable.push((motor.id.as_str(), None, why)),
         },
@@ -106,14 +120,7 @@ fn sweep_motor<'a>(
             for (gear, load) in demand.gears_for(motor) {
                 match geared_candidate(robot, joint, load, motor, gear) {
                     Ok(candidate) => {
-                        let prepared = Prepared::new(candidate);
-                        let evaluation = prepared.at(gear.ratio);
-                        designs.push(SweptDesign {
-                            motor,
-                            gear: Some(&gear.id),
-                            evaluation,
-                            unchecked: prepared.unchecked.into(),
-                        });
+                        designs.push(swept(&Prepared::new(candidate), motor, Some(&gear.id), gear.ratio));
                     }
                     Err(why) => unusable.push((motor.id.as_str(), Some(gear.id.as_str()), why)),
                 }

@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::number;
+use super::optimize::without_choice;
 use crate::design::optimize::{Design, RobotResult};
 use crate::design::robot::Choice;
 
@@ -36,10 +37,9 @@ pub fn toml(
     requirement: &Path,
     catalog: &[PathBuf],
 ) -> Result<String, String> {
-    let without: Vec<&str> =
-        result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
+    let without = without_choice(result);
     if !without.is_empty() {
-        return Err(format!("no motor can do {}", without.join(", ")));
+        return Err(without.join("; ").replace("NO ", "no "));
     }
     let (what, designs): (_, Vec<&Design>) = match whole {
         None => ("First choices", result.joints.iter().map(|j| &j.candidates[0]).collect()),
@@ -64,10 +64,9 @@ pub fn toml(
         let objective = &joint.joint.objective;
         let window = design.optimum.window();
         out.push_str(&format!(
-            "\n# {} {} {}; {} motors can do it alone",
+            "\n# {} {}; {} motors can do it alone",
             objective.name(),
-            number(design.optimum.objective),
-            objective.unit(),
+            super::with_unit(design.optimum.objective, objective.unit()),
             joint.candidates.len()
         ));
         if design.gear.is_none() {

@@ -4,11 +4,12 @@ use serde_json::{Value, json};
 
 use super::optimize::{bind_text, fitted_json, fitted_notes, margins_json, proof, reason_text};
 use super::table::{table, wrap};
-use super::{number, optional};
+use super::{currents, number, optional};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::evaluate::Margin;
 use crate::design::explain::{Explanation, Remedy};
+use crate::design::optimize::Reason;
 use crate::design::program::{Certificate, Optimum};
 use crate::requirement::Joint;
 
@@ -21,8 +22,9 @@ pub fn text(story: &Explanation) -> String {
     let e = &story.evaluation;
     let joint = story.joint;
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
-    let verdict = if e.feasible { "keeps every limit that could be checked" } else { "is not feasible" };
-    let mut out = format!("{}: {} at N = {}{gear} {verdict}\n\n", joint.name, story.motor.id, number(e.ratio));
+    let verdict = verdict(story);
+    let head = format!("{}: {} at N = {}{gear} {verdict}", joint.name, story.motor.id, number(e.ratio));
+    let mut out = format!("{}\n\n", wrap(&head, 0));
     out.push_str(&limits(story));
     out.push('\n');
     for (what, value, unit) in quantities(story) {
@@ -39,7 +41,7 @@ pub fn text(story: &Explanation) -> String {
             out.push_str("  shadow prices, sensitivities and what would have to change are those at this spring\n");
         }
         Some(Err(why)) => {
-            let line = format!("No spring will do: {}. All else is without a spring.", reason_text(why, joint).1);
+            let line = no_spring(story, why);
             out.push_str(&format!("\n{}\n", wrap(&line, 0)));
         }
         None => {}
@@ -92,6 +94,31 @@ pub fn text(story: &Explanation) -> String {
     out
 }
 
+/// How the design stands.
+pub(super) fn verdict(story: &Explanation) -> String {
+    match (story.evaluation.feasible, story.unjudged.is_empty()) {
+        (false, _) => "is not feasible".into(),
+        (true, true) => "keeps every limit that could be checked".into(),
+        (true, false) => format!(
+            "{}. The requirement asks for that, so it is no choice; all else that could be checked is kept",
+            super::unjudged::sentence(&story.unjudged)
+        ),
+    }
+}
+
+/// That no spring will do, and with which one all else is.
+pub(super) fn no_spring(story: &Explanation, why: &Reason) -> String {
+    let with = match story.nearest_spring {
+        None => "without a spring".into(),
+        Some((stiffness, rest)) => format!(
+            "with the allowed spring that came nearest, {} N*m/rad with its rest at {} deg",
+            number(stiffness),
+            number(rest.to_degrees())
+        ),
+    };
+    format!("No spring will do: {}. All else is {with}.", reason_text(why, story.joint).1)
+}
+
 const WINDING: &str = "winding, steady state";
 /// What is said where the winding has no steady temperature.
 pub(super) const RUNAWAY: &str = "thermal runaway: the copper's resistance rises faster than heat flows off";
@@ -99,12 +126,16 @@ pub(super) const RUNAWAY: &str = "thermal runaway: the copper's resistance rises
 /// What the design needs and weighs: name, value, unit.
 pub(super) fn quantities(story: &Explanation) -> Vec<(&'static str, Option<f64>, &'static str)> {
     let e = &story.evaluation;
+    let [peak_phase, peak_q, rms_phase, rms_q] = currents::values(story.motor, e);
+    let phase = currents::phase_word(story.motor);
     let mut all = vec![
         ("copper loss", Some(e.loss), "W"),
         ("energy per cycle", e.energy, "J"),
         ("peak electrical power", e.peak_power, "W"),
-        ("current, rms", Some(e.rms_current), "A (q axis)"),
-        ("current, peak", Some(e.peak_current), "A (q axis)"),
+        ("current, rms", Some(rms_phase), phase),
+        ("", Some(rms_q), "A (q axis)"),
+        ("current, peak", Some(peak_phase), phase),
+        ("", Some(peak_q), "A (q axis)"),
         ("reflected inertia", Some(e.reflected_inertia), "kg*m^2"),
         ("mass", e.mass, "kg"),
         (WINDING, story.winding_temperature.flatten().map(|t| t - 273.15), "degC"),
@@ -116,13 +147,18 @@ pub(super) fn quantities(story: &Explanation) -> Vec<(&'static str, Option<f64>,
 }
 
 pub(super) fn remedy_text(remedy: &Remedy) -> String {
+    // Of a limit of zero there are no shares.
+    let more = match remedy.bound == 0.0 {
+        true => String::new(),
+        false => format!("{}, ", percent(remedy.needed / remedy.bound - 1.0)),
+    };
     format!(
-        "{} of at least {} {} instead of {} ({}, {}'s), at N = {}",
+        "{} of at least {} {} instead of {} ({}{}'s), at N = {}",
         remedy.limit,
         number(remedy.needed),
         remedy.unit,
         number(remedy.bound),
-        percent(remedy.needed / remedy.bound - 1.0),
+        more,
         remedy.owner,
         number(remedy.ratio)
     )
@@ -132,7 +168,8 @@ pub(super) fn remedy_text(remedy: &Remedy) -> String {
 pub(super) const LIMITS: [&str; 7] = ["limit", ">demand", ">limit", "", ">margin", "whose", "at"];
 
 fn limits(story: &Explanation) -> String {
-    table(&LIMITS, &limit_rows(&story.evaluation.margins, story.joint))
+    let frame = wrap(currents::Q_AXIS, 2);
+    format!("{}\n  {frame}\n", table(&LIMITS, &limit_rows(&story.evaluation.margins, story.joint)))
 }
 
 /// The limits of a design, tightest first.
@@ -163,11 +200,10 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
         format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
     });
     format!(
-        "Best ratio for least {}: N* = {} with {} {} ({}); feasible from {}.",
+        "Best ratio for least {}: N* = {} with {} ({}); feasible from {}.",
         joint.objective.name(),
         number(optimum.ratio),
-        number(optimum.objective),
-        joint.objective.unit(),
+        super::with_unit(optimum.objective, joint.objective.unit()),
         proof(&optimum.certificate),
         windows.collect::<Vec<_>>().join(" and from ")
     )
@@ -178,7 +214,8 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
     let line = best_line(story, optimum);
     let mut out = format!("\n{}\n", wrap(&line, 0));
     if let Certificate::Certified { lower_bound, method, .. } = &optimum.certificate {
-        out.push_str(&format!("  no ratio is better than {lower_bound:.9e} {} ({method})\n", joint.objective.unit()));
+        let unit = if joint.objective.unit() == "1" { String::new() } else { format!(" {}", joint.objective.unit()) };
+        out.push_str(&format!("  no ratio is better than {lower_bound:.9e}{unit} ({method})\n"));
     }
     if optimum.shadow_prices.is_empty() {
         out.push_str("  no limit binds at N*: every shadow price is zero\n");
@@ -220,18 +257,25 @@ pub fn json(story: &Explanation) -> Value {
     });
     let mut value = json!({
         "joint": story.joint.name, "motor": story.motor.id, "gear": story.gear.map(|g| &g.id), "ratio": e.ratio, "feasible": e.feasible,
-        "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power, "peak_current_a": e.peak_current,
-        "rms_current_a": e.rms_current, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
+        "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power,
+        "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
         "winding_temperature_k": story.winding_temperature.flatten(), "thermal_runaway": story.winding_temperature == Some(None),
         "margins": margins, "limits": limits, "best": best,
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
+        "judged": story.unjudged.is_empty(), "unjudged": super::unjudged::list(&story.unjudged),
         "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
         "spring": story.spring.as_ref().map(|s| match s {
             Ok(spring) => super::spring::json(spring, e.loss),
-            Err(why) => json!({ "because": reason_text(why, story.joint).1 }),
+            Err(why) => json!({
+                "because": reason_text(why, story.joint).1,
+                "all_else_with": story.nearest_spring.map(|(stiffness, rest)| json!({
+                    "stiffness_nm_per_rad": stiffness, "rest_angle_rad": rest,
+                })),
+            }),
         }),
     });
+    currents::add(&mut value, story.motor, e);
     if let (Some(list), Value::Object(object)) = (fitted_json(story.motor, story.joint), &mut value) {
         object.insert("fitted".into(), list);
     }

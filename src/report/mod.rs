@@ -5,6 +5,7 @@ pub mod audit;
 pub mod characterize;
 pub mod check;
 pub mod compare;
+pub mod currents;
 pub mod design_file;
 pub mod explain;
 pub mod export;
@@ -30,6 +31,7 @@ pub mod study;
 pub mod sweep;
 pub mod table;
 pub mod torques;
+pub mod unjudged;
 pub mod xml;
 
 use serde_json::Value;
@@ -78,9 +80,27 @@ pub fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "–".into(), number)
 }
 
+/// A value with its unit; a pure number has none.
+pub(crate) fn with_unit(value: f64, unit: &str) -> String {
+    format!("{} {}", number(value), if unit == "1" { "" } else { unit }).trim_end().to_string()
+}
+
 /// `1 joint`, `2 joints`.
 pub(crate) fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// What a design that is not proved leaves open: by how much of its own value a better one may be less. `gap` is
+/// `(objective − lower bound)/|objective|`. Rounded up to two digits, so that "up to" is true.
+pub(crate) fn may_be_beaten(gap: f64) -> String {
+    let percent = 100.0 * gap;
+    if percent == 0.0 {
+        return "may be beaten by what rounding leaves".into();
+    }
+    let step = 10.0_f64.powf(percent.log10().floor() - 1.0);
+    // What is two digits already stays.
+    let up = (percent / step * (1.0 - 1e-9)).ceil() * step;
+    format!("may be beaten by up to {} %", number(up))
 }
 
 /// JSON text, two spaces deep, with a final newline.
@@ -119,4 +139,30 @@ pub fn csv_text(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) ->
 /// A number for CSV: shortest text that reads back as the same number; empty where unknown.
 pub fn csv_number(value: Option<f64>) -> String {
     value.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::may_be_beaten;
+
+    /// By the definition of the gap the bound is `(1 − gap)` times the objective: so much less may a better one be.
+    #[test]
+    fn what_may_be_beaten_is_said_by_how_much_and_never_too_little() {
+        for (gap, told) in [
+            (0.9391, "may be beaten by up to 94 %"),
+            (0.94, "may be beaten by up to 94 %"),
+            (0.5, "may be beaten by up to 50 %"),
+            (1.0e-5, "may be beaten by up to 0.001 %"),
+            (1.201, "may be beaten by up to 130 %"),
+            (0.0, "may be beaten by what rounding leaves"),
+        ] {
+            assert_eq!(may_be_beaten(gap), told);
+        }
+        for k in 1..400 {
+            let gap = 1e-9 * 1.06_f64.powi(k);
+            let told = may_be_beaten(gap);
+            let percent: f64 = told.split_whitespace().rev().nth(1).unwrap().parse().unwrap();
+            assert!(percent >= 100.0 * gap * (1.0 - 1e-8) && percent <= 111.0 * gap, "{gap}: {told}");
+        }
+    }
 }

@@ -4,15 +4,14 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use super::prune;
 use super::table::{table, wrap};
 use super::{csv_number, different_motors, number, optional};
+use super::{currents, prune, unjudged};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
-use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::design::evaluate::Margin;
 use crate::design::optimize::{Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::program::{Bind, Certificate, Infeasible};
@@ -37,15 +36,20 @@ pub fn bind_text(bind: &Bind, joint: &Joint) -> String {
 
 /// Why a motor was rejected: a short class for counting, and the sentence.
 pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
-    let times = |x: f64| if x.is_finite() { format!("{} times", number(x)) } else { "without end,".into() };
+    // By how much a limit is exceeded, after the verb.
+    let by = |over: f64, allowed: f64| match (over.is_finite(), allowed == 0.0) {
+        (_, true) => "more than nothing, and nothing is allowed".to_string(),
+        (true, _) => format!("{} times the limit", number(over)),
+        (false, _) => "without end".into(),
+    };
     match reason {
         Reason::Unusable(unusable) => (unusable.reason().into(), unusable.reason().into()),
-        Reason::Infeasible(Infeasible::Never { bind, least, ratio }) => (
+        Reason::Infeasible(Infeasible::Never { bind, least, allowed, ratio }) => (
             format!("{} is exceeded at every ratio", bind.limit),
             format!(
-                "{} is exceeded at every ratio: at best {} the limit, at N = {}",
+                "{} is exceeded at every ratio: at best it is {}, at N = {}",
                 bind_text(bind, joint),
-                times(*least),
+                by(*least, *allowed),
                 number(*ratio)
             ),
         ),
@@ -82,26 +86,27 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
                 number(*at_most)
             ),
         ),
-        Reason::Infeasible(Infeasible::Nowhere { bind, least, ratio }) => (
+        Reason::Infeasible(Infeasible::Nowhere { bind, least, allowed, ratio }) => (
             format!("{} is exceeded at every ratio", bind.limit),
             format!(
-                "{} is {} the limit at the ratio that comes nearest, N = {}",
+                "{} is {} at the ratio that comes nearest, N = {}",
                 bind_text(bind, joint),
-                times(*least),
+                by(*least, *allowed),
                 number(*ratio)
             ),
         ),
-        Reason::Gears { bind, over, tried } => (
+        Reason::Gears { bind, over, allowed, tried } => (
             format!("{} with every gear", bind.limit),
             format!(
-                "none of {tried} gears will do; with the nearest, {} is {} the limit",
+                "none of {tried} gears will do; with the nearest, {} is {}",
                 bind_text(bind, joint),
-                times(*over)
+                by(*over, *allowed)
             ),
         ),
         Reason::Unchecked(limit, why) => {
             (format!("{limit} cannot be checked"), format!("{limit} cannot be checked: {why}"))
         }
+        Reason::Unjudged(because) => (unjudged::class(because), unjudged::sentence(because)),
         Reason::Unbounded => ("the objective has no lower bound".into(), "the objective has no lower bound".into()),
         Reason::NotSolved(why) => ("not solved".into(), format!("not solved: {why}")),
     }
@@ -150,7 +155,10 @@ pub(super) fn ratio_text(joint: &Joint) -> String {
 /// How many motors can do a joint.
 pub(super) fn verdict(result: &JointResult) -> String {
     match &result.pruned {
-        None => format!("{} motors can do it, {} cannot", result.candidates.len(), result.rejected.len()),
+        None => {
+            let (can, cannot) = (result.candidates.len(), result.rejected.len());
+            format!("{can} motors can do it, {cannot} cannot{}", unjudged::counted(result.unjudged.len()))
+        }
         Some(pruned) => prune::verdict(result, pruned),
     }
 }
@@ -169,6 +177,11 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     if let Some(spring) = &joint.limits.spring {
         out.push_str(&format!("  {}\n", super::spring::asked(spring)));
     }
+    if joint.objective.weight(Quantity::PeakCurrent) > 0.0 {
+        out.push_str(
+            "  The objective's current is on the q axis: √(3/2) times the phase amplitude that the table shows.\n",
+        );
+    }
     if asks_for_nothing(joint) {
         out.push_str("  The motion asks for no torque and no acceleration: the order says nothing.\n");
     }
@@ -177,6 +190,7 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
         out.push_str(&candidates_table(result, shown.top));
         out.push_str(&footnotes(result, shown.top));
     }
+    out.push_str(&unjudged::text(result, shown.rejected));
     out.push_str(&rejected_text(result, shown));
     if let Some(pruned) = &result.pruned {
         out.push_str(&prune::text(joint, pruned));
@@ -197,16 +211,6 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
 pub(super) fn asks_for_nothing(joint: &Joint) -> bool {
     let motion = &joint.motion;
     motion.torque.iter().chain(&motion.acceleration).all(|x| *x == 0.0)
-}
-
-/// What a q-axis current is on the drive: phase amplitude, or DC ampere of a brushed motor \[A\].
-pub(super) fn drive_current(motor: &Motor, current: f64) -> f64 {
-    let commutation = motor.conventions.commutation;
-    let convention = match commutation {
-        Commutation::Brushless => CurrentConvention::PhaseAmplitude,
-        Commutation::Brushed => CurrentConvention::Dc,
-    };
-    current / convention.torque_current(commutation)
 }
 
 fn candidates_table(result: &JointResult, top: usize) -> String {
@@ -237,7 +241,7 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
             let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
             row.extend([
                 number(e.loss),
-                number(drive_current(design.motor, e.peak_current)),
+                number(currents::phase(design.motor, e.peak_current)),
                 number(e.reflected_inertia),
                 optional(e.mass),
                 optional(s_m),
@@ -311,7 +315,7 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
         }
         if let Certificate::NotCertified(why) = &design.optimum.certificate {
             let found = match design.spring.map(|s| s.gap) {
-                Some(Some(gap)) => format!("the best that was found, within {gap:.0e} of the bound"),
+                Some(Some(gap)) => format!("the best that was found; it {}", super::may_be_beaten(gap)),
                 Some(None) => "the best that was found, without a bound".into(),
                 None => "the best of a refined grid".into(),
             };
@@ -447,12 +451,21 @@ fn summary(result: &RobotResult) -> String {
             "  the bus's power and current are kept by each joint alone; `power` in [budget] limits all together\n",
         );
     }
-    let without: Vec<&str> =
-        result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
-    if !without.is_empty() {
-        out.push_str(&format!("  NO motor of the catalogue can do: {}\n", without.join(", ")));
+    for line in without_choice(result) {
+        out.push_str(&format!("  {}\n", wrap(&line, 4)));
     }
     out
+}
+
+/// What is said of joints that have no choice.
+pub(super) fn without_choice(result: &RobotResult) -> Vec<String> {
+    let without = result.joints.iter().filter(|j| j.candidates.is_empty());
+    let told = |j: &'_ JointResult<'_>| unjudged::left_out(j.rejected.iter().map(|r| &r.reason));
+    unjudged::without_choice(without.map(|j| unjudged::Without {
+        joint: &j.joint.name,
+        unjudged: j.unjudged.len(),
+        unchecked: told(j),
+    }))
 }
 
 /// Margins as an object, `{limit: margin}`, and each limit in full.
@@ -519,9 +532,6 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("mean_electrical_power_w", json!(e.mean_power));
     put("energy_per_cycle_j", json!(e.energy));
     put("peak_electrical_power_w", json!(e.peak_power));
-    put("peak_current_a", json!(e.peak_current));
-    put("peak_drive_current_a", json!(drive_current(design.motor, e.peak_current)));
-    put("rms_current_a", json!(e.rms_current));
     put("reflected_inertia_kgm2", json!(e.reflected_inertia));
     put("mass_kg", json!(e.mass));
     put("winding_temperature_k", json!(design.winding_temperature.flatten()));
@@ -541,6 +551,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     if let Some(spring) = &design.spring {
         put("spring", super::spring::json(spring, e.loss));
     }
+    currents::put(&mut object, design.motor, e);
     Value::Object(object)
 }
 
@@ -553,6 +564,7 @@ pub fn json(result: &RobotResult) -> Value {
             "objective": j.joint.objective.name(),
             "derived_by_spline": j.joint.motion.derived,
             "candidates": j.candidates.iter().map(|d| design_json(d, j.joint)).collect::<Vec<_>>(),
+            "unjudged": unjudged::json(&j.unjudged, j.joint),
             "rejected": j.rejected.iter().map(|r| {
                 let (class, sentence) = reason_text(&r.reason, j.joint);
                 json!({ "motor": r.motor.id, "gear": r.gear, "because": sentence, "class": class })
@@ -594,7 +606,10 @@ pub fn csv(result: &RobotResult) -> String {
         "bound_high",
         "objective",
         "loss_w",
-        "peak_current_a",
+        currents::NAMES[0],
+        currents::NAMES[1],
+        currents::NAMES[2],
+        currents::NAMES[3],
         "reflected_inertia_kgm2",
         "mass_kg",
         "tightest_limit",
@@ -618,10 +633,9 @@ pub fn csv(result: &RobotResult) -> String {
                 vec![j.joint.name.clone(), (place + 1).to_string(), d.motor.id.clone(), d.gear.unwrap_or("").into()];
             row.extend([e.ratio, window.min, window.max].map(|x| csv_number(Some(x))));
             row.extend([window.low.limit.to_string(), window.high.limit.to_string()]);
-            row.extend(
-                [Some(d.optimum.objective), Some(e.loss), Some(e.peak_current), Some(e.reflected_inertia), e.mass]
-                    .map(csv_number),
-            );
+            row.extend([d.optimum.objective, e.loss].map(|x| csv_number(Some(x))));
+            row.extend(currents::values(d.motor, e).map(|x| csv_number(Some(x))));
+            row.extend([Some(e.reflected_inertia), e.mass].map(csv_number));
             row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
             row.push(match d.optimum.certificate {
                 Certificate::Certified { gap, .. } => csv_number(Some(gap)),
@@ -634,15 +648,18 @@ pub fn csv(result: &RobotResult) -> String {
             }
             row
         });
-        let rejected = j.rejected.iter().map(|r| {
+        let apart = j.unjudged.iter().map(|u| (u.design.motor, u.design.gear, unjudged::sentence(&u.because)));
+        let cannot = j.rejected.iter().map(|r| (r.motor, r.gear, reason_text(&r.reason, j.joint).1));
+        let rejected = apart.chain(cannot).map(|(motor, gear, why)| {
             let mut row = vec![String::new(); header.len()];
             row[0] = j.joint.name.clone();
-            row[2] = r.motor.id.clone();
-            row[3] = r.gear.unwrap_or("").into();
+            row[2] = motor.id.clone();
+            row[3] = gear.unwrap_or("").into();
+            let first = header.len() - 5;
             for (i, metric) in METRICS.iter().take(4).enumerate() {
-                row[17 + i] = csv_number(metric.value(r.motor));
+                row[first + i] = csv_number(metric.value(motor));
             }
-            row[header.len() - 1] = reason_text(&r.reason, j.joint).1;
+            row[header.len() - 1] = why;
             if sprung {
                 row.extend(super::spring::csv(None, 0.0));
             }

@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::table::table;
-use super::{csv_number, number, optional};
+use super::optimize::reason_text;
+use super::table::{table, wrap};
+use super::{csv_number, number, optional, unjudged};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::requirement::Quantity;
 
@@ -17,11 +18,12 @@ pub fn text(fronts: &[Front]) -> String {
     for front in fronts {
         let [a, b] = front.quantities;
         out.push_str(&format!(
-            "{}: {} against {}; {} motors have a feasible design, {} points on the front\n\n",
+            "{}: {} against {}; {} motors have a feasible design{}, {} points on the front\n\n",
             front.joint.name,
             a.name(),
             b.name(),
             front.motors,
+            unjudged::counted(front.unjudged.len()),
             front.points.len()
         ));
         let columns = header(front);
@@ -56,15 +58,29 @@ pub fn text(fronts: &[Front]) -> String {
             })
             .collect();
         if rows.is_empty() {
-            out.push_str("  no motor of the catalogue can do it\n\n");
+            let left_out = unjudged::left_out(front.rejected.iter().map(|(_, why)| why));
+            let which = match (front.unjudged.len(), left_out) {
+                (0, 0) => "of the catalogue",
+                (0, _) => "that can be checked in full",
+                _ => "that can be judged",
+            };
+            out.push_str(&format!("  no motor {which} can do it\n\n"));
         } else {
             out.push_str(&table(&names, &rows));
             out.push_str(
                 "\nTwo lines of one motor are the ends of a run: every ratio between them is on its front.\n\n",
             );
         }
+        out.push_str(&beside(front));
     }
     out
+}
+
+/// What could not be checked of the front, and who is not on it because it cannot be judged.
+fn beside(front: &Front) -> String {
+    let lines = unjudged::front_not_checked(front).into_iter().map(|line| format!("  {}\n", wrap(&line, 4)));
+    let text = lines.collect::<String>() + unjudged::front_text(front).trim_start_matches('\n');
+    if text.is_empty() { text } else { text + "\n" }
 }
 
 /// For programs: every point.
@@ -77,8 +93,13 @@ pub fn json(fronts: &[Front]) -> Value {
             "points": front.points.iter().map(|p| json!({
                 "motor": p.motor.id, "gear": p.gear, "ratio": p.evaluation.ratio, a.name(): p.values[0], b.name(): p.values[1],
                 "loss_w": p.evaluation.loss, "reflected_inertia_kgm2": p.evaluation.reflected_inertia, "mass_kg": p.evaluation.mass,
-                "certified": p.certified,
+                "certified": p.certified, "not_checked": unjudged::list(&p.unchecked),
             })).collect::<Vec<_>>(),
+            "unjudged": unjudged::front_json(front),
+            "rejected": front.rejected.iter().map(|(motor, why)| {
+                let (class, sentence) = reason_text(why, front.joint);
+                json!({ "motor": motor.id, "because": sentence, "class": class })
+            }).collect::<Vec<_>>(),
         })
     });
     json!({ "joints": joints.collect::<Vec<_>>() })
@@ -96,8 +117,19 @@ pub fn csv(fronts: &[Front]) -> String {
                 [Some(p.evaluation.ratio), Some(p.values[0]), Some(p.values[1]), p.evaluation.mass].map(csv_number),
             );
             row.push(p.certified.to_string());
+            row.push(p.unchecked.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" "));
+            row.push(String::new());
             row
         })
     });
-    super::csv_text(&["joint", "motor", "gear", "ratio", &columns[0], &columns[1], "mass [kg]", "certified"], rows)
+    let apart = fronts.iter().flat_map(|front| {
+        front.unjudged.iter().map(|(motor, because)| {
+            let mut row = vec![String::new(); 10];
+            (row[0], row[1], row[9]) = (front.joint.name.clone(), motor.id.clone(), unjudged::sentence(because));
+            row
+        })
+    });
+    let header = ["joint", "motor", "gear", "ratio", &columns[0], &columns[1], "mass [kg]", "certified"];
+    let header: Vec<&str> = header.into_iter().chain(["not_checked", "unjudged_because"]).collect();
+    super::csv_text(&header, rows.chain(apart))
 }

@@ -12,10 +12,11 @@ use crate::requirement::Joint;
 pub(super) fn verdict(result: &JointResult, pruned: &Pruned) -> String {
     let solved = result.candidates.len() + pruned.behind;
     let cannot = result.rejected.len() + pruned.impossible.len();
+    let apart = super::unjudged::counted(result.unjudged.len());
     match pruned.not_solved.len() {
-        0 => format!("{solved} motors can do it, {cannot} cannot"),
+        0 => format!("{solved} motors can do it, {cannot} cannot{apart}"),
         left => format!(
-            "of the motors solved {solved} can do it and {cannot} cannot; {left} not solved, none of them is among the first {}",
+            "of the motors solved {solved} can do it and {cannot} cannot{apart}; {left} not solved, none of them is among the first {}",
             pruned.keep
         ),
     }

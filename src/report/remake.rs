@@ -123,18 +123,16 @@ fn regret_text(regret: &Regret, joint: &Joint) -> String {
     }
     match (regret.objective, regret.relative) {
         (Some(objective), Some(relative)) => format!(
-            "{} {} {}, {:.2} % more than the choice made again",
+            "{} {}, {:.2} % more than the choice made again",
             joint.objective.name(),
-            number(objective),
-            joint.objective.unit(),
+            super::with_unit(objective, joint.objective.unit()),
             100.0 * relative.max(0.0)
         ),
         (Some(objective), None) => {
             format!(
-                "{} {} {}; nothing to compare it with",
+                "{} {}; nothing to compare it with",
                 joint.objective.name(),
-                number(objective),
-                joint.objective.unit()
+                super::with_unit(objective, joint.objective.unit())
             )
         }
         _ => "unknown".into(),

@@ -4,7 +4,7 @@
 use serde_json::{Value, json};
 
 use super::table::{table, wrap};
-use super::{different_motors, number, optional};
+use super::{currents, different_motors, number, optional};
 use crate::design::optimize::Design;
 use crate::design::robot::{Change, Choice, Combination, Wanting};
 use crate::requirement::{Joint, Regeneration, Robot};
@@ -16,6 +16,7 @@ pub fn text(choice: &Choice) -> String {
     out.push_str(&format!("  {}\n", wrap(&kept(choice), 4)));
     let Some(best) = choice.combinations.first() else {
         out.push_str(&wanting_text(choice));
+        out.push_str(&super::unjudged::robot_text(choice));
         return out;
     };
     out.push('\n');
@@ -56,6 +57,7 @@ pub fn text(choice: &Choice) -> String {
         let rows: Vec<Vec<String>> = rows.collect();
         out.push_str(&indented(&table(&[">mass [kg]", &value, "against the choice"], &rows)));
     }
+    out.push_str(&super::unjudged::robot_text(choice));
     out
 }
 
@@ -171,8 +173,11 @@ fn proof(choice: &Choice) -> String {
         let gap = if gap < 1e-12 { "exact".to_string() } else { format!("gap {gap:.0e}") };
         return format!("proved: no combination is better ({gap}, {} branches looked at)", proof.branches);
     }
-    let gap = if gap.is_finite() { format!("within {:.2} % of the bound", 100.0 * gap) } else { "no bound".into() };
-    format!("NOT proved, {gap}: {}", proof.not_proved.join("; "))
+    let how_far = match gap.is_finite() {
+        true => super::may_be_beaten(gap),
+        false => "by how much it may be beaten is not known".into(),
+    };
+    format!("NOT proved, {how_far}: {}", proof.not_proved.join("; "))
 }
 
 /// In which joints another combination differs.
@@ -229,7 +234,10 @@ fn wanting_text(choice: &Choice) -> String {
     let mut out = format!("{proved}\n");
     for wanting in &choice.wanting {
         let line = match wanting {
-            Wanting::Joints(names) => format!("no motor of the catalogue can do: {}", names.join(", ")),
+            Wanting::Joints(names) => match choice.unjudged.is_empty() {
+                true => format!("no motor of the catalogue can do: {}", names.join(", ")),
+                false => format!("no motor that can be judged can do: {}", names.join(", ")),
+            },
             Wanting::Mass(mass) => format!(
                 "it can be done with {} kg of actuators, not with less (budget {} kg)",
                 number(*mass),
@@ -248,11 +256,6 @@ fn wanting_text(choice: &Choice) -> String {
         };
         out.push_str(&format!("    {}\n", wrap(&line, 6)));
     }
-    if !choice.without_mass.is_empty() {
-        let ids: Vec<&str> = choice.without_mass.iter().map(|m| m.id.as_str()).collect();
-        let line = format!("left out, because their mass or their gear's is not known: {}", ids.join(", "));
-        out.push_str(&format!("    {}\n", wrap(&line, 6)));
-    }
     out
 }
 
@@ -260,13 +263,15 @@ fn combination_json(robot: &Robot, combination: &Combination) -> Value {
     let joints = robot.joints.iter().zip(&combination.joints).zip(&combination.carried).map(|((joint, d), carried)| {
         let e = &d.evaluation;
         let of_constant = joint.carries.iter().any(|c| c.constant);
-        json!({
+        let mut value = json!({
             "joint": joint.name, "count": joint.count, "motor": d.motor.id, "gear": d.gear, "ratio": e.ratio,
             "objective": d.optimum.objective, "loss_w": e.loss, "reflected_inertia_kgm2": e.reflected_inertia,
-            "mass_kg": e.mass, "peak_current_a": e.peak_current, "unchecked": d.unchecked.iter().map(|u| u.0).collect::<Vec<_>>(),
+            "mass_kg": e.mass, "unchecked": d.unchecked.iter().map(|u| u.0).collect::<Vec<_>>(),
             "tightest": e.tightest().map(|m| json!({ "limit": m.limit, "margin": m.margin })),
             "carried_torque_nm": carried.first().filter(|_| of_constant),
-        })
+        });
+        currents::add(&mut value, d.motor, e);
+        value
     });
     json!({
         "joints": joints.collect::<Vec<_>>(),
@@ -314,6 +319,6 @@ pub fn json(choice: &Choice) -> Value {
         "other_budgets": changes.collect::<Vec<_>>(),
         "other_budgets_left_out": choice.others_left_out,
         "front": choice.front.iter().map(|c| combination_json(robot, c)).collect::<Vec<_>>(),
-        "left_out_without_mass": choice.without_mass.iter().map(|m| m.id.as_str()).collect::<Vec<_>>(),
+        "unjudged": super::unjudged::robot_json(choice),
     })
 }

@@ -46,11 +46,12 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let JointResult { joint, candidates, .. } = &result.nominal;
     let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
     let mut out = format!(
-        "{} (×{}), least {}: {} motors can do it by their printed numbers; of those with tolerances {with} also at worst, {} not\n",
+        "{} (×{}), least {}: {} motors can do it by their printed numbers{}; of those with tolerances {with} also at worst, {} not\n",
         joint.name,
         joint.count,
         joint.objective.name(),
         candidates.len(),
+        super::unjudged::counted(result.nominal.unjudged.len()),
         result.lost.len()
     );
     let unit = match joint.objective.unit() {
@@ -92,6 +93,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         );
         out.push_str(&format!("  {}\n", wrap(&sentence, 4)));
     }
+    out.push_str(&super::unjudged::text(&result.nominal, false).replace(" (`--rejected` lists each)", ""));
     if !result.contenders.is_empty() {
         out.push_str(&format!(
             "\n  {}\n",
@@ -210,6 +212,7 @@ pub fn json(robot: &Robot, joints: &[RobustJoint]) -> Value {
                 "count": joint.count,
                 "objective": joint.objective.name(),
                 "designs": j.designs.iter().map(design).collect::<Vec<_>>(),
+                "unjudged": super::unjudged::json(&j.nominal.unjudged, joint),
                 "lost": lost.collect::<Vec<_>>(),
                 "samples": SAMPLES,
                 "contenders": contenders.collect::<Vec<_>>(),

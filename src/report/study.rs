@@ -27,8 +27,12 @@ fn robots(count: u64) -> String {
 
 fn joint_text(joint: &JointSummary, top: Option<u32>) -> String {
     let mut out = format!("\n{}: {}", joint.joint, robots(joint.robots));
-    if joint.without_design > 0 {
-        out.push_str(&format!(", in {} of them no motor can do it", joint.without_design));
+    let impossible = joint.without_design - joint.unjudged;
+    if impossible > 0 {
+        out.push_str(&format!(", in {impossible} of them no motor can do it"));
+    }
+    if joint.unjudged > 0 {
+        out.push_str(&format!(", in {} of them no motor that can be judged can do it", joint.unjudged));
     }
     if let (Some(least), Some(mean), Some(most)) = (joint.least_loss_w, joint.mean_loss_w, joint.largest_loss_w) {
         let [least, mean, most] = [least, mean, most].map(number);

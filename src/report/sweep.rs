@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::optimize::{fitted_json, fitted_notes, margins_json};
 use super::table::table;
-use super::{csv_number, number, optional};
+use super::{csv_number, currents, number, optional, unjudged};
 use crate::actuator::metrics::{METRICS, Metric};
 use crate::design::sweep::{JointSweep, SweptDesign};
 use crate::requirement::{Quantity, Robot};
@@ -24,8 +24,9 @@ pub enum Order {
     Margin,
 }
 
-/// The key that sorts a design: less is better, infeasible designs last by their worst margin.
-fn key(design: &SweptDesign, joint: &crate::requirement::Joint, order: Order) -> (bool, f64, f64) {
+/// The key that sorts a design: less is better; designs that cannot be judged after those that can, infeasible ones
+/// last by their worst margin.
+fn key(design: &SweptDesign, joint: &crate::requirement::Joint, order: Order) -> (u8, f64, f64) {
     let e = &design.evaluation;
     let objective = e.objective(&joint.objective).unwrap_or(f64::INFINITY);
     let margin = e.tightest().map_or(0.0, |m| -m.margin);
@@ -38,12 +39,12 @@ fn key(design: &SweptDesign, joint: &crate::requirement::Joint, order: Order) ->
         }
         Order::Margin => margin,
     };
-    (!e.feasible, first, objective)
+    (2 * u8::from(!e.feasible) + u8::from(design.is_unjudged()), first, objective)
 }
 
-/// Designs in order, feasible ones first.
+/// Designs in order: first those that are a choice, then those that cannot be judged, then those that are not feasible.
 pub fn ordered<'r, 'a>(sweep: &'r JointSweep<'a>, order: Order) -> Vec<&'r SweptDesign<'a>> {
-    let mut designs: Vec<(&SweptDesign, (bool, f64, f64))> =
+    let mut designs: Vec<(&SweptDesign, (u8, f64, f64))> =
         sweep.designs.iter().map(|d| (d, key(d, sweep.joint, order))).collect();
     designs.sort_by(|(a, x), (b, y)| {
         x.0.cmp(&y.0)
@@ -56,8 +57,13 @@ pub fn ordered<'r, 'a>(sweep: &'r JointSweep<'a>, order: Order) -> Vec<&'r Swept
     designs.into_iter().map(|(d, _)| d).collect()
 }
 
-/// Why a design is not feasible: the worst limit, by how much, and when.
+/// Why a design is no choice: the worst limit, by how much, and when; or what cannot be judged. Empty for a choice.
 pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -> String {
+    match (design.is_choice(), design.is_unjudged()) {
+        (true, _) => return String::new(),
+        (_, true) => return unjudged::sentence(&design.unjudged),
+        _ => {}
+    }
     let Some(worst) = design.evaluation.tightest() else { return String::new() };
     let at = worst.sample.map_or_else(String::new, |k| format!(" at {}", joint.motion.name_sample(k)));
     format!("{}: {} of {} {}{at}", worst.limit, number(worst.demand), number(worst.bound), worst.unit)
@@ -67,13 +73,15 @@ pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -
 pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infeasible: bool) -> String {
     let mut out = format!("{}: {}\n", robot.name, super::counted(robot.joints.len(), "joint"));
     for sweep in sweeps {
-        let feasible = sweep.designs.iter().filter(|d| d.evaluation.feasible).count();
-        out.push_str(&format!("\n{}: {} designs, {feasible} feasible\n\n", sweep.joint.name, sweep.designs.len()));
+        let feasible = sweep.designs.iter().filter(|d| d.is_choice()).count();
+        let apart = unjudged::counted(sweep.designs.iter().filter(|d| d.is_unjudged()).count());
+        let all = sweep.designs.len();
+        out.push_str(&format!("\n{}: {all} designs, {feasible} feasible{apart}\n\n", sweep.joint.name));
         let header =
             ["motor", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]", ">S_M [ms]", ">m·S_M [g*ms]", ">S_T [g*(A/N)^2]"];
         let designs = ordered(sweep, order);
         let shown: Vec<&&SweptDesign> =
-            designs.iter().filter(|d| infeasible || d.evaluation.feasible).take(top).collect();
+            designs.iter().filter(|d| d.is_choice() || infeasible && !d.is_unjudged()).take(top).collect();
         let rows: Vec<Vec<String>> = shown
             .iter()
             .map(|d| {
@@ -99,6 +107,7 @@ pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infe
                 out.push_str(&format!("  {line}\n     {}\n", super::table::wrap(&verdict(design, sweep.joint), 7)));
             }
         }
+        out.push_str(&unjudged::sweep_text(sweep));
         out.push_str(&counts(sweep));
     }
     out
@@ -192,15 +201,14 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             put("gear", json!(d.gear));
             put("ratio", json!(e.ratio));
             put("feasible", json!(e.feasible));
-            put("because", if e.feasible { Value::Null } else { json!(because(d, sweep.joint)) });
+            put("judged", json!(d.unjudged.is_empty()));
+            put("because", if d.is_choice() { Value::Null } else { json!(because(d, sweep.joint)) });
             put("objective", json!(e.objective(&sweep.joint.objective)));
             if let Some(list) = fitted_json(d.motor, sweep.joint) {
                 put("fitted", list);
             }
             put("loss_w", json!(e.loss));
             put("mean_electrical_power_w", json!(e.mean_power));
-            put("peak_current_a", json!(e.peak_current));
-            put("rms_current_a", json!(e.rms_current));
             put("reflected_inertia_kgm2", json!(e.reflected_inertia));
             put("mass_kg", json!(e.mass));
             put("margins", margins);
@@ -209,10 +217,11 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             for metric in METRICS.iter().take(4) {
                 put(&format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(d.motor)));
             }
+            currents::put(&mut object, d.motor, e);
             Value::Object(object)
         });
         let unusable = sweep.unusable.iter().map(|(motor, gear, why)| json!({ "motor": motor, "gear": gear, "because": why.reason() }));
-        json!({ "joint": sweep.joint.name, "designs": designs.collect::<Vec<_>>(), "left_out": unusable.collect::<Vec<_>>() })
+        json!({ "joint": sweep.joint.name, "designs": designs.collect::<Vec<_>>(), "unjudged": unjudged::sweep_json(sweep), "left_out": unusable.collect::<Vec<_>>() })
     });
     json!({ "robot": robot.name, "joints": joints.collect::<Vec<_>>() })
 }
@@ -225,11 +234,14 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
         "gear",
         "ratio",
         "feasible",
+        "judged",
         "because",
         "objective",
         "loss_w",
-        "peak_current_a",
-        "rms_current_a",
+        currents::NAMES[0],
+        currents::NAMES[1],
+        currents::NAMES[2],
+        currents::NAMES[3],
         "reflected_inertia_kgm2",
         "mass_kg",
         "tightest_limit",
@@ -249,12 +261,12 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
                 csv_number(Some(e.ratio)),
             ];
             row.push(e.feasible.to_string());
-            row.push(if e.feasible { String::new() } else { because(d, sweep.joint) });
+            row.push(d.unjudged.is_empty().to_string());
+            row.push(because(d, sweep.joint));
             let objective = e.objective(&sweep.joint.objective);
-            row.extend(
-                [objective, Some(e.loss), Some(e.peak_current), Some(e.rms_current), Some(e.reflected_inertia), e.mass]
-                    .map(csv_number),
-            );
+            row.extend([objective, Some(e.loss)].map(csv_number));
+            row.extend(currents::values(d.motor, e).map(|x| csv_number(Some(x))));
+            row.extend([Some(e.reflected_inertia), e.mass].map(csv_number));
             let tightest = e.tightest();
             row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
             row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
@@ -266,7 +278,7 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
             row[1] = (*motor).to_string();
             row[2] = gear.unwrap_or("").to_string();
             row[4] = "false".into();
-            row[5] = why.reason().into();
+            row[6] = why.reason().into();
             row
         });
         designs.chain(left_out).collect::<Vec<_>>()

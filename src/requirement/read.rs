@@ -594,11 +594,7 @@ fn read_objective(section: &Section) -> Option<Objective> {
         }
     }
     terms.sort_by_key(|(quantity, _)| *quantity);
-    // One quantity alone is minimised as it is, whatever its weight.
-    Some(match terms.as_slice() {
-        [(quantity, _)] => Objective::single(*quantity),
-        _ => Objective { terms },
-    })
+    Some(Objective { terms })
 }
 
 fn read_spring(section: Section) -> Option<Spring> {

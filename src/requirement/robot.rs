@@ -73,6 +73,12 @@ impl Robot {
         self.budget.power.into_iter().chain(of_current).reduce(f64::min)
     }
 
+    /// Whether another joint carries the actuator of a joint.
+    pub fn carries(&self, joint: &Joint) -> bool {
+        let carried = |j: &Joint| j.carries.iter().any(|c| self.joints[c.joint].name == joint.name);
+        self.joints.iter().any(carried)
+    }
+
     /// Whether the joints' choices depend on each other: a budget, or actuators that carry actuators.
     pub fn is_coupled(&self) -> bool {
         let Budget { actuator_mass, max_distinct_motors, power, current } = self.budget;
@@ -278,8 +284,8 @@ impl Quantity {
     }
 }
 
-/// What is minimised: a sum of quantities, each times a weight. A single quantity has weight one
-/// and reads in its own unit.
+/// What is minimised: a sum of quantities, each times a weight. A single quantity with weight one reads in its own
+/// unit; with another weight it is a pure number like any weighted sum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Objective {
     /// Quantities with weight over reference \[1/unit of the quantity\].
@@ -300,13 +306,25 @@ impl Objective {
         }
     }
 
+    /// The quantity and its weight, where there is only one and its weight is another than one: the program is that of
+    /// the quantity alone, its value times the weight.
+    pub fn weighed(&self) -> Option<(Quantity, f64)> {
+        match self.terms.as_slice() {
+            [(quantity, weight)] if *weight != 1.0 => Some((*quantity, *weight)),
+            _ => None,
+        }
+    }
+
     /// Weight of a quantity; zero where it does not count.
     pub fn weight(&self, quantity: Quantity) -> f64 {
         self.terms.iter().find(|(q, _)| *q == quantity).map_or(0.0, |(_, w)| *w)
     }
 
-    /// Name for people, e.g. `loss` or `loss + reflected_inertia`.
+    /// Name for people, e.g. `loss`, `loss + reflected_inertia`, or `weighted loss` for one quantity with a weight.
     pub fn name(&self) -> String {
+        if let Some((quantity, _)) = self.weighed() {
+            return format!("weighted {}", quantity.name());
+        }
         self.terms.iter().map(|(q, _)| q.name()).collect::<Vec<_>>().join(" + ")
     }
 

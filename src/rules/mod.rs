@@ -20,6 +20,7 @@ pub use place::{Location, Place, clean};
 pub use registry::{RULES, rule};
 pub use rule::{Remark, Rule, Severity, Test};
 
+use crate::actuator::limits::LIMITS;
 use crate::catalog::Catalog;
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::examine;
@@ -403,12 +404,14 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
     } else {
         String::new()
     };
+    // What a drive is bought by is the phase's amplitude: which ampere is meant is said.
+    let q_axis = LIMITS.iter().any(|l| l.name == limit && l.is_q_axis());
+    let unit = if q_axis { format!("{} (q axis)", margin.unit) } else { margin.unit.to_string() };
     let message = format!(
         "`{limit}` is exceeded: {} {unit} where the {} allows {} {unit}{over}{at}",
         number(margin.demand),
         margin.owner,
         number(margin.bound),
-        unit = margin.unit
     );
     // What is too heavy is the motor; all else is decided with the ratio.
     let place = if limit == "actuator_mass" { Place::Motor } else { Place::Reduction };

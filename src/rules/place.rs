@@ -125,6 +125,8 @@ pub fn asked_for(limit: &str, owner: &str) -> Option<Place> {
             Place::JointKey(&["limits", "torque_bandwidth"])
         }
         ("reflected_inertia", _) => Place::JointKey(&["limits", "reflected_inertia"]),
+        ("gear_inertia", "requirement") => Place::JointKey(&["limits", "reflected_inertia"]),
+        ("mass_budget", _) => Place::RobotKey(&["budget", "actuator_mass"]),
         ("actuator_mass", _) => Place::JointKey(&["limits", "actuator_mass"]),
         ("winding_temperature" | "winding_peak_temperature" | "standstill_holding", "requirement") => {
             Place::JointKey(&["limits", "winding_temperature"])

@@ -7,7 +7,7 @@ use super::plan::Plan;
 use crate::design::optimize::{Design, JointResult};
 use crate::design::program::Certificate;
 use crate::report::csv_number;
-use crate::report::spring;
+use crate::report::{currents, spring};
 
 /// Type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,8 +54,10 @@ const OF_DESIGN: &[(&str, Kind, Cell)] = &[
     }),
     ("loss_w", Kind::Number, |_, d| number(d, |d| Some(d.evaluation.loss))),
     ("mean_electrical_power_w", Kind::Number, |_, d| number(d, |d| Some(d.evaluation.mean_power))),
-    ("peak_current_a", Kind::Number, |_, d| number(d, |d| Some(d.evaluation.peak_current))),
-    ("rms_current_a", Kind::Number, |_, d| number(d, |d| Some(d.evaluation.rms_current))),
+    (currents::NAMES[0], Kind::Number, |_, d| current(d, 0)),
+    (currents::NAMES[1], Kind::Number, |_, d| current(d, 1)),
+    (currents::NAMES[2], Kind::Number, |_, d| current(d, 2)),
+    (currents::NAMES[3], Kind::Number, |_, d| current(d, 3)),
     ("reflected_inertia_kgm2", Kind::Number, |_, d| number(d, |d| Some(d.evaluation.reflected_inertia))),
     ("mass_kg", Kind::Number, |_, d| number(d, |d| d.evaluation.mass)),
     ("winding_temperature_k", Kind::Number, |_, d| number(d, |d| d.winding_temperature.flatten())),
@@ -64,6 +66,7 @@ const OF_DESIGN: &[(&str, Kind, Cell)] = &[
     ("not_checked", Kind::Text, |_, d| {
         text(d, |d| d.unchecked.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" "))
     }),
+    ("unjudged_motors", Kind::Integer, |j, _| j.unjudged.len().to_string()),
     ("spring_stiffness_nm_per_rad", Kind::Number, |_, d| of_spring(d, 0)),
     ("spring_rest_angle_rad", Kind::Number, |_, d| of_spring(d, 1)),
     ("no_design_because", Kind::Text, |j, d| if d.is_some() { String::new() } else { super::worker::because(j) }),
@@ -75,6 +78,10 @@ fn text(design: Option<(usize, &Design)>, of: impl Fn(&Design) -> String) -> Str
 
 fn number(design: Option<(usize, &Design)>, of: impl Fn(&Design) -> Option<f64>) -> String {
     csv_number(design.and_then(|(_, d)| of(d)))
+}
+
+fn current(design: Option<(usize, &Design)>, which: usize) -> String {
+    number(design, |d| Some(currents::values(d.motor, &d.evaluation)[which]))
 }
 
 fn of_spring(design: Option<(usize, &Design)>, cell: usize) -> String {

@@ -38,8 +38,10 @@ pub struct JointSummary {
     pub joint: String,
     /// How many robots have one.
     pub robots: u64,
-    /// How many of them no motor can do.
+    /// How many of them no motor that can be judged can do.
     pub without_design: u64,
+    /// At how many of those some motor may, but a limit that the requirement states cannot be judged of it.
+    pub unjudged: u64,
     /// Least loss of a first choice \[W\].
     pub least_loss_w: Option<f64>,
     /// Mean loss of the first choices \[W\].
@@ -63,6 +65,8 @@ pub struct MotorSummary {
     pub can: u64,
     /// Where it cannot.
     pub cannot: u64,
+    /// Where a limit that the requirement states cannot be judged of it.
+    pub unjudged: u64,
     /// Where it was not asked, because it cannot be among the designs asked for.
     pub not_asked: u64,
 }
@@ -72,9 +76,10 @@ struct Gathered {
     name: String,
     robots: u64,
     without: u64,
+    unjudged: u64,
     losses: Option<(f64, f64, f64)>,
-    // First, among, behind, cannot, unknown: for each motor.
-    standings: Vec<[u64; 5]>,
+    // First, among, behind, cannot, unknown, unjudged: for each motor.
+    standings: Vec<[u64; 6]>,
 }
 
 /// Gathers a summary, robot by robot.
@@ -109,7 +114,10 @@ impl Gatherer {
                     counts[standing as usize] += 1;
                 }
             }
-            gathered.without += u64::from(choice.motor == u32::MAX);
+            let without = choice.motor == u32::MAX;
+            let apart = joint.motors.chars().any(|letter| Standing::of(letter) == Some(Standing::Unjudged));
+            gathered.without += u64::from(without);
+            gathered.unjudged += u64::from(without && apart);
             if choice.loss.is_finite() {
                 let (least, sum, most) = gathered.losses.unwrap_or((f64::INFINITY, 0.0, f64::NEG_INFINITY));
                 gathered.losses = Some((least.min(choice.loss), sum + choice.loss, most.max(choice.loss)));
@@ -123,7 +131,7 @@ impl Gatherer {
         let name = if self.places.contains_key(name) || self.places.len() < MOST_JOINTS { name } else { OTHERS };
         let place = *self.places.entry(name.to_string()).or_insert(self.joints.len());
         if place == self.joints.len() {
-            let standings = vec![[0; 5]; plan.motors.len()];
+            let standings = vec![[0; 6]; plan.motors.len()];
             self.joints.push(Gathered { name: name.into(), standings, ..Gathered::default() });
         }
         &mut self.joints[place]
@@ -138,9 +146,9 @@ impl Gatherer {
     pub fn finish(self, plan: &Plan, effects: Vec<Effect>) -> Summary {
         let joints = self.joints.into_iter().map(|joint| {
             let motors = plan.motors.iter().zip(&joint.standings).map(|(motor, counts)| {
-                let [first, among, behind, cannot, not_asked] = *counts;
+                let [first, among, behind, cannot, not_asked, unjudged] = *counts;
                 let among = first + among;
-                MotorSummary { motor: motor.clone(), first, among, can: among + behind, cannot, not_asked }
+                MotorSummary { motor: motor.clone(), first, among, can: among + behind, cannot, unjudged, not_asked }
             });
             let mut motors: Vec<MotorSummary> = motors.filter(|m| m.among > 0).collect();
             motors.sort_by(|a, b| b.first.cmp(&a.first).then(b.among.cmp(&a.among)).then(a.motor.cmp(&b.motor)));
@@ -149,6 +157,7 @@ impl Gatherer {
                 joint: joint.name,
                 robots: joint.robots,
                 without_design: joint.without,
+                unjudged: joint.unjudged,
                 least_loss_w: joint.losses.map(|l| l.0),
                 mean_loss_w: joint.losses.map(|l| l.1 / with_design as f64),
                 largest_loss_w: joint.losses.map(|l| l.2),

@@ -13,6 +13,7 @@ use crate::catalog::Catalog;
 use crate::design::optimize::{JointResult, Options, optimize_with};
 use crate::input::{Change, InputError, Problem, Source};
 use crate::report::optimize::reason_text;
+use crate::report::unjudged::class;
 use crate::requirement::motion::CarriedColumn;
 use crate::requirement::{self, Motion, Motions, Robot};
 
@@ -66,16 +67,19 @@ pub enum Standing {
     Cannot,
     /// It cannot be among those asked for; whether it can do it was not asked.
     Unknown,
+    /// A limit that the requirement states cannot be judged of it.
+    Unjudged,
 }
 
 impl Standing {
     /// Every standing with its letter in a record.
-    pub const LETTERS: [(Standing, char); 5] = [
+    pub const LETTERS: [(Standing, char); 6] = [
         (Standing::First, '1'),
         (Standing::Among, 'a'),
         (Standing::Behind, 'b'),
         (Standing::Cannot, 'x'),
         (Standing::Unknown, '?'),
+        (Standing::Unjudged, 'u'),
     ];
 
     /// The standing of a letter.
@@ -252,6 +256,9 @@ fn standings(joint: &JointResult, catalog: &Catalog) -> String {
     for rejected in &joint.rejected {
         standing.insert(&rejected.motor.id, Standing::Cannot);
     }
+    for unjudged in &joint.unjudged {
+        standing.insert(&unjudged.design.motor.id, Standing::Unjudged);
+    }
     for motor in joint.pruned.iter().flat_map(|p| &p.impossible) {
         standing.insert(&motor.id, Standing::Cannot);
     }
@@ -265,6 +272,9 @@ fn standings(joint: &JointResult, catalog: &Catalog) -> String {
 /// Why a joint has no design: how many motors fail for which reason, the most frequent first.
 pub(super) fn because(joint: &JointResult) -> String {
     let mut classes: BTreeMap<String, usize> = BTreeMap::new();
+    for unjudged in &joint.unjudged {
+        *classes.entry(class(&unjudged.because)).or_default() += 1;
+    }
     for rejected in &joint.rejected {
         *classes.entry(reason_text(&rejected.reason, joint.joint).0).or_default() += 1;
     }

@@ -10,7 +10,7 @@ use super::objective::Goal;
 use super::{Demand, Limited, RatioProgram, scan};
 use crate::actuator::Laurent;
 use crate::design::sweep::grid;
-use crate::requirement::Quantity;
+use crate::requirement::{Objective, Quantity};
 
 /// Pieces of the range, evenly spaced in ln N.
 const PIECES: usize = 6;
@@ -34,6 +34,11 @@ impl RatioProgram<'_> {
     /// objective. `None` where the bound shows that no ratio does, or where there is no bound: solve to
     /// learn why.
     pub fn lower_bound(&self) -> Option<f64> {
+        if let Some((quantity, weight)) = self.objective.weighed() {
+            let single = Objective::single(quantity);
+            let program = RatioProgram { objective: &single, limits: self.limits.clone(), ..*self };
+            return program.lower_bound().map(|bound| weight * bound);
+        }
         if self.fixed_limits().is_some() {
             return None;
         }

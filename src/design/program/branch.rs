@@ -149,7 +149,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let Some((ratio, value)) = search.best else {
         return match found.nearest {
             _ if finished => Outcome::Infeasible(found.nearest),
-            Infeasible::Nowhere { bind, least, ratio } => Outcome::NotSolved(format!(
+            Infeasible::Nowhere { bind, least, ratio, .. } => Outcome::NotSolved(format!(
                 "no feasible ratio was found, but {} comes within {least} of its limit at {ratio}",
                 bind.limit
             )),

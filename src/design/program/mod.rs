@@ -63,6 +63,18 @@ pub struct Optimum {
 }
 
 impl Optimum {
+    /// The same optimum of the objective times a weight above zero.
+    fn times(mut self, weight: f64) -> Optimum {
+        self.objective *= weight;
+        if let Certificate::Certified { lower_bound, .. } = &mut self.certificate {
+            *lower_bound *= weight;
+        }
+        for price in &mut self.shadow_prices {
+            price.price *= weight;
+        }
+        self
+    }
+
     /// The window that N* lies in.
     pub fn window(&self) -> &Window {
         let inside = |w: &&Window| w.min <= self.ratio * (1.0 + 1e-9) && self.ratio <= w.max * (1.0 + 1e-9);
@@ -128,6 +140,8 @@ pub enum Infeasible {
         bind: Bind,
         /// Least demand over the limit, at the ratio where it is least.
         least: f64,
+        /// The limit, in its natural unit; of one of zero there are no multiples.
+        allowed: f64,
         /// That ratio.
         ratio: f64,
     },
@@ -148,6 +162,8 @@ pub enum Infeasible {
         bind: Bind,
         /// Demand over limit there.
         least: f64,
+        /// The limit, in its natural unit; of one of zero there are no multiples.
+        allowed: f64,
         /// That ratio.
         ratio: f64,
     },
@@ -249,6 +265,14 @@ impl<'a> RatioProgram<'a> {
 
     /// Solves it.
     pub fn solve(&self) -> Outcome {
+        if let Some((quantity, weight)) = self.objective.weighed() {
+            let single = Objective::single(quantity);
+            let program = RatioProgram { objective: &single, limits: self.limits.clone(), ..*self };
+            return match program.solve() {
+                Outcome::Optimal(optimum) => Outcome::Optimal(optimum.times(weight)),
+                other => other,
+            };
+        }
         if let Some(infeasible) = self.fixed_limits() {
             return Outcome::Infeasible(infeasible);
         }
@@ -312,7 +336,8 @@ impl<'a> RatioProgram<'a> {
             let (raw, sample) = asked.raw_demand(candidate, 1.0);
             if violation(raw, asked.raw_bound()) > ROW_TOLERANCE {
                 let bind = Bind { limit: asked.limit.name, sample };
-                return Some(Infeasible::Never { bind, least: asked.natural(raw) / asked.bound, ratio: self.range.0 });
+                let (least, allowed) = (asked.natural(raw) / asked.bound, asked.bound);
+                return Some(Infeasible::Never { bind, least, allowed, ratio: self.range.0 });
             }
         }
         None
@@ -329,9 +354,9 @@ impl<'a> RatioProgram<'a> {
                 Demand::Mass => {
                     let ratio = largest_ratio_by_mass(candidate, asked);
                     if ratio == 0.0 {
-                        let least = candidate.mass_at(min).unwrap_or(f64::INFINITY) / asked.bound;
+                        let least = candidate.known_mass_at(min) / asked.bound;
                         let bind = Bind { limit: asked.limit.name, sample: None };
-                        return Err(Infeasible::Never { bind, least, ratio: min });
+                        return Err(Infeasible::Never { bind, least, allowed: asked.bound, ratio: min });
                     }
                     (ratio, None, 0.0)
                 }
@@ -406,6 +431,7 @@ impl<'a> RatioProgram<'a> {
         Infeasible::Never {
             bind: Bind { limit: asked.limit.name, sample },
             least: asked.natural(raw) / asked.bound,
+            allowed: asked.bound,
             ratio,
         }
     }
@@ -476,13 +502,14 @@ impl<'a> RatioProgram<'a> {
 
 /// The largest N whose stages keep a limit on mass; zero where none does.
 fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
-    let Some(motor) = candidate.motor.mass else { return f64::INFINITY };
+    // Asked with an unknown mass only where what is known is too much already.
+    let motor = candidate.motor.mass.unwrap_or(0.0);
     match candidate.gear.mass_per_stage {
         Some((mass, stage_ratio)) if mass > 0.0 => {
             let stages = ((asked.bound - motor) / mass * (1.0 + 1e-12)).floor();
             if stages < 0.0 { 0.0 } else { stage_ratio.powf(stages) }
         }
-        _ if candidate.mass_at(1.0).unwrap_or(0.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,
+        _ if candidate.known_mass_at(1.0) <= asked.bound * (1.0 + ROW_TOLERANCE) => f64::INFINITY,
         _ => 0.0,
     }
 }

@@ -224,10 +224,12 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
     let bind = told(ratio).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
     let named = program.limits.iter().filter(|l| l.asked.limit.name == bind.limit);
     let over = named
-        .map(|Limited { candidate, asked }| asked.natural(asked.raw_demand(candidate, ratio).0) / asked.bound)
-        .reduce(f64::max)
-        .unwrap_or(f64::INFINITY);
-    Infeasible::Nowhere { bind, least: over, ratio }
+        .map(|Limited { candidate, asked }| {
+            (asked.natural(asked.raw_demand(candidate, ratio).0) / asked.bound, asked.bound)
+        })
+        .reduce(|a, b| if b.0 > a.0 { b } else { a });
+    let (least, allowed) = over.unwrap_or((f64::INFINITY, f64::NAN));
+    Infeasible::Nowhere { bind, least, allowed, ratio }
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@
 use rayon::prelude::*;
 
 use crate::catalog::Catalog;
-use crate::design::optimize::{Design, best_design, design};
-use crate::design::program::{Bind, Certificate, Optimum, Window};
+use crate::design::judge::{self, Refused, Unknown};
+use crate::design::optimize::{Design, Reason, best_design, design, one_gear};
+use crate::design::program::Certificate;
 use crate::design::{JointDemand, Prepared, geared_candidate};
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
 
@@ -28,8 +29,8 @@ pub(super) struct Item<'a> {
 #[derive(Debug, Default)]
 pub(super) struct Menu<'a> {
     pub items: Vec<Item<'a>>,
-    /// Motors left out because a mass is not known that the robot's choice needs.
-    pub without_mass: Vec<usize>,
+    /// Motors left out because they cannot be judged, each with what and why.
+    pub unjudged: Vec<(usize, Vec<Unknown>)>,
     /// Motors that were not solved, or not proved.
     pub unproved: Vec<usize>,
 }
@@ -49,7 +50,7 @@ pub(super) struct Needs {
 pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog, needs: Needs) -> Menu<'a> {
     let demand = JointDemand::new(carrying, catalog);
     let pieces = pieces(carrying, needs);
-    let found: Vec<(Vec<Item>, bool, bool)> = (0..catalog.motors.len())
+    let found: Vec<Made> = (0..catalog.motors.len())
         .into_par_iter()
         .map(|motor| match &carrying.ratio {
             RatioChoice::Continuous { .. } => continuous(robot, &pieces, &demand, catalog, motor, needs),
@@ -57,12 +58,24 @@ pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog,
         })
         .collect();
     let mut menu = Menu::default();
-    for (motor, (items, without_mass, unproved)) in found.into_iter().enumerate() {
-        menu.items.extend(items);
-        menu.without_mass.extend(without_mass.then_some(motor));
-        menu.unproved.extend(unproved.then_some(motor));
+    for (motor, made) in found.into_iter().enumerate() {
+        // A motor with a gear or number of stages that can be judged is a choice.
+        if made.items.is_empty() && !made.unjudged.is_empty() {
+            menu.unjudged.push((motor, made.unjudged));
+        }
+        menu.items.extend(made.items);
+        menu.unproved.extend(made.unproved.then_some(motor));
     }
     menu
+}
+
+/// What came of one motor.
+#[derive(Default)]
+struct Made<'a> {
+    items: Vec<Item<'a>>,
+    /// What keeps some design of it from being judged.
+    unjudged: Vec<Unknown>,
+    unproved: bool,
 }
 
 /// The joint for each number of gear stages, where the mass decides; else the joint as it is.
@@ -88,8 +101,8 @@ fn continuous<'a>(
     catalog: &'a Catalog,
     motor: usize,
     needs: Needs,
-) -> (Vec<Item<'a>>, bool, bool) {
-    let (mut items, mut without_mass, mut unproved) = (Vec::new(), false, false);
+) -> Made<'a> {
+    let mut made = Made::default();
     for piece in pieces {
         match best_design(robot, piece, demand, &catalog.motors[motor], needs.only_checked) {
             Ok(found) => {
@@ -101,13 +114,13 @@ fn continuous<'a>(
                 let stays = found.spring.is_some() || !needs.moves;
                 let ratios =
                     if stays { (found.evaluation.ratio, found.evaluation.ratio) } else { (window.min, window.max) };
-                unproved |= needs.moves && (found.optimum.windows.len() > 1 || found.spring.is_some());
-                take(&mut items, found, catalog, motor, mass, ratios, needs, &mut without_mass, &mut unproved);
+                made.unproved |= needs.moves && (found.optimum.windows.len() > 1 || found.spring.is_some());
+                made.take(found, catalog, motor, mass, ratios, needs);
             }
-            Err(why) => unproved |= matches!(why.reason, crate::design::optimize::Reason::NotSolved(_)),
+            Err(why) => made.refuse(why),
         }
     }
-    (items, without_mass, unproved)
+    made
 }
 
 fn geared<'a>(
@@ -117,64 +130,76 @@ fn geared<'a>(
     catalog: &'a Catalog,
     motor: usize,
     needs: Needs,
-) -> (Vec<Item<'a>>, bool, bool) {
-    let (mut items, mut without_mass, mut unproved) = (Vec::new(), false, false);
+) -> Made<'a> {
+    let mut made = Made::default();
     if joint.limits.spring.is_some() {
         // The spring is chosen for each gear: only the best of them is known.
-        if let Ok(found) = best_design(robot, joint, demand, &catalog.motors[motor], needs.only_checked) {
-            let (mass, ratio) = (found.evaluation.mass, found.evaluation.ratio);
-            take(&mut items, found, catalog, motor, mass, (ratio, ratio), needs, &mut without_mass, &mut unproved);
-            unproved = true;
+        match best_design(robot, joint, demand, &catalog.motors[motor], needs.only_checked) {
+            Ok(found) => {
+                let (mass, ratio) = (found.evaluation.mass, found.evaluation.ratio);
+                made.take(found, catalog, motor, mass, (ratio, ratio), needs);
+                made.unproved = true;
+            }
+            // That a gear's spring could not be solved for is told of the design alone.
+            Err(Refused::Rejected(_)) => {}
+            Err(why) => made.refuse(why),
         }
-        return (items, without_mass, unproved);
+        return made;
     }
     for (gear, load) in demand.gears_for(&catalog.motors[motor]) {
         let Ok(candidate) = geared_candidate(robot, joint, load, &catalog.motors[motor], gear) else { continue };
         let prepared = Prepared::new(candidate);
-        if needs.only_checked && !prepared.unchecked.is_empty() {
+        if judge::left_out(robot, joint, &prepared.unchecked, needs.only_checked).is_some() {
             continue;
         }
         let evaluation = prepared.at(gear.ratio);
         let Some(objective) = evaluation.objective(&joint.objective).filter(|_| evaluation.feasible) else { continue };
-        let bind = Bind { limit: "gear", sample: None };
-        let optimum = Optimum {
-            ratio: gear.ratio,
-            objective,
-            windows: vec![Window { min: gear.ratio, max: gear.ratio, low: bind.clone(), high: bind }],
-            certificate: Certificate::Certified { lower_bound: objective, gap: 0.0, method: "all gears evaluated" },
-            shadow_prices: Vec::new(),
-        };
+        let optimum = one_gear(gear.ratio, objective);
         let found = design(&prepared, &catalog.motors[motor], Some(&gear.id), optimum);
-        let ratios = (gear.ratio, gear.ratio);
-        take(&mut items, found, catalog, motor, evaluation.mass, ratios, needs, &mut without_mass, &mut unproved);
+        match judge::judged(robot, joint, found, needs.only_checked) {
+            Ok(found) => made.take(found, catalog, motor, evaluation.mass, (gear.ratio, gear.ratio), needs),
+            Err(why) => made.refuse(why),
+        }
     }
-    (items, without_mass, unproved)
+    made
 }
 
-#[expect(clippy::too_many_arguments, reason = "the parts of one item")]
-fn take<'a>(
-    items: &mut Vec<Item<'a>>,
-    found: Design,
-    catalog: &'a Catalog,
-    motor: usize,
-    mass: Option<f64>,
-    ratios: (f64, f64),
-    needs: Needs,
-    without_mass: &mut bool,
-    unproved: &mut bool,
-) {
-    if needs.mass && mass.is_none() {
-        *without_mass = true;
-        return;
-    }
-    let lower = match found.optimum.certificate {
-        Certificate::Certified { lower_bound, .. } => lower_bound.min(found.optimum.objective),
-        Certificate::NotCertified(_) => {
-            *unproved = true;
-            found.optimum.objective
+impl<'a> Made<'a> {
+    /// Takes a design in.
+    fn take(
+        &mut self,
+        found: Design,
+        catalog: &'a Catalog,
+        motor: usize,
+        mass: Option<f64>,
+        ratios: (f64, f64),
+        needs: Needs,
+    ) {
+        if needs.mass && mass.is_none() {
+            self.unjudged.push(("mass_budget", "the mass of motor or gear is not known"));
+            return;
         }
-    };
-    items.push(Item { motor, design: own(found, catalog, motor), mass: mass.unwrap_or(0.0), ratios, lower });
+        let lower = match found.optimum.certificate {
+            Certificate::Certified { lower_bound, .. } => lower_bound.min(found.optimum.objective),
+            Certificate::NotCertified(_) => {
+                self.unproved = true;
+                found.optimum.objective
+            }
+        };
+        let design = own(found, catalog, motor);
+        self.items.push(Item { motor, design, mass: mass.unwrap_or(0.0), ratios, lower });
+    }
+
+    /// Notes why there is no item.
+    fn refuse(&mut self, why: Refused) {
+        match why {
+            Refused::Rejected(why) => self.unproved |= matches!(why.reason, Reason::NotSolved(_)),
+            Refused::Unjudged(why) => {
+                let new: Vec<Unknown> = why.because.into_iter().filter(|u| !self.unjudged.contains(u)).collect();
+                self.unjudged.extend(new);
+            }
+        }
+    }
 }
 
 /// The design with the names that the catalogue has, so that it outlives the joint it was found for.

@@ -16,8 +16,11 @@ mod search;
 mod shared;
 mod total;
 
+use std::collections::BTreeMap;
+
 use crate::catalog::{Catalog, Motor};
 use crate::design::Prepared;
+use crate::design::judge::Unknown;
 use crate::design::optimize::Design;
 use crate::design::program::GAP_TOLERANCE;
 use crate::requirement::{Course, Joint, Robot};
@@ -135,8 +138,8 @@ pub struct Choice<'a> {
     pub others_left_out: bool,
     /// The best total for less and less mass.
     pub front: Vec<Combination<'a>>,
-    /// Motors left out because their mass, or their gear's, is not known.
-    pub without_mass: Vec<&'a Motor>,
+    /// Motors left out at some joint because they cannot be judged there, each with what and why.
+    pub unjudged: Vec<(&'a Motor, Vec<Unknown>)>,
     /// Names of joints that share a time base, for each time base.
     pub time_bases: Vec<Vec<String>>,
     /// Whether power was added up instant by instant over all joints.
@@ -180,9 +183,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         front = mass_front(&mut context, rules);
     }
     let proof = prove(&context, &answer);
-    let mut without: Vec<usize> = context.menus().flat_map(|m| m.without_mass.iter().copied()).collect();
-    without.sort_unstable();
-    without.dedup();
+    let unjudged = unjudged(&context);
     let name = |j: &usize| robot.joints[*j].name.clone();
     let groups = &context.schedule.groups;
     let timed = |g: &power::Group| !matches!(robot.joints[g.joints[0]].motion.course, Course::Points(_));
@@ -194,11 +195,27 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         changes,
         others_left_out,
         front,
-        without_mass: without.into_iter().map(|m| &catalog.motors[m]).collect(),
+        unjudged,
         time_bases: groups.iter().map(|g| g.joints.iter().map(name).collect()).collect(),
         instant_by_instant: groups.len() == 1 && (timed(&groups[0]) || robot.joints.iter().all(|j| j.count == 1)),
         total: context.total,
     })
+}
+
+/// Every motor that some menu leaves out because it cannot be judged.
+fn unjudged<'a>(context: &Context<'a>) -> Vec<(&'a Motor, Vec<Unknown>)> {
+    let mut all: BTreeMap<usize, Vec<Unknown>> = BTreeMap::new();
+    for (motor, because) in context.menus().flat_map(|menu| &menu.unjudged) {
+        let told = all.entry(*motor).or_default();
+        for why in because {
+            if !told.contains(why) {
+                told.push(*why);
+            }
+        }
+    }
+    // Menus under several loads are made in no certain order.
+    all.values_mut().for_each(|told| told.sort_unstable());
+    all.into_iter().map(|(motor, told)| (&context.catalog.motors[motor], told)).collect()
 }
 
 fn solve(context: &mut Context, rules: Rules) -> Answer {

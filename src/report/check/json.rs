@@ -3,7 +3,11 @@
 use serde_json::{Value, json};
 
 use super::unit_of;
+use crate::design::judge::{self, Unknown};
+use crate::report::currents;
 use crate::report::optimize::margins_json;
+use crate::report::unjudged::list;
+use crate::rules::facts::JointFacts;
 use crate::rules::lock::LockState;
 use crate::rules::{Finding, Location, Report, Severity};
 
@@ -22,6 +26,12 @@ fn finding(report: &Report, finding: &Finding) -> Value {
     })
 }
 
+/// What the requirement states and cannot be judged of a joint's design.
+fn unjudged(facts: &JointFacts) -> Vec<Unknown> {
+    let unchecked = facts.examined.as_ref().map_or(&[][..], |examined| &examined.unchecked);
+    judge::unjudged(facts.robot, facts.choice.joint, unchecked)
+}
+
 /// Everything that was checked and found.
 pub fn json(report: &Report, strict: bool) -> Value {
     let design = report.facts.design;
@@ -34,14 +44,17 @@ pub fn json(report: &Report, strict: bool) -> Value {
             Ok(examined) => {
                 let e = &examined.evaluation;
                 let (margins, limits) = margins_json(&e.margins, choice.joint);
-                json!({
+                let mut value = json!({
                     "feasible": e.feasible, "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power,
-                    "peak_current_a": e.peak_current, "rms_current_a": e.rms_current, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
+                    "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
                     "winding_temperature_k": examined.winding_temperature.flatten(), "load_inertia_kgm2": examined.load_inertia,
                     "load_inertia_estimated": examined.load_inertia.map(|_| examined.load_inertia_estimated), "best_ratio": examined.best.map(|b| b.0),
                     "margins": margins, "limits": limits,
+                    "judged": unjudged(facts).is_empty(), "unjudged": list(&unjudged(facts)),
                     "not_checked": examined.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
-                })
+                });
+                currents::add(&mut value, choice.motor, e);
+                value
             }
             Err(why) => json!({ "feasible": false, "because": why.reason() }),
         };

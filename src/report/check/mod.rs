@@ -2,6 +2,7 @@
 //! [`Report`](crate::rules::Report).
 
 pub mod github;
+pub mod input;
 pub mod json;
 pub mod junit;
 pub mod sarif;

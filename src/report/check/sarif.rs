@@ -42,15 +42,20 @@ fn uri(file: &str, root: &Path) -> (String, bool) {
     }
 }
 
-fn physical(place: &Location, root: &Path) -> Value {
-    let (uri, below) = uri(&place.file, root);
+/// Where a file is.
+pub(super) fn artifact(file: &str, root: &Path) -> Value {
+    let (uri, below) = uri(file, root);
     let mut artifact = Map::new();
     artifact.insert("uri".into(), uri.into());
     if below {
         artifact.insert("uriBaseId".into(), "%SRCROOT%".into());
     }
+    Value::Object(artifact)
+}
+
+pub(super) fn physical(place: &Location, root: &Path) -> Value {
     json!({
-        "artifactLocation": artifact,
+        "artifactLocation": artifact(&place.file, root),
         "region": { "startLine": place.line, "startColumn": place.column, "endLine": place.end_line, "endColumn": place.end_column },
     })
 }
@@ -93,17 +98,23 @@ fn result(report: &Report, finding: &Finding, root: &Path) -> Value {
 
 /// The log with one run. `root` is the folder that relative places start from: that of the repository.
 pub fn json(report: &Report, root: &Path) -> Value {
-    json!({
-        "$schema": SCHEMA,
-        "version": "2.1.0",
-        "runs": [{
-            "tool": { "driver": {
-                "name": "gearwise", "semanticVersion": env!("CARGO_PKG_VERSION"), "version": env!("CARGO_PKG_VERSION"),
-                "rules": report.rules.iter().map(rule).collect::<Vec<_>>(),
-            } },
-            "columnKind": "unicodeCodePoints",
-            "originalUriBaseIds": { "%SRCROOT%": { "description": { "text": "the folder in which gearwise ran: the root of the repository" } } },
-            "results": report.findings.iter().map(|f| result(report, f, root)).collect::<Vec<_>>(),
-        }],
-    })
+    let results = report.findings.iter().map(|f| result(report, f, root)).collect();
+    log(report.rules.iter().map(rule).collect(), results, None)
+}
+
+/// A log of rules and results; `came_to_its_end` where that is told.
+pub(super) fn log(rules: Value, results: Vec<Value>, came_to_its_end: Option<bool>) -> Value {
+    let mut run = json!({
+        "tool": { "driver": {
+            "name": "gearwise", "semanticVersion": env!("CARGO_PKG_VERSION"), "version": env!("CARGO_PKG_VERSION"),
+            "rules": rules,
+        } },
+        "columnKind": "unicodeCodePoints",
+        "originalUriBaseIds": { "%SRCROOT%": { "description": { "text": "the folder in which gearwise ran: the root of the repository" } } },
+        "results": results,
+    });
+    if let Some(successful) = came_to_its_end {
+        run["invocations"] = json!([{ "executionSuccessful": successful }]);
+    }
+    json!({ "$schema": SCHEMA, "version": "2.1.0", "runs": [run] })
 }

@@ -11,7 +11,9 @@ pub mod urdf;
 use serde_json::{Value, json};
 
 use crate::catalog::{Gear, Motor};
+use crate::design::judge::Unknown;
 use crate::design::simulated::SimulatedJoint;
+use crate::report::unjudged::{list, sentence};
 use crate::report::xml::{escape, is_xml};
 
 /// A design of one joint, with where it comes from.
@@ -29,6 +31,8 @@ pub struct Exported<'a> {
     pub broken: Vec<&'static str>,
     /// Limits that could not be checked.
     pub unchecked: Vec<&'static str>,
+    /// Of those, what the requirement itself states, and why it cannot be judged.
+    pub unjudged: Vec<Unknown>,
 }
 
 /// Where an export comes from: the same for all its joints.
@@ -92,6 +96,8 @@ pub fn json(origin: &Origin, joints: &[Exported]) -> Value {
             "feasible": e.broken.is_empty(),
             "broken": e.broken,
             "unchecked": e.unchecked,
+            "judged": e.unjudged.is_empty(),
+            "unjudged": list(&e.unjudged),
             "rotor_inertia_kgm2": s.rotor_inertia,
             "gear_inertia_kgm2": s.gear_inertia,
             "armature_kgm2": s.armature,
@@ -149,6 +155,9 @@ fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Export
         }
         if !e.broken.is_empty() {
             lines.push(format!("  NOT FEASIBLE: breaks {}", e.broken.join(", ")));
+        }
+        if !e.unjudged.is_empty() {
+            lines.push(format!("  NO CHOICE: {}", sentence(&e.unjudged)));
         }
         if !e.unchecked.is_empty() {
             lines.push(format!("  not checked: {}", e.unchecked.join(", ")));

@@ -3,7 +3,10 @@
 use super::{Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
-use crate::report::explain::{LIMITS, RUNAWAY, best_line, limit_rows, percent, quantities, remedy_text};
+use crate::report::currents::Q_AXIS;
+use crate::report::explain::{
+    LIMITS, RUNAWAY, best_line, limit_rows, no_spring, percent, quantities, remedy_text, verdict,
+};
 use crate::report::optimize::{fitted_notes, reason_text};
 use crate::report::plot::design as plot;
 use crate::report::{number, optional, spring};
@@ -13,7 +16,7 @@ use crate::requirement::Robot;
 pub fn page(robot: &Robot, story: &Explanation) -> Page {
     let (e, joint, motor) = (&story.evaluation, story.joint, story.motor);
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
-    let verdict = if e.feasible { "keeps every limit that could be checked" } else { "is not feasible" };
+    let verdict = verdict(story);
     let mut summary = Vec::new();
     if let Some(margin) = e.tightest() {
         let text = match e.feasible {
@@ -39,7 +42,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
     }
     match &story.spring {
         Some(Ok(found)) => summary.push(Part::Text(format!("Parallel spring: {}.", spring::text(found, e.loss)))),
-        Some(Err(why)) => summary.push(Part::Text(format!("No spring will do: {}.", reason_text(why, joint).1))),
+        Some(Err(why)) => summary.push(Part::Text(no_spring(story, why))),
         None => {}
     }
     if !story.remedies.is_empty() {
@@ -52,7 +55,10 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         Section::new("Figures", vec![Part::Figure(plot::explained(robot, story))]),
         Section::new(
             "Limits",
-            vec![Part::Table(Table::new("Limits, the tightest first", &LIMITS).rows(limit_rows(&e.margins, joint)))],
+            vec![
+                Part::Table(Table::new("Limits, the tightest first", &LIMITS).rows(limit_rows(&e.margins, joint))),
+                Part::Text(Q_AXIS.into()),
+            ],
         ),
         Section::new("What it needs and weighs", vec![Part::Table(needs(story))]),
     ];
@@ -71,8 +77,8 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
     Page {
         command: "explain",
         title: format!("{}: {}{gear} at N = {}", joint.name, motor.id, number(e.ratio)),
-        verdict: Verdict::from(e.feasible),
-        headline: format!("{} at N = {}{gear} {verdict} at {}.", motor.id, number(e.ratio), joint.name),
+        verdict: Verdict::from(story.is_choice()),
+        headline: format!("At {}, {} at N = {}{gear} {verdict}.", joint.name, motor.id, number(e.ratio)),
         summary,
         sections,
         warnings: warnings(story),

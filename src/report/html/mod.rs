@@ -16,6 +16,7 @@ pub mod optimize;
 pub mod pareto;
 pub mod rank;
 pub mod sweep;
+mod unjudged;
 
 use std::path::Path;
 

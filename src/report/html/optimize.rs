@@ -7,11 +7,11 @@ use crate::design::optimize::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{LIMITS, limit_rows};
 use crate::report::optimize::{
-    asks_for_nothing, bind_text, choice_text, drive_current, margin_text, notes, proof, ratio_text, reason_text,
-    verdict,
+    asks_for_nothing, bind_text, choice_text, margin_text, notes, proof, ratio_text, reason_text, verdict,
+    without_choice,
 };
 use crate::report::plot::design as plot;
-use crate::report::{different_motors, number, optional, robot as robot_report, spring};
+use crate::report::{currents, different_motors, number, optional, robot as robot_report, spring};
 use crate::requirement::{Course, Joint, RatioChoice};
 
 /// The page.
@@ -37,7 +37,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
                 format!("{all} can be built, with {motors}{but}.")
             }
         }
-        (names, _) => format!("No motor of the catalogue can do: {}.", names.join(", ")),
+        _ => without_choice(result).join(". ").replace("NO ", "No ") + ".",
     };
     let headline = match whole.map(|whole| whole.combinations.first()) {
         None => headline,
@@ -116,8 +116,7 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
         match joint.candidates.first() {
             None => {
                 let mut cells = name();
-                cells
-                    .extend(["none can do it".to_string()].into_iter().chain((3..header.len()).map(|_| String::new())));
+                cells.extend([none_text(joint)].into_iter().chain((3..header.len()).map(|_| String::new())));
                 table.push("", cells);
             }
             Some(first) => {
@@ -134,6 +133,14 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
         }
     }
     table
+}
+
+/// What stands in place of a choice.
+fn none_text(joint: &JointResult) -> String {
+    match joint.unjudged.len() {
+        0 => "none can do it".into(),
+        count => format!("none that can be judged can do it ({count} cannot be judged)"),
+    }
 }
 
 /// What the budget says.
@@ -188,12 +195,15 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
     if let Some(first) = result.candidates.first() {
         let name = format!("{names}: limits of the first choice, {}", choice_text(first));
         let limits = Table::new(name, &LIMITS).rows(limit_rows(&first.evaluation.margins, joint));
-        parts.extend(limits.part().map(|part| folded("Limits of the first choice", part)));
+        parts
+            .extend(limits.part().map(|part| folded("Limits of the first choice (on currents: q-axis amperes)", part)));
         let rows = first.optimum.shadow_prices.iter().map(|p| vec![p.limit.to_string(), number(p.elasticity)]);
         let change = format!(">change of {} [%]", joint.objective.name());
         let prices = Table::new(format!("{names}: what one per cent more of a limit changes"), &["limit", &change]);
         parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
     }
+    let apart = result.unjudged.iter().map(|u| (u.design.motor.id.as_str(), u.design.gear, u.because.as_slice()));
+    parts.extend(super::unjudged::folded(names, apart));
     let mut rejected = Table::new(format!("{names}: why not the others"), &["motor", "gear", "because", "in short"]);
     for r in &result.rejected {
         let (class, sentence) = reason_text(&r.reason, joint);
@@ -247,7 +257,8 @@ fn candidates(result: &JointResult, names: &str) -> Table {
     }
     header.extend([
         ">loss [W]",
-        ">I peak [A]",
+        ">I peak, phase [A]",
+        ">I peak, q axis [A]",
         ">J [kg*m^2]",
         ">mass [kg]",
         ">S_M [ms]",
@@ -275,7 +286,8 @@ fn candidates(result: &JointResult, names: &str) -> Table {
         if own_column {
             cells.push(number(design.optimum.objective));
         }
-        cells.extend([e.loss, drive_current(design.motor, e.peak_current), e.reflected_inertia].map(number));
+        let [phase, q_axis, ..] = currents::values(design.motor, e);
+        cells.extend([e.loss, phase, q_axis, e.reflected_inertia].map(number));
         cells.extend([optional(e.mass), optional(METRICS[0].value(design.motor).map(|s| s * 1e3))]);
         let tightest = e.tightest();
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));

@@ -3,7 +3,7 @@
 use super::{Page, Part, Section, Table, Verdict};
 use crate::design::pareto::Front;
 use crate::report::plot::{Figure, pareto as plot};
-use crate::report::{number, optional};
+use crate::report::{number, optional, unjudged};
 use crate::requirement::{Quantity, Robot};
 
 /// The page.
@@ -14,8 +14,19 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
         [] => format!(
             "Every joint has a front of {quantities}: no point on it can be better in one without being worse in the other."
         ),
-        names => format!("No motor of the catalogue can do: {}.", names.join(", ")),
+        _ => {
+            let without = fronts.iter().filter(|f| f.points.is_empty());
+            let told = without.map(|f| unjudged::Without {
+                joint: &f.joint.name,
+                unjudged: f.unjudged.len(),
+                unchecked: unjudged::left_out(f.rejected.iter().map(|(_, why)| why)),
+            });
+            unjudged::without_choice(told).join(". ").replace("NO ", "No ") + "."
+        }
     };
+    let warnings = fronts
+        .iter()
+        .flat_map(|f| unjudged::front_not_checked(f).into_iter().map(|line| format!("{}: {line}", f.joint.name)));
     let figure = plot::figure(fronts);
     Page {
         command: "optimize --pareto",
@@ -24,6 +35,7 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
         headline,
         summary: vec![Part::Table(ends(fronts))],
         sections: fronts.iter().enumerate().map(|(k, front)| section(front, &figure, k)).collect(),
+        warnings: warnings.collect(),
         ..Page::default()
     }
 }
@@ -59,7 +71,9 @@ fn ends(fronts: &[Front]) -> Table {
 
 fn section(front: &Front, figure: &Figure, k: usize) -> Section {
     let [a, b] = front.quantities;
-    let text = format!("{} motors have a feasible design, {} points on the front.", front.motors, front.points.len());
+    let apart = unjudged::counted(front.unjudged.len());
+    let points = front.points.len();
+    let text = format!("{} motors have a feasible design{apart}, {points} points on the front.", front.motors);
     let mut parts = vec![Part::Text(text)];
     parts.extend(super::panel_of(figure, 0, k));
     let header = [
@@ -70,15 +84,18 @@ fn section(front: &Front, figure: &Figure, k: usize) -> Section {
         &format!(">{} [{}]", b.name(), b.unit()),
         ">mass [kg]",
         "proof",
+        ">not checked",
     ];
     let mut table = Table::new(format!("{}: points on the front", front.joint.name), &header);
     for p in &front.points {
         let proof = if p.certified { "exact" } else { "not certified" };
         let mut cells = vec![p.motor.id.clone(), p.gear.unwrap_or("").into()];
         cells.extend([p.evaluation.ratio, p.values[0], p.values[1]].map(number));
-        cells.extend([optional(p.evaluation.mass), proof.into()]);
+        cells.extend([optional(p.evaluation.mass), proof.into(), p.unchecked.len().to_string()]);
         table.push(&p.motor.id, cells);
     }
     parts.extend(table.part());
+    let apart = front.unjudged.iter().map(|(motor, because)| (motor.id.as_str(), None, because.as_slice()));
+    parts.extend(super::unjudged::folded(&front.joint.name, apart));
     Section::new(front.joint.name.clone(), parts)
 }

@@ -2,29 +2,33 @@
 
 use super::{Page, Part, Row, Section, Table, Verdict, group_of};
 use crate::actuator::metrics::METRICS;
-use crate::design::sweep::JointSweep;
+use crate::design::sweep::{JointSweep, SweptDesign};
 use crate::report::plot::sweep as plot;
 use crate::report::sweep::{Order, because, ordered, remarks};
-use crate::report::{number, optional};
+use crate::report::{currents, number, optional};
 use crate::requirement::Robot;
 use crate::units::in_unit;
 
 /// The page.
 pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
-    let feasible = |s: &JointSweep| s.designs.iter().filter(|d| d.evaluation.feasible).count();
+    let feasible = |s: &JointSweep| s.designs.iter().filter(|d| d.is_choice()).count();
     let without: Vec<&str> = sweeps.iter().filter(|s| feasible(s) == 0).map(|s| s.joint.name.as_str()).collect();
     let total: usize = sweeps.iter().map(|s| s.designs.len()).sum();
     let can: usize = sweeps.iter().map(feasible).sum();
     let headline = match without.as_slice() {
         [] => format!("{can} of {total} designs are feasible; every joint has at least one."),
-        names => format!("No design of these ratios is feasible for: {}.", names.join(", ")),
+        names => {
+            let unknown = sweeps.iter().any(|s| feasible(s) == 0 && s.designs.iter().any(|d| d.is_unjudged()));
+            let which = if unknown { " that can be judged" } else { "" };
+            format!("No design of these ratios{which} is feasible for: {}.", names.join(", "))
+        }
     };
     let mut best = Table::new(
         "The first of each joint",
         &["joint", ">designs", ">feasible", "motor", "gear", ">N", ">loss [W]", ">J [kg*m^2]", ">mass [kg]"],
     );
     for sweep in sweeps {
-        let first = ordered(sweep, order).into_iter().find(|d| d.evaluation.feasible);
+        let first = ordered(sweep, order).into_iter().find(|d| d.is_choice());
         let mut cells = vec![sweep.joint.name.clone(), sweep.designs.len().to_string(), feasible(sweep).to_string()];
         cells.extend(first.map_or_else(
             || ["none", "", "", "", "", ""].map(String::from),
@@ -45,7 +49,11 @@ pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
     }
     let figure = plot::figure(sweeps);
     let section = |(k, sweep): (usize, &JointSweep)| {
+        let apart = sweep.designs.iter().filter(|d| d.is_unjudged());
+        let mut apart: Vec<_> = apart.map(|d| (d.motor.id.as_str(), d.gear, &*d.unjudged)).collect();
+        apart.dedup();
         let parts = group_of(&figure, k).into_iter().chain(designs(sweep, order).part());
+        let parts = parts.chain(super::unjudged::folded(&sweep.joint.name, apart.into_iter()));
         Section::new(sweep.joint.name.clone(), parts.collect())
     };
     Page {
@@ -63,6 +71,14 @@ pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
     }
 }
 
+fn state(design: &SweptDesign) -> &'static str {
+    match (design.evaluation.feasible, design.is_choice()) {
+        (false, _) => "no",
+        (true, true) => "yes",
+        (true, false) => "cannot be judged",
+    }
+}
+
 fn designs(sweep: &JointSweep, order: Order) -> Table {
     let joint = sweep.joint;
     let geared = sweep.designs.iter().any(|d| d.gear.is_some());
@@ -77,7 +93,8 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
     header.extend(own_column.then_some(goal.as_str()));
     header.extend([
         ">loss [W]",
-        ">I peak [A, q axis]",
+        ">I peak, phase [A]",
+        ">I peak, q axis [A]",
         ">J [kg*m^2]",
         ">mass [kg]",
         ">S_M [ms]",
@@ -90,15 +107,16 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
         let e = &design.evaluation;
         let mut cells = vec![design.motor.id.clone()];
         cells.extend(geared.then(|| design.gear.unwrap_or("").to_string()));
-        cells.extend([number(e.ratio), if e.feasible { "yes".into() } else { "no".to_string() }]);
+        cells.extend([number(e.ratio), state(design).into()]);
         cells.extend(own_column.then(|| optional(e.objective(&joint.objective))));
-        cells.extend([e.loss, e.peak_current, e.reflected_inertia].map(number));
+        let [phase, q_axis, ..] = currents::values(design.motor, e);
+        cells.extend([e.loss, phase, q_axis, e.reflected_inertia].map(number));
         cells.extend([e.mass, METRICS[0].value(design.motor).map(|v| in_unit(v, METRICS[0].unit))].map(optional));
         let tightest = e.tightest();
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
         cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin).round() / 10.0)));
-        cells.push(if e.feasible { String::new() } else { because(design, joint) });
-        table.rows.push(Row { id: design.motor.id.clone(), cells, faint: !e.feasible });
+        cells.push(because(design, joint));
+        table.rows.push(Row { id: design.motor.id.clone(), cells, faint: !design.is_choice() });
     }
     table
 }

@@ -10,6 +10,7 @@ use crate::catalog::{FIELDS, GearKind, SourceKind, gear_columns, motor_columns};
 use crate::input::Range;
 use crate::input::csv::{Column, Content};
 use crate::measured::BenchKind;
+use crate::report::currents;
 use crate::requirement::motion;
 
 /// A table of a TOML file with its keys.
@@ -73,7 +74,11 @@ pub const REQUIREMENT: &[Table] = &[
             ("points", "list of tables", "operating points, each for itself; this or `motion`"),
             ("periodic", "true, false", "whether the motion repeats; true unless said"),
             ("period", "time", "of a motion whose last row does not repeat the first"),
-            ("objective", "name or table of weights", "what is minimised; `loss` unless said"),
+            (
+                "objective",
+                "name or table of weights",
+                "what is minimised; `loss` unless said; of weights (of one, too) a pure number",
+            ),
             ("reference", "table", "what each weighted quantity is divided by"),
             ("limits", "table", "what a choice must keep"),
             ("spring", "table", "a parallel spring to be chosen; may stand under `limits`"),
@@ -161,7 +166,7 @@ pub const REQUIREMENT: &[Table] = &[
             ("loss", "weight", "mean copper loss [W]"),
             ("energy", "weight", "drawn from the bus per cycle [J]"),
             ("peak_power", "weight", "largest drawn from the bus [W]"),
-            ("peak_current", "weight", "largest q-axis current [A]"),
+            ("peak_current", "weight", "largest q-axis current [A], as limits on currents compare it"),
             ("reflected_inertia", "weight", "N² (J_m + J_g) [kg*m^2]"),
             ("mass", "weight", "of motor and gear [kg]"),
         ],
@@ -172,7 +177,7 @@ pub const REQUIREMENT: &[Table] = &[
             ("loss", "power", ""),
             ("energy", "energy", ""),
             ("peak_power", "power", ""),
-            ("peak_current", "current", ""),
+            ("peak_current", "current", "q axis"),
             ("reflected_inertia", "inertia", ""),
             ("mass", "mass", ""),
         ],
@@ -180,7 +185,11 @@ pub const REQUIREMENT: &[Table] = &[
     Table {
         path: "[limits]",
         keys: &[
-            ("actuator_mass", "mass", "of motor and gear"),
+            (
+                "actuator_mass",
+                "mass",
+                "of motor and gear; like every limit here it has to be judged, or the motor is no choice",
+            ),
             ("reflected_inertia", "inertia", "N² (J_m + J_g) at the output"),
             ("torque_bandwidth", "table", "a sinusoidal torque on top of the motion"),
             ("winding_temperature", "temperature", "highest; the motor's own holds too"),
@@ -455,6 +464,15 @@ pub fn text() -> String {
          unknown key or column is a mistake, reported with its place and the nearest name that exists.\n"
     );
     section(&mut out, "Requirement (TOML)", "For `optimize`, `sweep`, `explain`.", REQUIREMENT);
+    out.push_str(&format!(
+        "\n### Currents in results\n\n{} JSON, CSV and studies give both: `{}` (phase amplitude, DC of a brushed motor: what a drive is \
+         bought by), `{}`, `{}`, `{}`. In tables `I peak [A]` is the phase amplitude.\n",
+        currents::Q_AXIS,
+        currents::NAMES[0],
+        currents::NAMES[1],
+        currents::NAMES[2],
+        currents::NAMES[3]
+    ));
     out.push_str("\n## Motion (CSV)\n\nWhat the joint does, at the output, without the actuator's own rotor; torque × velocity > 0 means that the motor drives. Time increases; the last row repeats the first of a periodic motion. `velocity` or `position` must be there; what is missing comes from a cubic spline.\n\n");
     out.push_str(&columns(&motion::columns(&[]), |name| motion_about(name).into()));
     out.push_str("\n## Motor catalogue (CSV)\n\nOne row for each motor, as its sheet prints it; the row says in which conventions, and the reader converts to the power-invariant q axis. Blank is unknown, not zero. Every numeric column may have a `…_tolerance` beside it, in a unit of the same kind or in `%`.\n\n");

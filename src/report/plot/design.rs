@@ -63,10 +63,10 @@ pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
         panels
     });
     let title = format!("{}: {}", story.joint.name, name(story.motor, story.gear.map(|g| g.id.as_str()), ratio));
-    let state = if story.evaluation.feasible {
-        "All limits that can be checked are kept. "
-    } else {
-        "Some limit is exceeded. "
+    let state = match (story.evaluation.feasible, story.is_choice()) {
+        (false, _) => "Some limit is exceeded. ",
+        (true, true) => "All limits that can be checked are kept. ",
+        (true, false) => "A limit that the requirement states cannot be judged; all that can be checked are kept. ",
     };
     let group = Group {
         title,
@@ -97,7 +97,8 @@ pub fn optimized(result: &RobotResult, catalog: &Catalog) -> Figure {
 
 fn group(robot: &Robot, result: &JointResult, catalog: &Catalog, names: &str) -> Group {
     let Some(first) = result.candidates.first() else {
-        let empty = Panel { x: "".into(), empty: "no motor of the catalogue is feasible".into(), ..Panel::default() };
+        let which = if result.unjudged.is_empty() { "of the catalogue" } else { "that can be judged" };
+        let empty = Panel { x: "".into(), empty: format!("no motor {which} is feasible"), ..Panel::default() };
         return Group { title: names.into(), panels: vec![empty], ..Group::default() };
     };
     let gear = first.gear.and_then(|id| catalog.gears.iter().find(|g| g.id == id));

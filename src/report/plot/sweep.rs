@@ -2,7 +2,7 @@
 
 use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Scale, Series, Shape, Tone};
 use crate::design::sweep::{JointSweep, SweptDesign};
-use crate::report::number;
+use crate::report::{number, unjudged};
 
 /// Motors in the map.
 const MAPPED: usize = 24;
@@ -49,7 +49,7 @@ fn ordered<'a>(sweep: &'a JointSweep) -> Vec<Swept<'a>> {
             motors.push(Swept { id, best: f64::INFINITY, designs: Vec::new() });
         }
         let Some(motor) = motors.last_mut() else { continue };
-        if design.evaluation.feasible {
+        if design.is_choice() {
             motor.best = motor.best.min(value);
         }
         motor.designs.push((design, value));
@@ -68,6 +68,7 @@ fn note(design: &SweptDesign, value: f64) -> String {
     let gear = design.gear.map_or_else(String::new, |g| format!(" with {g}"));
     let how = match (design.evaluation.feasible, design.evaluation.tightest()) {
         (false, Some(t)) => format!("{} exceeded", t.limit),
+        _ if design.is_unjudged() => format!("{}, {}", number(value), unjudged::class(&design.unjudged)),
         _ => number(value),
     };
     format!("{}{gear} at N = {}: {how}", design.motor.id, number(design.evaluation.ratio))
@@ -87,10 +88,11 @@ fn map(sweep: &JointSweep, motors: &[Swept]) -> Panel {
     };
     let goal = sweep.joint.objective.name();
     let near = format!("feasible, {goal} within {:.0} % of the best", 100.0 * NEAR);
-    let kinds: [(&str, Tone, Shape); 3] = [
+    let kinds: [(&str, Tone, Shape); 4] = [
         ("a limit is exceeded", Tone::Grey, Shape::Cross),
         ("feasible", Tone::Sky, Shape::Square),
         (&near, Tone::Blue, Shape::Circle),
+        ("cannot be judged", Tone::Grey, Shape::Circle),
     ];
     for (kind, (name, tone, shape)) in kinds.into_iter().enumerate() {
         let (mut points, mut ids, mut notes) = (Vec::new(), Vec::new(), Vec::new());
@@ -98,6 +100,7 @@ fn map(sweep: &JointSweep, motors: &[Swept]) -> Panel {
             for (design, value) in &motor.designs {
                 let of = match (design.evaluation.feasible, *value <= (1.0 + NEAR) * best) {
                     (false, _) => 0,
+                    _ if design.is_unjudged() => 3,
                     (true, false) => 1,
                     (true, true) => 2,
                 };
@@ -128,7 +131,7 @@ fn curves(sweep: &JointSweep, motors: &[Swept]) -> Panel {
     let geared = feasible.iter().any(|m| m.designs.iter().any(|(d, _)| d.gear.is_some()));
     let points = |m: &Swept| -> Vec<(f64, f64)> {
         let all = m.designs.iter();
-        all.map(|(d, v)| (d.evaluation.ratio, if d.evaluation.feasible { *v } else { f64::NAN })).collect()
+        all.map(|(d, v)| (d.evaluation.ratio, if d.is_choice() { *v } else { f64::NAN })).collect()
     };
     // What is only background lies lowest.
     let ranks = (CURVES..feasible.len().min(60)).chain(0..feasible.len().min(CURVES));

@@ -1,6 +1,7 @@
 //! One rule for each limit of the model, and for what cannot be checked. The limits themselves are those of
 //! [`LIMITS`](crate::actuator::limits::LIMITS); nothing is computed here.
 
+use crate::design::judge::unjudged;
 use crate::rules::facts::JointFacts;
 use crate::rules::place::{Place, asked_for};
 use crate::rules::rule::{Remark, Rule, Severity, Test};
@@ -13,7 +14,7 @@ macro_rules! limits {
             name: $name,
             summary: $summary,
             severity: Severity::Error,
-            what: concat!("Compares the design with the limit `", $limit, "`, the same that `optimize` and `sweep` keep. It is broken where the demand is more than the limit; where data are missing to compute it, GW031 says so."),
+            what: concat!("Compares the design with the limit `", $limit, "`, the same that `optimize` and `sweep` keep. It is broken where the demand is more than the limit; where data are missing to compute it, GW031 or GW033 says so."),
             why: $why,
             example: $example,
             mend: $mend,
@@ -145,19 +146,43 @@ pub const UNCHECKED_LIMIT: Rule = Rule {
     name: "unchecked-limit",
     summary: "every limit that applies can be checked",
     severity: Severity::Warning,
-    what: "Reports each limit that should be checked but cannot be, because the row of motor or gear or the requirement does not say enough: an unknown inductance, pole pairs, continuous current, thermal resistance, a gear's rating.",
+    what: "Reports each limit that should be checked but cannot be, because the row of motor or gear or the requirement does not say enough: an unknown inductance, pole pairs, continuous current, a gear's rating. What the requirement itself states is GW033.",
     why: "What is not checked is not kept. A blank cell is unknown, not zero: without its inductance a motor seems to have any torque bandwidth.",
     example: "A motor without `inductance`: its voltage limit is checked as if the current could jump.",
     mend: "Find or measure the number and fill the cell; or accept the gap in the rules file with [[allow]] and a reason.",
     test: Test::Joint(|facts| match &facts.examined {
         Ok(examined) => {
-            let each = examined.unchecked.iter().map(|(limit, why)| {
-                let place = if limit.starts_with("gear_") { Place::Reduction } else { Place::Motor };
-                let mut remark = Remark::new(format!("`{limit}` is not checked: {why}"), *limit, place);
-                remark.asked = asked_for(limit, "requirement");
-                remark
-            });
-            each.collect()
+            let stated = unjudged(facts.robot, facts.choice.joint, &examined.unchecked);
+            let plain = examined.unchecked.iter().filter(|what| !stated.contains(what));
+            plain.map(|(limit, why)| unknown(limit, format!("`{limit}` is not checked: {why}"))).collect()
+        }
+        Err(_) => Vec::new(),
+    }),
+};
+
+fn unknown(limit: &'static str, message: String) -> Remark {
+    let place = if limit.starts_with("gear_") { Place::Reduction } else { Place::Motor };
+    Remark::new(message, limit, place)
+}
+
+/// A limit of the requirement that cannot be judged.
+pub const UNJUDGED_LIMIT: Rule = Rule {
+    code: "GW033",
+    name: "unjudged-limit",
+    summary: "every limit that the requirement states can be judged",
+    severity: Severity::Error,
+    what: "Reports each limit that the requirement itself states and that cannot be judged of this design: a mass or an inertia where motor or gear do not say theirs, a winding temperature without thermal resistances, a torque bandwidth without inductance or without any largest current, heat where the operating points have no durations.",
+    why: "Whoever writes a limit wants it kept. A design of which nobody knows whether it keeps the limit is not shown to be a choice, and `optimize` does not choose it.",
+    example: "actuator_mass = \"600 g\" and a motor whose row has no `mass`.",
+    mend: "Find or measure the number and fill the cell; take a motor that can be judged; or take the limit out of the requirement.",
+    test: Test::Joint(|facts| match &facts.examined {
+        Ok(examined) => {
+            let stated = unjudged(facts.robot, facts.choice.joint, &examined.unchecked);
+            let remark = |(limit, why): (&'static str, &'static str)| Remark {
+                asked: asked_for(limit, "requirement"),
+                ..unknown(limit, format!("`{limit}` cannot be judged: {why}"))
+            };
+            stated.into_iter().map(remark).collect()
         }
         Err(_) => Vec::new(),
     }),

@@ -15,6 +15,7 @@ const OTHERS: &[&Rule] = &[
     &limits::NOT_EVALUATED,
     &limits::UNCHECKED_LIMIT,
     &limits::FRICTION_UNKNOWN,
+    &limits::UNJUDGED_LIMIT,
     &robot::MASS_BUDGET,
     &robot::DISTINCT_MOTORS,
     &rows::GEAR_FIT,

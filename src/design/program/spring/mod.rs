@@ -79,6 +79,14 @@ pub fn solve(
     (min, max): (f64, f64),
     covered: f64,
 ) -> Result<SpringOptimum, Outcome> {
+    if let Some((quantity, weight)) = objective.weighed() {
+        let found = solve(prepared, &Objective::single(quantity), spring, (min, max), covered)?;
+        return Ok(SpringOptimum {
+            optimum: found.optimum.times(weight),
+            lower_bound: found.lower_bound.map(|bound| weight * bound),
+            ..found
+        });
+    }
     let solver = Solver { prepared, objective, spring, covered };
     if objective.sole() == Some(Quantity::Mass) && min < max {
         return solver.least_mass(min, max);
@@ -95,6 +103,28 @@ pub fn solve(
         return Ok(SpringOptimum { stiffness: k0, rest_angle, optimum, lower_bound, gap, least_stiffness: false });
     }
     solver.free(min, max)
+}
+
+/// The allowed spring at which the limits are exceeded least, as far as the search for the best one goes.
+pub fn nearest(
+    prepared: &Prepared,
+    objective: &Objective,
+    spring: &Spring,
+    (min, max): (f64, f64),
+    covered: f64,
+) -> Option<(f64, f64)> {
+    let [k0, k1] = spring.stiffness;
+    let [q0, q1] = spring.rest_angle;
+    if k0 == k1 && q0 == q1 {
+        return Some((k0, q0));
+    }
+    // Mass does not depend on the spring: what counts for the search is how far the limits are.
+    let loss = Objective::single(Quantity::Loss);
+    let objective = if objective.weight(Quantity::Mass) > 0.0 { &loss } else { objective };
+    let problem = Problem::new(prepared, objective, covered)?;
+    let whole = problem.whole([min, max], spring);
+    let verdict = search(&problem, spring, whole, &[]);
+    Some(problem.spring(spring, verdict.best.map_or(verdict.nearest, |(_, z)| z)))
 }
 
 struct Solver<'a> {
@@ -250,8 +280,8 @@ fn fixed_ratio(prepared: &Prepared, objective: &Objective, ratio: f64) -> Result
     if !evaluation.feasible {
         let tightest = evaluation.tightest();
         let bind = Bind { limit: tightest.map_or("gear", |m| m.limit), sample: tightest.and_then(|m| m.sample) };
-        let least = tightest.map_or(f64::INFINITY, |m| m.demand / m.bound);
-        return Err(Infeasible::Nowhere { bind, least, ratio });
+        let (least, allowed) = tightest.map_or((f64::INFINITY, f64::NAN), |m| (m.demand / m.bound, m.bound));
+        return Err(Infeasible::Nowhere { bind, least, allowed, ratio });
     }
     let bind = Bind { limit: "gear", sample: None };
     let objective = evaluation.objective(objective).unwrap_or(f64::NAN);

@@ -1,0 +1,204 @@
+//! Motors that cannot be judged: what the requirement states and nobody knows of them. They stand apart from those
+//! that can do it and from those that cannot.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use super::number;
+use super::table::wrap;
+use crate::design::judge::{Unjudged, Unknown};
+use crate::design::optimize::{JointResult, Reason};
+use crate::design::pareto::Front;
+use crate::design::robot::Choice;
+use crate::design::sweep::JointSweep;
+use crate::requirement::Joint;
+
+/// Why something cannot be judged, in a sentence.
+pub fn sentence(because: &[Unknown]) -> String {
+    let each: Vec<String> = because.iter().map(|(limit, why)| format!("{why} ({limit})")).collect();
+    format!("cannot be judged: {}", each.join("; "))
+}
+
+/// The same in short: the limits alone.
+pub fn class(because: &[Unknown]) -> String {
+    let limits: Vec<&str> = because.iter().map(|(limit, _)| *limit).collect();
+    format!("{} cannot be judged", limits.join(", "))
+}
+
+/// Limits and reasons for programs.
+pub fn list(because: &[Unknown]) -> Value {
+    because.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect()
+}
+
+/// A motor, a gear and why they cannot be judged, for programs.
+fn one(motor: &str, gear: Option<&str>, because: &[Unknown]) -> Value {
+    json!({ "motor": motor, "gear": gear, "because": sentence(because), "limits": list(because) })
+}
+
+/// Unjudged designs for programs, with the best that each has as far as it can be told.
+pub fn json(unjudged: &[Unjudged], joint: &Joint) -> Value {
+    let each = unjudged.iter().map(|u| {
+        let e = &u.design.evaluation;
+        let mut value = one(&u.design.motor.id, u.design.gear, &u.because);
+        value["as_far_as_known"] = json!({
+            "ratio": e.ratio, "objective": u.design.optimum.objective, "objective_unit": joint.objective.unit(),
+            "loss_w": e.loss, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
+        });
+        value
+    });
+    each.collect()
+}
+
+/// Motors by what cannot be judged, the most frequent first.
+fn by_reason<'m>(all: impl Iterator<Item = (&'m str, &'m [Unknown])>) -> Vec<(String, Vec<&'m str>)> {
+    let mut reasons: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for (motor, because) in all {
+        let motors = reasons.entry(sentence(because)).or_default();
+        if !motors.contains(&motor) {
+            motors.push(motor);
+        }
+    }
+    let mut reasons: Vec<_> = reasons.into_iter().collect();
+    reasons.sort_by(|a, b| b.1.len().cmp(&a.1.len()).then(a.0.cmp(&b.0)));
+    reasons
+}
+
+const HEADING: &str = "What the requirement asks for cannot be judged of these, so none of them is a choice";
+
+/// A line for each reason, with how many motors have it and the first of them.
+fn lines<'m>(all: impl Iterator<Item = (&'m str, &'m [Unknown])>) -> Vec<String> {
+    let line = |(why, motors): (String, Vec<&str>)| {
+        let more = if motors.len() > 3 { ", …" } else { "" };
+        format!("{:>3} × {why}: {}{more}", motors.len(), motors[..motors.len().min(3)].join(", "))
+    };
+    by_reason(all).into_iter().map(line).collect()
+}
+
+fn block(heading: &str, lines: Vec<String>) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let lines: String = lines.iter().map(|line| format!("    {}\n", wrap(line, 10))).collect();
+    format!("\n  {}\n{lines}", wrap(&format!("{heading}:"), 4))
+}
+
+/// The block of a joint; `each` lists every motor, with what is known of its best design.
+pub fn text(result: &JointResult, each: bool) -> String {
+    let unjudged = &result.unjudged;
+    if !each {
+        let reasons = unjudged.iter().map(|u| (u.design.motor.id.as_str(), u.because.as_slice()));
+        return block(&format!("{HEADING} (`--rejected` lists each)"), lines(reasons));
+    }
+    let goal = &result.joint.objective;
+    let line = |u: &Unjudged| {
+        let gear = u.design.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
+        format!(
+            "{}{gear}: {}; as far as it can be told {} {} at N = {}",
+            u.design.motor.id,
+            sentence(&u.because),
+            goal.name(),
+            super::with_unit(u.design.optimum.objective, goal.unit()),
+            number(u.design.evaluation.ratio)
+        )
+    };
+    block(HEADING, unjudged.iter().map(line).collect())
+}
+
+/// The block of a sweep.
+pub fn sweep_text(sweep: &JointSweep) -> String {
+    let count = sweep.designs.iter().filter(|d| d.is_unjudged()).count();
+    let apart = sweep.designs.iter().filter(|d| d.is_unjudged());
+    let reasons = apart.map(|d| (d.motor.id.as_str(), &*d.unjudged));
+    block(&format!("{HEADING} ({count} designs of these motors)"), lines(reasons))
+}
+
+/// Unjudged designs of a sweep, for programs: each motor (with its gear) once.
+pub fn sweep_json(sweep: &JointSweep) -> Value {
+    let mut all: Vec<(&str, Option<&str>, &[Unknown])> = Vec::new();
+    for design in sweep.designs.iter().filter(|d| d.is_unjudged()) {
+        let new = (design.motor.id.as_str(), design.gear, &*design.unjudged);
+        if !all.contains(&new) {
+            all.push(new);
+        }
+    }
+    all.into_iter().map(|(motor, gear, because)| one(motor, gear, because)).collect()
+}
+
+/// The block of a front.
+pub fn front_text(front: &Front) -> String {
+    block(HEADING, lines(front.unjudged.iter().map(|(motor, why)| (motor.id.as_str(), why.as_slice()))))
+}
+
+/// Unjudged motors of a front, for programs.
+pub fn front_json(front: &Front) -> Value {
+    front.unjudged.iter().map(|(motor, because)| one(&motor.id, None, because)).collect()
+}
+
+/// What could not be checked of the designs on a front: each with the motors it is true of.
+pub fn front_not_checked(front: &Front) -> Vec<String> {
+    let mut all: BTreeMap<&Unknown, Vec<&str>> = BTreeMap::new();
+    for point in &front.points {
+        for what in &point.unchecked {
+            let motors = all.entry(what).or_default();
+            if !motors.contains(&point.motor.id.as_str()) {
+                motors.push(&point.motor.id);
+            }
+        }
+    }
+    let line = |((limit, why), motors): (&Unknown, Vec<&str>)| {
+        format!("not checked: {limit}, because {why}: {}", motors.join(", "))
+    };
+    all.into_iter().map(line).collect()
+}
+
+/// The block of a whole robot.
+pub fn robot_text(choice: &Choice) -> String {
+    block(HEADING, lines(choice.unjudged.iter().map(|(motor, why)| (motor.id.as_str(), why.as_slice()))))
+}
+
+/// Motors that the choice for a whole robot leaves out, for programs.
+pub fn robot_json(choice: &Choice) -> Value {
+    choice.unjudged.iter().map(|(motor, because)| one(&motor.id, None, because)).collect()
+}
+
+/// How many motors cannot be judged, to go on a sentence that counts the others.
+pub(super) fn counted(unjudged: usize) -> String {
+    if unjudged == 0 { String::new() } else { format!(", {unjudged} cannot be judged") }
+}
+
+/// A joint without a choice: how many motors of it cannot be judged, and how many were left out unsolved, because
+/// only designs with every limit checked were wanted.
+#[derive(Debug, Clone, Copy)]
+pub struct Without<'j> {
+    /// Name of the joint.
+    pub joint: &'j str,
+    /// Motors that cannot be judged.
+    pub unjudged: usize,
+    /// Motors that were left out.
+    pub unchecked: usize,
+}
+
+/// What is said of joints without a choice: that nothing can do them, or that nothing judged or checked can.
+pub fn without_choice<'j>(joints: impl Iterator<Item = Without<'j>>) -> Vec<String> {
+    let [mut none, mut unjudged, mut unchecked] = [const { Vec::new() }; 3];
+    for Without { joint, unjudged: apart, unchecked: left_out } in joints {
+        match (apart, left_out) {
+            (0, 0) => none.push(joint.to_string()),
+            (0, count) => unchecked.push(format!("{joint} ({count} cannot be checked in full)")),
+            (count, _) => unjudged.push(format!("{joint} ({count} cannot be judged)")),
+        }
+    }
+    let lines = [
+        ("NO motor of the catalogue can do", none),
+        ("NO motor that can be judged can do", unjudged),
+        ("NO motor that can be checked in full can do", unchecked),
+    ];
+    let told = lines.into_iter().filter(|(_, joints)| !joints.is_empty());
+    told.map(|(what, joints)| format!("{what}: {}", joints.join(", "))).collect()
+}
+
+/// How many were left out because a limit of them cannot be checked.
+pub fn left_out<'r>(reasons: impl Iterator<Item = &'r Reason>) -> usize {
+    reasons.filter(|reason| matches!(reason, Reason::Unchecked(..))).count()
+}
