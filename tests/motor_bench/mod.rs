@@ -24,6 +24,7 @@ pub fn log(kind: BenchKind, time: Vec<f64>, channels: Vec<(Channel, Vec<f64>)>) 
         rotor: true,
         difference: None,
         gains: BTreeMap::new(),
+        held: std::collections::BTreeSet::new(),
         time,
         channels: channels.into_iter().collect::<BTreeMap<_, _>>(),
         remarks: Vec::new(),
