@@ -38,7 +38,7 @@ fn compare(case: &Case, convex: bool, tell: bool) -> Verdict {
     if tell {
         println!("{:?}\n{:?}\n{:?}\n{:?}", case.robot, result.candidates, result.rejected, scan.windows);
     }
-    match (result.candidates.first(), result.rejected.first().map(|rejected| &rejected.reason)) {
+    match (result.designs().next(), result.rejected.first().map(|rejected| &rejected.reason)) {
         (Some(_), _) | (_, Some(Reason::Infeasible(_))) if v.close => {}
         (Some(design), _) if v.feasible => compare_designs(case, convex, design, &scan, &mut v),
         (_, Some(Reason::Infeasible(why))) if !v.feasible => {
@@ -178,7 +178,7 @@ fn the_hottest_winding_is_that_of_an_integration() {
     let compare = |case: &Case| {
         let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
         let result = &optimize(&case.robot, &catalog).joints[0];
-        let design = result.candidates.first()?;
+        let design = result.designs().next()?;
         let margin = design.evaluation.margins.iter().find(|m| m.limit == "winding_peak_temperature")?;
         let heat = case.copper_heat(design.optimum.ratio);
         let (nodes, peak) = (case.nodes()?, case.nodes()?.integrated_peak(&heat, 400.0));

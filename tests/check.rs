@@ -218,10 +218,10 @@ fn breaking(code: &str) -> Case<'static> {
         "GW102" => {
             robot(&[("safety = 1.2", "safety = 1.0"), ("\"1 N*m\" }", "\"0.01 N*m\" }"), ("\"40 A\"", "\"4.5 A\"")])
         }
-        "GW103" => motor(&[("continuous_current", "5.2")]),
+        "GW103" => motor(&[("continuous_current", "4.5")]),
         "GW104" => motor(&[("max_speed", "470")]),
         "GW105" => robot(&[("\"110 degC\"", "\"38 degC\"")]),
-        "GW106" => robot(&[("\"48 V\"", "\"6.8 V\"")]),
+        "GW106" => robot(&[("\"48 V\"", "\"7.4 V\"")]),
         "GW107" => design(&[("ratio = 9", "ratio = 9\nload_inertia = \"0.1 kg*m^2\"")]),
         "GW108" => {
             robot(&[("\"1 N*m\" }", "\"22.5 N*m\" }"), ("safety = 1.2", "safety = 1.0"), ("\"40 A\"", "\"32 A\"")])

@@ -17,7 +17,8 @@ use rayon::prelude::*;
 fn solve(motor: &Motor, robot: &Robot) -> Result<Optimum, Reason> {
     let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
     let mut joint = optimize(robot, &catalog).joints.remove(0);
-    match joint.candidates.pop() {
+    // What cannot be judged has its best ratio all the same.
+    match joint.candidates.pop().or_else(|| joint.unjudged.pop().map(|u| u.design)) {
         Some(design) => {
             assert!(design.evaluation.feasible, "the best design keeps its limits");
             Ok(design.optimum)

@@ -53,7 +53,8 @@ fn is_caught(input: &Path, spoil: impl Fn(&mut Design) -> Option<Reason>) -> Opt
     let (robot, catalog) = joint::draw(&fs::read(input).unwrap())?;
     // What a list of gears or a spring is asked for is judged by other bounds.
     robot.joints[0].limits.spring.is_none().then_some(())?;
-    let mut design = optimize(&robot, &catalog).joints.remove(0).candidates.into_iter().next()?;
+    let found = optimize(&robot, &catalog);
+    let mut design = found.joints[0].designs().next()?.clone();
     let reason = spoil(&mut design);
     let judged = || joint::judge(&robot, &catalog, reason.as_ref().map_or(Ok(&design), Err));
     Some(std::panic::catch_unwind(std::panic::AssertUnwindSafe(judged)).is_err())

@@ -31,7 +31,7 @@ fn with_program<T>(case: &Case, look: impl FnOnce(&RatioProgram) -> T) -> T {
 fn solved(case: &Case) -> Option<(Optimum, Vec<(&'static str, f64)>)> {
     let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
     let result = optimize(&case.robot, &catalog);
-    let design = result.joints[0].candidates.first()?;
+    let design = result.joints[0].designs().next()?;
     Some((design.optimum.clone(), design.evaluation.margins.iter().map(|m| (m.limit, m.bound)).collect()))
 }
 

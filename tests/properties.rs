@@ -130,7 +130,7 @@ fn robots() -> impl Strategy<Value = Robot> {
 fn solve<T>(robot: &Robot, motor: &Motor, look: impl FnOnce(Option<&Design>) -> T) -> T {
     let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
     let result = optimize(robot, &catalog);
-    look(result.joints[0].candidates.first())
+    look(result.joints[0].designs().next())
 }
 
 fn close(a: f64, b: f64, tolerance: f64) -> bool {

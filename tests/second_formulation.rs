@@ -411,7 +411,7 @@ fn compare(case: &Case) -> Result<Option<f64>, String> {
     let mine = problem.as_ref().map_or(Ok(None), Problem::solve)?;
     let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
     let result = &optimize(&case.robot, &catalog).joints[0];
-    match (mine, result.candidates.first(), result.rejected.first().map(|r| &r.reason)) {
+    match (mine, result.designs().next(), result.rejected.first().map(|r| &r.reason)) {
         (Some((_, value)), Some(design), _) => {
             let theirs = design.optimum.objective;
             let usual = problem.map_or(0.0, |problem| problem.usual());

@@ -272,7 +272,7 @@ fn solved<T>(case: &Case, then: impl FnOnce(Result<&Design, String>) -> T) -> T 
     let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
     let result = optimize(&case.robot, &catalog);
     let joint = &result.joints[0];
-    match joint.candidates.first() {
+    match joint.designs().next() {
         Some(design) => then(Ok(design)),
         None => then(Err(format!("{:?}", joint.rejected[0].reason))),
     }
@@ -504,7 +504,7 @@ fn a_given_spring_equals_a_motion_with_its_torque() {
         plain.joints[0].motion = Motion::from_samples(by_hand, Course::Periodic(case.period));
         let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
         let expected = optimize(&plain, &catalog);
-        let expected = expected.joints[0].candidates.first().map(|d| (d.optimum.ratio, d.optimum.objective));
+        let expected = expected.joints[0].designs().next().map(|d| (d.optimum.ratio, d.optimum.objective));
         let found = solved(&case, |d| d.ok().map(|d| (d.optimum.ratio, d.optimum.objective)));
         assert_eq!(found, expected, "case {seed}");
     }
@@ -531,7 +531,7 @@ fn every_gear_has_its_own_spring() {
         joint.ratio = RatioChoice::Catalog { patterns: vec!["g*".into()], efficiency_covers: covers };
         let catalog = Catalog { motors: vec![case.motor.clone()], gears: gears.clone() };
         let result = optimize(&case.robot, &catalog);
-        let design = result.joints[0].candidates.first().expect("a gear will do");
+        let design = result.joints[0].designs().next().expect("a gear will do");
         let spring = design.spring.unwrap();
         assert!(matches!(design.optimum.certificate, Certificate::Certified { gap, .. } if gap <= 1e-6));
         // The same with the spring's torque in the motion, and springs beside it: none is better.
@@ -540,7 +540,7 @@ fn every_gear_has_its_own_spring() {
             robot.joints[0].limits.spring = None;
             robot.joints[0].motion = robot.joints[0].motion.with_spring(stiffness, rest).unwrap();
             let found = optimize(&robot, &catalog);
-            found.joints[0].candidates.first().map(|d| (d.gear.map(String::from), d.optimum.objective))
+            found.joints[0].designs().next().map(|d| (d.gear.map(String::from), d.optimum.objective))
         };
         let rest = spring.rest_angle.unwrap();
         let (gear, loss) = with(spring.stiffness, rest).unwrap();

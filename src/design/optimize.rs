@@ -390,6 +390,11 @@ fn agreement(candidates: &[Design]) -> Vec<Agreement> {
 }
 
 impl JointResult<'_> {
+    /// The designs that keep all that could be judged: those that are a choice, then those that cannot be judged.
+    pub fn designs(&self) -> impl Iterator<Item = &Design<'_>> {
+        self.candidates.iter().chain(self.unjudged.iter().map(|u| &u.design))
+    }
+
     /// Number of motors of the catalogue, solved or not.
     pub fn motors(&self) -> usize {
         let left_out = self.pruned.as_ref().map_or(0, |p| p.behind + p.impossible.len() + p.not_solved.len());

@@ -483,7 +483,7 @@ pub fn draw(bytes: &[u8]) -> Option<(Robot, Catalog)> {
 pub fn optimize(bytes: &[u8]) {
     let Some((robot, catalog)) = draw(bytes) else { return };
     let found = solve_all(&robot, &catalog).joints.remove(0);
-    let answer = match (found.candidates.first(), found.rejected.first()) {
+    let answer = match (found.designs().next(), found.rejected.first()) {
         (Some(design), None) => Ok(design),
         (None, Some(rejected)) => Err(&rejected.reason),
         other => panic!("one motor, one answer: {other:?}"),
