@@ -525,3 +525,89 @@ fn repeat_every_is_read_and_refused_where_it_means_nothing() {
         assert_eq!(read(keys).unwrap_err(), expected);
     }
 }
+
+/// 600 s at standstill warm the phase that carries two thirds of the heat by R_wh times the heat more than the mean of the
+/// three, though the mean over a long cycle is small: what is followed over the motion does not show it.
+#[test]
+fn a_long_hold_at_standstill_is_not_said_to_be_kept_by_the_mean_of_the_phases() {
+    let held = |current: f64| {
+        let mut robot = holds(&[(600.0, current), (2400.0, 0.5)], Course::Periodic);
+        let motion = &mut robot.joints[0].motion;
+        let nothing = Some(vec![0.0; motion.len()]);
+        let samples = Samples {
+            time: motion.time.clone(),
+            torque: motion.torque.clone(),
+            velocity: nothing.clone(),
+            acceleration: nothing.clone(),
+            torque_rate: nothing.clone(),
+            jerk: nothing,
+            position: None,
+        };
+        *motion = Motion::from_samples(samples, motion.course);
+        robot
+    };
+    // 11 A: 121 W at 25 °C. Followed, the mean of the phases stays below 175 K; the worst phase has 0.4 K/W of that heat,
+    // hot 1.66 times as much, on top.
+    let (evaluation, judged) = look(&held(11.0), &motor(&[], &[]), 1.0);
+    assert!(evaluation.feasible && demand(&evaluation, "winding_peak_temperature").unwrap() < 175.0, "{evaluation:?}");
+    assert!(said(&judged.unchecked, "standstill_holding").is_some_and(|why| why.contains("two thirds")), "{judged:?}");
+    // Half of that current leaves room for the worst phase, and nothing is said.
+    let (evaluation, judged) = look(&held(6.0), &motor(&[], &[]), 1.0);
+    assert!(evaluation.feasible && said(&judged.unchecked, "standstill_holding").is_none(), "{judged:?}");
+}
+
+/// A continuous current says nothing of a temperature that the requirement states: it cannot be judged, once too.
+#[test]
+fn a_stated_temperature_is_not_kept_by_a_continuous_current() {
+    for course in [Course::Once as fn(f64) -> Course, Course::Periodic] {
+        let mut robot = holds(&[(4000.0, 7.5)], course);
+        robot.joints[0].limits.winding_temperature = Some(273.15 + 60.0);
+        let bare = motor(&["thermal", "max_winding"], &[]);
+        let (_, judged) = look(&robot, &bare, 1.0);
+        assert!(said(&judged.unchecked, "winding_peak_temperature").is_some(), "{judged:?}");
+        let catalog = Catalog { motors: vec![bare], gears: Vec::new() };
+        let joint = &optimize(&robot, &catalog).joints[0];
+        assert!(joint.candidates.is_empty() && joint.unjudged.len() == 1, "{joint:?}");
+    }
+}
+
+/// 200 A for 0.95 s against 10 A for ever: 380 times the heat of the steady limit. Short as it is, no winding takes that.
+#[test]
+fn a_short_stretch_far_above_the_limit_is_not_assumed_to_be_kept() {
+    let burst = |current: f64| holds(&[(0.95, current), (4000.0, 0.1)], Course::Periodic);
+    let (_, judged) = look(&burst(200.0), &motor(TIMES, &[]), 1.0);
+    assert!(said(&judged.assumed, "winding_peak_temperature").is_none(), "{judged:?}");
+    assert!(said(&judged.unchecked, "winding_peak_temperature").is_some(), "{judged:?}");
+    let (_, judged) = look(&burst(20.0), &motor(TIMES, &[]), 1.0);
+    assert!(said(&judged.assumed, "winding_peak_temperature").is_some(), "{judged:?}");
+}
+
+/// A rise of 10^56 K is cut off where a limit of 80 K still has digits: the cut is nowhere above the rise.
+#[test]
+fn a_rise_beyond_all_measure_is_cut_off_near_its_bound() {
+    use gearwise::actuator::thermal_motion::{Course, Heat, TwoNode};
+    let node = TwoNode {
+        resistance_winding_housing: 868.0,
+        resistance_housing_ambient: 875.0,
+        time_constant_winding: 1.0,
+        time_constant_housing: 13.5,
+        ambient: 308.4,
+        reference: 297.6,
+    };
+    let times = [0.0, 0.2, 0.4];
+    let rise =
+        |heat: &[f64]| node.from_cold(&Heat { times: &times, period_or_duration: 0.64, heat }).peak - node.ambient;
+    let far = [60.0, 30.0, 50.0];
+    let heat = Heat { times: &times, period_or_duration: 0.64, heat: &far };
+    let temperature = node.from_cold(&heat);
+    let gradient = node.peak_gradient(&heat, Course::FromCold, &temperature);
+    let (value, gradient) = node.far_beyond(temperature.peak - node.ambient, gradient, 80.0);
+    assert!(temperature.peak > 1e10 && value > 80.0 && value < 1e5, "{value}");
+    let mut rng = Pcg64::seed_from_u64(3);
+    for _ in 0..2000 {
+        let scale: f64 = rng.random_range(0.0..1.2);
+        let other = far.map(|q| scale * q * rng.random_range(0.5..1.5));
+        let cut: f64 = value + gradient.iter().zip(other.iter().zip(&far)).map(|(g, (a, b))| g * (a - b)).sum::<f64>();
+        assert!(cut <= rise(&other) * (1.0 + 1e-9) + 1e-6, "{cut} {}", rise(&other));
+    }
+}

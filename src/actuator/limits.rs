@@ -362,6 +362,21 @@ impl Candidate<'_> {
         }
     }
 
+    /// By how much the phase that carries two thirds of the heat at standstill can be hotter than the mean of the three
+    /// \[K\], where the winding stays below `hottest` \[K\]: from above, as if all the time at standstill were one.
+    ///
+    /// Its own way to the housing has three times the winding's resistance and a third of its capacity, and twice the
+    /// mean phase's heat: what it has more is a first order with the winding's resistance and time constant.
+    fn rise_at_standstill(&self, node: &TwoNode, hottest: f64, ratio: f64) -> f64 {
+        if self.standing_share() == 0.0 {
+            return 0.0;
+        }
+        let (heat, stands, cycle) = self.load.standing(&self.actuator, ratio);
+        let answer = |time: f64| -(-time / node.time_constant_winding).exp_m1();
+        let share = if stands == 0.0 { 0.0 } else { answer(stands) / answer(cycle) };
+        heat * thermal::resistance_factor(hottest, node.reference) * node.resistance_winding_housing * share
+    }
+
     /// A limit on the largest current \[A\], of what the ripple leaves of it.
     fn peak(&self, demand: Demand, bound: f64, owner: &'static str) -> Prepared {
         let safety = self.joint.limits.safety;
@@ -417,12 +432,21 @@ impl Candidate<'_> {
     /// What the limits that are asked of this candidate assume at every ratio.
     pub fn assumptions(&self, asked: &[Asked]) -> Vec<Remark> {
         let mut assumed = Vec::new();
-        if hot_winding(self.motor, self.joint, self.robot.ambient).is_none() {
-            assumed.push((
-                "voltage",
-                "no temperature of the winding is known: its resistance is taken at the reference temperature",
-            ));
-        }
+        let resistance = match (
+            hottest(self.motor, self.joint),
+            hot_winding(self.motor, self.joint, self.robot.ambient),
+        ) {
+            (Some(_), _) => None,
+            (None, Some(_)) => Some(
+                "no highest winding temperature is known: its resistance is that of the temperature at which the continuous current settles, and the motion may heat it further for a while",
+            ),
+            (None, None) => {
+                Some("no temperature of the winding is known: its resistance is taken at the reference temperature")
+            }
+        };
+        let power = [("bus_power", self.robot.bus.power), ("bus_current", self.robot.bus.current)];
+        let takes = power.into_iter().filter(|(_, bound)| bound.is_some()).map(|(name, _)| name);
+        assumed.extend(std::iter::once("voltage").chain(takes).filter_map(|name| Some((name, resistance?))));
         if asked.iter().any(|a| a.limit.name == "standstill_holding") && self.share_of_winding().is_none() {
             assumed.push((
                 "standstill_holding",
@@ -535,6 +559,18 @@ pub const NEEDS: &[Need] = &[
         },
     },
     Need {
+        name: "bandwidth_cross_voltage",
+        stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
+        missing: |c| {
+            let Motor { inductance, pole_pairs, conventions, .. } = c.motor;
+            let brushless = conventions.commutation == Commutation::Brushless;
+            let lacks = c.load.bandwidth.is_some() && inductance.is_some() && pole_pairs.is_none() && brushless;
+            lacks.then_some(
+                "the motor's pole pairs are not known: torque_bandwidth_voltage is checked without p N ω L i",
+            )
+        },
+    },
+    Need {
         name: "gear_inertia",
         stated: |_, joint| joint.limits.reflected_inertia.is_some(),
         missing: |c| {
@@ -564,6 +600,10 @@ pub fn is_stated(name: &str, robot: &Robot, joint: &Joint) -> bool {
 /// of a winding in the catalogue is 5.1 s.
 const SHORT_STRETCH: f64 = 1.0;
 
+/// Least thermal time constant of a winding in the catalogue \[s\]. Heat that comes at once warms a winding by no more than
+/// the steady limit's rise where it is no more than the steady limit's heat over that time.
+const LEAST_TIME_CONSTANT: f64 = 5.1;
+
 /// The same as a share of the winding's own time constant, where that is known.
 const SHORT_SHARE: f64 = 0.2;
 
@@ -580,6 +620,10 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
             _ => "neither the motor's thermal resistances nor its continuous current is known",
         });
     };
+    // A continuous current says nothing of the temperature that a requirement states.
+    if candidate.joint.limits.winding_temperature.is_some() && candidate.thermal_current().is_none() {
+        return Verdict::Unknown("the motor's thermal resistances are not known");
+    }
     let limit = limit * limit;
     // Even the largest heat, held for ever, would be carried.
     let largest = load.largest_squared_current(actuator, candidate.standing_share(), ratio);
@@ -595,8 +639,11 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
             );
         }
         (Some(node), Some((hottest, _))) => {
+            // The phase that is worst off at standstill is told apart: its own way to the housing answers at once.
+            let (course, _) = load.squared_current_course(actuator, 0.0, ratio);
+            let standing = candidate.rise_at_standstill(&node, hottest, ratio);
             let holds = course.iter().map(|piece| (piece.duration, actuator.resistance * piece.from));
-            return match node.rise_at_the_end(holds, hottest) <= hottest - node.ambient {
+            return match node.rise_at_the_end(holds, hottest) + standing <= hottest - node.ambient {
                 true => Verdict::Kept,
                 false => Verdict::Unknown(
                     "the order of the operating points is not known, and the hottest last may be too hot",
@@ -607,7 +654,14 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
     }
     let own = candidate.motor.sheet.thermal_time_constant_winding.map(|t| SHORT_SHARE * t.value);
     let short = own.map_or(SHORT_STRETCH, |own| own.min(SHORT_STRETCH));
-    match (stretch::longest(&course, limit, repeats) < short, nodes.is_some(), load.starts_cold()) {
+    let longest = stretch::longest(&course, limit, repeats);
+    let least = candidate.motor.sheet.thermal_time_constant_winding.map_or(LEAST_TIME_CONSTANT, |t| t.value);
+    if longest < short && largest * longest > least * limit {
+        return Verdict::Unknown(
+            "the thermal time constants are not known, and a short stretch is so far above the steady limit that it may warm the winding beyond it at once",
+        );
+    }
+    match (longest < short, nodes.is_some(), load.starts_cold()) {
         (true, false, false) => Verdict::Assumed(
             "judged by its mean heat: the thermal time constants are not known, and heat stays above its steady limit for less than 1 s at a time",
         ),
@@ -623,6 +677,27 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         (false, true, _) => {
             Verdict::Unknown("no highest winding temperature is known, and heat stays above its steady limit for long")
         }
+    }
+}
+
+/// Heat at standstill of a motor whose winding is followed over the motion: what is followed is the mean of the three
+/// phases, and one of them carries two thirds of the heat.
+pub fn heat_at_standstill(candidate: &Candidate, ratio: f64) -> Verdict {
+    if candidate.is_evaluated() {
+        return candidate.at_ratio(ratio, |here| heat_at_standstill(here, ratio));
+    }
+    let load = candidate.load;
+    let (Some(node), Some((hottest, _)), true) =
+        (candidate.two_node(), candidate.winding_temperature(), load.has_course())
+    else {
+        return Verdict::Kept;
+    };
+    let more = candidate.rise_at_standstill(&node, hottest, ratio);
+    match more == 0.0 || load.winding_peak(&candidate.actuator, &node, ratio).0 + more <= hottest - node.ambient {
+        true => Verdict::Kept,
+        false => Verdict::Unknown(
+            "at standstill one phase carries two thirds of the heat and may be hotter than the mean of the three, which is followed over the motion",
+        ),
     }
 }
 
@@ -690,7 +765,10 @@ pub const LIMITS: &[Limit] = &[
         class: Class::Convex,
         stated: a_temperature,
         prepare: |c| match (c.thermal_current(), c.winding_temperature()) {
-            _ if c.load.starts_cold() => Prepared::NotAsked,
+            // Even from cold a winding is not cooler than its surroundings.
+            (_, limit) if c.load.starts_cold() && limit.is_none_or(|(kelvin, _)| kelvin > c.robot.ambient) => {
+                Prepared::NotAsked
+            }
             (Some(_), _) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
             (Some((bound, owner)), _) => c.heating(0.0, bound, owner),
             (None, Some(_)) => Prepared::Unknown("the motor's thermal resistances are not known"),

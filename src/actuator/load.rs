@@ -8,6 +8,10 @@ use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
 use crate::requirement::{self, Motion, TorqueBandwidth};
 
+/// A rise that is so many times its bound is cut off by its logarithm: a motion from cold may come to numbers whose
+/// rounding is larger than any bound.
+const FAR_BEYOND: f64 = 100.0;
+
 /// Phases of the torque that is superposed for the bandwidth limit: between two of them it is at most
 /// 1 − cos(π/32) = 0.5 % larger.
 pub const BANDWIDTH_PHASES: usize = 32;
@@ -390,7 +394,8 @@ impl Load {
             Some((course, heat, temperature)) => {
                 let mut gradient = node.peak_gradient(&course.heat(&heat), course.course, &temperature);
                 gradient.truncate(self.samples.len());
-                (temperature.peak - node.ambient, gradient)
+                let rise = temperature.peak - node.ambient;
+                if rise <= FAR_BEYOND * bound { (rise, gradient) } else { node.far_beyond(rise, gradient, bound) }
             }
             None => self.first_periods(node, heat, bound),
         }
@@ -436,6 +441,20 @@ impl Load {
     pub fn largest_squared_current(&self, actuator: &Actuator, standing: f64, ratio: f64) -> f64 {
         let heat = self.copper_heat(actuator, ratio).into_iter().enumerate();
         heat.map(|(k, heat)| self.held(k, standing) * heat / actuator.resistance).fold(0.0, f64::max)
+    }
+
+    /// The largest heat at standstill \[W\] at a ratio, at the reference temperature; how long the motion stands in all
+    /// \[s\]; and after what time it is made again \[s\], infinite where it is made once.
+    pub fn standing(&self, actuator: &Actuator, ratio: f64) -> (f64, f64, f64) {
+        let duration = self.duration.unwrap_or(0.0);
+        let cycle = match &self.course {
+            None => duration,
+            Some(HeatCourse { course: Course::Periodic, lasts, .. }) => *lasts,
+            Some(_) => f64::INFINITY,
+        };
+        let heat = self.copper_heat(actuator, ratio).into_iter().zip(&self.rest);
+        let largest = heat.filter(|(_, rest)| **rest > 0.0).map(|(heat, _)| heat).fold(0.0, f64::max);
+        (largest, self.dwell * duration, cycle)
     }
 
     /// What the heat of a sample counts as, for the phase that is worst off.

@@ -612,6 +612,18 @@ impl TwoNode {
         gradient
     }
 
+    /// A cut of a rise that is far beyond its bound \[K\], from the rise and its gradient \[K/W\]: its value, still beyond the
+    /// bound, and its gradient, with digits that matter near the bound.
+    ///
+    /// In `θ = T − T_0 + 1/α` the peak is log-convex in heat, and `e^x ≥ 1 + x`, so for all heats
+    /// `θ' ≥ θ_b (1 + ln(θ/θ_b) + g·(q' − q)/θ)`, with θ_b that of the bound.
+    pub fn far_beyond(&self, rise: f64, gradient: Vec<f64>, bound: f64) -> (f64, Vec<f64>) {
+        let ambient = self.ambient - self.reference + 1.0 / copper(self.reference);
+        let (here, at_bound) = (rise + ambient, bound + ambient);
+        let scaled = gradient.into_iter().map(|g| g / here * at_bound).collect();
+        (bound + at_bound * (here / at_bound).ln(), scaled)
+    }
+
     /// How long constant heat `q = R_0 i²` \[W\] may last from ambient until the winding reaches `limit`
     /// \[K\]; `None` where it never does. `coefficient` is α \[1/K\]: [`copper`], or zero for a
     /// resistance that does not rise with temperature, as textbooks' first figures have it.

@@ -1,7 +1,7 @@
 //! One design, looked at closely: every limit with its margin, and the figures people choose by.
 
 use crate::actuator::fitted;
-use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
+use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict, heat_at_standstill};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::thermal;
 use crate::actuator::waveform::Functional;
@@ -109,6 +109,9 @@ impl<'a> Prepared<'a> {
                 Verdict::Assumed(what) => judged.assumed.push((limit, what)),
                 Verdict::Unknown(why) => judged.unchecked.push((limit, why)),
             }
+        }
+        if let Verdict::Unknown(why) = heat_at_standstill(&self.candidate, ratio) {
+            judged.unchecked.push(("standstill_holding", why));
         }
         judged
     }

@@ -75,9 +75,18 @@ pub struct Remedy {
 }
 
 impl Explanation<'_> {
-    /// Whether the design keeps every limit, and every limit that the requirement states could be judged.
+    /// Whether the design keeps every limit, every limit that the requirement states could be judged, and the requirement
+    /// allows its ratio.
     pub fn is_choice(&self) -> bool {
-        self.evaluation.feasible && self.unjudged.is_empty()
+        self.evaluation.feasible && self.unjudged.is_empty() && self.outside().is_none()
+    }
+
+    /// The ratios that the requirement allows, where the design's is none of them.
+    pub fn outside(&self) -> Option<(f64, f64)> {
+        let RatioChoice::Continuous { min, max } = self.joint.ratio else { return None };
+        let ratio = self.evaluation.ratio;
+        let out = self.gear.is_none() && (ratio < min * (1.0 - 1e-9) || ratio > max * (1.0 + 1e-9));
+        out.then_some((min, max))
     }
 }
 

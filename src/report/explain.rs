@@ -103,6 +103,18 @@ pub fn text(story: &Explanation) -> String {
 
 /// How the design stands.
 pub(super) fn verdict(story: &Explanation) -> String {
+    if let Some((min, max)) = story.outside() {
+        let judged = if story.evaluation.feasible {
+            "keeps the limits that could be checked, but"
+        } else {
+            "is not feasible, and"
+        };
+        return format!(
+            "{judged} is outside of the ratios that the requirement allows, {} to {}",
+            number(min),
+            number(max)
+        );
+    }
     match (story.evaluation.feasible, story.unjudged.is_empty()) {
         (false, _) => "is not feasible".into(),
         (true, true) => "keeps every limit that could be checked".into(),
@@ -272,6 +284,7 @@ pub fn json(story: &Explanation) -> Value {
     });
     let mut value = json!({
         "joint": story.joint.name, "motor": story.motor.id, "gear": story.gear.map(|g| &g.id), "ratio": e.ratio, "feasible": e.feasible,
+        "ratio_allowed": story.outside().is_none(),
         "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power,
         "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
         "winding_temperature_k": story.winding_temperature.flatten(), "thermal_runaway": story.winding_temperature == Some(None),

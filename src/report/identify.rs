@@ -552,9 +552,13 @@ fn asked(reports: &[Report]) -> usize {
 fn left(report: &Report, verdict: Verdict) -> String {
     match report.evidence.times_the_noise() {
         Some(times) => {
-            let left = format!("{} times the instrument's noise is left", number(round(times)));
+            let held = report.evidence.held_out_times_the_noise();
+            let also = held.map_or_else(String::new, |h| format!(", {} times on what was held out", number(round(h))));
+            let left = format!("{} times the instrument's noise is left{also}", number(round(times)));
             match verdict {
-                Verdict::NoneOfThese if times > AT_THE_NOISE => format!("{left}: unrepeatable, or not on the list"),
+                Verdict::NoneOfThese if times > AT_THE_NOISE || held.is_some() => {
+                    format!("{left}: unrepeatable, or not on the list")
+                }
                 _ => left,
             }
         }

@@ -96,7 +96,7 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
             ),
         ),
         Reason::Gears { bind, over, allowed, tried } => (
-            format!("{} with every gear", bind.limit),
+            format!("no gear will do; with the nearest, {} is exceeded", bind.limit),
             format!(
                 "none of {tried} gears will do; with the nearest, {} is {}",
                 bind_text(bind, joint),

@@ -66,7 +66,10 @@ pub fn text(fronts: &[Front]) -> String {
             };
             out.push_str(&format!("  no motor {which} can do it\n\n"));
         } else {
-            let note = "Two lines of one motor are the ends of a run: every ratio between them is on its front.";
+            let note = match geared {
+                true => "With gears of the catalogue each line is a design of its own.",
+                false => "Two lines of one motor are the ends of a run: every ratio between them is on its front.",
+            };
             out.push_str(&format!("{}\n{}\n", table.text(), paragraph(note, 0, 0)));
         }
         out.push_str(&beside(front));

@@ -68,7 +68,8 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let mut table = Table::new(columns).indented(2).also_in("`--csv`, `--json`");
     for (place, d) in result.designs.iter().take(top).enumerate() {
         let mut row = vec![(place + 1).to_string(), d.nominal.motor.id.clone()];
-        row.extend([d.nominal.optimum.ratio, d.optimum.ratio, d.optimum.objective, d.worst_objective].map(number));
+        row.extend([d.nominal.optimum.ratio, d.optimum.ratio, d.optimum.objective].map(number));
+        row.push(if d.toleranced.is_empty() { "–".into() } else { number(d.worst_objective) });
         row.push(proof(&d.optimum.certificate));
         table.push(row, vec![details(d, result)]);
     }
@@ -126,6 +127,11 @@ fn contenders(result: &RobustJoint) -> String {
 fn details(design: &RobustDesign, result: &RobustJoint) -> String {
     let joint = result.nominal.joint;
     let mut out = tolerances_text(&design.toleranced);
+    match design.nominal.unchecked.len() {
+        0 => {}
+        1 => out.push_str("; 1 thing not checked"),
+        n => out.push_str(&format!("; {n} things not checked")),
+    }
     if design.toleranced.is_empty() {
         return out;
     }
@@ -177,6 +183,7 @@ pub fn json(robot: &Robot, joints: &[RobustJoint]) -> Value {
                     "binds": { "low": window.low.limit, "high": window.high.limit },
                     "objective": d.optimum.objective,
                     "worst_objective": d.worst_objective,
+                    "not_checked": super::unjudged::list(&d.nominal.unchecked),
                     "objective_unit": joint.objective.unit(),
                     "loss_w": d.evaluation.loss,
                     "tightest_margin": d.tightest.map(|m| json!({ "limit": m.limit, "margin": m.margin })),

@@ -110,7 +110,10 @@ pub fn sweep_text(sweep: &JointSweep) -> String {
     let count = sweep.designs.iter().filter(|d| d.is_unjudged()).count();
     let apart = sweep.designs.iter().filter(|d| d.is_unjudged());
     let reasons = apart.map(|d| (d.motor.id.as_str(), &*d.unjudged));
-    block(&format!("{HEADING} ({count} designs of these motors)"), lines(reasons))
+    let heading = format!(
+        "What the requirement asks for cannot be judged of {count} designs, so none of those is a choice; by motor"
+    );
+    block(&heading, lines(reasons))
 }
 
 /// Unjudged designs of a sweep, for programs: each motor (with its gear) once.

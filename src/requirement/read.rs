@@ -471,7 +471,17 @@ fn read_motion(
             );
             None
         }
-        (false, true) => Some((read_points(section)?, Vec::new())),
+        (false, true) => {
+            for key in ["periodic", "period"].into_iter().filter(|key| section.has(key)) {
+                let problem = Problem::at(
+                    section.span_of(key),
+                    format!("`{key}` says nothing of operating points"),
+                    "points have durations and no order",
+                );
+                section.note(problem.help("remove it, or give a `motion`"));
+            }
+            Some((read_points(section)?, Vec::new()))
+        }
         (true, false) => {
             let file = section.text("motion")?;
             let path = section.source().folder().join(file.get_ref());

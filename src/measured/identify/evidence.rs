@@ -161,6 +161,12 @@ impl Evidence {
         self.noise.floor().map(|floor| self.left / floor)
     }
 
+    /// The same of what was held out, where that is more than the noise and more than what is left.
+    pub fn held_out_times_the_noise(&self) -> Option<f64> {
+        let times = self.held_out? / self.noise.floor()?;
+        (times > AT_THE_NOISE && self.times_the_noise().is_some_and(|left| times > left)).then_some(times)
+    }
+
     /// Whether what is left is the instrument's noise, on what was held out too.
     fn is_noise(&self) -> bool {
         let within = |error: f64| self.noise.floor().is_some_and(|floor| error <= AT_THE_NOISE * floor);

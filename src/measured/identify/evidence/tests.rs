@@ -107,6 +107,15 @@ fn the_most_is_that_of_all_and_of_each() {
     assert_eq!(evidence.most(), Some(alone.max(together)));
     assert_eq!(evidence.strongest().unwrap().name, "cogging");
     approx::assert_relative_eq!(evidence.times_the_noise().unwrap(), 1.1, max_relative = 1e-12);
+    // A held-out log that is far beyond the noise is told; one that is at it is not.
+    let held = |times: f64| Evidence {
+        held_out: Some(times * evidence.left / 1.1),
+        left: evidence.left,
+        noise: evidence.noise.clone(),
+        ..Evidence::default()
+    };
+    approx::assert_relative_eq!(held(9.0).held_out_times_the_noise().unwrap(), 9.0, max_relative = 1e-12);
+    assert_eq!(held(1.12).held_out_times_the_noise(), None);
     evidence.together = None;
     assert_eq!(evidence.most(), None);
 }
