@@ -525,7 +525,7 @@ pub fn text() -> String {
         currents::NAMES[2],
         currents::NAMES[3]
     ));
-    out.push_str("\n## Motion (CSV)\n\nWhat the joint does, at the output, without the actuator's own rotor; torque × velocity > 0 means that the motor drives. Time increases; the last row repeats the first of a periodic motion. `velocity` or `position` must be there; what is missing comes from a cubic spline. Where no acceleration, torque rate or jerk is given, that spline is the motion, and it is kept between the samples too; give them only where they are known better than by a spline.\n\n");
+    out.push_str("\n## Motion (CSV)\n\nWhat the joint does, at the output, without the actuator's own rotor; torque × velocity > 0 means that the motor drives. Time increases; the last row repeats the first of a periodic motion. `velocity` or `position` must be there; what is missing comes from a cubic spline. Where no acceleration, torque rate or jerk is given, the spline of torque and that of speed are the motion, and limits hold between the samples too. (Of a position it is the speed's spline through the slopes of the position's: where a move takes four samples or fewer its peaks may be missed. Give more samples there.) Give rates only where they are known better than by a spline.\n\n");
     out.push_str(&columns(&motion::columns(&[]), |name| motion_about(name).into()));
     out.push_str("\n## Motor catalogue (CSV)\n\nOne row for each motor, as its sheet prints it; the row says in which conventions, and the reader converts to the power-invariant q axis. Blank is unknown, not zero. Every numeric column may have a `…_tolerance` beside it, in a unit of the same kind or in `%`.\n\n");
     let motor: Vec<Column> =
