@@ -415,7 +415,7 @@ fn voltage_and_power_see_the_winding_at_its_hottest() {
     assert!(said(&judged.assumed, "voltage").is_some());
     // Power that comes back: 5 · 3 − 9 W, cold.
     let back = self::robot("{ torque = '-0.3 N*m', speed = '50 rad/s', duration = '1 s' }");
-    let back = Robot { bus: robot.bus.clone(), ..back };
+    let back = Robot { bus: robot.bus, ..back };
     let (evaluation, _) = look(&back, &motor(&[], &still));
     assert_relative_eq!(demand(&evaluation, "regeneration").unwrap(), 15.0 - 9.0, max_relative = 1e-9);
 }

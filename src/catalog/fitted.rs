@@ -46,7 +46,7 @@ pub enum Fitted {
     /// One that turns: it stands in place of a catalogue row.
     Motor(Box<Motor>),
     /// A linear axis: it has no row.
-    Axis(Axis),
+    Axis(Box<Axis>),
 }
 
 /// A fitted linear axis: force, metre and kilogram in place of torque, radian and inertia.
@@ -187,7 +187,7 @@ fn read_root(root: &Section) -> Option<Fitted> {
         section.finish();
     }
     if of_axis {
-        return Some(Fitted::Axis(Axis { effects, fit, ..axis? }));
+        return Some(Fitted::Axis(Box::new(Axis { effects, fit, ..axis? })));
     }
     Some(Fitted::Motor(Box::new(Motor { effects, fitted_gear: gear, fit: Some(fit), ..motor? })))
 }

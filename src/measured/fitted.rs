@@ -31,7 +31,7 @@ pub fn fitted_actuator(bench: &Bench, reports: &[Report]) -> Option<Fitted> {
         Builder { fits: Fits::new(bench, reports), tolerances: Vec::new(), named: Vec::new(), notes: Vec::new() };
     match &bench.declared.motor {
         Some(motor) => builder.motor(motor).map(|motor| Fitted::Motor(Box::new(motor))),
-        None => Some(Fitted::Axis(builder.axis())),
+        None => Some(Fitted::Axis(Box::new(builder.axis()))),
     }
 }
 
