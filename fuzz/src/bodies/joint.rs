@@ -400,8 +400,14 @@ fn case_of(robot: &Robot, motor: &Motor, gear: GearModel, range: (f64, f64)) -> 
     let mut robot = robot.clone();
     let joint = &mut robot.joints[0];
     (joint.gear, joint.ratio) = (gear, RatioChoice::Continuous { min: range.0, max: range.1 });
-    let raw = points(&joint.motion);
-    Case::new(motor.clone(), robot, raw)
+    let motion = &joint.motion;
+    let raw = points(motion);
+    // Between given samples there are instants with weights of their own (tests/instants.rs looks at those).
+    let own = (motion.given.len() < motion.len())
+        .then(|| motion.weight.iter().zip(&motion.dwell).map(|(all, rest)| [*all, *rest]).collect());
+    let mut case = Case::new(motor.clone(), robot, raw);
+    case.shares = own.unwrap_or(case.shares);
+    case
 }
 
 fn model(gear: &Gear) -> GearModel {
