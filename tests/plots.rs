@@ -208,7 +208,9 @@ fn the_voltage_boundary_meets_the_circle() {
                             (Some(l), Some(p)) if inductance => l * f64::from(p),
                             _ => 0.0,
                         };
-                        let v_q = motor.resistance * current + motor.back_emf_constant * n * speed;
+                        // Of the hottest winding: tests/raw looks at how hot that is.
+                        let hot = prepared.candidate.actuator.hot_resistance / motor.resistance;
+                        let v_q = motor.resistance * hot * current + motor.back_emf_constant * n * speed;
                         let v_d = -poles * n * speed * current;
                         let reached = v_q.hypot(v_d);
                         assert!(
