@@ -559,7 +559,7 @@ pub const NEEDS: &[Need] = &[
         },
     },
     Need {
-        name: "bandwidth_cross_voltage",
+        name: "torque_bandwidth_voltage",
         stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
         missing: |c| {
             let Motor { inductance, pole_pairs, conventions, .. } = c.motor;
