@@ -133,7 +133,7 @@ fn optima_are_stationary_points_of_their_lagrangian() {
             let case = draw(i, true);
             let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
             let result = optimize(&case.robot, &catalog);
-            Some((i, check(&case, result.joints[0].candidates.first()?)?))
+            Some((i, check(&case, result.joints[0].designs().next()?)?))
         })
         .collect();
     let most =

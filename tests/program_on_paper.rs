@@ -210,7 +210,7 @@ fn certificates_say_how_and_are_tight() {
 #[test]
 fn refusals_have_the_numbers_of_the_raw_waveforms() {
     let (mut never, mut contradiction, mut nowhere, mut compared) = (0, 0, 0, 0);
-    for i in (0..300).chain(100_000..100_100) {
+    for i in (0..360).chain(100_000..100_100) {
         let case = draw(i, i < 1000);
         let Outcome::Infeasible(why) = with_program(&case, |p| p.solve()) else { continue };
         let (min, max) = range(&case);

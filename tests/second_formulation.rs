@@ -344,7 +344,8 @@ impl<'a> Problem<'a> {
 
     /// The objective's size in the middle of the range, for where it vanishes.
     fn usual(&self) -> f64 {
-        self.objective((self.min * self.max).sqrt()).abs()
+        let ratios = [self.min, (self.min * self.max).sqrt(), self.max];
+        ratios.map(|n| self.objective(n).abs()).into_iter().fold(0.0, f64::max)
     }
 
     /// The best ratio and its objective; `None` where there is none; an error where it cannot be told.

@@ -6,11 +6,8 @@
 //! ([`is_stated`]), so that whoever adds an unknown adds nothing here.
 
 use super::optimize::{Design, Reason, Rejected};
-use crate::actuator::limits::is_stated;
+use crate::actuator::limits::{Remark, is_stated};
 use crate::requirement::{Joint, Robot};
-
-/// A name of a limit or need with why it cannot be judged.
-pub type Unknown = (&'static str, &'static str);
 
 /// A design that keeps every limit that could be judged, and of which a stated one could not.
 #[derive(Debug, Clone)]
@@ -18,7 +15,7 @@ pub struct Unjudged<'a> {
     /// The best design as far as it can be told.
     pub design: Design<'a>,
     /// What the requirement states and cannot be judged, and why; never empty.
-    pub because: Vec<Unknown>,
+    pub because: Vec<Remark>,
 }
 
 /// Why a motor is no candidate for the choice.
@@ -41,14 +38,14 @@ impl Refused<'_> {
 }
 
 /// Of what could not be checked of a design, that which the requirement itself states.
-pub fn unjudged(robot: &Robot, joint: &Joint, unchecked: &[Unknown]) -> Vec<Unknown> {
+pub fn unjudged(robot: &Robot, joint: &Joint, unchecked: &[Remark]) -> Vec<Remark> {
     unchecked.iter().filter(|(name, _)| is_stated(name, robot, joint)).copied().collect()
 }
 
 /// What rules a design out before it is solved, where only designs with every limit checked are wanted: an unknown
 /// that the requirement does not state. (One that it states is told apart, if the design keeps all else.)
-pub fn left_out(robot: &Robot, joint: &Joint, unchecked: &[Unknown], only_checked: bool) -> Option<Unknown> {
-    let plain = |(name, _): &&Unknown| only_checked && !is_stated(name, robot, joint);
+pub fn left_out(robot: &Robot, joint: &Joint, unchecked: &[Remark], only_checked: bool) -> Option<Remark> {
+    let plain = |(name, _): &&Remark| only_checked && !is_stated(name, robot, joint);
     unchecked.iter().find(plain).copied()
 }
 

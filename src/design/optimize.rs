@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
 use super::evaluate::Judged;
-use super::judge::{self, Refused, Unjudged, Unknown};
+use super::judge::{self, Refused, Unjudged};
 use super::program::{Bind, Certificate, Infeasible, Optimum, Outcome, RatioProgram, Window};
 use super::prune::{self, Pruned};
 use super::spring::SpringChoice;
@@ -85,7 +85,7 @@ pub enum Reason {
     /// A limit cannot be checked, and only designs with all limits checked were wanted.
     Unchecked(&'static str, &'static str),
     /// It keeps all that could be judged, but limits that the requirement states cannot be: which, and why.
-    Unjudged(Vec<Unknown>),
+    Unjudged(Vec<Remark>),
     /// No gear of the catalogue keeps all limits; at the nearest one this is exceeded.
     Gears {
         /// The limit, with its sample.
@@ -312,7 +312,7 @@ fn best_gear<'a>(
     let mut best: [Option<(f64, f64, &'a Gear, Prepared)>; 2] = [None, None];
     let mut nearest: Option<(f64, &'a str, Bind, f64, f64)> = None;
     let mut unusable = Unusable::NoGearFits;
-    let mut unchecked: Option<(&'a str, Unknown)> = None;
+    let mut unchecked: Option<(&'a str, Remark)> = None;
     let mut tried = 0;
     for (gear, load) in demand.gears_for(motor) {
         let candidate = match geared_candidate(robot, joint, load, motor, gear) {

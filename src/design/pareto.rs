@@ -7,11 +7,12 @@
 
 use rayon::prelude::*;
 
-use super::judge::{self, Unknown};
+use super::judge;
 use super::optimize::{Reason, solve};
 use super::program::{Bind, Certificate};
 use super::sweep::grid;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
+use crate::actuator::limits::Remark;
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, Objective, Quantity, RatioChoice, Robot};
 
@@ -29,7 +30,7 @@ pub struct FrontPoint<'a> {
     /// Whether the motor's own front is proved: both best ratios are certified.
     pub certified: bool,
     /// Limits that could not be checked, and why.
-    pub unchecked: Vec<Unknown>,
+    pub unchecked: Vec<Remark>,
 }
 
 /// The front at one joint.
@@ -44,7 +45,7 @@ pub struct Front<'a> {
     /// Number of motors that have a feasible design of which every stated limit could be judged.
     pub motors: usize,
     /// Motors that keep all that could be judged, and of which a limit that the requirement states could not.
-    pub unjudged: Vec<(&'a Motor, Vec<Unknown>)>,
+    pub unjudged: Vec<(&'a Motor, Vec<Remark>)>,
     /// Motors without a point, and why.
     pub rejected: Vec<(&'a Motor, Reason)>,
 }
@@ -118,17 +119,20 @@ impl<'a> Asked<'a, '_> {
         }
     }
 
-    /// The gate: why no design of this candidate is on a front, from what is not known of it.
-    fn judge(&self, unchecked: &[Unknown]) -> Result<(), Reason> {
+    /// The gate: why a design is not on a front, from what is not known of it.
+    fn judge(&self, unchecked: &[Remark]) -> Result<(), Reason> {
+        if let Some(why) = self.left_out(unchecked) {
+            return Err(why);
+        }
         match judge::unjudged(self.robot, self.joint, unchecked) {
             because if because.is_empty() => Ok(()),
             because => Err(Reason::Unjudged(because)),
         }
     }
 
-    /// Why a candidate is not looked at.
-    fn left_out(&self, prepared: &Prepared) -> Option<Reason> {
-        let what = judge::left_out(self.robot, self.joint, &prepared.unchecked, self.only_checked);
+    /// Why something with these unknowns is not looked at.
+    fn left_out(&self, unchecked: &[Remark]) -> Option<Reason> {
+        let what = judge::left_out(self.robot, self.joint, unchecked, self.only_checked);
         what.map(|(limit, why)| Reason::Unchecked(limit, why))
     }
 
@@ -155,7 +159,7 @@ impl<'a> Asked<'a, '_> {
         let candidate =
             continuous_candidate(self.robot, self.joint, &self.demand.load, motor).map_err(Reason::Unusable)?;
         let prepared = Prepared::new(candidate);
-        if let Some(why) = self.left_out(&prepared) {
+        if let Some(why) = self.left_out(&prepared.unchecked) {
             return Err(why);
         }
         let best = self.quantities.map(|quantity| {
@@ -194,7 +198,7 @@ impl<'a> Asked<'a, '_> {
                 }
             };
             let prepared = Prepared::new(candidate);
-            if let Some(reason) = self.left_out(&prepared) {
+            if let Some(reason) = self.left_out(&prepared.unchecked) {
                 why = reason;
                 continue;
             }

@@ -253,7 +253,9 @@ fn unproved(robot: &Robot, nominal: &Prepared, all: &[Toleranced]) -> Option<&'s
     if matches!(robot.bus.regeneration, Regeneration::Limited(_)) && has(&of_power) {
         return Some("power that comes back may be largest between the corners of the tolerances");
     }
-    let by_rating = hottest(nominal.candidate.motor, nominal.candidate.joint).is_none() && has(&["continuous_current"]);
+    let Candidate { motor, joint, .. } = nominal.candidate;
+    let settles = hottest(motor, joint).is_none() && motor.thermal_resistance.is_some();
+    let by_rating = settles && has(&["continuous_current"]);
     if has(&["max_winding_temperature"]) || by_rating {
         return Some(
             "voltage takes the winding at its hottest, which the other end of its tolerance would make hotter",

@@ -90,7 +90,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         );
         out.push_str(&paragraph(&sentence, 2, 4));
     }
-    out.push_str(&super::unjudged::text(&result.nominal, false).replace(" (`--rejected` lists each)", ""));
+    out.push_str(&super::unjudged::reasons(&result.nominal, ""));
     if !result.contenders.is_empty() {
         let heading = format!(
             "The first {} of the nominal order with their numbers drawn at random, {SAMPLES} times (each ± is two \

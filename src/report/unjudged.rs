@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 
 use super::number;
 use super::table::wrap;
-use crate::design::judge::{Unjudged, Unknown};
+use crate::actuator::limits::Remark;
+use crate::design::judge::Unjudged;
 use crate::design::optimize::{JointResult, Reason};
 use crate::design::pareto::Front;
 use crate::design::robot::Choice;
@@ -15,24 +16,24 @@ use crate::design::sweep::JointSweep;
 use crate::requirement::Joint;
 
 /// Why something cannot be judged, in a sentence.
-pub fn sentence(because: &[Unknown]) -> String {
+pub fn sentence(because: &[Remark]) -> String {
     let each: Vec<String> = because.iter().map(|(limit, why)| format!("{why} ({limit})")).collect();
     format!("cannot be judged: {}", each.join("; "))
 }
 
 /// The same in short: the limits alone.
-pub fn class(because: &[Unknown]) -> String {
+pub fn class(because: &[Remark]) -> String {
     let limits: Vec<&str> = because.iter().map(|(limit, _)| *limit).collect();
     format!("{} cannot be judged", limits.join(", "))
 }
 
 /// Limits and reasons for programs.
-pub fn list(because: &[Unknown]) -> Value {
+pub fn list(because: &[Remark]) -> Value {
     because.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect()
 }
 
 /// A motor, a gear and why they cannot be judged, for programs.
-fn one(motor: &str, gear: Option<&str>, because: &[Unknown]) -> Value {
+fn one(motor: &str, gear: Option<&str>, because: &[Remark]) -> Value {
     json!({ "motor": motor, "gear": gear, "because": sentence(because), "limits": list(because) })
 }
 
@@ -51,7 +52,7 @@ pub fn json(unjudged: &[Unjudged], joint: &Joint) -> Value {
 }
 
 /// Motors by what cannot be judged, the most frequent first.
-fn by_reason<'m>(all: impl Iterator<Item = (&'m str, &'m [Unknown])>) -> Vec<(String, Vec<&'m str>)> {
+fn by_reason<'m>(all: impl Iterator<Item = (&'m str, &'m [Remark])>) -> Vec<(String, Vec<&'m str>)> {
     let mut reasons: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for (motor, because) in all {
         let motors = reasons.entry(sentence(because)).or_default();
@@ -67,7 +68,7 @@ fn by_reason<'m>(all: impl Iterator<Item = (&'m str, &'m [Unknown])>) -> Vec<(St
 const HEADING: &str = "What the requirement asks for cannot be judged of these, so none of them is a choice";
 
 /// A line for each reason, with how many motors have it and the first of them.
-fn lines<'m>(all: impl Iterator<Item = (&'m str, &'m [Unknown])>) -> Vec<String> {
+fn lines<'m>(all: impl Iterator<Item = (&'m str, &'m [Remark])>) -> Vec<String> {
     let line = |(why, motors): (String, Vec<&str>)| {
         let more = if motors.len() > 3 { ", …" } else { "" };
         format!("{:>3} × {why}: {}{more}", motors.len(), motors[..motors.len().min(3)].join(", "))
@@ -83,12 +84,16 @@ fn block(heading: &str, lines: Vec<String>) -> String {
     format!("\n  {}\n{lines}", wrap(&format!("{heading}:"), 4))
 }
 
+/// The block of a joint by reasons; `more` is said of them.
+pub fn reasons(result: &JointResult, more: &str) -> String {
+    let reasons = result.unjudged.iter().map(|u| (u.design.motor.id.as_str(), u.because.as_slice()));
+    block(&format!("{HEADING}{more}"), lines(reasons))
+}
+
 /// The block of a joint; `each` lists every motor, with what is known of its best design.
 pub fn text(result: &JointResult, each: bool) -> String {
-    let unjudged = &result.unjudged;
     if !each {
-        let reasons = unjudged.iter().map(|u| (u.design.motor.id.as_str(), u.because.as_slice()));
-        return block(&format!("{HEADING} (`--rejected` lists each)"), lines(reasons));
+        return reasons(result, " (`--rejected` lists each)");
     }
     let goal = &result.joint.objective;
     let line = |u: &Unjudged| {
@@ -102,7 +107,7 @@ pub fn text(result: &JointResult, each: bool) -> String {
             number(u.design.evaluation.ratio)
         )
     };
-    block(HEADING, unjudged.iter().map(line).collect())
+    block(HEADING, result.unjudged.iter().map(line).collect())
 }
 
 /// The block of a sweep.
@@ -118,7 +123,7 @@ pub fn sweep_text(sweep: &JointSweep) -> String {
 
 /// Unjudged designs of a sweep, for programs: each motor (with its gear) once.
 pub fn sweep_json(sweep: &JointSweep) -> Value {
-    let mut all: Vec<(&str, Option<&str>, &[Unknown])> = Vec::new();
+    let mut all: Vec<(&str, Option<&str>, &[Remark])> = Vec::new();
     for design in sweep.designs.iter().filter(|d| d.is_unjudged()) {
         let new = (design.motor.id.as_str(), design.gear, &*design.unjudged);
         if !all.contains(&new) {
@@ -140,7 +145,7 @@ pub fn front_json(front: &Front) -> Value {
 
 /// What could not be checked of the designs on a front: each with the motors it is true of.
 pub fn front_not_checked(front: &Front) -> Vec<String> {
-    let mut all: BTreeMap<&Unknown, Vec<&str>> = BTreeMap::new();
+    let mut all: BTreeMap<&Remark, Vec<&str>> = BTreeMap::new();
     for point in &front.points {
         for what in &point.unchecked {
             let motors = all.entry(what).or_default();
@@ -149,7 +154,7 @@ pub fn front_not_checked(front: &Front) -> Vec<String> {
             }
         }
     }
-    let line = |((limit, why), motors): (&Unknown, Vec<&str>)| {
+    let line = |((limit, why), motors): (&Remark, Vec<&str>)| {
         format!("not checked: {limit}, because {why}: {}", motors.join(", "))
     };
     all.into_iter().map(line).collect()

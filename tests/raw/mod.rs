@@ -340,8 +340,18 @@ impl Nodes {
             }
             rise = [(e * d[0] - b * d[1]) / determinant, (a * d[1] - c * d[0]) / determinant];
         }
-        let mut peak = rise[0];
-        for (h, [q, then], halves) in &parts {
+        // The starts of all parts, and the largest of them: what cannot come up to that within a part is not looked at.
+        let mut starts = vec![rise];
+        for (_, _, halves) in &parts {
+            starts.push(halves.iter().fold(*starts.last().unwrap(), |x, half| apply(half, x)));
+        }
+        let mut peak = starts.iter().map(|x| x[0]).fold(f64::NEG_INFINITY, f64::max);
+        for ((h, [q, then], _), rise) in parts.iter().zip(starts) {
+            // The hotter of both nodes is heated by no more than the copper, and that is below the peak.
+            let warms = h * q.max(*then) * (self.warm + self.copper * peak) * self.between / self.winding;
+            if rise[0].max(rise[1]) + warms < peak {
+                continue;
+            }
             let count = (4096.0 * h / self.winding).ceil().clamp(4.0, 256.0);
             let at = |k: u32| q + (then - q) * f64::from(k) / count;
             (0..count as u32).fold(rise, |x, k| {
@@ -349,10 +359,8 @@ impl Nodes {
                 peak = peak.max(x[0]);
                 x
             });
-            rise = halves.iter().fold(rise, |x, half| apply(half, x));
-            peak = peak.max(rise[0]);
         }
-        if peak.is_nan() { f64::INFINITY } else { peak }
+        if peak.is_finite() { peak } else { f64::INFINITY }
     }
 
     /// What the bound from above may give away \[K\], at a rise: within a part of length h, whose heat changes by Δq, each

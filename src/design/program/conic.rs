@@ -231,10 +231,20 @@ fn lowest(goal: &Goal, start: f64, end: f64) -> f64 {
     least_in_range(&|u: f64| goal.value(u.sqrt()), start, end)
 }
 
-/// The least value near the proposal: a convex objective has one valley.
+/// The least value near the proposal: a convex objective has one valley. Where it goes on falling at the edge of what
+/// is near, more is.
 fn sharpen(goal: &Goal, u: f64, start: f64, end: f64) -> f64 {
     let at = |u: f64| goal.value(u.sqrt());
-    let found = golden_section(&at, (u * 0.999).max(start), (u * 1.001).min(end), FULLY);
+    for near in [1e-3, 1e-2, 1e-1] {
+        let (a, b) = ((u * (1.0 - near)).max(start), (u * (1.0 + near)).min(end));
+        let found = golden_section(&at, a, b, FULLY);
+        let edge = 1e-3 * (b - a);
+        let falls_on = (found - a < edge && a > start) || (b - found < edge && b < end);
+        if !falls_on {
+            return if at(found) < at(u) { found } else { u };
+        }
+    }
+    let found = lowest(goal, start, end);
     if at(found) < at(u) { found } else { u }
 }
 

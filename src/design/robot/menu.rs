@@ -3,8 +3,9 @@
 
 use rayon::prelude::*;
 
+use crate::actuator::limits::Remark;
 use crate::catalog::Catalog;
-use crate::design::judge::{self, Refused, Unknown};
+use crate::design::judge::{self, Refused};
 use crate::design::optimize::{Design, Reason, best_design, design, one_gear};
 use crate::design::program::Certificate;
 use crate::design::{JointDemand, Prepared, geared_candidate};
@@ -30,7 +31,7 @@ pub(super) struct Item<'a> {
 pub(super) struct Menu<'a> {
     pub items: Vec<Item<'a>>,
     /// Motors left out because they cannot be judged, each with what and why.
-    pub unjudged: Vec<(usize, Vec<Unknown>)>,
+    pub unjudged: Vec<(usize, Vec<Remark>)>,
     /// Motors that were not solved, or not proved.
     pub unproved: Vec<usize>,
 }
@@ -74,7 +75,7 @@ pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog,
 struct Made<'a> {
     items: Vec<Item<'a>>,
     /// What keeps some design of it from being judged.
-    unjudged: Vec<Unknown>,
+    unjudged: Vec<Remark>,
     unproved: bool,
 }
 
@@ -195,7 +196,7 @@ impl<'a> Made<'a> {
         match why {
             Refused::Rejected(why) => self.unproved |= matches!(why.reason, Reason::NotSolved(_)),
             Refused::Unjudged(why) => {
-                let new: Vec<Unknown> = why.because.into_iter().filter(|u| !self.unjudged.contains(u)).collect();
+                let new: Vec<Remark> = why.because.into_iter().filter(|u| !self.unjudged.contains(u)).collect();
                 self.unjudged.extend(new);
             }
         }

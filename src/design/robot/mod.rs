@@ -18,9 +18,9 @@ mod total;
 
 use std::collections::BTreeMap;
 
+use crate::actuator::limits::Remark;
 use crate::catalog::{Catalog, Motor};
 use crate::design::Prepared;
-use crate::design::judge::Unknown;
 use crate::design::optimize::Design;
 use crate::design::program::GAP_TOLERANCE;
 use crate::requirement::{Course, Joint, Robot};
@@ -139,7 +139,7 @@ pub struct Choice<'a> {
     /// The best total for less and less mass.
     pub front: Vec<Combination<'a>>,
     /// Motors left out at some joint because they cannot be judged there, each with what and why.
-    pub unjudged: Vec<(&'a Motor, Vec<Unknown>)>,
+    pub unjudged: Vec<(&'a Motor, Vec<Remark>)>,
     /// Names of joints that share a time base, for each time base.
     pub time_bases: Vec<Vec<String>>,
     /// Whether power was added up instant by instant over all joints.
@@ -203,8 +203,8 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
 }
 
 /// Every motor that some menu leaves out because it cannot be judged.
-fn unjudged<'a>(context: &Context<'a>) -> Vec<(&'a Motor, Vec<Unknown>)> {
-    let mut all: BTreeMap<usize, Vec<Unknown>> = BTreeMap::new();
+fn unjudged<'a>(context: &Context<'a>) -> Vec<(&'a Motor, Vec<Remark>)> {
+    let mut all: BTreeMap<usize, Vec<Remark>> = BTreeMap::new();
     for (motor, because) in context.menus().flat_map(|menu| &menu.unjudged) {
         let told = all.entry(*motor).or_default();
         for why in because {

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use super::unit_of;
-use crate::design::judge::{self, Unknown};
+use crate::actuator::limits::Remark;
+use crate::design::judge;
 use crate::report::currents;
 use crate::report::optimize::margins_json;
 use crate::report::unjudged::list;
@@ -27,7 +28,7 @@ fn finding(report: &Report, finding: &Finding) -> Value {
 }
 
 /// What the requirement states and cannot be judged of a joint's design.
-fn unjudged(facts: &JointFacts) -> Vec<Unknown> {
+fn unjudged(facts: &JointFacts) -> Vec<Remark> {
     let unchecked = facts.examined.as_ref().map_or(&[][..], |examined| &examined.unchecked);
     judge::unjudged(facts.robot, facts.choice.joint, unchecked)
 }

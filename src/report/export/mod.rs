@@ -10,8 +10,8 @@ pub mod urdf;
 
 use serde_json::{Value, json};
 
+use crate::actuator::limits::Remark;
 use crate::catalog::{Gear, Motor};
-use crate::design::judge::Unknown;
 use crate::design::simulated::SimulatedJoint;
 use crate::report::unjudged::{list, sentence};
 use crate::report::xml::{escape, is_xml};
@@ -32,7 +32,7 @@ pub struct Exported<'a> {
     /// Limits that could not be checked.
     pub unchecked: Vec<&'static str>,
     /// Of those, what the requirement itself states, and why it cannot be judged.
-    pub unjudged: Vec<Unknown>,
+    pub unjudged: Vec<Remark>,
 }
 
 /// Where an export comes from: the same for all its joints.

@@ -1,13 +1,13 @@
 //! The table of what cannot be judged, the same on every page.
 
 use super::{Part, Table};
-use crate::design::judge::Unknown;
+use crate::actuator::limits::Remark;
 use crate::report::unjudged::{class, sentence};
 
 /// Motors (with their gears) that cannot be judged, folded; nothing where there are none.
 pub(super) fn folded<'m>(
     names: &str,
-    all: impl Iterator<Item = (&'m str, Option<&'m str>, &'m [Unknown])>,
+    all: impl Iterator<Item = (&'m str, Option<&'m str>, &'m [Remark])>,
 ) -> Option<Part> {
     let name = format!("{names}: what the requirement asks for cannot be judged, so none of these is a choice");
     let mut table = Table::new(name, &["motor", "gear", "because", "in short"]);
