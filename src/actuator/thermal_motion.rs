@@ -188,6 +188,18 @@ struct Within {
     ends: bool,
 }
 
+/// The largest rise of the winding over a motion.
+#[derive(Debug, Clone, Copy)]
+struct Peak {
+    rise: f64,
+    /// The sample at which, or in the interval after which, it is reached.
+    sample: usize,
+    /// The part that it lies in or at the start of; one more than there are where it is the end.
+    node: usize,
+    /// After so many of the steps within the part.
+    steps: usize,
+}
+
 /// A time of constant heat with its step, and what a watt in it adds.
 #[derive(Debug, Clone, Copy)]
 struct Watt {
@@ -397,9 +409,34 @@ impl Rates {
         (STEPS_PER_TIME_CONSTANT * self.winding * duration).ceil().clamp(fewest, most) as usize
     }
 
+    /// The largest rise of the winding, from the rises at the start of each part and that at the end. Ends of parts come
+    /// first: within most parts nothing can be above the highest of them.
+    fn peak(&self, heat: &Heat, course: Course, nodes: impl Iterator<Item = (Part, Rise)> + Clone, end: Rise) -> Peak {
+        // What left all numbers is hotter than any.
+        let number = |rise: f64| if rise.is_finite() { rise } else { f64::INFINITY };
+        let mut peak = Peak { rise: f64::NEG_INFINITY, sample: 0, node: 0, steps: 0 };
+        let mut count = 0;
+        for (node, (part, rise)) in nodes.clone().enumerate() {
+            count += 1;
+            if part.whole.is_some() && number(rise[0]) > peak.rise {
+                peak = Peak { rise: number(rise[0]), sample: part.sample, node, steps: 0 };
+            }
+        }
+        // The end of a period is its start.
+        if course == Course::FromCold && number(end[0]) > peak.rise {
+            peak = Peak { rise: number(end[0]), sample: heat.times.len() - 1, node: count, steps: 0 };
+        }
+        for (node, (part, rise)) in nodes.enumerate() {
+            if let Some(Within { rise, steps, ends }) = self.highest_within(heat, &part, rise, peak.rise) {
+                peak = Peak { rise, sample: if ends { part.next } else { part.sample }, node, steps };
+            }
+        }
+        peak
+    }
+
     /// The largest rise within a part, and where, if it is above another; a bound from above.
     fn highest_within(&self, heat: &Heat, part: &Part, start: Rise, above: f64) -> Option<Within> {
-        let (shares, duration) = part.whole?;
+        let (shares, duration) = part.whole.filter(|_| above < f64::INFINITY)?;
         let ends = shares.map(|share| heat.between(part, share));
         // Constant heat is hottest at one of its ends.
         if ends[0] == ends[1] || duration == 0.0 {
@@ -507,33 +544,21 @@ impl TwoNode {
     }
 
     fn march(&self, heat: &Heat, course: Course, start: Rise, mut step: impl FnMut(&Part) -> Step) -> Temperature {
-        let samples = heat.times.len();
-        let rates = self.rates(copper(self.reference));
         let kelvin = |rise: f64| if rise.is_finite() { self.ambient + rise } else { f64::INFINITY };
-        // What left all numbers is hotter than any.
-        let number = |rise: f64| if rise.is_finite() { rise } else { f64::INFINITY };
-        let mut winding = Vec::with_capacity(samples);
-        let mut housing = Vec::with_capacity(samples);
-        let (mut peak, mut peak_sample) = (f64::NEG_INFINITY, 0);
+        let mut nodes: Vec<(Part, Rise)> = Vec::with_capacity(heat.times.len());
         let mut rise = start;
         heat.parts(course, self.time_constant_winding).for_each(|part| {
-            if part.first {
-                winding.push(kelvin(rise[0]));
-                housing.push(kelvin(rise[1]));
-            }
-            if part.whole.is_some() && number(rise[0]) > peak {
-                (peak, peak_sample) = (number(rise[0]), part.sample);
-            }
-            if let Some(within) = rates.highest_within(heat, &part, rise, peak) {
-                (peak, peak_sample) = (within.rise, if within.ends { part.next } else { part.sample });
-            }
+            nodes.push((part, rise));
             rise = step(&part).apply(rise);
         });
-        // The end of a period is its start.
-        if course == Course::FromCold && number(rise[0]) > peak {
-            (peak, peak_sample) = (number(rise[0]), samples - 1);
+        let peak = self.rates(copper(self.reference)).peak(heat, course, nodes.iter().copied(), rise);
+        let at_samples = || nodes.iter().filter(|(part, _)| part.first);
+        Temperature {
+            peak: kelvin(peak.rise),
+            peak_sample: peak.sample,
+            winding: at_samples().map(|(_, rise)| kelvin(rise[0])).collect(),
+            housing: at_samples().map(|(_, rise)| kelvin(rise[1])).collect(),
         }
-        Temperature { peak: kelvin(peak), peak_sample, winding, housing }
     }
 
     /// `g_k = ∂T_peak/∂q_k ≥ 0` \[K/W\] for every sample, at the temperatures that
@@ -556,21 +581,13 @@ impl TwoNode {
         let mut gradient = vec![0.0; heat.times.len()];
         let mut nodes = Vec::with_capacity(heat.times.len());
         let mut rise = [temperature.winding[0] - self.ambient, temperature.housing[0] - self.ambient];
-        let (mut peak, mut hottest, mut steps) = (f64::NEG_INFINITY, 0, 0);
         heat.parts(course, self.time_constant_winding).for_each(|part| {
-            if part.whole.is_some() && rise[0] > peak {
-                (peak, hottest, steps) = (rise[0], nodes.len(), 0);
-            }
-            if let Some(within) = rates.highest_within(heat, &part, rise, peak) {
-                (peak, hottest, steps) = (within.rise, nodes.len(), within.steps);
-            }
             let node = Watt::new(&rates, part, rise);
             rise = node.step.apply(rise);
             nodes.push(node);
         });
-        if course == Course::FromCold && rise[0] > peak {
-            (hottest, steps) = (nodes.len(), 0);
-        }
+        let places = nodes.iter().map(|node| (node.part, node.before));
+        let Peak { node: hottest, steps, .. } = rates.peak(heat, course, places, rise);
         // The steps within the part in which the peak lies.
         let mut within = Vec::new();
         if let (true, Some(Watt { part, before, .. })) = (steps > 0, nodes.get(hottest))

@@ -48,11 +48,12 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     for i in 0..points.len() {
         let (left, right) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
         let here = points[i];
-        if left.0 >= right.0 {
+        // Where the winding's temperature runs away there is no slope to follow.
+        if left.0 >= right.0 || here.1 == f64::INFINITY {
             continue;
         }
         if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 {
-            // Most valleys lie where every ratio is out of the question, as where the winding's temperature runs away.
+            // Some valleys lie where every ratio is out of the question.
             let certain = !program.is_evaluated() && program.is_broken_between(left.0, right.0);
             turns.push(Turn { ends: (left.0, right.0), sign: 1.0, certain });
         } else if here.1 <= 0.0 && here.1 >= left.1 && here.1 >= right.1 {
