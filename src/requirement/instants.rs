@@ -7,7 +7,7 @@
 //! largest value. All that is done once, at reading; whatever comes after sees samples.
 //!
 //! Where the rates are given, what lies between the samples is not declared. There the motion stays as it is, and
-//! [`likely`] estimates how much larger it is than at any sample.
+//! an estimate (`likely`) tells how much larger it is than at any sample.
 
 use super::motion::{Course, Motion};
 use super::spline;
