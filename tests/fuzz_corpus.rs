@@ -63,7 +63,7 @@ fn is_caught(input: &Path, spoil: impl Fn(&mut Design) -> Option<Reason>) -> Opt
 #[test]
 fn a_wrong_answer_is_caught() {
     fn nowhere() -> Reason {
-        let bind = Bind { limit: "voltage", sample: None };
+        let bind = Bind::of("voltage", None);
         Reason::Infeasible(Infeasible::Nowhere { bind, least: 2.0, allowed: 1.0, ratio: 1.0 })
     }
     type Spoil = dyn Fn(&mut Design) -> Option<Reason> + Sync;

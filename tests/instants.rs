@@ -279,6 +279,49 @@ fn a_joint_that_stands_stands_between_its_samples() {
     }
 }
 
+/// A hold is a hold, whether it is written as two rows or as hundreds, and whatever acceleration the motion has beside it:
+/// while it stands the shaft takes what the load asks, on paper T = τ/N.
+#[test]
+fn the_rows_of_a_hold_change_nothing() {
+    let (swing, hold, period) = (0.4, 10.0, 10.8);
+    // Up and down by triangles of speed, with a hold of 2 N·m between.
+    let speed = |t: f64| match t {
+        t if t < swing => 10.0 * (1.0 - (2.0 * t / swing - 1.0).abs()),
+        t if t > swing + hold => -10.0 * (1.0 - (2.0 * (t - swing - hold) / swing - 1.0).abs()),
+        _ => 0.0,
+    };
+    let slope = |t: f64| if t < 0.5 * swing || t > period - 0.5 * swing { 50.0 } else { -50.0 };
+    let motion = |rows: usize, given: bool| {
+        let moves = (0..12).map(|k| swing * f64::from(k) / 12.0);
+        let holds = (0..rows).map(|k| swing + hold * k as f64 / rows as f64);
+        let back = (0..12).map(|k| swing + hold + swing * f64::from(k) / 12.0);
+        let time: Vec<f64> = moves.chain(holds).chain(back).collect();
+        let samples = Samples {
+            torque: vec![2.0; time.len()],
+            velocity: Some(time.iter().map(|t| speed(*t)).collect()),
+            acceleration: given.then(|| time.iter().map(|t| slope(*t)).collect()),
+            time,
+            ..Samples::default()
+        };
+        Motion::from_samples(samples, Course::Periodic(period))
+    };
+    for given in [false, true] {
+        let mean = |rows: usize| {
+            let motion = motion(rows, given);
+            assert!((motion.weight.iter().sum::<f64>() - 1.0).abs() < 1e-9);
+            assert!((motion.dwell.iter().sum::<f64>() - hold / period).abs() < 1e-9, "{given} {rows}");
+            // Of the hold alone: nothing but the load.
+            let at_rest = motion.dwell.iter().zip(&motion.acceleration).map(|(share, a)| share * a * a).sum::<f64>();
+            assert!(at_rest < 1e-2, "{given} {rows}: {at_rest}");
+            motion.weight.iter().zip(&motion.acceleration).map(|(share, a)| share * a * a).sum::<f64>()
+        };
+        let dense = mean(400);
+        for rows in [1, 2, 4, 8, 32] {
+            assert!((mean(rows) / dense - 1.0).abs() < 0.01, "{given} {rows}: {} {dense}", mean(rows));
+        }
+    }
+}
+
 /// A smooth motion of many samples is taken as it is, but for its changes of sign.
 #[test]
 fn a_dense_motion_stays_as_it_is() {

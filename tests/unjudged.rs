@@ -527,3 +527,138 @@ fn no_first_choice_is_unjudged() {
     }
     assert!(first > 60 && empty > 3 && blank_would_win > 30, "{first} {empty} {blank_would_win}");
 }
+
+/// Points whose worst order may be too hot at the best ratio, and is not at another: of the ratios that can be judged
+/// the best is the choice, in every command, and no window holds another.
+#[test]
+fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
+    let nodes = [("thermal_resistance_winding_housing", "1"), ("thermal_resistance_housing_ambient", "3")];
+    let row: Vec<(&str, &str)> = nodes.to_vec();
+    let motors = catalog(&[("hot", &row)]).replace(
+        "max_winding_temperature [degC]",
+        "thermal_time_constant_winding [s],thermal_time_constant_housing [s],max_winding_temperature [degC]",
+    );
+    let motors = motors.replace(",40,120,", ",40,6,600,120,");
+    let asked = "name = \"leg\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"60 A\"\n[[joint]]\nname = \"knee\"\n\
+                 ratio = { min = 4, max = 40 }\nobjective = \"reflected_inertia\"\n\
+                 points = [ { torque = \"12 N*m\", speed = \"1 rad/s\", duration = \"6 s\" }, { torque = \"1 N*m\", speed = \"2 rad/s\", duration = \"60 s\" } ]\n\
+                 [joint.limits]\nwinding_temperature = \"110 degC\"\n";
+    let case = Case::new(&motors, asked);
+    let (status, found) = case.json(&["optimize", "robot.toml", "--catalog", "motors.csv"]);
+    let joint = &found["joints"][0];
+    assert_eq!((status, names(&joint["candidates"])), (0, vec!["hot"]), "{found}");
+    let best = &joint["candidates"][0];
+    let ratio = best["ratio"].as_f64().unwrap();
+    assert_eq!(best["binds_at"]["low"]["limit"], "winding_peak_temperature");
+    assert!(best["binds_at"]["low"]["unjudged"].as_str().unwrap().contains("order"), "{best}");
+    assert_eq!(best["certificate"]["certified"], false);
+    assert!((best["window"][0].as_f64().unwrap() / ratio - 1.0).abs() < 1e-9);
+    // Just below it no other limit is exceeded, and it cannot be judged; from it on it can.
+    let at = |n: f64| case.json(&["explain", &format!("hot@{n}"), "robot.toml", "--catalog", "motors.csv"]);
+    for (n, judged) in [(ratio * 0.999, false), (ratio * 1.0001, true), (ratio * 1.5, true), (39.0, true)] {
+        let (status, story) = at(n);
+        assert_eq!((story["feasible"].as_bool(), story["judged"].as_bool()), (Some(true), Some(judged)), "{n} {story}");
+        assert_eq!(status, i32::from(!judged));
+    }
+    // The same in the other commands.
+    let (_, swept) = case.json(&["sweep", "robot.toml", "--catalog", "motors.csv", "--ratios", "200"]);
+    let designs = swept["joints"][0]["designs"].as_array().unwrap();
+    let judged = designs.iter().filter(|d| d["feasible"] == true && d["judged"] == true);
+    let least = judged.map(|d| d["ratio"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
+    assert!(least >= ratio * (1.0 - 1e-9) && least < ratio * 1.02, "{least} {ratio}");
+    let front = ["optimize", "robot.toml", "--catalog", "motors.csv", "--pareto", "loss,reflected_inertia"];
+    let (status, front) = case.json(&front);
+    let points = front["joints"][0]["points"].as_array().unwrap();
+    let smallest = points.iter().map(|p| p["ratio"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
+    assert!(status == 0 && (smallest / ratio - 1.0).abs() < 1e-6, "{smallest} {ratio}");
+    let (_, out, _) = case.run(&["optimize", "robot.toml", "--catalog", "motors.csv"]);
+    assert!(flat(&out).contains("(winding_peak_temperature cannot be judged beyond) to"), "{out}");
+}
+
+/// Within its tolerances a motor may be one that cannot be judged: then it keeps nothing "over its tolerances".
+#[test]
+fn a_corner_that_cannot_be_judged_is_not_kept() {
+    let tolerated = |motors: &str| {
+        let motors =
+            motors.replace("torque_constant [N*m/A],", "torque_constant [N*m/A],torque_constant_tolerance [%],");
+        motors.replace(",0.1,0.1,100,", ",0.1,0.1,20,100,")
+    };
+    // A second of much torque, nine of little: the mean is far below the limit.
+    let asked = robot("drive_current = \"60 A\"", "ratio = { min = 10, max = 10.5 }", "winding_temperature = \"110 degC\"").replace(
+        "points = [ { torque = \"5 N*m\", speed = \"2 rad/s\", duration = \"1 s\" }, { torque = \"-1 N*m\", speed = \"5 rad/s\", duration = \"1 s\" } ]",
+        "points = [ { torque = \"TORQUE\", speed = \"2 rad/s\", duration = \"1 s\" }, { torque = \"1 N*m\", speed = \"5 rad/s\", duration = \"9 s\" } ]",
+    );
+    let motors = catalog(&[("wide", &[])]);
+    // The limit for ever is 8.95 A by the resistances: 8.5 N·m are 8.1 A by the printed numbers, and 10.1 A at a corner.
+    let case = Case::new(&tolerated(&motors), &asked.replace("TORQUE", "8.5 N*m"));
+    let command = ["optimize", "robot.toml", "--catalog", "motors.csv", "--robust"];
+    let (_, found) = case.json(&command);
+    let joint = &found["joints"][0];
+    assert_eq!((names(&joint["designs"]).len(), names(&joint["lost"])), (0, vec!["wide"]), "{joint}");
+    assert!(joint["lost"][0]["because"].as_str().unwrap().starts_with("cannot be judged"), "{joint}");
+    let share = joint["contenders"][0]["feasible_at_nominal_ratio"]["share"].as_f64().unwrap();
+    assert!(share < 0.95, "samples that cannot be judged are not kept: {share}");
+    // Where all corners can be judged it is kept.
+    let case = Case::new(&tolerated(&motors), &asked.replace("TORQUE", "5 N*m"));
+    let (_, found) = case.json(&command);
+    assert_eq!(names(&found["joints"][0]["designs"]), ["wide"], "{found}");
+}
+
+/// What is forbidden is no choice, though it keeps every limit.
+#[test]
+fn a_gear_that_is_not_allowed_or_does_not_fit_is_no_choice() {
+    let gears = GEARS
+        .replace("planetary-9,planetary,9,2,0.95,150,,*,", "planetary-9,planetary,9,2,0.95,150,1,other-*,")
+        + "spur-8,spur,8,1,0.9,140,5,*,a sheet,datasheet\n";
+    let case = Case::new(&catalog(&[("known", &[])]), &robot("", "gears = [\"planetary-*\"]", ""));
+    fs::write(case.path().join("gears.csv"), gears).unwrap();
+    for (gear, why) in
+        [("planetary-8", None), ("planetary-9", Some("is not made for")), ("spur-8", Some("does not allow"))]
+    {
+        let command = ["explain", &format!("known@{gear}"), "robot.toml", "--catalog", "motors.csv", "gears.csv"];
+        let (status, story) = case.json(&command);
+        assert_eq!((status, story["allowed"].as_bool()), (i32::from(why.is_some()), Some(why.is_none())), "{gear}");
+        let (_, out, _) = case.run(&command);
+        match why {
+            Some(why) => assert!(flat(&out).contains(why) && !flat(&out).contains("keeps every limit"), "{out}"),
+            None => assert!(flat(&out).contains("keeps every limit that could be checked"), "{out}"),
+        }
+    }
+}
+
+/// What is assumed stands wherever a design does.
+#[test]
+fn an_assumption_is_told_beside_every_design() {
+    // A motor whose own highest temperature is not known, where the requirement has one.
+    let case = Case::new(
+        &catalog(&[("blank", &[("max_winding_temperature", "")])]),
+        &robot("drive_current = \"60 A\"", RATIO, "winding_temperature = \"110 degC\""),
+    );
+    let files = ["robot.toml", "--catalog", "motors.csv"];
+    let tell = "the motor's own highest temperature is not known";
+    let commands: [&[&str]; 4] = [
+        &["optimize"],
+        &["optimize", "--robust"],
+        &["optimize", "--pareto", "loss,reflected_inertia"],
+        &["explain", "blank"],
+    ];
+    for command in commands {
+        let all: Vec<&str> = command[..1].iter().chain(&command[1..]).chain(&files).copied().collect();
+        let (status, out, err) = case.run(&all);
+        assert!(status == 0 && flat(&out).contains(tell), "{command:?} {out}{err}");
+        let (_, found) = case.json(&all);
+        assert!(found.to_string().contains(tell), "{command:?}");
+    }
+    for command in ["optimize", "sweep"] {
+        let (_, out, _) = case.run(&[&[command], &files[..], &["--csv"]].concat());
+        let header: Vec<&str> = out.lines().next().unwrap().split(',').collect();
+        let place = header.iter().position(|h| *h == "assumed").unwrap();
+        assert!(out.lines().nth(1).unwrap().split(',').nth(place).unwrap().contains("winding_temperature"), "{out}");
+    }
+    case.run(&[&["optimize"], &files[..], &["--write-design", "design.toml"]].concat());
+    let (status, out, _) = case.run(&["check", "design.toml"]);
+    assert!(status == 0 && flat(&out).contains(tell), "{out}");
+    // With it nothing is assumed.
+    fs::write(case.path().join("motors.csv"), catalog(&[("blank", &[])])).unwrap();
+    assert!(!flat(&case.run(&[&["optimize"], &files[..]].concat()).1).contains(tell));
+}

@@ -390,7 +390,7 @@ impl Candidate<'_> {
     }
 
     /// The two thermal nodes, where the sheet gives both resistances and both time constants.
-    fn two_node(&self) -> Option<TwoNode> {
+    pub fn two_node(&self) -> Option<TwoNode> {
         let sheet = &self.motor.sheet;
         Some(TwoNode {
             resistance_winding_housing: sheet.thermal_resistance_winding_housing?.value,
@@ -447,6 +447,14 @@ impl Candidate<'_> {
         let power = [("bus_power", self.robot.bus.power), ("bus_current", self.robot.bus.current)];
         let takes = power.into_iter().filter(|(_, bound)| bound.is_some()).map(|(name, _)| name);
         assumed.extend(std::iter::once("voltage").chain(takes).filter_map(|name| Some((name, resistance?))));
+        let heat = ["winding_temperature", "winding_peak_temperature", "standstill_holding"];
+        let stated = self.joint.limits.winding_temperature.is_some() && self.motor.max_winding_temperature.is_none();
+        if let (true, Some(of_heat)) = (stated, asked.iter().find(|a| heat.contains(&a.limit.name))) {
+            assumed.push((
+                of_heat.limit.name,
+                "the motor's own highest temperature is not known: that of the requirement is taken alone",
+            ));
+        }
         if asked.iter().any(|a| a.limit.name == "standstill_holding") && self.share_of_winding().is_none() {
             assumed.push((
                 "standstill_holding",
@@ -657,9 +665,14 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
     let longest = stretch::longest(&course, limit, repeats);
     let least = candidate.motor.sheet.thermal_time_constant_winding.map_or(LEAST_TIME_CONSTANT, |t| t.value);
     if longest < short && largest * longest > least * limit {
-        return Verdict::Unknown(
-            "the thermal time constants are not known, and a short stretch is so far above the steady limit that it may warm the winding beyond it at once",
-        );
+        return Verdict::Unknown(match nodes {
+            None => {
+                "the thermal time constants are not known, and a short stretch is so far above the steady limit that it may warm the winding beyond it at once"
+            }
+            Some(_) => {
+                "no highest winding temperature is known, and a short stretch is so far above the steady limit that it may warm the winding beyond it at once"
+            }
+        });
     }
     match (longest < short, nodes.is_some(), load.starts_cold()) {
         (true, false, false) => Verdict::Assumed(
@@ -671,9 +684,14 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         (true, _, true) => {
             Verdict::Assumed("taken as kept: from cold heat stays above its steady limit for less than 1 s at a time")
         }
-        (false, false, _) => Verdict::Unknown(
-            "the thermal time constants are not known, and heat stays above its steady limit for 1 s or longer",
-        ),
+        (false, false, _) => Verdict::Unknown(match short < SHORT_STRETCH {
+            false => {
+                "the thermal time constants are not known, and heat stays above its steady limit for 1 s or longer"
+            }
+            true => {
+                "not all thermal time constants are known, and heat stays above its steady limit for a fifth of the winding's or longer"
+            }
+        }),
         (false, true, _) => {
             Verdict::Unknown("no highest winding temperature is known, and heat stays above its steady limit for long")
         }

@@ -116,6 +116,12 @@ impl<'a> Prepared<'a> {
         judged
     }
 
+    /// The limits of which it depends on the ratio whether they can be checked.
+    pub fn judged_at_ratio(&self) -> impl Iterator<Item = &'static str> + '_ {
+        let stands = self.candidate.load.dwell > 0.0 && self.candidate.two_node().is_some();
+        self.at_ratio.iter().map(|(name, _)| *name).chain(stands.then_some("standstill_holding"))
+    }
+
     /// What could not be checked of the design at a ratio, and why.
     pub fn unchecked_at(&self, ratio: f64) -> Vec<Remark> {
         self.judged(ratio).unchecked

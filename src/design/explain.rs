@@ -2,14 +2,14 @@
 //! best one is sensitive to, and what would have to change where none is feasible.
 
 use super::evaluate::Judged;
-use super::judge::unjudged;
+use super::judge::{judged_part, unjudged};
 use super::optimize::{Reason, solve};
 use super::program::{Infeasible, Optimum, Outcome, RatioProgram};
 use super::spring::{SpringChoice, choose, nearest};
 use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::actuator::Load;
 use crate::actuator::limits::{Asked, Remark};
-use crate::catalog::{Gear, Motor};
+use crate::catalog::{Gear, Motor, matches_pattern};
 use crate::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -46,6 +46,17 @@ pub struct Explanation<'a> {
     pub nearest_spring: Option<(f64, f64)>,
 }
 
+/// Why a ratio or gear is not allowed, whatever the limits say.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Forbidden {
+    /// The requirement allows the ratios from one to another.
+    Ratio(f64, f64),
+    /// It is none of the gears that the requirement names.
+    Gear,
+    /// The gear is not made for the motor.
+    DoesNotFit,
+}
+
 /// Relative change of the best objective with a relative change of a parameter, the ratio re-chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensitivity {
@@ -75,18 +86,27 @@ pub struct Remedy {
 }
 
 impl Explanation<'_> {
-    /// Whether the design keeps every limit, every limit that the requirement states could be judged, and the requirement
-    /// allows its ratio.
+    /// Whether the design keeps every limit, every limit that the requirement states could be judged, and nothing
+    /// forbids its ratio or gear.
     pub fn is_choice(&self) -> bool {
-        self.evaluation.feasible && self.unjudged.is_empty() && self.outside().is_none()
+        self.evaluation.feasible && self.unjudged.is_empty() && self.forbidden().is_none()
     }
 
-    /// The ratios that the requirement allows, where the design's is none of them.
-    pub fn outside(&self) -> Option<(f64, f64)> {
-        let RatioChoice::Continuous { min, max } = self.joint.ratio else { return None };
+    /// Why the design's ratio or gear is not allowed, where it is not.
+    pub fn forbidden(&self) -> Option<Forbidden> {
         let ratio = self.evaluation.ratio;
-        let out = self.gear.is_none() && (ratio < min * (1.0 - 1e-9) || ratio > max * (1.0 + 1e-9));
-        out.then_some((min, max))
+        match (&self.joint.ratio, self.gear) {
+            (_, Some(gear)) if gear.fits(&self.motor.id) == Some(false) => Some(Forbidden::DoesNotFit),
+            (RatioChoice::Catalog { patterns, .. }, Some(gear)) => {
+                let is_named = patterns.iter().any(|pattern| matches_pattern(pattern, &gear.id));
+                (!is_named).then_some(Forbidden::Gear)
+            }
+            (RatioChoice::Continuous { min, max }, None) => {
+                let is_outside = ratio < min * (1.0 - 1e-9) || ratio > max * (1.0 + 1e-9);
+                is_outside.then_some(Forbidden::Ratio(*min, *max))
+            }
+            _ => None,
+        }
     }
 }
 
@@ -172,7 +192,8 @@ fn explain_as_it_is<'a>(
         (RatioChoice::Continuous { min, max }, None) => Some((*min, *max)),
         _ => None,
     };
-    let best = range.map(|range| solve(&prepared, joint, range));
+    let solved = |range| solve(&prepared, joint, range).map(|optimum| judged_part(&prepared, optimum, false));
+    let best = range.map(solved);
     let here = ratio.or(gear.map(|g| g.ratio)).unwrap_or_else(|| match &best {
         Some(Ok(optimum)) => optimum.ratio,
         Some(Err(Reason::Infeasible(Infeasible::Never { ratio, .. } | Infeasible::Nowhere { ratio, .. }))) => *ratio,

@@ -253,7 +253,8 @@ pub fn best_design<'a>(
     };
     let found = match joint.limits.spring {
         Some(_) => super::spring::solve(&prepared, joint, motor, None, (min, max)),
-        None => solve(&prepared, joint, (min, max)).map(|optimum| design(&prepared, motor, None, optimum)),
+        None => solve(&prepared, joint, (min, max))
+            .map(|optimum| design(&prepared, motor, None, judge::judged_part(&prepared, optimum, only_checked))),
     };
     judge::judged(robot, joint, found.map_err(|reason| reject((None, reason)))?, only_checked)
 }
@@ -342,7 +343,7 @@ fn best_gear<'a>(
         } else if let Some(margin) = evaluation.tightest()
             && nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m)
         {
-            let bind = Bind { limit: margin.limit, sample: margin.sample };
+            let bind = Bind::of(margin.limit, margin.sample);
             nearest = Some((margin.margin, &gear.id, bind, margin.demand / margin.bound, margin.bound));
         }
     }
@@ -364,7 +365,7 @@ fn best_gear<'a>(
 
 /// The only ratio of a gear as an optimum: that all gears are evaluated is the proof.
 pub(super) fn one_gear(ratio: f64, objective: f64) -> Optimum {
-    let bind = Bind { limit: "gear", sample: None };
+    let bind = Bind::of("gear", None);
     Optimum {
         ratio,
         objective,

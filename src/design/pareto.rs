@@ -7,12 +7,13 @@
 
 use rayon::prelude::*;
 
+use super::evaluate::Judged;
 use super::judge;
 use super::optimize::{Reason, solve};
 use super::program::{Bind, Certificate};
 use super::sweep::grid;
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
-use crate::actuator::limits::Remark;
+use crate::actuator::limits::{Candidate, Remark};
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, Objective, Quantity, RatioChoice, Robot};
 
@@ -31,6 +32,8 @@ pub struct FrontPoint<'a> {
     pub certified: bool,
     /// Limits that could not be checked, and why.
     pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
 }
 
 /// The front at one joint.
@@ -148,8 +151,8 @@ impl<'a> Asked<'a, '_> {
         let values = self.quantities.map(|q| value(prepared, &evaluation, q));
         match values {
             [Some(a), Some(b)] if evaluation.feasible => {
-                let unchecked = prepared.unchecked_at(ratio);
-                Some(FrontPoint { motor, gear, values: [a, b], evaluation, certified, unchecked })
+                let Judged { unchecked, assumed } = prepared.judged(ratio);
+                Some(FrontPoint { motor, gear, values: [a, b], evaluation, certified, unchecked, assumed })
             }
             _ => None,
         }
@@ -164,7 +167,8 @@ impl<'a> Asked<'a, '_> {
         }
         let best = self.quantities.map(|quantity| {
             let joint = Joint { objective: Objective::single(quantity), ..self.joint.clone() };
-            solve(&prepared, &joint, range)
+            let own = Prepared::new(Candidate { joint: &joint, ..prepared.candidate });
+            solve(&own, &joint, range).map(|optimum| judge::judged_part(&own, optimum, self.only_checked))
         });
         let [a, b] = best;
         let (a, b) = (a?, b?);
@@ -211,7 +215,7 @@ impl<'a> Asked<'a, '_> {
             } else if let Some(worst) = evaluation.tightest()
                 && nearest.as_ref().is_none_or(|(margin, _)| worst.margin > *margin)
             {
-                let bind = Bind { limit: worst.limit, sample: worst.sample };
+                let bind = Bind::of(worst.limit, worst.sample);
                 let (over, allowed) = (worst.demand / worst.bound, worst.bound);
                 nearest = Some((worst.margin, Reason::Gears { bind, over, allowed, tried }));
             }

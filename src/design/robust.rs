@@ -22,11 +22,12 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use super::evaluate::Judged;
 use super::judge;
 use super::optimize::{Design, JointResult, Options, Reason, RobotResult, optimize_with};
 use super::program::{Bind, Certificate, Limited, Optimum, Outcome, RatioProgram, Window};
 use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
-use crate::actuator::limits::{Candidate, hottest};
+use crate::actuator::limits::{Candidate, Remark, hottest};
 use crate::catalog::{Catalog, FIELDS, Field, Identity, Motor, Printed};
 use crate::requirement::{Joint, RatioChoice, Regeneration, Robot};
 
@@ -286,6 +287,10 @@ pub struct RobustDesign<'a> {
     pub worst_objective: f64,
     /// The smallest margin at a corner, at that ratio.
     pub tightest: Option<Margin>,
+    /// Limits that could not be checked at that ratio, of the printed numbers or at a corner, and why.
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept there, and as far as what holds.
+    pub assumed: Vec<Remark>,
 }
 
 /// A motor that can do it by its printed numbers, but not over its tolerances.
@@ -357,7 +362,7 @@ pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> V
                 .then(a.evaluation.loss.total_cmp(&b.evaluation.loss))
                 .then(a.nominal.motor.id.cmp(&b.nominal.motor.id))
         });
-        let contenders = contenders(robot, joint, &demand, &nominal.candidates, &designs);
+        let contenders = contenders(robot, joint, &demand, &nominal.candidates, &designs, options.only_checked);
         RobustJoint { nominal, designs, lost, contenders }
     };
     joints.into_iter().map(solve).collect()
@@ -404,6 +409,8 @@ pub fn best_robust<'a>(
             evaluation: nominal.evaluation.clone(),
             worst_objective: nominal.optimum.objective,
             tightest: nominal.evaluation.tightest().copied(),
+            unchecked: nominal.unchecked.clone(),
+            assumed: nominal.assumed.clone(),
         });
     }
     let corners =
@@ -422,31 +429,37 @@ pub fn best_robust<'a>(
             if let Some(why) = unproved(robot, &boxed.nominal, &all) {
                 optimum.certificate = Certificate::NotCertified(why.into());
             }
+            if judge::may_change(&boxed.nominal, only_checked) {
+                optimum = judge::within(&boxed.nominal, optimum, &|ratio| boxed.doubt(ratio, only_checked));
+                if let Some(doubt) = boxed.doubt(optimum.ratio, only_checked) {
+                    return Err(Reason::Unjudged(vec![doubt]));
+                }
+            }
             Ok(boxed.design(nominal, all, None, optimum))
         }
         RatioChoice::Catalog { .. } => {
             let mut best: Option<RobustDesign> = None;
             let mut nearest: Option<(f64, Bind, f64, f64)> = None;
+            let mut doubted = None;
             let mut tried = 0;
             for (gear, _) in demand.gears_for(motor) {
                 let Ok(boxed) = Boxed::new(robot, joint, demand, motor, &corners, Some(&gear.id)) else { continue };
                 // With another gear than the nominal one other limits may be unknown.
-                let unchecked = boxed.nominal.unchecked_at(gear.ratio);
-                let left_out = judge::left_out(robot, joint, &unchecked, only_checked).is_some();
-                if left_out || !judge::unjudged(robot, joint, &unchecked).is_empty() {
+                if let Some(doubt) = boxed.doubt(gear.ratio, only_checked) {
+                    doubted = doubted.or(Some(doubt));
                     continue;
                 }
                 tried += 1;
                 let tightest = boxed.tightest(gear.ratio);
                 if let Some(margin) = tightest.filter(|m| m.margin < -FEASIBILITY_TOLERANCE) {
                     if nearest.as_ref().is_none_or(|(m, ..)| margin.margin > *m) {
-                        let bind = Bind { limit: margin.limit, sample: margin.sample };
+                        let bind = Bind::of(margin.limit, margin.sample);
                         nearest = Some((margin.margin, bind, margin.demand / margin.bound, margin.bound));
                     }
                     continue;
                 }
                 let Some(objective) = boxed.nominal.at(gear.ratio).objective(&joint.objective) else { continue };
-                let bind = Bind { limit: "gear", sample: None };
+                let bind = Bind::of("gear", None);
                 let method = "all gears evaluated";
                 let certificate = match unproved(robot, &boxed.nominal, &all) {
                     None => Certificate::Certified { lower_bound: objective, gap: 0.0, method },
@@ -466,9 +479,10 @@ pub fn best_robust<'a>(
                     best = Some(design);
                 }
             }
-            let reason = match nearest {
-                Some((_, bind, over, allowed)) => Reason::Gears { bind, over, allowed, tried },
-                None => Reason::Unusable(Unusable::NoGearFits),
+            let reason = match (nearest, doubted) {
+                (Some((_, bind, over, allowed)), _) => Reason::Gears { bind, over, allowed, tried },
+                (None, Some(doubt)) => Reason::Unjudged(vec![doubt]),
+                (None, None) => Reason::Unusable(Unusable::NoGearFits),
             };
             best.ok_or(reason)
         }
@@ -493,6 +507,30 @@ impl<'p> Boxed<'p> {
         let prepare = |motor: &'p Motor| candidate(robot, joint, demand, motor, gear).map(Prepared::new);
         let corners = corners.iter().map(|c| Ok((prepare(&c.motor)?, c.clone())));
         Ok(Boxed { nominal: prepare(motor)?, corners: corners.collect::<Result<_, _>>()? })
+    }
+
+    /// What keeps the printed numbers or a corner from being a choice at a ratio, by what is not known.
+    fn doubt(&self, ratio: f64, only_checked: bool) -> Option<Remark> {
+        self.all().find_map(|prepared| judge::doubt(prepared, ratio, only_checked))
+    }
+
+    /// The printed numbers, then the corners.
+    fn all(&self) -> impl Iterator<Item = &Prepared<'p>> {
+        std::iter::once(&self.nominal).chain(self.corners.iter().map(|(prepared, _)| prepared))
+    }
+
+    /// What is to be said of the printed numbers or of a corner at a ratio, each once.
+    fn judged(&self, ratio: f64) -> Judged {
+        let mut all = Judged::default();
+        for Judged { unchecked, assumed } in self.all().map(|prepared| prepared.judged(ratio)) {
+            for (told, new) in [(&mut all.unchecked, unchecked), (&mut all.assumed, assumed)] {
+                let new: Vec<Remark> = new.into_iter().filter(|remark| !told.contains(remark)).collect();
+                told.extend(new);
+            }
+        }
+        let unchecked: Vec<&str> = all.unchecked.iter().map(|(limit, _)| *limit).collect();
+        all.assumed.retain(|(limit, _)| !unchecked.contains(limit));
+        all
     }
 
     /// The smallest margin over the limits of all corners at a ratio.
@@ -529,11 +567,14 @@ impl<'p> Boxed<'p> {
             peak_power: Some(self.nominal.peak_power(ratio)),
             ..self.nominal.at(ratio)
         };
+        let Judged { unchecked, assumed } = self.judged(ratio);
         RobustDesign {
             nominal: nominal.clone(),
             toleranced,
             corners: self.corners.len(),
             gear,
+            unchecked,
+            assumed,
             worst_objective: at_corners.fold(optimum.objective, f64::max),
             tightest: self.tightest(ratio),
             evaluation,
@@ -579,6 +620,7 @@ fn contenders<'a>(
     demand: &JointDemand<'a>,
     nominal: &[Design<'a>],
     robust: &[RobustDesign<'a>],
+    only_checked: bool,
 ) -> Vec<Contender<'a>> {
     let first: Vec<&Design> = nominal.iter().take(CONTENDERS).collect();
     let sampled: Vec<(Course, Option<Course>)> = first
@@ -588,8 +630,13 @@ fn contenders<'a>(
             let all = toleranced(motor);
             let own = robust.iter().find(|r| r.nominal.motor.id == motor.id);
             let at = |motor: &Motor, gear: Option<&str>, ratio: f64| {
-                let evaluation = Prepared::new(candidate(robot, joint, demand, motor, gear).ok()?).at(ratio);
-                evaluation.objective(&joint.objective).filter(|_| evaluation.feasible)
+                let prepared = Prepared::new(candidate(robot, joint, demand, motor, gear).ok()?);
+                let evaluation = prepared.at(ratio);
+                // What cannot be judged is not known to be kept.
+                let kept = evaluation.feasible
+                    && !(judge::may_change(&prepared, only_checked)
+                        && judge::doubt(&prepared, ratio, only_checked).is_some());
+                evaluation.objective(&joint.objective).filter(|_| kept)
             };
             let both = |motor: &Motor| {
                 let robust = own.map(|own| at(motor, own.gear, own.optimum.ratio));

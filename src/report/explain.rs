@@ -8,7 +8,7 @@ use super::{currents, number, optional};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::evaluate::Margin;
-use crate::design::explain::{Explanation, Remedy};
+use crate::design::explain::{Explanation, Forbidden, Remedy};
 use crate::design::optimize::Reason;
 use crate::design::program::{Certificate, Optimum};
 use crate::requirement::Joint;
@@ -103,17 +103,21 @@ pub fn text(story: &Explanation) -> String {
 
 /// How the design stands.
 pub(super) fn verdict(story: &Explanation) -> String {
-    if let Some((min, max)) = story.outside() {
+    if let Some(why) = story.forbidden() {
         let judged = if story.evaluation.feasible {
             "keeps the limits that could be checked, but"
         } else {
             "is not feasible, and"
         };
-        return format!(
-            "{judged} is outside of the ratios that the requirement allows, {} to {}",
-            number(min),
-            number(max)
-        );
+        return match why {
+            Forbidden::Ratio(min, max) => format!(
+                "{judged} is outside of the ratios that the requirement allows, {} to {}",
+                number(min),
+                number(max)
+            ),
+            Forbidden::Gear => format!("{judged} has a gear that the requirement does not allow"),
+            Forbidden::DoesNotFit => format!("{judged} has a gear that is not made for this motor"),
+        };
     }
     match (story.evaluation.feasible, story.unjudged.is_empty()) {
         (false, _) => "is not feasible".into(),
@@ -284,7 +288,7 @@ pub fn json(story: &Explanation) -> Value {
     });
     let mut value = json!({
         "joint": story.joint.name, "motor": story.motor.id, "gear": story.gear.map(|g| &g.id), "ratio": e.ratio, "feasible": e.feasible,
-        "ratio_allowed": story.outside().is_none(),
+        "allowed": story.forbidden().is_none(),
         "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power,
         "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
         "winding_temperature_k": story.winding_temperature.flatten(), "thermal_runaway": story.winding_temperature == Some(None),
@@ -292,7 +296,7 @@ pub fn json(story: &Explanation) -> Value {
         "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
         "judged": story.unjudged.is_empty(), "unjudged": super::unjudged::list(&story.unjudged),
-        "assumed": story.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect::<Vec<_>>(),
+        "assumed": super::unjudged::assumed(&story.assumed),
         "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
         "spring": story.spring.as_ref().map(|s| match s {
             Ok(spring) => super::spring::json(spring, e.loss),

@@ -1,6 +1,6 @@
 //! The choice for each joint, and why not the others.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value, json};
 
@@ -14,7 +14,7 @@ use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
 use crate::design::evaluate::Margin;
 use crate::design::optimize::{Design, JointResult, Reason, Rejected, RobotResult};
-use crate::design::program::{Bind, Certificate, Infeasible};
+use crate::design::program::{Bind, Certificate, Infeasible, Optimum};
 use crate::requirement::{Course, GearModel, Joint, Quantity, RatioChoice};
 
 /// What is shown to people.
@@ -28,9 +28,10 @@ pub struct Shown {
 
 /// A limit with the instant at which it binds.
 pub fn bind_text(bind: &Bind, joint: &Joint) -> String {
-    match bind.sample {
-        Some(k) => format!("{} ({})", bind.limit, joint.motion.name_sample(k)),
-        None => bind.limit.to_string(),
+    match (bind.sample, bind.unjudged) {
+        (_, Some(_)) => format!("{} cannot be judged beyond", bind.limit),
+        (Some(k), None) => format!("{} ({})", bind.limit, joint.motion.name_sample(k)),
+        (None, None) => bind.limit.to_string(),
     }
 }
 
@@ -308,6 +309,12 @@ pub(super) fn margin_text(margin: &Margin) -> String {
     format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
 }
 
+/// What cannot be judged beyond the windows of an optimum, each once.
+fn beyond(optimum: &Optimum) -> BTreeSet<(&'static str, &'static str)> {
+    let ends = optimum.windows.iter().flat_map(|w| [&w.low, &w.high]);
+    ends.filter_map(|bind| Some((bind.limit, bind.unjudged?))).collect()
+}
+
 /// What could not be checked or certified for the candidates shown, as lines.
 fn footnotes(result: &JointResult, top: usize) -> String {
     let lines = notes(result, top)
@@ -326,6 +333,9 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
         }
         for (limit, why) in &design.unchecked {
             add(format!("not checked: {limit}, because {why}"), place);
+        }
+        for (limit, why) in beyond(&design.optimum) {
+            add(format!("beyond its ratios {limit} cannot be judged: {why}"), place);
         }
         for (limit, what) in &design.assumed {
             add(format!("assumed: {limit}: {what}"), place);
@@ -497,6 +507,7 @@ fn bind_json(bind: &Bind, joint: &Joint) -> Value {
     json!({
         "limit": bind.limit, "sample": bind.sample.and_then(|k| motion.given_sample(k)),
         "time_s": bind.sample.and_then(|k| time_of(joint, k)), "at": bind.sample.map(|k| motion.name_sample(k)),
+        "unjudged": bind.unjudged,
     })
 }
 
@@ -558,7 +569,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("margins", margins);
     put("limits", limits);
     put("not_checked", design.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
-    put("assumed", design.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect());
+    put("assumed", super::unjudged::assumed(&design.assumed));
     put("audit_errors", json!(contradictions(design.motor)));
     if let Some(list) = fitted_json(design.motor, joint) {
         put("fitted", list);
@@ -635,6 +646,8 @@ pub fn csv(result: &RobotResult) -> String {
         "tightest_limit",
         "tightest_margin",
         "gap",
+        "not_checked",
+        "assumed",
         "s_m_s",
         "s_t_kgm2a2_per_nm2",
         "mass_s_m_kgs",
@@ -661,6 +674,7 @@ pub fn csv(result: &RobotResult) -> String {
                 Certificate::Certified { gap, .. } => csv_number(Some(gap)),
                 Certificate::NotCertified(_) => String::new(),
             });
+            row.extend([unjudged::names(&d.unchecked), unjudged::names(&d.assumed)]);
             row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
             row.push(String::new());
             if sprung {

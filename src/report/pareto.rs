@@ -77,9 +77,9 @@ pub fn text(fronts: &[Front]) -> String {
     out
 }
 
-/// What could not be checked of the front, and who is not on it because it cannot be judged.
+/// What could not be checked and what was assumed of the front, and who is not on it because it cannot be judged.
 fn beside(front: &Front) -> String {
-    let lines = unjudged::front_not_checked(front).into_iter().map(|line| format!("  {}\n", wrap(&line, 4)));
+    let lines = unjudged::front_remarks(front).into_iter().map(|line| format!("  {}\n", wrap(&line, 4)));
     let text = lines.collect::<String>() + unjudged::front_text(front).trim_start_matches('\n');
     if text.is_empty() { text } else { text + "\n" }
 }
@@ -94,7 +94,7 @@ pub fn json(fronts: &[Front]) -> Value {
             "points": front.points.iter().map(|p| json!({
                 "motor": p.motor.id, "gear": p.gear, "ratio": p.evaluation.ratio, a.name(): p.values[0], b.name(): p.values[1],
                 "loss_w": p.evaluation.loss, "reflected_inertia_kgm2": p.evaluation.reflected_inertia, "mass_kg": p.evaluation.mass,
-                "certified": p.certified, "not_checked": unjudged::list(&p.unchecked),
+                "certified": p.certified, "not_checked": unjudged::list(&p.unchecked), "assumed": unjudged::assumed(&p.assumed),
             })).collect::<Vec<_>>(),
             "unjudged": unjudged::front_json(front),
             "rejected": front.rejected.iter().map(|(motor, why)| {
@@ -118,19 +118,18 @@ pub fn csv(fronts: &[Front]) -> String {
                 [Some(p.evaluation.ratio), Some(p.values[0]), Some(p.values[1]), p.evaluation.mass].map(csv_number),
             );
             row.push(p.certified.to_string());
-            row.push(p.unchecked.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" "));
-            row.push(String::new());
+            row.extend([unjudged::names(&p.unchecked), unjudged::names(&p.assumed), String::new()]);
             row
         })
     });
     let apart = fronts.iter().flat_map(|front| {
         front.unjudged.iter().map(|(motor, because)| {
-            let mut row = vec![String::new(); 10];
-            (row[0], row[1], row[9]) = (front.joint.name.clone(), motor.id.clone(), unjudged::sentence(because));
+            let mut row = vec![String::new(); 11];
+            (row[0], row[1], row[10]) = (front.joint.name.clone(), motor.id.clone(), unjudged::sentence(because));
             row
         })
     });
     let header = ["joint", "motor", "gear", "ratio", &columns[0], &columns[1], "mass [kg]", "certified"];
-    let header: Vec<&str> = header.into_iter().chain(["not_checked", "unjudged_because"]).collect();
+    let header: Vec<&str> = header.into_iter().chain(["not_checked", "assumed", "unjudged_because"]).collect();
     super::csv_text(&header, rows.chain(apart))
 }

@@ -1,5 +1,7 @@
 //! Designs that keep their limits over all tolerances, and how likely the first choice stays ahead.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use super::optimize::{bind_text, proof, reason_text};
@@ -75,6 +77,9 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     }
     if !table.is_empty() {
         out.push_str(&format!("\n{}", table.text()));
+        for (note, places) in notes(result, top) {
+            out.push_str(&paragraph(&format!("{}: {note}", places.join(" ")), 2, 4));
+        }
         let hidden = result.designs.len().saturating_sub(top);
         if hidden > 0 {
             let line = format!("… and {hidden} more; `--top {}` shows all", result.designs.len());
@@ -103,6 +108,19 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     out
 }
 
+/// What could not be checked and what was assumed of the first designs, each with the places that it is true of.
+fn notes(result: &RobustJoint, top: usize) -> BTreeMap<String, Vec<String>> {
+    let mut notes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (place, design) in result.designs.iter().take(top).enumerate() {
+        let unchecked = design.unchecked.iter().map(|(limit, why)| format!("not checked: {limit}, because {why}"));
+        let assumed = design.assumed.iter().map(|(limit, what)| format!("assumed: {limit}: {what}"));
+        for note in unchecked.chain(assumed) {
+            notes.entry(note).or_default().push(format!("#{}", place + 1));
+        }
+    }
+    notes
+}
+
 /// How likely each of the first keeps its limits and is first.
 fn contenders(result: &RobustJoint) -> String {
     let columns = vec![
@@ -127,7 +145,7 @@ fn contenders(result: &RobustJoint) -> String {
 fn details(design: &RobustDesign, result: &RobustJoint) -> String {
     let joint = result.nominal.joint;
     let mut out = tolerances_text(&design.toleranced);
-    match design.nominal.unchecked.len() {
+    match design.unchecked.len() {
         0 => {}
         1 => out.push_str("; 1 thing not checked"),
         n => out.push_str(&format!("; {n} things not checked")),
@@ -183,7 +201,8 @@ pub fn json(robot: &Robot, joints: &[RobustJoint]) -> Value {
                     "binds": { "low": window.low.limit, "high": window.high.limit },
                     "objective": d.optimum.objective,
                     "worst_objective": d.worst_objective,
-                    "not_checked": super::unjudged::list(&d.nominal.unchecked),
+                    "not_checked": super::unjudged::list(&d.unchecked),
+                    "assumed": super::unjudged::assumed(&d.assumed),
                     "objective_unit": joint.objective.unit(),
                     "loss_w": d.evaluation.loss,
                     "tightest_margin": d.tightest.map(|m| json!({ "limit": m.limit, "margin": m.margin })),

@@ -237,7 +237,7 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             put("mass_kg", json!(e.mass));
             put("margins", margins);
             put("limits", limits);
-            put("assumed", d.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect());
+            put("assumed", super::unjudged::assumed(&d.assumed));
             put(
                 "not_checked",
                 d.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect(),
@@ -281,6 +281,8 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
         "mass_kg",
         "tightest_limit",
         "tightest_margin",
+        "not_checked",
+        "assumed",
         "s_m_s",
         "s_t_kgm2a2_per_nm2",
         "mass_s_m_kgs",
@@ -304,6 +306,7 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
             row.extend([Some(e.reflected_inertia), e.mass].map(csv_number));
             let tightest = e.tightest();
             row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
+            row.extend([unjudged::names(&d.unchecked), unjudged::names(&d.assumed)]);
             row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
             row
         });

@@ -10,8 +10,8 @@ use super::table::wrap;
 use crate::actuator::limits::Remark;
 use crate::design::judge::Unjudged;
 use crate::design::optimize::{JointResult, Reason};
-use crate::design::pareto::Front;
-use crate::design::robot::Choice;
+use crate::design::pareto::{Front, FrontPoint};
+use crate::design::robot::{Apart, Choice};
 use crate::design::sweep::JointSweep;
 use crate::requirement::Joint;
 
@@ -25,6 +25,16 @@ pub fn sentence(because: &[Remark]) -> String {
 pub fn class(because: &[Remark]) -> String {
     let limits: Vec<&str> = because.iter().map(|(limit, _)| *limit).collect();
     format!("{} cannot be judged", limits.join(", "))
+}
+
+/// Names of limits for a cell.
+pub fn names(remarks: &[Remark]) -> String {
+    remarks.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" ")
+}
+
+/// What counts as kept as far as something holds, for programs.
+pub fn assumed(assumed: &[Remark]) -> Value {
+    assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect()
 }
 
 /// Limits and reasons for programs.
@@ -143,31 +153,48 @@ pub fn front_json(front: &Front) -> Value {
     front.unjudged.iter().map(|(motor, because)| one(&motor.id, None, because)).collect()
 }
 
-/// What could not be checked of the designs on a front: each with the motors it is true of.
-pub fn front_not_checked(front: &Front) -> Vec<String> {
-    let mut all: BTreeMap<&Remark, Vec<&str>> = BTreeMap::new();
-    for point in &front.points {
-        for what in &point.unchecked {
-            let motors = all.entry(what).or_default();
-            if !motors.contains(&point.motor.id.as_str()) {
-                motors.push(&point.motor.id);
+/// What could not be checked and what was assumed of the designs on a front: each with the motors it is true of.
+pub fn front_remarks(front: &Front) -> Vec<String> {
+    type Of = for<'f> fn(&'f FrontPoint) -> &'f [Remark];
+    let kinds: [(Of, fn(&Remark) -> String); 2] = [
+        (|p| &p.unchecked, |(limit, why)| format!("not checked: {limit}, because {why}")),
+        (|p| &p.assumed, |(limit, what)| format!("assumed: {limit}: {what}")),
+    ];
+    let mut told = Vec::new();
+    for (of, text) in kinds {
+        let mut all: BTreeMap<&Remark, Vec<&str>> = BTreeMap::new();
+        for point in &front.points {
+            for what in of(point) {
+                let motors = all.entry(what).or_default();
+                if !motors.contains(&point.motor.id.as_str()) {
+                    motors.push(&point.motor.id);
+                }
             }
         }
+        told.extend(all.into_iter().map(|(what, motors)| format!("{}: {}", text(what), motors.join(", "))));
     }
-    let line = |((limit, why), motors): (&Remark, Vec<&str>)| {
-        format!("not checked: {limit}, because {why}: {}", motors.join(", "))
-    };
-    all.into_iter().map(line).collect()
+    told
 }
 
 /// The block of a whole robot.
 pub fn robot_text(choice: &Choice) -> String {
-    block(HEADING, lines(choice.unjudged.iter().map(|(motor, why)| (motor.id.as_str(), why.as_slice()))))
+    let of_joint = |apart: &[Apart]| {
+        let name = &apart[0].joint.name;
+        let reasons = lines(apart.iter().map(|a| (a.motor.id.as_str(), a.because.as_slice())));
+        reasons.into_iter().map(|line| format!("{name}: {}", line.trim_start())).collect::<Vec<_>>()
+    };
+    let joints = choice.unjudged.chunk_by(|a, b| std::ptr::eq(a.joint, b.joint));
+    block(HEADING, joints.flat_map(of_joint).collect())
 }
 
 /// Motors that the choice for a whole robot leaves out, for programs.
 pub fn robot_json(choice: &Choice) -> Value {
-    choice.unjudged.iter().map(|(motor, because)| one(&motor.id, None, because)).collect()
+    let apart = |a: &Apart| {
+        let mut value = one(&a.motor.id, None, &a.because);
+        value["joint"] = json!(a.joint.name);
+        value
+    };
+    choice.unjudged.iter().map(apart).collect()
 }
 
 /// How many motors cannot be judged, to go on a sentence that counts the others.

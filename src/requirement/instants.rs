@@ -8,6 +8,9 @@
 //!
 //! Where the rates are given, what lies between the samples is not declared. There the motion stays as it is, and
 //! an estimate (`likely`) tells how much larger it is than at any sample.
+//!
+//! What stands at two neighbouring samples stands between them, whatever rates these have: they are those of the motion
+//! beside the hold. So a hold gets an instant at either end that has none of them.
 
 use super::motion::{Course, Motion};
 use super::spline;
@@ -173,14 +176,24 @@ impl Interval {
             zeros.extend(self.torque.zeros(self.length));
         }
         zeros.sort_by(f64::total_cmp);
+        let mut sides: Vec<f64> = zeros.into_iter().flat_map(|zero| [zero - apart, zero + apart]).collect();
+        if self.holds_beside_a_motion() {
+            sides.extend([apart, self.length - apart]);
+            sides.sort_by(f64::total_cmp);
+        }
         let mut cuts = vec![0.0];
-        for side in zeros.into_iter().flat_map(|zero| [zero - apart, zero + apart]) {
+        for side in sides {
             if side - cuts[cuts.len() - 1] >= 0.5 * apart && self.length - side >= 0.5 * apart {
                 cuts.push(side);
             }
         }
         cuts.push(self.length);
         cuts
+    }
+
+    /// Whether nothing moves, but one of the ends has the acceleration of what it does beyond.
+    fn holds_beside_a_motion(&self) -> bool {
+        self.stands && [0.0, self.length].iter().any(|s| self.velocity.slope(*s) != 0.0)
     }
 
     /// The largest second derivative of what limits and means are made of, each as a share of its largest value
@@ -308,6 +321,24 @@ impl Piece {
     }
 }
 
+/// A motion whose rates are given, with the instants that part its holds from what it does beside them.
+pub(super) fn with_holds(motion: Motion) -> Motion {
+    let intervals = intervals(&motion);
+    if !intervals.iter().any(Interval::holds_beside_a_motion) {
+        return motion;
+    }
+    let apart = apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion));
+    let mut pieces = Vec::new();
+    for (i, interval) in intervals.iter().enumerate() {
+        let mut cuts = vec![0.0, interval.length];
+        if interval.holds_beside_a_motion() && interval.length > 3.0 * apart {
+            cuts.splice(1..1, [apart, interval.length - apart]);
+        }
+        pieces.extend(cuts.windows(2).map(|w| Piece { interval: i, from: w[0], to: w[1], bend: 0.0 }));
+    }
+    built(&motion, &intervals, &pieces, RESOLUTION, motion.between)
+}
+
 /// The same motion with the instants between its samples that it takes.
 pub(super) fn resolve(motion: Motion) -> Motion {
     let largest = Largest::new(&motion);
@@ -324,14 +355,19 @@ pub(super) fn resolve(motion: Motion) -> Motion {
     while pieces.iter().map(|p| p.parts(resolution)).sum::<usize>() > most {
         resolution *= 2.0;
     }
-    let mut built = Motion { between: Between::Spline(resolution), ..emptied(&motion) };
-    for piece in &pieces {
-        built.add_piece(&motion, &intervals[piece.interval], piece, piece.parts(resolution));
+    built(&motion, &intervals, &pieces, resolution, Between::Spline(resolution))
+}
+
+/// A motion of the parts of its pieces.
+fn built(motion: &Motion, intervals: &[Interval], pieces: &[Piece], resolution: f64, between: Between) -> Motion {
+    let mut built = Motion { between, ..emptied(motion) };
+    for piece in pieces {
+        built.add_piece(motion, &intervals[piece.interval], piece, piece.parts(resolution));
     }
     if !matches!(motion.course, Course::Periodic(_)) {
-        built.add_given(&motion, motion.len() - 1);
+        built.add_given(motion, motion.len() - 1);
     }
-    built.weigh(&pieces, &intervals, resolution);
+    built.weigh(pieces, intervals, resolution);
     built
 }
 

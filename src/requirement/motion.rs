@@ -102,7 +102,10 @@ impl Motion {
     pub fn from_samples(samples: Samples, course: Course) -> Motion {
         let given = samples.acceleration.is_some() || samples.torque_rate.is_some() || samples.jerk.is_some();
         let motion = Motion::at_samples(samples, course);
-        if given { Motion { between: Between::Given(instants::likely(&motion)), ..motion } } else { motion.resolved() }
+        if !given {
+            return motion.resolved();
+        }
+        instants::with_holds(Motion { between: Between::Given(instants::likely(&motion)), ..motion })
     }
 
     /// The same with the instants between its samples, where its spline is the motion.

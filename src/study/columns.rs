@@ -7,7 +7,7 @@ use super::plan::Plan;
 use crate::design::optimize::{Design, JointResult};
 use crate::design::program::Certificate;
 use crate::report::csv_number;
-use crate::report::{currents, spring};
+use crate::report::{currents, spring, unjudged};
 
 /// Type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,9 +63,8 @@ const OF_DESIGN: &[(&str, Kind, Cell)] = &[
     ("winding_temperature_k", Kind::Number, |_, d| number(d, |d| d.winding_temperature.flatten())),
     ("tightest_limit", Kind::Text, |_, d| text(d, |d| d.evaluation.tightest().map_or("", |m| m.limit).into())),
     ("tightest_margin", Kind::Number, |_, d| number(d, |d| d.evaluation.tightest().map(|m| m.margin))),
-    ("not_checked", Kind::Text, |_, d| {
-        text(d, |d| d.unchecked.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" "))
-    }),
+    ("not_checked", Kind::Text, |_, d| text(d, |d| unjudged::names(&d.unchecked))),
+    ("assumed", Kind::Text, |_, d| text(d, |d| unjudged::names(&d.assumed))),
     ("unjudged_motors", Kind::Integer, |j, _| j.unjudged.len().to_string()),
     ("spring_stiffness_nm_per_rad", Kind::Number, |_, d| of_spring(d, 0)),
     ("spring_rest_angle_rad", Kind::Number, |_, d| of_spring(d, 1)),

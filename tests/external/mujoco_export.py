@@ -58,9 +58,9 @@ URDF = """<robot name="leg">
 """
 
 
-def gearwise(*arguments):
+def gearwise(*arguments, status=0):
     done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True)
-    assert done.returncode == 0, f"{arguments}: {done.stderr}"
+    assert done.returncode == status, f"{arguments}: {done.stderr}"
     return done.stdout
 
 
@@ -137,9 +137,11 @@ def main():
 
     # A motor of the catalogue, whose sheet counts amperes in its own way: J_m of the RI50 is 90.1 g*cm^2.
     shipped = "requirements/quadruped_mini_cheetah.toml"
-    gearwise("export", "t-motor-ri50@9", shipped, "--joint", "knee", "--to", "mjcf", "--out", folder / "knee.xml")
+    # It breaks the voltage of the torque bandwidth there, which status 1 says; its numbers are what is looked at.
+    knee = ("export", "t-motor-ri50@9", shipped, "--joint", "knee")
+    gearwise(*knee, "--to", "mjcf", "--out", folder / "knee.xml", status=1)
     model = mujoco.MjModel.from_xml_path(str(scene))
-    facts = json.loads(gearwise("export", "t-motor-ri50@9", shipped, "--joint", "knee", "--to", "json"))["joints"][0]
+    facts = json.loads(gearwise(*knee, "--to", "json", status=1))["joints"][0]
     armature = 81 * (90.1e-7 + 2e-6)  # with the gear that the requirement describes
     close(facts["armature_kgm2"], armature, "armature of the RI50", 1e-9)
     close(model.dof_armature[0], armature, "armature of the RI50 in MuJoCo", 1e-9)

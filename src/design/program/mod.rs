@@ -102,6 +102,15 @@ pub struct Bind {
     pub limit: &'static str,
     /// The sample at which it binds.
     pub sample: Option<usize>,
+    /// Why what lies beyond cannot be judged by this limit; `None` where what lies beyond exceeds it.
+    pub unjudged: Option<&'static str>,
+}
+
+impl Bind {
+    /// A limit that is exceeded beyond, at a sample.
+    pub fn of(limit: &'static str, sample: Option<usize>) -> Bind {
+        Bind { limit, sample, unjudged: None }
+    }
 }
 
 /// How sure the optimum is.
@@ -293,6 +302,11 @@ impl<'a> RatioProgram<'a> {
         objective::Goal::summed(self).value(ratio)
     }
 
+    /// The least value over some intervals of ratios, and where: a grid on each, and every valley refined.
+    pub(in crate::design) fn least_over(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)]) -> Option<(f64, f64)> {
+        scan::least(value, intervals, 100)
+    }
+
     /// A polynomial that touches the objective at a ratio and is nowhere above it, up to the mass that steps
     /// by stages, which is the second number.
     pub(in crate::design) fn objective_cut(&self, ratio: f64) -> (Laurent, f64) {
@@ -335,7 +349,7 @@ impl<'a> RatioProgram<'a> {
             }
             let (raw, sample) = asked.raw_demand(candidate, 1.0);
             if violation(raw, asked.raw_bound()) > ROW_TOLERANCE {
-                let bind = Bind { limit: asked.limit.name, sample };
+                let bind = Bind::of(asked.limit.name, sample);
                 let (least, allowed) = (asked.natural(raw) / asked.bound, asked.bound);
                 return Some(Infeasible::Never { bind, least, allowed, ratio: self.range.0 });
             }
@@ -346,16 +360,15 @@ impl<'a> RatioProgram<'a> {
     /// The range of u = N² that the requirement and the limits of class `UpperBound` leave.
     fn ends(&self) -> Result<(End, End), Infeasible> {
         let (min, max) = self.range;
-        let low = End { ratio: min, bind: Bind { limit: "ratio_min", sample: None }, ratio_per_bound: 1.0, bound: min };
-        let mut high =
-            End { ratio: max, bind: Bind { limit: "ratio_max", sample: None }, ratio_per_bound: 1.0, bound: max };
+        let low = End { ratio: min, bind: Bind::of("ratio_min", None), ratio_per_bound: 1.0, bound: min };
+        let mut high = End { ratio: max, bind: Bind::of("ratio_max", None), ratio_per_bound: 1.0, bound: max };
         for Limited { candidate, asked } in self.limits.iter().filter(|l| l.asked.limit.class == Class::UpperBound) {
             let (ratio, sample, ratio_per_bound) = match asked.demand {
                 Demand::Mass => {
                     let ratio = largest_ratio_by_mass(candidate, asked);
                     if ratio == 0.0 {
                         let least = candidate.known_mass_at(min) / asked.bound;
-                        let bind = Bind { limit: asked.limit.name, sample: None };
+                        let bind = Bind::of(asked.limit.name, None);
                         return Err(Infeasible::Never { bind, least, allowed: asked.bound, ratio: min });
                     }
                     (ratio, None, 0.0)
@@ -367,8 +380,7 @@ impl<'a> RatioProgram<'a> {
                 _ => continue,
             };
             if ratio < high.ratio {
-                high =
-                    End { ratio, bind: Bind { limit: asked.limit.name, sample }, ratio_per_bound, bound: asked.bound };
+                high = End { ratio, bind: Bind::of(asked.limit.name, sample), ratio_per_bound, bound: asked.bound };
             }
         }
         if high.ratio < low.ratio * (1.0 - ROW_TOLERANCE) {
@@ -429,7 +441,7 @@ impl<'a> RatioProgram<'a> {
         let ratio = least_in_range(&demand, self.range.0, self.range.1);
         let (raw, sample) = asked.raw_demand(candidate, ratio);
         Infeasible::Never {
-            bind: Bind { limit: asked.limit.name, sample },
+            bind: Bind::of(asked.limit.name, sample),
             least: asked.natural(raw) / asked.bound,
             allowed: asked.bound,
             ratio,
@@ -437,7 +449,7 @@ impl<'a> RatioProgram<'a> {
     }
 
     fn bind(&self, row: &Row) -> Bind {
-        Bind { limit: self.limits[row.asked].asked.limit.name, sample: row.sample }
+        Bind::of(self.limits[row.asked].asked.limit.name, row.sample)
     }
 
     fn solve_convex(&self) -> Outcome {

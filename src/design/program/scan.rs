@@ -32,7 +32,7 @@ struct Turn {
 
 /// A window of a single ratio.
 pub(super) fn point(program: &RatioProgram, ratio: f64) -> Window {
-    let bind = worst(program, ratio).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
+    let bind = worst(program, ratio).1.unwrap_or(Bind::of("ratio_min", None));
     Window { min: ratio, max: ratio, low: bind.clone(), high: bind }
 }
 
@@ -112,7 +112,7 @@ fn worst_by(program: &RatioProgram, ratio: f64, measure: fn(&Asked, f64, f64) ->
     let mut offer = |asked: &Asked, (raw, sample): (f64, Option<usize>), excess: f64| {
         let measured = measure(asked, raw, excess);
         if measured > worst.0 {
-            worst = (measured, Some(Bind { limit: asked.limit.name, sample }));
+            worst = (measured, Some(Bind::of(asked.limit.name, sample)));
         }
     };
     let is_convex = |asked: &Asked| matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
@@ -158,7 +158,7 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
         }
         if worst(program, middle).0 <= 0.0 { good = middle } else { bad = middle }
     }
-    let bind = worst(program, bad).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
+    let bind = worst(program, bad).1.unwrap_or(Bind::of("ratio_min", None));
     (good, bind)
 }
 
@@ -182,7 +182,7 @@ fn pieces(program: &RatioProgram, windows: &[Window]) -> Vec<(f64, f64)> {
 }
 
 /// The least value over some intervals: a grid on each, then every valley refined.
-fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize) -> Option<(f64, f64)> {
+pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     let mut offer = |n: f64, f: f64| {
         if best.is_none_or(|(_, b)| f < b) {
@@ -222,7 +222,7 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
     let (left, right) = (place(nearest.0.saturating_sub(1)), place((nearest.0 + 1).min(points.len().max(1) - 1)));
     let inside = golden_section(&|n| told(n).0, left, right, 40);
     let ratio = if told(inside).0 < nearest.1 { inside } else { place(nearest.0) };
-    let bind = told(ratio).1.unwrap_or(Bind { limit: "ratio_min", sample: None });
+    let bind = told(ratio).1.unwrap_or(Bind::of("ratio_min", None));
     let named = program.limits.iter().filter(|l| l.asked.limit.name == bind.limit);
     let over = named
         .map(|Limited { candidate, asked }| {

@@ -115,9 +115,10 @@ impl<'a> Context<'a> {
         })
     }
 
-    /// Every menu that was made.
-    pub(super) fn menus(&self) -> impl Iterator<Item = &Menu<'a>> {
-        self.certain.iter().flatten().map(|m| &**m).chain(self.made.values().map(|m| &**m))
+    /// Every menu that was made, with the place of its joint.
+    pub(super) fn menus(&self) -> impl Iterator<Item = (usize, &Menu<'a>)> {
+        let certain = self.certain.iter().enumerate().filter_map(|(joint, menu)| Some((joint, &**menu.as_ref()?)));
+        certain.chain(self.made.iter().map(|((joint, _), menu)| (*joint, &**menu)))
     }
 
     fn masses(&self, masses: &[Option<f64>], joint: usize) -> (f64, f64) {

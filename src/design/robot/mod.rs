@@ -138,8 +138,8 @@ pub struct Choice<'a> {
     pub others_left_out: bool,
     /// The best total for less and less mass.
     pub front: Vec<Combination<'a>>,
-    /// Motors left out at some joint because they cannot be judged there, each with what and why.
-    pub unjudged: Vec<(&'a Motor, Vec<Remark>)>,
+    /// Motors left out because they cannot be judged, with the joint where that is so, what and why.
+    pub unjudged: Vec<Apart<'a>>,
     /// Names of joints that share a time base, for each time base.
     pub time_bases: Vec<Vec<String>>,
     /// Whether power was added up instant by instant over all joints.
@@ -202,20 +202,37 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     })
 }
 
-/// Every motor that some menu leaves out because it cannot be judged.
-fn unjudged<'a>(context: &Context<'a>) -> Vec<(&'a Motor, Vec<Remark>)> {
-    let mut all: BTreeMap<usize, Vec<Remark>> = BTreeMap::new();
-    for (motor, because) in context.menus().flat_map(|menu| &menu.unjudged) {
-        let told = all.entry(*motor).or_default();
-        for why in because {
-            if !told.contains(why) {
-                told.push(*why);
-            }
+/// A motor that is left out at a joint because it cannot be judged there.
+#[derive(Debug, Clone)]
+pub struct Apart<'a> {
+    /// The joint.
+    pub joint: &'a Joint,
+    /// The motor.
+    pub motor: &'a Motor,
+    /// What cannot be judged, and why.
+    pub because: Vec<Remark>,
+}
+
+/// Every motor that a joint's menus leave out because it cannot be judged there: by joint.
+fn unjudged<'a>(context: &Context<'a>) -> Vec<Apart<'a>> {
+    let mut all: BTreeMap<(usize, usize), Vec<Remark>> = BTreeMap::new();
+    for (joint, menu) in context.menus() {
+        for (motor, because) in &menu.unjudged {
+            let told = all.entry((joint, *motor)).or_default();
+            told.extend(because);
         }
     }
-    // Menus under several loads are made in no certain order.
-    all.values_mut().for_each(|told| told.sort_unstable());
-    all.into_iter().map(|(motor, told)| (&context.catalog.motors[motor], told)).collect()
+    // Under another load it may be a choice.
+    for (joint, menu) in context.menus() {
+        menu.items.iter().for_each(|item| drop(all.remove(&(joint, item.motor))));
+    }
+    let apart = |((joint, motor), mut because): ((usize, usize), Vec<Remark>)| {
+        // Menus under several loads are made in no certain order.
+        because.sort_unstable();
+        because.dedup();
+        Apart { joint: &context.robot.joints[joint], motor: &context.catalog.motors[motor], because }
+    };
+    all.into_iter().map(apart).collect()
 }
 
 fn solve(context: &mut Context, rules: Rules) -> Answer {
@@ -235,7 +252,7 @@ fn prove(context: &Context, answer: &Answer) -> Proof {
     } else if gap.is_some_and(|g| g > GAP_TOLERANCE) {
         not_proved.push("the bounds did not meet".into());
     }
-    let mut unproved: Vec<usize> = context.menus().flat_map(|m| m.unproved.iter().copied()).collect();
+    let mut unproved: Vec<usize> = context.menus().flat_map(|(_, m)| m.unproved.iter().copied()).collect();
     unproved.sort_unstable();
     unproved.dedup();
     if !unproved.is_empty() {

@@ -52,7 +52,7 @@ pub fn json(report: &Report, strict: bool) -> Value {
                     "load_inertia_estimated": examined.load_inertia.map(|_| examined.load_inertia_estimated), "best_ratio": examined.best.map(|b| b.0),
                     "margins": margins, "limits": limits, "between_samples": crate::report::between::json(choice.joint),
                     "judged": unjudged(facts).is_empty(), "unjudged": list(&unjudged(facts)),
-                    "assumed": examined.assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect::<Vec<_>>(),
+                    "assumed": crate::report::unjudged::assumed(&examined.assumed),
                     "not_checked": examined.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
                 });
                 currents::add(&mut value, choice.motor, e);

@@ -1,5 +1,7 @@
 //! A check for people.
 
+use std::collections::BTreeMap;
+
 use crate::report::table::{Column, Table, paragraph};
 use crate::report::{counted, number, optional};
 use crate::rules::lock::LockState;
@@ -49,6 +51,9 @@ pub fn text(report: &Report, strict: bool) -> String {
             out.push_str(&paragraph(&line, 2, 4));
             out.push_str(&paragraph(&format!("because {}", finding.allowed.as_deref().unwrap_or("")), 4, 6));
         }
+    }
+    for (assumption, joints) in assumed(report) {
+        out.push_str(&format!("\n{}", paragraph(&format!("{}: assumed: {assumption}", joints.join(", ")), 0, 2)));
     }
     let skipped = not_judged(report);
     if !skipped.is_empty() {
@@ -130,6 +135,18 @@ fn story(report: &Report, finding: &Finding, joints: &str) -> String {
         out.push_str(&paragraph(&format!("→ {}", printable(&mend)), 2, 4));
     }
     out
+}
+
+/// What counts as kept as far as something holds, each with the joints that it is true of.
+fn assumed(report: &Report) -> BTreeMap<String, Vec<String>> {
+    let mut all: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for facts in &report.facts.joints {
+        let Ok(examined) = &facts.examined else { continue };
+        for (limit, what) in &examined.assumed {
+            all.entry(format!("{limit}: {what}")).or_default().push(printable(&facts.choice.joint.name));
+        }
+    }
+    all
 }
 
 /// Rules with bounds that could be judged nowhere or not at some joints.

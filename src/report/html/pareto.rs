@@ -26,7 +26,7 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
     };
     let warnings = fronts
         .iter()
-        .flat_map(|f| unjudged::front_not_checked(f).into_iter().map(|line| format!("{}: {line}", f.joint.name)));
+        .flat_map(|f| unjudged::front_remarks(f).into_iter().map(|line| format!("{}: {line}", f.joint.name)));
     let figure = plot::figure(fronts);
     Page {
         command: "optimize --pareto",

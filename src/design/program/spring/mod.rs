@@ -279,11 +279,11 @@ fn fixed_ratio(prepared: &Prepared, objective: &Objective, ratio: f64) -> Result
     let evaluation = prepared.at_in_full(ratio);
     if !evaluation.feasible {
         let tightest = evaluation.tightest();
-        let bind = Bind { limit: tightest.map_or("gear", |m| m.limit), sample: tightest.and_then(|m| m.sample) };
+        let bind = Bind::of(tightest.map_or("gear", |m| m.limit), tightest.and_then(|m| m.sample));
         let (least, allowed) = tightest.map_or((f64::INFINITY, f64::NAN), |m| (m.demand / m.bound, m.bound));
         return Err(Infeasible::Nowhere { bind, least, allowed, ratio });
     }
-    let bind = Bind { limit: "gear", sample: None };
+    let bind = Bind::of("gear", None);
     let objective = evaluation.objective(objective).unwrap_or(f64::NAN);
     Ok(Optimum {
         ratio,
