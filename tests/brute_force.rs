@@ -5,16 +5,22 @@
 //! occurs), `GEARWISE_TELL=1` prints those that disagree in full.
 
 mod raw;
+#[path = "raw/solved.rs"]
+mod solved;
 
 use std::collections::BTreeMap;
 
+use gearwise::actuator::Load;
 use gearwise::catalog::Catalog;
-use gearwise::design::optimize::{Design, Reason, optimize};
+use gearwise::design::judge::unjudged;
+use gearwise::design::optimize::{Reason, optimize};
 use gearwise::design::program::Infeasible::{Contradiction, Never, Nowhere};
 use gearwise::design::program::{Certificate, Window};
+use gearwise::design::{Prepared, continuous_candidate};
 use gearwise::requirement::*;
 use raw::{Case, LIMITS, Scan, draw};
 use rayon::prelude::*;
+use solved::Solved;
 
 /// A case is too close to call where the least violation is nearer to zero than `CLOSE` or no window is
 /// wider than `NARROW`, which is also what its ends may differ by.
@@ -31,17 +37,17 @@ struct Verdict {
 }
 
 fn compare(case: &Case, convex: bool, tell: bool) -> Verdict {
-    let (scan, catalog) = (Scan::new(case), Catalog { motors: vec![case.motor.clone()], gears: Vec::new() });
+    let (scan, found) = (Scan::new(case), solved::solve(&case.motor, &case.robot));
     let mut v = Verdict { feasible: !scan.windows.is_empty(), ..Verdict::default() };
     v.close = scan.least.0.abs() < CLOSE || v.feasible && scan.windows.iter().all(|[a, b]| b / a - 1.0 < NARROW);
-    let result = &optimize(&case.robot, &catalog).joints[0];
     if tell {
-        println!("{:?}\n{:?}\n{:?}\n{:?}", case.robot, result.candidates, result.rejected, scan.windows);
+        let optimum = found.as_ref().map(|found| &found.optimum);
+        println!("{:?}\n{optimum:?}\n{:?}", case.robot, scan.windows);
     }
-    match (result.designs().next(), result.rejected.first().map(|rejected| &rejected.reason)) {
-        (Some(_), _) | (_, Some(Reason::Infeasible(_))) if v.close => {}
-        (Some(design), _) if v.feasible => compare_designs(case, convex, design, &scan, &mut v),
-        (_, Some(Reason::Infeasible(why))) if !v.feasible => {
+    match &found {
+        Ok(_) | Err(Reason::Infeasible(_)) if v.close => {}
+        Ok(design) if v.feasible => compare_designs(case, convex, design, &scan, &mut v),
+        Err(Reason::Infeasible(why)) if !v.feasible => {
             // What is said of the cause must hold: at every ratio, or just beyond the two that contradict.
             let filled = |limit: &str, n: f64| case.excess(n).find(|at| at.1 == limit).map_or(0.0, |at| at.0 + 1.0);
             let holds = match why {
@@ -61,7 +67,7 @@ fn compare(case: &Case, convex: bool, tell: bool) -> Verdict {
 }
 
 /// Everything that is said of the best design.
-fn compare_designs(case: &Case, convex: bool, design: &Design, scan: &Scan, v: &mut Verdict) {
+fn compare_designs(case: &Case, convex: bool, design: &Solved, scan: &Scan, v: &mut Verdict) {
     let (n, optimum, evaluation) = (design.optimum.ratio, &design.optimum, &design.evaluation);
     let (at, usual) = (case.look(n), case.look((scan.grid[0] * scan.grid[scan.grid.len() - 1]).sqrt()));
     let mut near = |what, apart: f64, most| v.apart.push((what, apart, most));
@@ -189,4 +195,52 @@ fn the_hottest_winding_is_that_of_an_integration() {
     let [below, beyond, above] = [0, 1, 2].map(|i| apart.iter().map(|x| x[i]).fold(f64::NEG_INFINITY, f64::max));
     println!("{} motions: below by {below:e}, above by {above:e}, more than is said by {beyond:e}", apart.len());
     assert!(apart.len() > 40 && below < 1e-5 && beyond < 1e-5 && above < 5e-3, "{below} {beyond} {above}");
+}
+
+/// Where heat can be judged at some ratios only: the best of those that a dense look finds is the choice, and what lies
+/// in its windows can be judged. What is said at a ratio is looked at elsewhere (tests/heat_over_motion.rs).
+#[test]
+fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
+    let look = |(i, convex): (u64, bool)| {
+        let mut case = draw(i, convex);
+        let joint = &mut case.robot.joints[0];
+        joint.limits.winding_temperature = joint.limits.winding_temperature.or(case.motor.max_winding_temperature);
+        let joint = &case.robot.joints[0];
+        let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
+        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let prepared = Prepared::new(continuous_candidate(&case.robot, joint, &load, &case.motor).unwrap());
+        let is_judged = |n: f64| unjudged(&case.robot, joint, &prepared.unchecked_at(n)).is_empty();
+        let looked: Vec<(f64, bool, f64)> = (0..=600)
+            .map(|k| min * (max / min).powf(f64::from(k) / 600.0))
+            .map(|n| (n, is_judged(n), prepared.at_in_full(n)))
+            .filter(|(.., at)| at.feasible)
+            .map(|(n, judged, at)| (n, judged, at.objective(&joint.objective).unwrap()))
+            .collect();
+        let part = looked.iter().any(|l| l.1) && looked.iter().any(|l| !l.1);
+        let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
+        let result = &optimize(&case.robot, &catalog).joints[0];
+        let Some(design) = result.candidates.first() else {
+            assert!(!looked.iter().any(|l| l.1), "case {i} {convex}: {:?} will do", looked.iter().find(|l| l.1));
+            return (part, false);
+        };
+        let (optimum, size) = (&design.optimum, design.optimum.objective.abs());
+        assert!(is_judged(optimum.ratio), "case {i} {convex}");
+        let best = looked.iter().filter(|l| l.1).map(|l| l.2).fold(f64::INFINITY, f64::min);
+        assert!(optimum.objective <= best + 1e-6 * size.max(1e-9), "case {i} {convex}: {} {best}", optimum.objective);
+        for window in &optimum.windows {
+            let inside = |n: f64| n > window.min * 1.001 && n < window.max * 0.999;
+            assert!(looked.iter().filter(|l| inside(l.0)).all(|l| l.1), "case {i} {convex}: {window:?}");
+        }
+        let moved = matches!(&optimum.certificate, Certificate::NotCertified(why) if why.contains("cannot be judged"));
+        if moved {
+            let free = solved::solve(&case.motor, &case.robot).map_or_else(|why| panic!("{why:?}"), |f| f.optimum);
+            assert!(!is_judged(free.ratio) && free.objective <= optimum.objective, "case {i} {convex}: {free:?}");
+        }
+        (part, moved)
+    };
+    let cases: Vec<(u64, bool)> = (0..1600).map(|i| (i, true)).chain((0..300).map(|i| (100_000 + i, false))).collect();
+    let found: Vec<(bool, bool)> = cases.into_par_iter().map(look).collect();
+    let (part, moved) = (found.iter().filter(|f| f.0).count(), found.iter().filter(|f| f.1).count());
+    println!("{part} can be judged in part, {moved} have a better ratio that cannot");
+    assert!(part > 20 && moved > 5, "{part} {moved}");
 }

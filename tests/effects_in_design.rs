@@ -2,6 +2,8 @@
 //! torque, current, heat and voltage of every sample, effect by effect, in the plainest way.
 
 mod raw;
+#[path = "raw/solved.rs"]
+mod solved;
 
 use std::sync::Arc;
 
@@ -302,8 +304,7 @@ fn the_best_ratio_is_the_best_of_many() {
             let case = with_effects(i, i % 2 == 0);
             let kind = KINDS[i as usize % KINDS.len()];
             let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
-            let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
-            let result = &optimize(&case.robot, &catalog).joints[0];
+            let result = solved::solve(&case.motor, &case.robot);
             let mut wrong = Vec::new();
             let grid: Vec<f64> = (0..=200).map(|k| min * (max / min).powf(f64::from(k) / 200.0)).collect();
             // What the sweep says of feasibility is checked above; here only the search is.
@@ -317,8 +318,8 @@ fn the_best_ratio_is_the_best_of_many() {
                 least if least < 0.0 => (a - b) / b.abs().max(1e-3 * usual),
                 _ => 0.5 * (a * a - b * b) / (b * b).max(1e-6 * usual * usual),
             };
-            match result.designs().next() {
-                Some(design) => {
+            match &result {
+                Ok(design) => {
                     let here = objective(&case, &own(&case, design.optimum.ratio));
                     if above(design.optimum.objective, here).abs() > 1e-7 {
                         tell(format!("objective {} but {here}", design.optimum.objective));
@@ -343,16 +344,14 @@ fn the_best_ratio_is_the_best_of_many() {
                         other => tell(format!("certificate {other:?}")),
                     }
                 }
-                None if !feasible.is_empty() => {
-                    tell(format!("{:?}, but N = {} will do", result.rejected[0].reason, feasible[0]))
-                }
-                None => {
-                    if matches!(result.rejected[0].reason, Reason::NotSolved(_) | Reason::Unbounded) {
-                        tell(format!("{:?}", result.rejected[0].reason));
+                Err(why) if !feasible.is_empty() => tell(format!("{why:?}, but N = {} will do", feasible[0])),
+                Err(why) => {
+                    if matches!(why, Reason::NotSolved(_) | Reason::Unbounded) {
+                        tell(format!("{why:?}"));
                     }
                 }
             }
-            (result.designs().next().is_none(), evaluated, wrong)
+            (result.is_err(), evaluated, wrong)
         })
         .collect();
     let wrong: Vec<&String> = counted.iter().flat_map(|c| &c.2).collect();

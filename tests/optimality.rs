@@ -6,13 +6,14 @@
 //! least value of the Lagrangian over all ratios, which no feasible ratio can beat, is f* again.
 
 mod raw;
+#[path = "raw/solved.rs"]
+mod solved;
 
-use gearwise::catalog::Catalog;
-use gearwise::design::optimize::{Design, optimize};
 use gearwise::design::program::Certificate;
 use gearwise::requirement::*;
 use raw::{Case, draw, golden};
 use rayon::prelude::*;
+use solved::Solved;
 
 /// Limits whose demand is the root of what is convex in N², or linear in N: squared, they are convex.
 const SQUARED: [&str; 12] = [
@@ -65,7 +66,7 @@ impl Priced {
     }
 }
 
-fn check(case: &Case, design: &Design) -> Option<Residual> {
+fn check(case: &Case, design: &Solved) -> Option<Residual> {
     let (optimum, n) = (&design.optimum, design.optimum.ratio);
     let sole = case.robot.joints[0].objective.sole();
     // Mass steps: it has no slope. The end of a window that a mass sets has no price either.
@@ -131,9 +132,7 @@ fn optima_are_stationary_points_of_their_lagrangian() {
         .into_par_iter()
         .filter_map(|i| {
             let case = draw(i, true);
-            let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
-            let result = optimize(&case.robot, &catalog);
-            Some((i, check(&case, result.joints[0].designs().next()?)?))
+            Some((i, check(&case, &solved::solve(&case.motor, &case.robot).ok()?)?))
         })
         .collect();
     let most =

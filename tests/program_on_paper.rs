@@ -3,11 +3,12 @@
 //! the raw waveforms.
 
 mod raw;
+#[path = "raw/solved.rs"]
+mod solved;
 
 use gearwise::actuator::Load;
 use gearwise::actuator::fitted::FittedEffect;
-use gearwise::catalog::{Catalog, Motor};
-use gearwise::design::optimize::optimize;
+use gearwise::catalog::Motor;
 use gearwise::design::program::{Certificate, Infeasible, Optimum, Outcome, RatioProgram};
 use gearwise::design::{Prepared, continuous_candidate};
 use gearwise::requirement::*;
@@ -29,10 +30,8 @@ fn with_program<T>(case: &Case, look: impl FnOnce(&RatioProgram) -> T) -> T {
 
 /// The optimum, and the bound of each limit there.
 fn solved(case: &Case) -> Option<(Optimum, Vec<(&'static str, f64)>)> {
-    let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
-    let result = optimize(&case.robot, &catalog);
-    let design = result.joints[0].designs().next()?;
-    Some((design.optimum.clone(), design.evaluation.margins.iter().map(|m| (m.limit, m.bound)).collect()))
+    let found = solved::solve(&case.motor, &case.robot).ok()?;
+    Some((found.optimum, found.evaluation.margins.iter().map(|m| (m.limit, m.bound)).collect()))
 }
 
 /// The bound without solving is never above the optimum, and near it as a rule; where there is none, there is no

@@ -191,8 +191,10 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
             worst = worst.max(at.loss);
         }
         assert!(worst <= design.worst_objective * (1.0 + 1e-9), "case {seed}: {worst} {}", design.worst_objective);
-        // Nothing better keeps the limits at all corners.
-        if count <= 512 {
+        // Nothing better keeps the limits at all corners. (Where a window ends at what cannot be judged, that is another
+        // matter: tests/unjudged.rs.)
+        let judged = design.optimum.windows.iter().all(|w| w.low.unjudged.is_none() && w.high.unjudged.is_none());
+        if count <= 512 && judged {
             let nominal = case.motor(false);
             for n in grid.iter().filter(|n| kept(**n)) {
                 let objective = evaluate(&case.robot, &load, &nominal, *n).loss;

@@ -9,10 +9,11 @@
 //! Neither the crate's polynomials nor a solver are used: the random cases and their raw waveforms only.
 
 mod raw;
+#[path = "raw/solved.rs"]
+mod solved;
 
-use gearwise::catalog::Catalog;
 use gearwise::catalog::convention::{Commutation, Modulation};
-use gearwise::design::optimize::{Reason, optimize};
+use gearwise::design::optimize::Reason;
 use gearwise::requirement::*;
 use raw::{Case, Heat, draw};
 use rayon::prelude::*;
@@ -410,17 +411,15 @@ impl<'a> Problem<'a> {
 fn compare(case: &Case) -> Result<Option<f64>, String> {
     let problem = Problem::new(case);
     let mine = problem.as_ref().map_or(Ok(None), Problem::solve)?;
-    let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
-    let result = &optimize(&case.robot, &catalog).joints[0];
-    match (mine, result.designs().next(), result.rejected.first().map(|r| &r.reason)) {
-        (Some((_, value)), Some(design), _) => {
-            let theirs = design.optimum.objective;
+    match (mine, solved::solve(&case.motor, &case.robot)) {
+        (Some((_, value)), Ok(found)) => {
+            let theirs = found.optimum.objective;
             let usual = problem.map_or(0.0, |problem| problem.usual());
             let size = value.abs().max(1e-6 * usual).max(f64::MIN_POSITIVE);
             Ok(Some((theirs - value) / size))
         }
-        (None, None, Some(Reason::Infeasible(_))) => Ok(None),
-        (mine, design, why) => Err(format!("{mine:?} {:?} {why:?}", design.map(|d| &d.optimum))),
+        (None, Err(Reason::Infeasible(_))) => Ok(None),
+        (mine, found) => Err(format!("{mine:?} {:?}", found.map(|found| found.optimum))),
     }
 }
 
