@@ -25,12 +25,17 @@ pub struct Unjudged<'a> {
 #[derive(Debug, Clone)]
 pub enum Refused<'a> {
     /// It cannot do it.
-    Rejected(Rejected<'a>),
+    Rejected(Box<Rejected<'a>>),
     /// Whether it can is not known.
     Unjudged(Box<Unjudged<'a>>),
 }
 
-impl Refused<'_> {
+impl<'a> Refused<'a> {
+    /// A motor that cannot do it.
+    pub fn rejected(rejected: Rejected<'a>) -> Refused<'a> {
+        Refused::Rejected(Box::new(rejected))
+    }
+
     /// Why.
     pub fn reason(&self) -> Reason {
         match self {
@@ -64,7 +69,7 @@ pub fn judged<'a>(
 ) -> Result<Design<'a>, Refused<'a>> {
     if let Some((limit, why)) = left_out(robot, joint, &design.unchecked, only_checked) {
         let reason = Reason::Unchecked(limit, why);
-        return Err(Refused::Rejected(Rejected { motor: design.motor, gear: design.gear, reason }));
+        return Err(Refused::rejected(Rejected { motor: design.motor, gear: design.gear, reason }));
     }
     match unjudged(robot, joint, &design.unchecked) {
         because if because.is_empty() => Ok(design),

@@ -200,7 +200,7 @@ impl<'a> Sorted<'a> {
             match result {
                 Ok(design) => sorted.candidates.push(design),
                 Err(Refused::Unjudged(unjudged)) => sorted.unjudged.push(*unjudged),
-                Err(Refused::Rejected(why)) => sorted.rejected.push(why),
+                Err(Refused::Rejected(why)) => sorted.rejected.push(*why),
             }
         }
         sorted.candidates.sort_by(order);
@@ -229,7 +229,7 @@ pub fn best_design<'a>(
     motor: &'a Motor,
     only_checked: bool,
 ) -> Result<Design<'a>, Refused<'a>> {
-    let reject = |(gear, reason)| Refused::Rejected(Rejected { motor, gear, reason });
+    let reject = |(gear, reason)| Refused::rejected(Rejected { motor, gear, reason });
     let unusable = |why| reject((None, Reason::Unusable(why)));
     if joint.objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
         return Err(unusable(Unusable::Mass));
@@ -360,7 +360,7 @@ fn best_gear<'a>(
             (None, Reason::Unusable(why))
         }
     };
-    Err(Refused::Rejected(Rejected { motor, gear, reason }))
+    Err(Refused::rejected(Rejected { motor, gear, reason }))
 }
 
 /// The only ratio of a gear as an optimum: that all gears are evaluated is the proof.

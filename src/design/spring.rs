@@ -183,7 +183,7 @@ pub(super) fn best_gear<'a>(
     let Some(design) = found else {
         let unusable = if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { Unusable::NoGearFits };
         let (gear, reason) = refused.unwrap_or((None, Reason::Unusable(unusable)));
-        return Err(Refused::Rejected(Rejected { motor, gear, reason }));
+        return Err(Refused::rejected(Rejected { motor, gear, reason }));
     };
     judge::judged(robot, joint, design, only_checked)
 }

@@ -156,7 +156,8 @@ pub fn front_json(front: &Front) -> Value {
 /// What could not be checked and what was assumed of the designs on a front: each with the motors it is true of.
 pub fn front_remarks(front: &Front) -> Vec<String> {
     type Of = for<'f> fn(&'f FrontPoint) -> &'f [Remark];
-    let kinds: [(Of, fn(&Remark) -> String); 2] = [
+    type Text = fn(&Remark) -> String;
+    let kinds: [(Of, Text); 2] = [
         (|p| &p.unchecked, |(limit, why)| format!("not checked: {limit}, because {why}")),
         (|p| &p.assumed, |(limit, what)| format!("assumed: {limit}: {what}")),
     ];
