@@ -34,7 +34,7 @@ requirement="words src/requirement/*.rs"
 make catalogue "words src/catalog/*.rs src/actuator/effects/*.rs" "grep -oE '^    [a-z_]+: [A-Z]' src/catalog/sheet.rs | sed -E 's/ +([a-z_]+):.*/\"\1\"/'" units numbers table
 make requirement "$requirement" units numbers toml
 make solve "$requirement" units numbers toml
-make motion "words src/requirement/motion.rs" units numbers table
+make motion "words src/motion/mod.rs" units numbers table
 make rules "words src/rules/*.rs src/rules/registry/*.rs" units numbers toml "printf '\"%s\"\n' '\n== design.lock ==\n'"
 make design "words src/requirement/design_file.rs" "cut -d, -f1 catalogs/motors/*.csv | grep -oE '^[a-z0-9-]+' | sort -u | head -60 | sed 's/.*/\"&\"/'" units numbers toml
 make study "words src/study/file.rs src/study/grid.rs src/requirement/read.rs" units numbers toml

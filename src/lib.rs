@@ -1,26 +1,28 @@
 //! Gearwise chooses the motor and the gear ratio of a robot joint and proves the choice.
 //!
-//! Data goes one way through the house, and each room can be understood from its own files and the
-//! rooms below it:
+//! Data goes one way through the house: a room imports from the rooms above it in this list and from no other, and can
+//! be understood from its own files and theirs.
 //!
-//! ```text
-//! files ─► catalog, requirement ─► actuator (the model) ─► design ─► rules ─► report ◄─ cli
-//! ```
-//!
+//! * [`words`]: how numbers, counts, cells and markup are written; the name that somebody may have meant.
 //! * [`units`]: quantities at the edges; inside everything is SI.
+//! * [`output`]: a file appears whole or not at all.
+//! * [`numerics`]: line search, spline, polynomials: what knows nothing of robots.
 //! * [`input`]: files are read once, every mistake in them is collected with its place.
+//! * [`effects`]: what an actuator may do beyond its data sheet, one file each.
+//! * [`motion`]: what a joint is asked for, as arrays over samples, and at every instant between them.
 //! * [`catalog`]: motors and gears in their declared conventions, converted to the power-invariant
 //!   q-axis equivalent; the audit of redundant numbers.
-//! * [`requirement`]: robot, joints, motions as arrays over samples, limits, objectives.
 //! * [`mechanism`]: the robot as a tree of rigid bodies (URDF, MJCF), and the joint torques of a trajectory.
+//! * [`requirement`]: robot, joints, limits, objectives.
 //! * [`actuator`]: the model: metrics, shaft torque and voltage as linear forms in the features of a
-//!   sample, effects, limits as Laurent polynomials in the ratio.
+//!   sample, limits as Laurent polynomials in the ratio, heat.
 //! * [`design`]: evaluation of one design, the sweep, the ratio program with its certificate, the
 //!   ranking over a catalogue.
-//! * [`rules`]: design rules as data, rules files, the lock of the rows a design uses.
 //! * [`measured`]: bench files and logs; which effect the declared model lacks; the catalogue row that they make.
-//! * [`study`]: many robots in one go, with a journal of what is finished.
+//! * [`rules`]: design rules as data, rules files, the lock of the rows a design uses.
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
+//! * [`study`]: many robots in one go, with a journal of what is finished.
+//! * [`pages`]: the pages of docs/ that are made from the registries.
 //! * [`cli`]: one file for each command.
 //!
 //! ```
@@ -37,12 +39,17 @@ pub mod actuator;
 pub mod catalog;
 pub mod cli;
 pub mod design;
+pub mod effects;
 pub mod input;
-mod line_search;
 pub mod measured;
 pub mod mechanism;
+pub mod motion;
+pub mod numerics;
+pub mod output;
+pub mod pages;
 pub mod report;
 pub mod requirement;
 pub mod rules;
 pub mod study;
 pub mod units;
+pub mod words;

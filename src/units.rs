@@ -418,7 +418,7 @@ fn symbol(name: &str) -> Option<Unit> {
 }
 
 fn unknown(name: &str) -> UnitError {
-    let near = crate::input::nearest(name, SUGGESTIONS.iter().copied());
+    let near = crate::words::nearest(name, SUGGESTIONS.iter().copied());
     UnitError::UnknownUnit(shorten(name), near)
 }
 

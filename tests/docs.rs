@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 
 use common::repository;
-use gearwise::report::pages::formats::{BENCH, BENCH_MORE, DESIGN, FITTED, FITTED_AXIS, REQUIREMENT, RULES, Table};
+use gearwise::pages::formats::{BENCH, BENCH_MORE, DESIGN, FITTED, FITTED_AXIS, REQUIREMENT, RULES, Table};
 
 #[test]
 fn the_committed_pages_are_what_the_program_makes() {

@@ -8,13 +8,14 @@ mod solved;
 use std::sync::Arc;
 
 use gearwise::actuator::Load;
-use gearwise::actuator::fitted::{FittedEffect, FittedGear};
 use gearwise::catalog::convention::Commutation;
+use gearwise::catalog::fitted::FittedGear;
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::optimize::{Reason, optimize};
 use gearwise::design::program::Certificate;
 use gearwise::design::remake::remake;
 use gearwise::design::{Evaluation, Prepared, continuous_candidate};
+use gearwise::effects::FittedEffect;
 use gearwise::input::Source;
 use gearwise::measured::fitted::fitted_motor;
 use gearwise::measured::identify::{Found, Parameter, Report, Target, Verdict};
@@ -576,7 +577,7 @@ fn reports_make_a_fitted_motor() {
     let bench =
         Bench { name: "bench".into(), path: "bench.toml".into(), catalog, declared, logs: Vec::new(), readings };
     let found = |name, instances: Vec<Vec<f64>>| {
-        let effect = gearwise::actuator::effects::effect(name).unwrap();
+        let effect = gearwise::effects::effect(name).unwrap();
         Found {
             name,
             equation: effect.equation(),

@@ -14,9 +14,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use gearwise::input::csv::guarded;
 use gearwise::input::{Source, limits};
 use gearwise::measured;
+use gearwise::words::csv::guarded;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use tempfile::TempDir;

@@ -8,10 +8,10 @@ use std::process::Command;
 use std::sync::Arc;
 
 use common::{motor, repository};
-use gearwise::actuator::effects::effect;
-use gearwise::actuator::fitted::FittedEffect;
 use gearwise::catalog::Catalog;
 use gearwise::catalog::fitted::{Fitted, read_actuator};
+use gearwise::effects::FittedEffect;
+use gearwise::effects::effect;
 use gearwise::input::Source;
 use gearwise::measured::fitted::{fitted_actuator, fitted_motor};
 use gearwise::measured::identify::{Found, Options, Parameter, Report, Target, Verdict, identify};

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use common::repository;
-use gearwise::actuator::effects::effect;
+use gearwise::effects::effect;
 use gearwise::measured::identify::{Found, Options, Report, Target, Verdict, identify};
 use gearwise::measured::read::read;
 use gearwise::measured::simulate::{

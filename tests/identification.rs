@@ -420,7 +420,7 @@ fn the_d5065_saturates_and_its_temperature_term_is_refused() {
 
 /// The motor as it really is: the declared row with the effect that was put in.
 fn true_motor(declared: &gearwise::catalog::Motor, truth: &Truth) -> gearwise::catalog::Motor {
-    use gearwise::actuator::fitted::FittedEffect;
+    use gearwise::effects::FittedEffect;
     let mut motor = declared.clone();
     for effect in &truth.effects {
         let value = |n: usize| effect.parameters[n].1;

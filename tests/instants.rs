@@ -10,8 +10,9 @@ use gearwise::actuator::Load;
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::optimize;
 use gearwise::input::Source;
+use gearwise::motion;
 use gearwise::report;
-use gearwise::requirement::{Between, Course, GearModel, Motion, RatioChoice, Robot, Samples, motion};
+use gearwise::requirement::{Between, Course, GearModel, Motion, RatioChoice, Robot, Samples};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

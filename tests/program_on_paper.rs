@@ -7,10 +7,10 @@ mod raw;
 mod solved;
 
 use gearwise::actuator::Load;
-use gearwise::actuator::fitted::FittedEffect;
 use gearwise::catalog::Motor;
 use gearwise::design::program::{Certificate, Infeasible, Optimum, Outcome, RatioProgram};
 use gearwise::design::{Prepared, continuous_candidate};
+use gearwise::effects::FittedEffect;
 use gearwise::requirement::*;
 use raw::{Case, draw};
 

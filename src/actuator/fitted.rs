@@ -6,62 +6,11 @@
 //! becomes one [`Shortfall`] of the actuator, which turns torques into currents for every limit. What
 //! depends on the motor's own speed in no polynomial way is a [`drag`], evaluated at a ratio.
 
-use super::effects::{EFFECTS, Effect, Enters, Operating, effect};
 use super::shaft::{Feature, ShaftForm};
 use crate::catalog::Motor;
+
+use crate::effects::{EFFECTS, Effect, Enters, FittedEffect, Operating};
 use crate::requirement::{GearModel, Joint, RatioChoice, backdrive_efficiency};
-
-/// An effect of an actuator with its values.
-#[derive(Clone)]
-pub struct FittedEffect {
-    /// The effect.
-    pub effect: &'static dyn Effect,
-    /// Its values in the order of its parameters, SI.
-    pub values: Vec<f64>,
-}
-
-impl FittedEffect {
-    /// The effect of a name with its values; `None` where the library has none of that name, or it has another
-    /// number of parameters.
-    pub fn new(name: &str, values: Vec<f64>) -> Option<FittedEffect> {
-        effect(name).filter(|e| e.parameters().len() == values.len()).map(|effect| FittedEffect { effect, values })
-    }
-
-    /// Its name.
-    pub fn name(&self) -> &'static str {
-        self.effect.name()
-    }
-
-    /// Amplitude of an effect with a cosine and a sine.
-    fn amplitude(&self) -> f64 {
-        self.values[0].hypot(self.values[1])
-    }
-}
-
-impl std::fmt::Debug for FittedEffect {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {:?}", self.name(), self.values)
-    }
-}
-
-impl PartialEq for FittedEffect {
-    fn eq(&self, other: &FittedEffect) -> bool {
-        self.name() == other.name() && self.values == other.values
-    }
-}
-
-/// Numbers of the gear that an actuator was fitted with.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct FittedGear {
-    /// Efficiency when the motor drives, η.
-    pub efficiency: Option<f64>,
-    /// Efficiency when the load drives, η_b.
-    pub backdrive_efficiency: Option<f64>,
-    /// Inertia at the input \[kg·m²\], J_g.
-    pub inertia: Option<f64>,
-    /// Its ratio on the bench: at another, friction at the output is another at the motor.
-    pub ratio: Option<f64>,
-}
 
 /// Saturation of the iron: torque `K_T i − k (i − i_s tanh(i/i_s))` at a current i ≥ 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,6 +21,16 @@ struct Saturation {
     current: f64,
     /// Up to this current the curve is used \[A\]; beyond it heat goes on as its tangent.
     last: f64,
+}
+
+/// Adds all effects that the motor's row declares and that were fitted for it, where they have that form.
+pub fn add_declared(motor: &Motor, form: &mut ShaftForm) {
+    for effect in EFFECTS {
+        if let Some(values) = motor.declared(*effect) {
+            effect.shaft(&values, form);
+        }
+    }
+    add_features(motor, form);
 }
 
 /// What lies between the torque that a sample asks for and the current that makes it, beyond `T/K_T`.
@@ -382,7 +341,7 @@ pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
     }
     let replaced = gear_with_fit(motor, &joint.gear);
     if !listed && replaced != joint.gear {
-        let number = crate::report::number;
+        let number = crate::words::number;
         let mut parts = Vec::new();
         if replaced.efficiency != joint.gear.efficiency {
             parts.push(("efficiency", replaced.efficiency, joint.gear.efficiency, ""));
@@ -421,4 +380,54 @@ pub fn folded(
     let asymmetry = form[Feature::Speed];
     let constant = form[Feature::One] + asymmetry * speed.abs() + torque;
     (constant, (asymmetry * towards + slope) * acceleration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Shape;
+
+    /// What an effect says of the limits is what the code does with it: none is left out of a list somewhere.
+    #[test]
+    fn every_effect_enters_the_limits_as_it_says() {
+        let row = crate::catalog::Catalog::builtin().unwrap().motors.remove(0);
+        let k_t = row.torque_constant;
+        for effect in EFFECTS {
+            let name = effect.name();
+            let mut values = vec![0.01; effect.linear()];
+            if effect.shape() != Shape::None {
+                values.push(4.0);
+            }
+            let mut form = ShaftForm::default();
+            effect.shaft(&values, &mut form);
+            let motor = crate::catalog::Motor {
+                effects: vec![FittedEffect { effect: *effect, values: values.clone() }],
+                ..row.clone()
+            };
+            let hot = hot_torque_constant(&motor, Some(motor.reference_temperature + 50.0));
+            let here = [
+                form != ShaftForm::default(),
+                gear_with_fit(&motor, &GearModel::IDEAL) != GearModel::IDEAL,
+                Shortfall::new(&motor, k_t, true) != Shortfall::none(k_t) || hot != k_t,
+                evaluated(&motor).next().is_some() && why_evaluated(&motor).contains(name),
+            ];
+            let says = match effect.enters() {
+                Enters::Convex | Enters::Laurent => [true, false, false, false],
+                Enters::Efficiency => [false, true, false, false],
+                Enters::Bound => [false, false, true, false],
+                Enters::Evaluated => [false, false, false, true],
+                Enters::NotAtAll(_) => [false; 4],
+            };
+            assert_eq!(here, says, "{name}: in shaft torque, gear, bounds, evaluated");
+            if effect.enters() == Enters::Evaluated {
+                for speed in [3.0, 30.0] {
+                    let at =
+                        |speed: f64| effect.value(&values, &Operating { speed, direction: 1.0, ..Operating::UNKNOWN });
+                    let slope = effect.speed_slope(&values, &Operating { speed, direction: 1.0, ..Operating::UNKNOWN });
+                    let difference = (at(speed + 1e-4) - at(speed - 1e-4)) / 2e-4;
+                    approx::assert_relative_eq!(slope, difference, max_relative = 1e-6, epsilon = 1e-9);
+                }
+            }
+        }
+    }
 }

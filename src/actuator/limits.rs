@@ -2,7 +2,6 @@
 //! ratios that leaves. Sweep, ratio program and design rules all read [`LIMITS`].
 
 use super::fitted;
-use super::laurent::Laurent;
 use super::load::Load;
 use super::shaft::{Actuator, Flow};
 use super::stretch;
@@ -11,6 +10,7 @@ use super::thermal_motion::TwoNode;
 use super::waveform::Functional;
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Gear, Motor};
+use crate::numerics::laurent::Laurent;
 use crate::requirement::{GearModel, Joint, RatioChoice, Regeneration, Robot};
 
 /// A motor and a gear for a joint, before the ratio is chosen.

@@ -1,11 +1,11 @@
 //! Everything about a joint that does not depend on motor, gear or ratio, computed once.
 
-use super::laurent::Laurent;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
 use super::thermal::winding_temperature;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
+use crate::numerics::laurent::Laurent;
 use crate::requirement::{self, Motion, TorqueBandwidth};
 
 /// A rise that is so many times its bound is cut off by its logarithm: a motion from cold may come to numbers whose

@@ -2,13 +2,11 @@
 //!
 //! The one idea of this room: torque and voltage at the motor are linear in a few features of a
 //! sample, each with its own power of the ratio ([`shaft`]). Squares of these are Laurent
-//! polynomials in N ([`laurent`]); the [`waveform`] finds their largest value over all samples, and
+//! polynomials in N ([`Laurent`]); the [`waveform`] finds their largest value over all samples, and
 //! each limit says once which of them it bounds ([`limits`]).
 
-pub mod effects;
 pub mod envelope;
 pub mod fitted;
-pub mod laurent;
 pub mod limits;
 pub mod load;
 pub mod metrics;
@@ -19,6 +17,6 @@ pub mod thermal;
 pub mod thermal_motion;
 pub mod waveform;
 
-pub use laurent::Laurent;
+pub use crate::numerics::laurent::Laurent;
 pub use load::Load;
 pub use shaft::Actuator;

@@ -18,99 +18,13 @@
 //! The coefficients are made here, once; the sweep weighs features with them at a ratio, the ratio
 //! program takes the same coefficients as Laurent polynomials.
 
-use std::ops::{Index, IndexMut};
+pub use crate::effects::features::{FEATURE_POWER, FEATURES, Feature, ShaftForm, USUAL_FEATURES, sign};
 
-use super::effects;
 use super::fitted::{self, Shortfall};
-use super::laurent::Laurent;
 use super::thermal;
 use crate::catalog::Motor;
+use crate::numerics::laurent::Laurent;
 use crate::requirement::GearModel;
-
-/// A quantity of a sample that torque or voltage is linear in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Feature {
-    /// Load torque τ \[N·m\].
-    Load,
-    /// Rate of the load torque τ̇ \[N·m/s\].
-    LoadRate,
-    /// Output acceleration α \[rad/s²\].
-    Acceleration,
-    /// Output jerk j \[rad/s³\].
-    Jerk,
-    /// Output speed ω \[rad/s\].
-    Velocity,
-    /// Sign of the speed; at standstill ±1 in limits, 0 in means.
-    Sign,
-    /// Magnitude of the speed \[rad/s\].
-    Speed,
-    /// One.
-    One,
-    /// Rate of the speed's magnitude, sgn ω · α \[rad/s²\].
-    SpeedRate,
-}
-
-/// Number of features.
-pub const FEATURES: usize = 9;
-
-/// Power of N that each feature comes with.
-pub const FEATURE_POWER: [i32; FEATURES] = [-1, -1, 1, 1, 1, 0, 1, 0, 1];
-
-/// The first features are all that a motor needs whose effects are viscous and Coulomb friction.
-pub const USUAL_FEATURES: usize = 6;
-
-/// Coefficient of each feature in a linear form.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ShaftForm(pub [f64; FEATURES]);
-
-impl Index<Feature> for ShaftForm {
-    type Output = f64;
-
-    fn index(&self, feature: Feature) -> &f64 {
-        &self.0[feature as usize]
-    }
-}
-
-impl IndexMut<Feature> for ShaftForm {
-    fn index_mut(&mut self, feature: Feature) -> &mut f64 {
-        &mut self.0[feature as usize]
-    }
-}
-
-impl ShaftForm {
-    /// Coefficients times their powers of N.
-    pub fn weights(&self, ratio: f64) -> [f64; FEATURES] {
-        let (up, down) = (ratio, 1.0 / ratio);
-        let c = &self.0;
-        [c[0] * down, c[1] * down, c[2] * up, c[3] * up, c[4] * up, c[5], c[6] * up, c[7], c[8] * up]
-    }
-
-    /// The form at a sample, as a polynomial in N.
-    pub fn polynomial(&self, features: &[f64; FEATURES]) -> Laurent {
-        let mut sum = Laurent::default();
-        for ((coefficient, feature), power) in self.0.iter().zip(features).zip(FEATURE_POWER) {
-            sum = sum + Laurent::monomial(coefficient * feature, power);
-        }
-        sum
-    }
-
-    /// The time derivative of the form: τ → τ̇, α → j, ω → α, |ω| → sgn ω · α; a sign and a constant have none.
-    fn rate(&self) -> ShaftForm {
-        let mut rate = ShaftForm::default();
-        rate[Feature::LoadRate] = self[Feature::Load];
-        rate[Feature::Jerk] = self[Feature::Acceleration];
-        rate[Feature::Acceleration] = self[Feature::Velocity];
-        rate[Feature::SpeedRate] = self[Feature::Speed];
-        rate
-    }
-
-    fn plus(mut self, factor: f64, other: &ShaftForm) -> ShaftForm {
-        for (a, b) in self.0.iter_mut().zip(other.0) {
-            *a += factor * b;
-        }
-        self
-    }
-}
 
 /// Which way power flows through the gear at a sample: does not depend on N.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,11 +57,6 @@ impl Flow {
     pub fn of(torque: f64, velocity: f64) -> Flow {
         if torque * velocity < 0.0 { Flow::Braking } else { Flow::Driving }
     }
-}
-
-/// Sign of a speed, zero at zero.
-pub fn sign(velocity: f64) -> f64 {
-    if velocity == 0.0 { 0.0 } else { velocity.signum() }
 }
 
 /// A motor with a gear: all coefficients that the equations of a sample need, SI, q axis.
@@ -198,7 +107,7 @@ impl Actuator {
             let mut torque = ShaftForm::default();
             torque[Feature::Load] = load;
             torque[Feature::Acceleration] = inertia;
-            effects::add_declared(motor, &mut torque);
+            fitted::add_declared(motor, &mut torque);
             let current = 1.0 / torque_constant;
             let mut voltage = ShaftForm::default()
                 .plus(motor.resistance * current, &torque)

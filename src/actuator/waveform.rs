@@ -6,8 +6,8 @@
 //! ratio, bounds each form over a box; a box whose bound cannot beat the largest value found so far
 //! is skipped. The result is the exact maximum.
 
-use super::laurent::Laurent;
 use super::shaft::{Actuator, FEATURES, Feature, Flow, USUAL_FEATURES};
+use crate::numerics::laurent::Laurent;
 
 /// Samples in a leaf of the tree.
 const LEAF: usize = 8;

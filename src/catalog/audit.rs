@@ -9,7 +9,7 @@ use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
 use super::{Catalog, Gear, GearKind, Motor, Printed};
-use crate::report::number;
+use crate::words::number;
 
 /// How much a finding weighs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -8,10 +8,22 @@ use super::convention::{
 };
 use super::motor::{Identity, Incomplete, Motor};
 use super::sheet::{Conventions, FIELDS, Printed, Sheet, SourceKind};
-use crate::actuator::effects::{EFFECTS, Effect, Shape};
-use crate::actuator::fitted::{FittedEffect, FittedGear};
+use crate::effects::{EFFECTS, Effect, FittedEffect, Shape};
 use crate::input::{Form, InputError, Problem, Range, Section, Source};
 use crate::units;
+
+/// Numbers of the gear that an actuator was fitted with.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FittedGear {
+    /// Efficiency when the motor drives, η.
+    pub efficiency: Option<f64>,
+    /// Efficiency when the load drives, η_b.
+    pub backdrive_efficiency: Option<f64>,
+    /// Inertia at the input \[kg·m²\], J_g.
+    pub inertia: Option<f64>,
+    /// Its ratio on the bench: at another, friction at the output is another at the motor.
+    pub ratio: Option<f64>,
+}
 
 /// Where a fitted actuator comes from, and how sure its numbers are.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -335,7 +347,7 @@ fn read_effects(section: &Section, motor: Option<&Motor>, of_axis: bool, fit: &m
         }
         let instances =
             if section.is_list(name) { section.sections(name) } else { section.section(name).into_iter().collect() };
-        if motor.is_some_and(|m| effect.declared(m).is_some()) {
+        if motor.is_some_and(|m| m.declared(*effect).is_some()) {
             section.note(
                 Problem::at(section.span_of(name), format!("`{name}` stands twice"), "it is a column of [motor] too")
                     .help("leave one of the two out"),

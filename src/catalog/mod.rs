@@ -168,7 +168,7 @@ impl Catalog {
         self.motors
             .iter()
             .find(|m| m.id == id)
-            .ok_or_else(|| crate::input::nearest(id, self.motors.iter().map(|m| m.id.as_str())))
+            .ok_or_else(|| crate::words::nearest(id, self.motors.iter().map(|m| m.id.as_str())))
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::convention::Commutation;
 use super::fitted::Fit;
+use super::fitted::FittedGear;
 use super::sheet::{Conventions, Printed, Sheet, SourceKind};
-use crate::actuator::fitted::{FittedEffect, FittedGear};
+use crate::effects::{Effect, FittedEffect};
 
 /// Winding temperature that a resistance refers to where its row does not say \[K\]: 25 °C.
 pub const REFERENCE_TEMPERATURE: f64 = 298.15;
@@ -111,6 +112,16 @@ pub enum Incomplete {
 }
 
 impl Motor {
+    /// The values of an effect that the row declares, where it does.
+    pub fn declared(&self, effect: &dyn Effect) -> Option<Vec<f64>> {
+        let value = match effect.column()? {
+            "coulomb_friction" => self.coulomb_friction,
+            "viscous_friction" => self.viscous_friction,
+            _ => None,
+        };
+        value.map(|value| vec![value])
+    }
+
     /// Converts a sheet to its q-axis equivalent.
     ///
     /// # Errors

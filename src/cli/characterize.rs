@@ -4,8 +4,9 @@ use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Output};
 use crate::measured::{characterize, read};
+use crate::output;
+use crate::report::characterize as report;
 use crate::report::plot::{self, Format, characterize as pictures};
-use crate::report::{characterize as report, file};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -52,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if let Some(path) = &arguments.write {
         match report::row_csv(&result.row) {
             Ok(text) => {
-                file::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
+                output::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
                 written.push(format!("The row is in {}.", path.display()));
             }
             Err(why) => {

@@ -5,8 +5,9 @@ use clap::Args;
 
 use super::{CatalogChoice, Done, Failure};
 use crate::input::{InputError, Source};
+use crate::output;
 use crate::report::check::{github, input, json, junit, sarif, text};
-use crate::report::{file, json_text};
+use crate::report::json_text;
 use crate::requirement::DesignFile;
 use crate::rules::file::{RulesFile, read};
 use crate::rules::lock::{Lock, path_of};
@@ -59,18 +60,18 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
 fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failure> {
     let root = std::env::current_dir().unwrap_or_default();
     if let Some(path) = &arguments.junit {
-        file::write_whole(path, input::junit(errors).as_bytes()).map_err(Failure::Argument)?;
+        output::write_whole(path, input::junit(errors).as_bytes()).map_err(Failure::Argument)?;
     }
     if let Some(path) = &arguments.sarif {
         let text = json_text(&input::sarif(errors, &root));
-        file::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
+        output::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
     }
     let text = match (arguments.json, arguments.github) {
         (true, _) => json_text(&input::json(errors)),
         (_, true) => input::github(errors, &root),
         _ => return Ok(()),
     };
-    let not_printed = |e| Failure::Argument(format!("cannot write the result: {}", crate::input::reason(&e)));
+    let not_printed = |e| Failure::Argument(format!("cannot write the result: {}", crate::words::reason(&e)));
     super::print(&text).map_err(not_printed)
 }
 
@@ -92,13 +93,13 @@ fn checked(arguments: &Arguments) -> Result<Done, Failure> {
     let report = crate::rules::check(&design, &catalog, &rules, lock.as_ref(), &lock_path)?;
     let root = std::env::current_dir().unwrap_or_default();
     let write = |path: &Option<PathBuf>, text: &dyn Fn() -> String| match path {
-        Some(path) => file::write_whole(path, text().as_bytes()).map_err(Failure::Argument),
+        Some(path) => output::write_whole(path, text().as_bytes()).map_err(Failure::Argument),
         None => Ok(()),
     };
     write(&arguments.junit, &|| junit::text(&report, arguments.strict))?;
     write(&arguments.sarif, &|| json_text(&sarif::json(&report, &root)))?;
     if let Some(text) = written {
-        file::write_whole(&lock_path, text.as_bytes()).map_err(Failure::Argument)?;
+        output::write_whole(&lock_path, text.as_bytes()).map_err(Failure::Argument)?;
         tell!("wrote {}", lock_path.display());
     }
     let text = match (arguments.json, arguments.github) {

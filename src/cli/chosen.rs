@@ -2,8 +2,8 @@
 
 use super::{Failure, find_motor};
 use crate::catalog::{Catalog, Gear, Motor};
-use crate::input::nearest;
 use crate::requirement::{Joint, RatioChoice, Robot};
+use crate::words::nearest;
 
 /// A motor, with the gear or the ratio that was named after `@`.
 pub struct Chosen<'c> {

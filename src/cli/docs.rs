@@ -3,7 +3,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Done, Failure};
-use crate::report::{file, pages};
+use crate::output;
+use crate::pages;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -25,7 +26,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let mut text = String::new();
     for (name, page) in pages() {
         let path = arguments.out.join(name);
-        file::write_whole(&path, page.as_bytes()).map_err(Failure::Argument)?;
+        output::write_whole(&path, page.as_bytes()).map_err(Failure::Argument)?;
         text.push_str(&format!("{}\n", path.display()));
     }
     Ok(Done { text, satisfied: true })

@@ -14,8 +14,8 @@ use crate::design::judge::unjudged;
 use crate::design::simulated::{LeftOut, SimulatedJoint};
 use crate::design::{Evaluation, Unusable, continuous_candidate, geared_candidate, load_through};
 use crate::input::Source;
+use crate::output;
 use crate::report::export::{Exported, FORMATS, NamedFile, Origin, patch};
-use crate::report::file;
 use crate::report::unjudged::sentence;
 use crate::requirement::{self, DesignFile, Joint, Robot};
 
@@ -131,7 +131,7 @@ fn exported<'a>(
     };
     let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, evaluation.ratio);
     if let Some((stiffness, rest_angle)) = spring.filter(|(stiffness, _)| *stiffness > 0.0) {
-        let number = crate::report::number;
+        let number = crate::words::number;
         simulated.left_out.push(LeftOut {
             what: format!(
                 "parallel spring of {} N*m/rad with its rest at {} rad",
@@ -186,7 +186,7 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             "warning: joint `{}`: {} at N = {} is not feasible, it breaks {}; exported all the same",
             joint.joint,
             joint.motor.id,
-            crate::report::number(joint.simulated.ratio),
+            crate::words::number(joint.simulated.ratio),
             joint.broken.join(", ")
         );
     }
@@ -195,15 +195,15 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             "warning: joint `{}`: {} at N = {} {}; exported all the same",
             joint.joint,
             joint.motor.id,
-            crate::report::number(joint.simulated.ratio),
+            crate::words::number(joint.simulated.ratio),
             sentence(&joint.unjudged)
         );
     }
     let satisfied = joints.iter().all(|j| j.broken.is_empty() && j.unjudged.is_empty());
     let Some(out) = &arguments.out else { return Ok(Done { text, satisfied }) };
-    file::write_whole(out, text.as_bytes()).map_err(Failure::Argument)?;
+    output::write_whole(out, text.as_bytes()).map_err(Failure::Argument)?;
     said.extend(joints.iter().map(|j| {
-        let number = crate::report::number;
+        let number = crate::words::number;
         let s = &j.simulated;
         format!(
             "{}: {} at N = {}, armature {} kg*m^2, effort {} N*m, velocity {} rad/s",
@@ -228,7 +228,7 @@ fn names(map: &[String], joints: &[Exported]) -> Result<Vec<(String, String)>, F
         };
         if joints.iter().all(|e| e.joint != joint) {
             let known = joints.iter().map(|e| e.joint);
-            let help = crate::input::nearest(joint, known.clone()).map_or_else(
+            let help = crate::words::nearest(joint, known.clone()).map_or_else(
                 || format!("there are: {}", known.collect::<Vec<_>>().join(", ")),
                 |n| format!("did you mean `{n}`?"),
             );

@@ -7,8 +7,9 @@ use crate::catalog::fitted::Fitted;
 use crate::design::remake::remake;
 use crate::measured::fitted::fitted_actuator;
 use crate::measured::{identify, read, simulate};
+use crate::output;
 use crate::report::plot::{self, Format, residual};
-use crate::report::{file, fitted, forward as forward_report, html, identify as report, remake as remake_report};
+use crate::report::{fitted, forward as forward_report, html, identify as report, remake as remake_report};
 use crate::requirement;
 use crate::units;
 
@@ -83,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         let Some(actuator) = &actuator else {
             return Err(Failure::Argument("`--write`: the fitted numbers make no row of a motor".into()));
         };
-        file::write_whole(path, fitted::text(actuator, &reports).as_bytes()).map_err(Failure::Argument)?;
+        output::write_whole(path, fitted::text(actuator, &reports).as_bytes()).map_err(Failure::Argument)?;
         written.push(format!("The fitted actuator is in {}.", path.display()));
     }
     let text = arguments.output.choose(

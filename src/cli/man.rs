@@ -4,7 +4,7 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use super::{Done, Failure};
-use crate::report::file;
+use crate::output;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -20,7 +20,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<Done, Failure>
     let failed = |error: std::io::Error| {
         Failure::Argument(format!("cannot write to the folder `{}`: {error}", arguments.out.display()))
     };
-    file::make_folder(&arguments.out).map_err(Failure::Argument)?;
+    output::make_folder(&arguments.out).map_err(Failure::Argument)?;
     let mut pages = vec![("gearwise".to_string(), page(&command).map_err(failed)?)];
     for sub in command.get_subcommands().filter(|c| c.get_name() != "help" && !c.is_hide_set()) {
         let name = format!("gearwise-{}", sub.get_name());
@@ -29,7 +29,7 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<Done, Failure>
     let mut text = String::new();
     for (name, page) in pages {
         let path = arguments.out.join(format!("{name}.1"));
-        file::write_whole(&path, &page).map_err(Failure::Argument)?;
+        output::write_whole(&path, &page).map_err(Failure::Argument)?;
         text.push_str(&format!("{}\n", path.display()));
     }
     Ok(Done { text, satisfied: true })

@@ -3,11 +3,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Done, Failure};
-use crate::report::study as report;
 use crate::study::StudyError;
 use crate::study::assemble::{Shards, assemble};
 use crate::study::journal::Lock;
 use crate::study::output;
+use crate::study::text as report;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]

@@ -259,7 +259,7 @@ fn metric_name(sort: &str, mass_weight: bool) -> Result<String, Failure> {
 
 /// An order that does not exist, with the nearest that does.
 fn unknown_order<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Failure {
-    let help = match crate::input::nearest(name, names.clone()) {
+    let help = match crate::words::nearest(name, names.clone()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("there are: {}", names.collect::<Vec<_>>().join(", ")),
     };
@@ -363,7 +363,7 @@ fn say(said: std::fmt::Arguments, end: &str) {
 }
 
 fn not_printed(error: &std::io::Error) -> ExitCode {
-    tell!("error: cannot write the result: {}", crate::input::reason(error));
+    tell!("error: cannot write the result: {}", crate::words::reason(error));
     ExitCode::from(2)
 }
 

@@ -7,12 +7,12 @@ use crate::design::optimize::{Options, RobotResult, optimize_with};
 use crate::design::pareto::fronts;
 use crate::design::robot::{self, choose};
 use crate::design::robust::robust;
-use crate::input::nearest;
+use crate::output::write_whole;
 use crate::report::design_file::{self, way};
-use crate::report::file::write_whole;
 use crate::report::optimize as report;
 use crate::report::{html, pareto, plot, robot as robot_report, robust as robust_report};
 use crate::requirement::{self, Quantity};
+use crate::words::nearest;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]

@@ -1,9 +1,9 @@
 use clap::Args;
 
 use super::{Done, Failure};
-use crate::input::nearest;
 use crate::report::{json_text, rules as report};
 use crate::rules::{RULES, rule};
+use crate::words::nearest;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]

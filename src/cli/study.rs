@@ -9,7 +9,7 @@ use clap::Args;
 use super::{CatalogChoice, Done, Failure};
 use crate::catalog::Catalog;
 use crate::input::Source;
-use crate::report::{number, study as report};
+use crate::report::number;
 use crate::study::assemble::{Shards, assemble};
 use crate::study::file::{StudyFile, is_study_file, read};
 use crate::study::grid::Grid;
@@ -17,6 +17,7 @@ use crate::study::journal::Journal;
 use crate::study::output;
 use crate::study::plan::{Hashed, Inputs};
 use crate::study::run::{Existing, Study, Watch, prepare, run as work};
+use crate::study::text as report;
 use crate::study::worker::Broken;
 use crate::study::{Settings, Shard, StudyError};
 

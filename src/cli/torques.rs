@@ -7,7 +7,7 @@ use super::{Done, Failure, Output};
 use crate::input::Source;
 use crate::mechanism::torques::{actuator_places, notes, torques, torques_per_mass};
 use crate::mechanism::{Mechanism, Payload, trajectory};
-use crate::report::file::{make_folder, write_whole};
+use crate::output::{make_folder, write_whole};
 use crate::report::torques::{self as report, Answer};
 use crate::units::{self, Kind};
 
@@ -92,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
 }
 
 fn unknown<'a>(flag: &str, what: &str, name: &str, names: impl Iterator<Item = &'a str> + Clone) -> Failure {
-    let help = match crate::input::nearest(name, names.clone()) {
+    let help = match crate::words::nearest(name, names.clone()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("there are: {}", names.take(40).collect::<Vec<_>>().join(", ")),
     };

@@ -10,7 +10,7 @@ use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candida
 use crate::actuator::Load;
 use crate::actuator::limits::{Asked, Remark};
 use crate::catalog::{Gear, Motor, matches_pattern};
-use crate::line_search::{FULLY, golden_section};
+use crate::numerics::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
 /// Everything about a motor at a joint.

@@ -165,7 +165,7 @@ pub fn check_gears(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
             }
             let kinds = ["planetary-*", "strain-wave-*", "cycloidal-*", "belt-*"];
             let ids = catalog.gears.iter().map(|g| g.id.as_str()).chain(kinds);
-            let help = match crate::input::nearest(pattern, ids) {
+            let help = match crate::words::nearest(pattern, ids) {
                 _ if catalog.gears.is_empty() => "it has no gears at all; add a gear file to `--catalog`".to_string(),
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("ids begin with the kind, as in {}", kinds.join(", ")),

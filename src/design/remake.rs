@@ -9,11 +9,12 @@
 use super::judge::Refused;
 use super::optimize::{Design, Reason, best_design, optimize, order};
 use super::{Evaluation, JointDemand, Margin, Prepared, continuous_candidate, geared_candidate};
-use crate::actuator::fitted::{FittedEffect, Note, notes};
+use crate::actuator::fitted::{Note, notes};
 use crate::actuator::limits::hottest;
 use crate::actuator::shaft::sign;
 use crate::catalog::{Catalog, Motor};
 use crate::design::program::{Bind, Certificate};
+use crate::effects::FittedEffect;
 use crate::requirement::{Joint, Robot};
 
 /// What the measurement changes at one joint.
@@ -213,7 +214,7 @@ fn output_side(
     let motion = &mut joint.motion;
     for k in 0..motion.len() {
         let speed = bench * motion.velocity[k];
-        let at = crate::actuator::effects::Operating::at_speed(speed);
+        let at = crate::effects::Operating::at_speed(speed);
         let (mut torque, mut slope) = (coulomb * sign(speed) + viscous * speed, viscous);
         for fitted in &moved {
             torque += fitted.effect.value(&fitted.values, &at);

@@ -4,8 +4,8 @@
 //! the armature `N² (J_m + J_g)` against damping, friction loss and the load. Everything of the model that has
 //! no place in that equation is listed with the reason, never dropped.
 
-use crate::actuator::effects::{EFFECTS, Effect, SimulatorField};
 use crate::actuator::limits::Candidate;
+use crate::effects::{EFFECTS, Effect, SimulatorField};
 
 /// A largest value and whose limit it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +82,7 @@ impl SimulatedJoint {
         };
         joint.speed_at_motor_torque = joint.motor_torque.map(|torque| speed_at_torque(candidate, torque.value) / ratio);
         for effect in EFFECTS {
-            let declared = effect.declared(motor);
+            let declared = motor.declared(*effect);
             let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
             for values in declared.into_iter().chain(fitted) {
                 joint.add(*effect, &values);
@@ -121,7 +121,7 @@ impl SimulatedJoint {
                 told(effect, values),
                 format!(
                     "a stiffness of {} N*m/rad between motor and output needs a body for the rotor and a joint of its own",
-                    crate::report::number(value)
+                    crate::words::number(value)
                 ),
             ),
             SimulatorField::Nowhere if effect.name() == "load_dependent_friction" => {
@@ -134,7 +134,7 @@ impl SimulatedJoint {
     }
 
     fn leave_out_the_gear(&mut self, candidate: &Candidate) {
-        let number = crate::report::number;
+        let number = crate::words::number;
         if self.efficiency != 1.0 || self.backdrive_efficiency != 1.0 {
             let what =
                 format!("gear efficiency {}, backwards {}", number(self.efficiency), number(self.backdrive_efficiency));
@@ -166,7 +166,7 @@ impl SimulatedJoint {
     }
 
     fn leave_out_the_drive(&mut self, candidate: &Candidate) {
-        let number = crate::report::number;
+        let number = crate::words::number;
         let motor = candidate.motor;
         let peak = self
             .speed_at_motor_torque
@@ -202,7 +202,7 @@ impl SimulatedJoint {
 fn told(effect: &dyn Effect, values: &[f64]) -> String {
     let parts = effect.parameters().iter().zip(values).map(|(p, v)| {
         let unit = if p.kind.si == "1" { String::new() } else { format!(" {}", p.kind.si) };
-        format!("{} = {}{unit}", p.symbol, crate::report::number(*v))
+        format!("{} = {}{unit}", p.symbol, crate::words::number(*v))
     });
     format!("{}: {} with {}", effect.name(), effect.equation(), parts.collect::<Vec<_>>().join(", "))
 }

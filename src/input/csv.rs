@@ -1,7 +1,7 @@
 //! A CSV file read as a table: the header names each column and its unit, every cell knows its
 //! place.
 
-use std::borrow::Cow;
+use crate::words::csv::unguarded;
 use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::Arc;
@@ -68,35 +68,6 @@ pub struct Table {
 const MOST_SHOWN: usize = 40;
 /// So many rows with too many cells are a slip each; if there are more, they have one cause.
 const FEW_RAGGED: usize = 3;
-
-/// Letters that make a spreadsheet take a cell for a formula and run it, also in their full width.
-const RUNS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
-
-/// A text as it stands in a cell of the CSV files that are written: what a spreadsheet would run has a `'` before it,
-/// and [`unguarded`] takes that away again. A number stays as it is.
-///
-/// ```
-/// use gearwise::input::csv::{guarded, unguarded};
-/// assert_eq!(guarded("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
-/// assert_eq!((guarded("-1.5").as_ref(), guarded("knee").as_ref()), ("-1.5", "knee"));
-/// for text in ["-left", "'-left", "'quoted'", "+5", "=1", "@x", "\tx", ""] {
-///     assert_eq!(unguarded(&guarded(text)), text);
-/// }
-/// ```
-pub fn guarded(text: &str) -> Cow<'_, str> {
-    if runs(text) && text.parse::<f64>().is_err() { format!("'{text}").into() } else { text.into() }
-}
-
-/// The text of a cell without the `'` that [`guarded`] has put before it.
-pub fn unguarded(cell: &str) -> &str {
-    cell.strip_prefix('\'').filter(|_| runs(cell)).unwrap_or(cell)
-}
-
-/// Whether a spreadsheet would run the text, or would were it not for quotes before it.
-fn runs(text: &str) -> bool {
-    let bare = text.trim_start_matches('\'');
-    bare.starts_with(['\t', '\r', '\n']) || bare.trim_start().starts_with(RUNS)
-}
 
 /// That the cells of a header are separated by something else than commas: what is wrong, and what to do.
 pub(crate) fn other_separator<'a>(header: impl Iterator<Item = &'a str> + Clone) -> Option<(String, &'static str)> {

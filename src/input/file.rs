@@ -3,6 +3,7 @@
 //!
 //! The one idea: what was read is either what the file was, or what it is, or an error; never half of each.
 
+use crate::words::reason;
 use std::fs::{File, Metadata};
 use std::io::{self, Read, Seek};
 use std::path::Path;
@@ -100,30 +101,6 @@ fn is_pipe(meta: &Metadata) -> bool {
 #[cfg(not(unix))]
 fn is_pipe(_: &Metadata) -> bool {
     false
-}
-
-/// Why a file cannot be read or written, in words without the numbers of the system.
-pub(crate) fn reason(error: &io::Error) -> String {
-    use io::ErrorKind as Kind;
-    let words = match error.kind() {
-        Kind::NotFound => "there is no such file",
-        Kind::AlreadyExists => "there is a file of this name",
-        Kind::PermissionDenied => "permission denied",
-        Kind::StorageFull => "the disk is full",
-        Kind::QuotaExceeded => "the quota is used up",
-        Kind::FileTooLarge => "the system does not allow files of this size",
-        Kind::ReadOnlyFilesystem => "the file system is read-only",
-        Kind::NotADirectory => "a part of the path is not a folder",
-        Kind::InvalidFilename => "the name is too long",
-        _ if is_loop(error) => "its symbolic links lead in a circle",
-        _ => return error.to_string(),
-    };
-    words.into()
-}
-
-// `ErrorKind::FilesystemLoop` is not stable.
-fn is_loop(error: &io::Error) -> bool {
-    format!("{:?}", error.kind()) == "FilesystemLoop"
 }
 
 /// The text of a file's bytes.

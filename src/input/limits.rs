@@ -51,8 +51,8 @@ pub(crate) fn too_many(what: &str, found: impl std::fmt::Display, most: impl std
 fn size(bytes: u64) -> String {
     match bytes {
         0..1_048_576 => format!("{bytes} bytes"),
-        1_048_576..1_073_741_824 => format!("{} MiB", crate::report::number(bytes as f64 / 1_048_576.0)),
-        _ => format!("{} GiB", crate::report::number(bytes as f64 / 1_073_741_824.0)),
+        1_048_576..1_073_741_824 => format!("{} MiB", crate::words::number(bytes as f64 / 1_048_576.0)),
+        _ => format!("{} GiB", crate::words::number(bytes as f64 / 1_073_741_824.0)),
     }
 }
 

@@ -15,7 +15,7 @@ mod recording;
 mod source;
 
 pub use change::Change;
-pub(crate) use file::{Opened, reason, utf_16};
+pub(crate) use file::{Opened, utf_16};
 pub use form::{Form, Section};
 pub use locate::{Step, locate};
 pub(crate) use recording::was_read;
@@ -64,30 +64,6 @@ impl Range {
     /// What was probably meant by a value outside: a fraction given in per cent.
     fn help(self, value: f64) -> Option<String> {
         let percent = self == Range::Fraction && value > 2.0 && value <= 100.0;
-        percent.then(|| format!("for {value} % write {}", crate::report::number(value / 100.0)))
+        percent.then(|| format!("for {value} % write {}", crate::words::number(value / 100.0)))
     }
-}
-
-/// The name in `names` that is most like `text`, if any is near enough to be what was meant.
-///
-/// ```
-/// assert_eq!(gearwise::input::nearest("reisstance", ["resistance", "mass"]), Some("resistance"));
-/// assert_eq!(gearwise::input::nearest("colour", ["resistance", "mass"]), None);
-/// ```
-pub fn nearest<'a>(text: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let plain = |s: &str| s.to_lowercase().replace(['-', ' ', '*', '^', '·'], "_").replace('_', "");
-    if text.len() > 100 {
-        return None;
-    }
-    let wanted = plain(text);
-    let mut best: Option<(f64, &str)> = None;
-    for name in names {
-        let score = strsim::jaro_winkler(&wanted, &plain(name));
-        let edits = strsim::damerau_levenshtein(&wanted, &plain(name));
-        let near = edits <= 1 || (edits <= wanted.len().max(name.len()) / 3) || score > 0.9;
-        if near && best.is_none_or(|(b, _)| score > b) {
-            best = Some((score, name));
-        }
-    }
-    best.map(|(_, name)| name)
 }

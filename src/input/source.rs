@@ -155,7 +155,7 @@ fn neighbour(path: &Path) -> Option<String> {
         .filter_map(|e| e.file_name().into_string().ok())
         .collect();
     names.sort();
-    super::nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str)).map(String::from)
+    crate::words::nearest(path.file_name()?.to_str()?, names.iter().map(String::as_str)).map(String::from)
 }
 
 /// One mistake in an input file.
@@ -192,7 +192,7 @@ impl Problem {
     /// Adds the nearest valid name, where there is one, else the list of valid names.
     #[must_use]
     pub fn suggest<'a>(self, text: &str, names: impl IntoIterator<Item = &'a str> + Clone) -> Problem {
-        match super::nearest(text, names.clone()) {
+        match crate::words::nearest(text, names.clone()) {
             Some(near) => self.help(format!("did you mean `{near}`?")),
             None => {
                 let names: Vec<&str> = names.into_iter().collect();

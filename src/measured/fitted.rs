@@ -12,16 +12,17 @@ mod numbers;
 use self::numbers::{Fits, Number};
 use super::bench::{Bench, Use};
 use super::identify::Report;
-use crate::actuator::effects::{EFFECTS, Effect, Shape};
-use crate::actuator::fitted::{FittedEffect, FittedGear};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
+use crate::catalog::fitted::FittedGear;
 use crate::catalog::fitted::{Axis, Fit, Fitted, Provenance, parameter_name, settled, settled_difference};
+use crate::effects::FittedEffect;
+use crate::effects::{EFFECTS, Effect, Shape};
 
 use crate::catalog::{Conventions, FIELDS, Field, Identity, Motor, Printed, Sheet, SourceKind};
 use crate::input::Range;
 use crate::measured::characterize::row::REDUNDANT;
-use crate::report::number;
 use crate::requirement::backdrive_efficiency;
+use crate::words::number;
 
 /// The declared actuator with the numbers that were fitted and the effects that were found. What the logs do not show is
 /// as declared, with its own ±; a fitted number's ± is two standard errors. `None` where the numbers make no row,

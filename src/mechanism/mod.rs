@@ -174,7 +174,7 @@ impl Inertia {
         let mut moments = self.about_centre.symmetric_eigenvalues();
         moments.as_mut_slice().sort_by(f64::total_cmp);
         let [small, middle, large] = [moments[0], moments[1], moments[2]];
-        let shown = [small, middle, large].map(crate::report::number).join(", ");
+        let shown = [small, middle, large].map(crate::words::number).join(", ");
         if small < -1e-9 * large.abs().max(small.abs()) {
             return Some(format!("a principal moment is not positive: {shown} kg*m^2"));
         }

@@ -9,8 +9,8 @@
 use super::dynamics::{inverse_dynamics, kinematics, per_mass};
 use super::trajectory::Trajectory;
 use super::{Mechanism, Motion as Degree, Place};
-use crate::requirement::motion::disagreement;
-use crate::requirement::{Motion, Samples};
+use crate::motion::disagreement;
+use crate::motion::{Motion, Samples};
 
 /// What every joint asks over a trajectory.
 #[derive(Debug, Clone)]
@@ -163,7 +163,7 @@ pub fn notes(mechanism: &Mechanism, trajectory: &Trajectory, torques: &Torques) 
             .filter(|j| chosen(j) != 0.0)
             .map(|j| {
                 let unit = if j.motion == Degree::Turns { turning } else { sliding };
-                format!("{} {} {unit}", j.name, crate::report::number(chosen(j)))
+                format!("{} {} {unit}", j.name, crate::words::number(chosen(j)))
             })
             .collect();
         (!found.is_empty()).then(|| found.join(", "))
@@ -187,7 +187,7 @@ pub fn notes(mechanism: &Mechanism, trajectory: &Trajectory, torques: &Torques) 
         let unit = joint.position_unit();
         // States that were drawn at random are a trajectory too: said, not refused.
         if let Some(k) = disagreement(&trajectory.time, &trajectory.position[j], &trajectory.velocity[j]) {
-            let at = crate::report::number(trajectory.time[k]);
+            let at = crate::words::number(trajectory.time[k]);
             notes.push(format!(
                 "the velocity given for {} is not the rate of its position (most at t = {at} s): a wrong unit or sign?",
                 joint.name
@@ -196,7 +196,7 @@ pub fn notes(mechanism: &Mechanism, trajectory: &Trajectory, torques: &Torques) 
         if let Some([low, high]) = joint.range {
             let beyond = |q: &&f64| **q < low - 1e-6 || **q > high + 1e-6;
             if let Some(q) = trajectory.position[j].iter().find(beyond) {
-                let shown = [*q, low, high].map(crate::report::number);
+                let shown = [*q, low, high].map(crate::words::number);
                 notes.push(format!(
                     "{} goes to {} {unit}, but the description allows {} to {}",
                     joint.name, shown[0], shown[1], shown[2]
@@ -206,7 +206,7 @@ pub fn notes(mechanism: &Mechanism, trajectory: &Trajectory, torques: &Torques) 
         let pairs = [(speed, joint.speed, format!("{unit}/s")), (torque, joint.effort, joint.effort_unit().into())];
         for (most, allowed, unit) in pairs {
             if let Some(allowed) = allowed.filter(|a| most > a * (1.0 + 1e-6)) {
-                let (most, allowed) = (crate::report::number(most), crate::report::number(allowed));
+                let (most, allowed) = (crate::words::number(most), crate::words::number(allowed));
                 notes.push(format!("{} needs {most} {unit}, but the description allows {allowed}", joint.name));
             }
         }

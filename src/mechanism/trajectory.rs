@@ -1,5 +1,5 @@
 //! What the robot does: positions of all joints over time, and the forces of its surroundings. What is not
-//! given comes from the spline of [`crate::requirement::spline`], by the rule of a motion file.
+//! given comes from the spline of [`crate::numerics::spline`], by the rule of a motion file.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -10,8 +10,8 @@ use super::dynamics::{State, Wrench};
 use super::{Joint, Mechanism, Motion as Degree};
 use crate::input::csv::{Column, Content, Table};
 use crate::input::{InputError, Problem, Range, Source, limits};
-use crate::requirement::motion::{check_length, check_time, course, repeats};
-use crate::requirement::{Course, Motion, Samples};
+use crate::motion::{Course, Motion, Samples};
+use crate::motion::{check_length, check_time, course, repeats};
 use crate::units::{self, Kind};
 
 /// Samples of the state of all joints, and of the outer forces. SI.

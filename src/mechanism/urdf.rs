@@ -70,7 +70,7 @@ fn leave_aside(sheet: &Sheet, node: El, name: &str, known: &[&str]) {
     if known.contains(&name) || node.tag_name().namespace().is_some() {
         return;
     }
-    match crate::input::nearest(name, known.iter().copied()) {
+    match crate::words::nearest(name, known.iter().copied()) {
         Some(_) => sheet.unknown(node, known),
         None => sheet.skip(node),
     }

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
 
-use super::handy::handy;
 use super::number;
 use super::table::{Column, Table, paragraph, wrap};
 use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
@@ -16,6 +15,7 @@ use crate::measured::Bench;
 use crate::measured::characterize::estimate::Estimate;
 use crate::measured::characterize::row::Row;
 use crate::measured::characterize::{Characterization, Finding, Outcome, Weight};
+use crate::words::handy::handy;
 
 fn share(relative: f64) -> String {
     let percent = 100.0 * relative;

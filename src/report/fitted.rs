@@ -5,11 +5,11 @@
 
 use std::fmt::Write;
 
-use crate::actuator::effects::Shape;
-use crate::actuator::fitted::FittedEffect;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, Winding, word};
 use crate::catalog::fitted::{Axis, Fit, Fitted, on_axis, parameter_name, settled_difference};
 use crate::catalog::{FIELDS, Motor, Printed, SourceKind};
+use crate::effects::FittedEffect;
+use crate::effects::Shape;
 use crate::measured::identify::Report;
 
 /// The file's text. The reports give the comments at its top.

@@ -5,13 +5,13 @@
 
 use serde_json::{Map, Value, json};
 
-use super::handy::{handy, with_error};
 use super::number;
 use super::table::{Column, Table, paragraph, paragraph_at, width};
-use crate::actuator::effects::Enters;
+use crate::effects::Enters;
 use crate::measured::identify::evidence::{AT_THE_NOISE, Asked, Gain};
 use crate::measured::identify::{Found, Ground, Parameter, Refused, Report, Stage, Target, Verdict};
 use crate::measured::{Bench, Channel, Log, Use};
+use crate::words::handy::{handy, with_error};
 
 /// The unit of a parameter on this bench: effects speak of torques and angles, a linear axis of forces and
 /// metres.

@@ -7,9 +7,9 @@ use std::ops::Range as Span;
 
 use toml::Spanned;
 
-use super::motion::CarriedColumn;
 use super::robot::{Carried, Joint};
 use crate::input::{Problem, Range, Section};
+use crate::motion::CarriedColumn;
 use crate::units;
 
 /// What a joint says it carries.

@@ -11,9 +11,10 @@ use std::sync::Arc;
 
 use super::robot::{Joint, RatioChoice, Robot};
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern, read_fitted};
-use crate::input::{Form, InputError, Problem, Range, Section, Source, limits, nearest};
-use crate::report::number;
+use crate::input::{Form, InputError, Problem, Range, Section, Source, limits};
 use crate::units;
+use crate::words::nearest;
+use crate::words::number;
 
 /// A ratio may leave the requirement's range by this share: what rounding leaves of a ratio at its end.
 const AT_THE_END: f64 = 1e-9;

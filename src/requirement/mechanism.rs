@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::motion::Motion;
 use super::read::{MotionReader, repeat_every};
 use super::robot::Joint;
 use crate::input::{InputError, Problem, Range, Section, Source};
 use crate::mechanism::torques::{self, Carried, Torques};
 use crate::mechanism::trajectory::{self, Trajectory};
 use crate::mechanism::{Mechanism, Payload, Place};
+use crate::motion::Motion;
 use crate::units;
 
 /// What the description says of the robot's joints.

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use super::carried::{self, Asked};
 use super::mechanism::{self, Model, Use};
-use super::motion::{self, CarriedColumn, Motion, Point};
 use super::robot::*;
 use crate::catalog::convention::Modulation;
 use crate::input::{Change, Form, InputError, Problem, Range, Section, Source, limits};
+use crate::motion::{self, CarriedColumn, Motion, Point};
 use crate::units;
 
 /// Room temperature, where no ambient is given \[K\].
@@ -664,7 +664,7 @@ fn read_limits(section: Section, ambient: f64) -> Limits {
         section.note(Problem::at(
             section.span_of("winding_temperature"),
             "the winding may not even be as warm as its surroundings",
-            format!("expected more than the ambient temperature, {} degC", crate::report::number(ambient - 273.15)),
+            format!("expected more than the ambient temperature, {} degC", crate::words::number(ambient - 273.15)),
         ));
     }
     section.finish();

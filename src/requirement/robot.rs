@@ -1,8 +1,8 @@
 //! What a requirement file says, in SI.
 
 use super::mechanism::Driven;
-use super::motion::Motion;
 use crate::catalog::convention::Modulation;
+use crate::motion::Motion;
 use crate::units::{self, Kind};
 
 /// A robot: its supply, its surroundings and its joints.

@@ -90,7 +90,7 @@ impl Measure {
 
     /// A value for people, with its unit.
     pub fn show(&self, value: f64) -> String {
-        let text = crate::report::number(if self.unit == "1" { value } else { units::in_unit(value, self.unit) });
+        let text = crate::words::number(if self.unit == "1" { value } else { units::in_unit(value, self.unit) });
         match self.unit {
             "1" => text,
             unit => format!("{text} {unit}"),

@@ -340,7 +340,7 @@ impl Checker<'_> {
         let selects: Vec<Remark> = unmatched
             .map(|(pattern, span)| {
                 let message = format!("`{pattern}` matches no joint of the robot");
-                let help = match crate::input::nearest(pattern, names.iter().copied()) {
+                let help = match crate::words::nearest(pattern, names.iter().copied()) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("there are: {}", names.join(", ")),
                 };
@@ -397,7 +397,7 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
     if margin.margin >= -FEASIBILITY_TOLERANCE {
         return Ok(Vec::new());
     }
-    let number = crate::report::number;
+    let number = crate::words::number;
     let at = margin.sample.map_or_else(String::new, |k| format!(" at {}", joint.choice.joint.motion.name_sample(k)));
     let over = if margin.bound > 0.0 && margin.demand.is_finite() {
         format!(" ({} % over)", number((1000.0 * (margin.demand / margin.bound - 1.0)).round() / 10.0))

@@ -13,8 +13,8 @@ use super::output::{FILES, MANIFEST, Manifest, Part, place, seal, unsettle};
 use super::plan::{Plan, Shard};
 use super::summary::{Gatherer, Summary};
 use super::worker::Record;
-use crate::report::file::make_folder;
-use crate::report::study as report;
+use crate::output::make_folder;
+use crate::study::text as report;
 
 /// Journals of all shards of one study, in order.
 #[derive(Debug)]
@@ -131,7 +131,7 @@ impl Tables {
         let columns = columns::all(plan);
         let begin = |name: &'static str, header: &[&str]| -> Result<csv::Writer<Part>, StudyError> {
             let mut writer = csv::Writer::from_writer(Part::new(out, name)?);
-            crate::report::csv_row(&mut writer, header.iter().copied()).map_err(|e| cannot(name, &e))?;
+            crate::words::csv::csv_row(&mut writer, header.iter().copied()).map_err(|e| cannot(name, &e))?;
             Ok(writer)
         };
         let header: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
@@ -155,14 +155,14 @@ impl Tables {
         let robot = || of_robot.into_iter().chain(columns::grid_cells(plan, point));
         for row in record.joints.iter().flat_map(|j| &j.rows) {
             let cells = || robot().chain(row.iter().map(String::as_str));
-            crate::report::csv_row(&mut self.results, cells()).map_err(|e| cannot(FILES[0], &e))?;
+            crate::words::csv::csv_row(&mut self.results, cells()).map_err(|e| cannot(FILES[0], &e))?;
             #[cfg(feature = "parquet")]
             self.typed.row(cells()).map_err(|e| cannot(FILES[1], &e))?;
         }
         if let Some(broken) = &record.broken {
             let mistakes = broken.mistakes.to_string();
             let cells = [mistakes.as_str(), broken.first.as_str(), broken.report.as_str()];
-            crate::report::csv_row(&mut self.errors, robot().chain(cells)).map_err(|e| cannot(FILES[2], &e))?;
+            crate::words::csv::csv_row(&mut self.errors, robot().chain(cells)).map_err(|e| cannot(FILES[2], &e))?;
         }
         Ok(())
     }
@@ -208,7 +208,7 @@ pub fn assemble(shards: &Shards, out: &Path) -> Result<Summary, StudyError> {
     let rows = gatherer.rows();
     let summary = gatherer.finish(plan, effects.finish(plan));
     let mut parts = tables.parts()?;
-    let picture = crate::report::plot::svg(&crate::report::plot::study::figure(&summary));
+    let picture = crate::report::plot::svg(&crate::study::plot::figure(&summary));
     for (name, text) in [(FILES[4], report::json_text(&summary)), (FILES[5], picture)] {
         let mut part = Part::new(out, name)?;
         part.write_all(text.as_bytes()).map_err(|e| part.fail(e))?;
@@ -250,7 +250,7 @@ impl InputsOf {
                     "`{file}` was changed while the study ran; begin anew with `--force`"
                 )));
             }
-            crate::report::csv_row(table, [requirement, file.as_str(), hash.as_str()])
+            crate::words::csv::csv_row(table, [requirement, file.as_str(), hash.as_str()])
                 .map_err(|e| cannot(FILES[3], &e))?;
         }
         Ok(())

@@ -6,8 +6,8 @@
 use super::plan::Plan;
 use crate::design::optimize::{Design, JointResult};
 use crate::design::program::Certificate;
-use crate::report::csv_number;
 use crate::report::{currents, spring, unjudged};
+use crate::words::csv::csv_number;
 
 /// Type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,8 +7,9 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::grid::{Grid, Parameter};
-use crate::input::{Change, Form, InputError, Problem, Section, Source, nearest};
+use crate::input::{Change, Form, InputError, Problem, Section, Source};
 use crate::units;
+use crate::words::nearest;
 
 /// What a study file says.
 #[derive(Debug, Clone)]

@@ -16,7 +16,7 @@ use super::plan::{BLOCK, Plan, Shard};
 use super::worker::Record;
 use super::{StudyError, work};
 use crate::input::{Source, hex, sha256};
-use crate::report::file::{make_folder, write_whole};
+use crate::output::{make_folder, write_whole};
 
 /// Name of the journal's folder.
 const FOLDER: &str = "journal";

@@ -17,8 +17,10 @@ pub mod output;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod plan;
+pub mod plot;
 pub mod run;
 pub mod summary;
+pub mod text;
 pub mod work;
 pub mod worker;
 
@@ -54,6 +56,6 @@ impl From<Vec<InputError>> for StudyError {
 impl StudyError {
     /// A file that could not be written or read.
     pub fn file(what: &str, path: &Path, error: &std::io::Error) -> StudyError {
-        StudyError::Argument(format!("cannot {what} `{}`: {}", path.display(), crate::input::reason(error)))
+        StudyError::Argument(format!("cannot {what} `{}`: {}", path.display(), crate::words::reason(error)))
     }
 }

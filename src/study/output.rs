@@ -11,8 +11,9 @@ use sha2::{Digest, Sha256};
 
 use super::StudyError;
 use super::plan::{Hashed, Plan};
-use crate::input::csv::unguarded;
-use crate::input::{Source, hex, reason};
+use crate::input::{Source, hex};
+use crate::words::csv::unguarded;
+use crate::words::reason;
 
 /// Name of the manifest.
 pub const MANIFEST: &str = "manifest.json";

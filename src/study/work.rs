@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use globset::{GlobBuilder, GlobMatcher};
 
 use super::StudyError;
-use crate::input::nearest;
+use crate::words::nearest;
 
 /// Folders are searched this deep below `**`: deeper is a loop of links.
 const DEEPEST: usize = 64;

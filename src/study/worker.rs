@@ -12,9 +12,9 @@ use super::plan::Settings;
 use crate::catalog::Catalog;
 use crate::design::optimize::{JointResult, Options, optimize_with};
 use crate::input::{Change, InputError, Problem, Source};
+use crate::motion::CarriedColumn;
 use crate::report::optimize::reason_text;
 use crate::report::unjudged::class;
-use crate::requirement::motion::CarriedColumn;
 use crate::requirement::{self, Motion, Motions, Robot};
 
 /// What was found for one robot.
@@ -158,7 +158,7 @@ impl Motions for Reading<'_> {
         if let Some(found) = self.store.motions.lock().expect("no thread panicked").get(&key) {
             return Ok(found.clone());
         }
-        let motion = requirement::motion::read_carrying(source, periodic, period, joints)?;
+        let motion = crate::motion::read_carrying(source, periodic, period, joints)?;
         let mut motions = self.store.motions.lock().expect("no thread panicked");
         if motions.len() >= KEPT {
             motions.clear();

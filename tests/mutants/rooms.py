@@ -4,9 +4,9 @@ from fnmatch import fnmatch
 
 ROOMS = {
     # The model: shaft torque, voltage, heat, limits, effects that a fitted actuator brings along.
-    "actuator": {"src/actuator/*.rs": None},
+    "actuator": {"src/actuator/*.rs": None, "src/numerics/laurent.rs": None, "src/effects/features.rs": None},
     # The ratio program: window, cones, branch and bound, certificate, prices.
-    "program": {"src/design/program/*.rs": None, "src/line_search.rs": None},
+    "program": {"src/design/program/*.rs": None, "src/numerics/line_search.rs": None},
     # What the numbers of a data sheet refer to.
     "conventions": {"src/catalog/convention.rs": None, "src/catalog/sheet.rs": None},
     # What makes identification name an effect, refuse it, or say that something is left. Not the balance, the

@@ -83,7 +83,7 @@ pub fn motion(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let source = source("motion.csv", text);
     for (periodic, period) in [(true, None), (true, Some(2.0)), (false, None)] {
-        if let Some(motion) = accepted_one(requirement::motion::read(&source, periodic, period)) {
+        if let Some(motion) = accepted_one(gearwise::motion::read(&source, periodic, period)) {
             sane::motion(&motion);
         }
     }

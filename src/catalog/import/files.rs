@@ -11,9 +11,10 @@ use std::sync::Arc;
 use super::{Import, MotorSheet};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, word};
 use crate::catalog::{Catalog, FIELDS, GEAR_FIELDS, Gear, GearKind, SourceKind};
-use crate::input::{InputError, Source, reason};
-use crate::report::file::{Beside, Place};
+use crate::input::{InputError, Source};
+use crate::output::{Beside, Place};
 use crate::units;
+use crate::words::reason;
 
 /// A catalogue file to be written.
 #[derive(Debug)]
@@ -90,7 +91,7 @@ pub(crate) fn head(name: &str, kind: &units::Kind) -> String {
 
 fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    crate::report::csv_text(&header, rows)
+    crate::words::csv::csv_text(&header, rows)
 }
 
 fn motor_text(motors: &[&MotorSheet]) -> String {

@@ -17,7 +17,8 @@ pub use motor::{Friction, Machine, friction, no_load_current};
 
 use super::{FileRead, Holds, Import, Lines, Remark, RemarkKind, Row, folder_error};
 use crate::input::csv::{Column, Content, Table};
-use crate::input::{InputError, Problem, Source, nearest, reason};
+use crate::input::{InputError, Problem, Source};
+use crate::words::{nearest, reason};
 use cells::Cells;
 
 /// What is assumed of every row of MGDB.

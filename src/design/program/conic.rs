@@ -9,7 +9,7 @@ use super::window::minimise;
 use super::{
     Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Row, Window, prices, value,
 };
-use crate::line_search::{FULLY, golden_section, least_in_range};
+use crate::numerics::line_search::{FULLY, golden_section, least_in_range};
 
 /// Rounds of adding violated rows and cuts.
 const MAX_ROUNDS: usize = 60;

@@ -22,7 +22,7 @@ use std::borrow::Cow;
 
 use crate::actuator::Laurent;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
-use crate::line_search::least_in_range;
+use crate::numerics::line_search::least_in_range;
 use crate::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};

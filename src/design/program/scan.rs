@@ -5,7 +5,7 @@ use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
 use crate::actuator::limits::{Asked, Check};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
-use crate::line_search::{FULLY, golden_section};
+use crate::numerics::line_search::{FULLY, golden_section};
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 1000;

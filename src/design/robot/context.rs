@@ -18,7 +18,7 @@ use crate::catalog::Catalog;
 use crate::design::optimize::{Design, design};
 use crate::design::program::{RatioProgram, minimise, value};
 use crate::design::{Prepared, continuous_candidate, geared_candidate, load_through};
-use crate::line_search::least_in_range;
+use crate::numerics::line_search::least_in_range;
 use crate::requirement::{Joint, RatioChoice, Robot};
 
 /// Menus of joints under loads of their own that are made at most.

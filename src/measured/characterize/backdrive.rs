@@ -7,7 +7,7 @@ use super::line::{Line, points};
 use super::stall::{SMALL, between_logs, line_band};
 use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
-use crate::report::{handy::with_error, number};
+use crate::words::{handy::with_error, number};
 
 /// The test.
 pub struct Backdrive;

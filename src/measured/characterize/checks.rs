@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use super::estimate::{Combination, combine, discrepancy, motor_constant, motor_constant_slopes};
 use super::{Finding, Outcome, Weight, find};
 use crate::measured::bench::{Bench, Use};
-use crate::report::number;
+use crate::words::number;
 
 /// Weight and words of what a check finds.
 pub type Examine = fn(&Bench, &[Outcome]) -> Option<(Weight, String)>;

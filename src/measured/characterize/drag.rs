@@ -12,7 +12,7 @@ use super::{
     Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, find, logs_of,
 };
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
-use crate::report::number;
+use crate::words::number;
 
 /// The test.
 pub struct Drag;

@@ -23,7 +23,7 @@ use super::stall::between_logs;
 use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::simulate::{Unknown, minimise};
-use crate::report::number;
+use crate::words::number;
 
 pub use self::spectra::Band;
 

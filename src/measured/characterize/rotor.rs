@@ -3,7 +3,7 @@
 use super::estimate::{Combination, Estimate, combine, thin_ring, thin_ring_slopes};
 use super::{Finding, Outcome, Quantity, Test, Weight, find};
 use crate::measured::bench::Bench;
-use crate::report::number;
+use crate::words::number;
 
 /// The test.
 pub struct Rotor;

@@ -7,7 +7,7 @@ use super::{Outcome, find};
 use crate::catalog::convention::{Commutation, Winding};
 use crate::catalog::{FIELDS, Printed, Sheet};
 use crate::measured::bench::Bench;
-use crate::report::number;
+use crate::words::number;
 
 /// Columns that only repeat others: what was measured would contradict them.
 pub const REDUNDANT: &[&str] = &[

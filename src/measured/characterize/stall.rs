@@ -9,7 +9,7 @@ use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::identify::artefacts::usual_gains;
 use crate::measured::signals;
-use crate::report::{handy::with_error, number};
+use crate::words::{handy::with_error, number};
 
 /// The test.
 pub struct Stall;

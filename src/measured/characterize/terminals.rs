@@ -7,7 +7,7 @@ use super::estimate::Estimate;
 use super::{Finding, Outcome, Quantity, Test, Weight};
 use crate::catalog::convention::{Commutation, Terminals as Between, Winding, word};
 use crate::measured::bench::Bench;
-use crate::report::number;
+use crate::words::number;
 
 /// The test.
 pub struct Terminals;
@@ -99,7 +99,7 @@ impl Test for Terminals {
                 name,
                 estimate: estimate.scaled(factor),
                 unit,
-                remark: format!("{} line to line", crate::report::handy::with_error(estimate.value, None, unit)),
+                remark: format!("{} line to line", crate::words::handy::with_error(estimate.value, None, unit)),
             });
         }
         if readings.temperature.is_none() && !readings.resistance.is_empty() {

@@ -14,7 +14,7 @@ use crate::catalog::REFERENCE_TEMPERATURE;
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::signals;
 use crate::measured::simulate::{Unknown, minimise};
-use crate::report::number;
+use crate::words::number;
 
 /// The test.
 pub struct ThermalStep;

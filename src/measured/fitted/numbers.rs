@@ -1,12 +1,12 @@
 //! Fitted numbers of all equations of a bench, and what follows from them with its error.
 
-use crate::actuator::effects::{Effect, Equation, Shape, effect};
 use crate::catalog::Motor;
 use crate::catalog::fitted::parameter_name;
+use crate::effects::{Effect, Equation, Shape, effect};
 use crate::measured::bench::Bench;
 use crate::measured::identify::balance::declared_effects;
 use crate::measured::identify::{Parameter, Report, Target};
-use crate::report::handy::with_error;
+use crate::words::handy::with_error;
 
 /// A number, SI, and how it follows from fitted ones.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -6,9 +6,9 @@
 use super::balance::{Balance, Corrections, Setting, Target};
 use super::regression::{Blocks, covariance, paired, solve, squares};
 use super::{Kind, Work};
-use crate::actuator::effects::Variable;
-use crate::line_search::golden_section;
+use crate::effects::Variable;
 use crate::measured::{Bench, BenchKind, signals};
+use crate::numerics::line_search::golden_section;
 
 /// An artefact of the measurement.
 #[derive(Debug, Clone, PartialEq)]

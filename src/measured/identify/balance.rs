@@ -11,7 +11,7 @@ use std::ops::Range;
 use super::noise::{Reading, Unfiltered};
 use super::origin::{Channels, Origins, Signal};
 use super::regression::Rows;
-use crate::actuator::effects::{Effect, Equation, Operating, Scale, Variable};
+use crate::effects::{Effect, Equation, Operating, Scale, Variable};
 use crate::measured::signals::{self, LowPass};
 use crate::measured::{Bench, BenchKind, Channel, Declared, Log, Use};
 
@@ -306,7 +306,7 @@ pub fn declared_effects(declared: &Declared) -> Vec<(&'static dyn Effect, Vec<f6
     let model = Model::new(declared);
     let mut found: Vec<(&'static dyn Effect, Vec<f64>)> = Vec::new();
     let mut add = |name: &str, values: Vec<f64>| {
-        if let Some(effect) = crate::actuator::effects::effect(name)
+        if let Some(effect) = crate::effects::effect(name)
             && !found.iter().any(|(e, _)| e.name() == name)
         {
             found.push((effect, values));

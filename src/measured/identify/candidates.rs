@@ -12,7 +12,7 @@ use super::regression::{Blocks, finite_sum, paired, solve};
 use super::structure;
 use super::verdict::Refused;
 use super::{CHANCE, Fit, Kind, SURE, Term, WORTH, Work, projection};
-use crate::actuator::effects::{EFFECTS, Effect, Operating, Shape};
+use crate::effects::{EFFECTS, Effect, Operating, Shape};
 
 /// Highest order that is searched.
 const ORDERS: usize = 120;

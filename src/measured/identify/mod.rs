@@ -23,9 +23,9 @@ pub use verdict::{Found, Ground, Parameter, Pictures, Refused, Report, Stage, Un
 
 use nalgebra::DMatrix;
 
-use crate::actuator::effects::{Effect, Shape};
-use crate::line_search::golden_section;
+use crate::effects::{Effect, Shape};
 use crate::measured::{Bench, Use};
+use crate::numerics::line_search::golden_section;
 use regression::{Blocks, Solution, finite_sum, solve};
 
 /// Least share of the left-out squared error that an effect must take away to be worth a name: 3 % of the

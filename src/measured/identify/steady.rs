@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::balance::{Balance, Corrections, Setting, Target};
 use super::{ROWS, Term, Work};
-use crate::actuator::effects::effect;
+use crate::effects::effect;
 use crate::measured::{Bench, read};
 
 /// Torque constant of the declared motor \[N·m/A\].

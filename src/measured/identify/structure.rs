@@ -8,7 +8,7 @@ use super::balance::Target;
 use super::candidates::order_scores;
 use super::regression::{finite_sum, paired};
 use super::{Fit, Work};
-use crate::actuator::effects::{Cogging, GearRipple, Operating, Variable};
+use crate::effects::{Cogging, GearRipple, Operating, Variable};
 use crate::measured::signals;
 
 /// Knots of a flexible function.
@@ -173,7 +173,7 @@ pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(Option<Variable>, 
         }
     }
     for (variable, name, effect) in [
-        (Variable::Angle, "motor position", &Cogging as &dyn crate::actuator::effects::Effect),
+        (Variable::Angle, "motor position", &Cogging as &dyn crate::effects::Effect),
         (Variable::OutputAngle, "output position", &GearRipple),
     ] {
         if !work.balance.variables.contains(&variable) {

@@ -7,7 +7,7 @@ use super::evidence::{Evidence, Gain, Verdict, verdict};
 use super::regression::{Blocks, Solution, covariance, finite_sum};
 use super::structure::{self, Dependence};
 use super::{Kind, Term, Work};
-use crate::actuator::effects::{Effect, Enters, Shape};
+use crate::effects::{Effect, Enters, Shape};
 use crate::measured::Bench;
 
 /// Error at one point of the story, root mean square in the unit of the target.
@@ -354,7 +354,7 @@ fn block_squares(work: &Work, residual: &[f64]) -> Vec<f64> {
 
 /// An effect whose own variable still explains much of what is left, measured by what the effect itself
 /// explains.
-fn doubtful(work: &Work, shares: &[(Option<crate::actuator::effects::Variable>, f64)]) -> Option<(usize, String)> {
+fn doubtful(work: &Work, shares: &[(Option<crate::effects::Variable>, f64)]) -> Option<(usize, String)> {
     let fit = work.fit();
     let now = finite_sum(&fit.left_out);
     (0..work.terms.len()).find_map(|t| {

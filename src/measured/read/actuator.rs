@@ -2,9 +2,9 @@
 
 use toml::Spanned;
 
-use crate::actuator::effects::{EFFECTS, Effect};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Catalog, Gear, Motor};
+use crate::effects::{EFFECTS, Effect};
 use crate::input::{Problem, Range, Section};
 use crate::measured::bench::Declared;
 use crate::requirement::{GearModel, backdrive_efficiency};
@@ -233,7 +233,7 @@ fn find_gear<'c>(section: &Section, id: &Spanned<String>, catalog: Option<&'c Ca
     let gears = &catalog?.gears;
     let found = gears.iter().find(|g| g.id == *id.get_ref());
     if found.is_none() {
-        let near = crate::input::nearest(id.get_ref(), gears.iter().map(|g| g.id.as_str()));
+        let near = crate::words::nearest(id.get_ref(), gears.iter().map(|g| g.id.as_str()));
         section.note(unknown_id("gear", id, near));
     }
     found
@@ -297,7 +297,7 @@ fn declared_by_row(
     motor: Option<&Motor>,
 ) -> Option<(String, Vec<f64>)> {
     let motor = motor?;
-    let values = effect.declared(motor);
+    let values = motor.declared(effect);
     if values.is_none() {
         let example: Vec<String> =
             effect.parameters().iter().map(|p| format!("{} = \"{}\"", p.name, p.kind.example)).collect();

@@ -13,9 +13,10 @@ use sha2::{Digest, Sha256};
 
 use super::columns::{Column, Target};
 use crate::input::csv::other_separator;
-use crate::input::{InputError, Opened, Problem, Source, limits, nearest, utf_16};
+use crate::input::{InputError, Opened, Problem, Source, limits, utf_16};
 use crate::measured::bench::Channel;
 use crate::units;
+use crate::words::nearest;
 
 /// At most this many mistakes of a log are collected: its rows tend to share them.
 const MAX_PROBLEMS: usize = 20;

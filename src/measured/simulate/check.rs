@@ -3,7 +3,7 @@
 use super::machine::{Machine, Term};
 use super::model::{Counted, Model, Slot, declared_machine, error, scale};
 use super::track::{Input, Track};
-use crate::actuator::effects::{Equation, effect};
+use crate::effects::{Equation, effect};
 use crate::measured::identify::{Report, Target};
 use crate::measured::{Bench, BenchKind};
 

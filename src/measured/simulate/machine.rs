@@ -1,6 +1,6 @@
 //! The machine and one step of it in time.
 
-use crate::actuator::effects::{Effect, Equation, Operating};
+use crate::effects::{Effect, Equation, Operating};
 
 /// An effect with its values.
 #[derive(Clone)]

@@ -4,7 +4,7 @@
 use super::machine::{Machine, Term};
 use super::minimise::{Fitted, Unknown, derivatives, minimise, residuals};
 use super::track::{Input, Track};
-use crate::actuator::effects::{Effect, Equation, Operating, Scale, Shape};
+use crate::effects::{Effect, Equation, Operating, Scale, Shape};
 use crate::measured::identify::balance::declared_effects;
 use crate::measured::{Declared, signals};
 

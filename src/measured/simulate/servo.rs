@@ -11,7 +11,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use super::check::name;
 use super::model::{Counted, LONGEST_LAG, Model, Slot, declared_machine, error, scale};
 use super::track::{Input, Track};
-use crate::actuator::effects::{EFFECTS, Effect, Equation, Shape, effect};
+use crate::effects::{EFFECTS, Effect, Equation, Shape, effect};
 use crate::measured::identify::{
     CHANCE, Evidence, Found, Parameter, Refused, Report, Stage, Target, Unexplained, evidence,
 };

@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::{github, relative, sarif};
 use crate::input::{InputError, Problem};
-use crate::report::xml::escape;
 use crate::rules::{Location, clean};
+use crate::words::xml::escape;
 
 /// Name of the finding, in place of a rule's code.
 const RULE: &str = "wrong-input";

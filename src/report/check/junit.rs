@@ -1,8 +1,8 @@
 //! A check as JUnit XML, for the test view of any CI system: a suite for each joint and one for the robot, a
 //! case for each rule. The form is that of the schema that Jenkins' xunit plugin publishes.
 
-use crate::report::xml::escape;
 use crate::rules::{Finding, Judged, Report, Severity};
+use crate::words::xml::escape;
 
 /// Whether a finding fails its case.
 fn fails(finding: &Finding, strict: bool) -> bool {

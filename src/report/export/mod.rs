@@ -14,7 +14,7 @@ use crate::actuator::limits::Remark;
 use crate::catalog::{Gear, Motor};
 use crate::design::simulated::SimulatedJoint;
 use crate::report::unjudged::{list, sentence};
-use crate::report::xml::{escape, is_xml};
+use crate::words::xml::{escape, is_xml};
 
 /// A design of one joint, with where it comes from.
 #[derive(Debug)]

@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 
 use super::{Exported, MARK, Origin, digits, escape, mjcf, urdf};
 use crate::catalog::matches_pattern;
-use crate::input::nearest;
+use crate::words::nearest;
 
 /// Which joints of the model are meant: the design's joint, and a pattern of names in the model.
 pub type Names = [(String, String)];

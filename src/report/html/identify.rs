@@ -5,7 +5,6 @@ use crate::design::remake::Remade;
 use crate::measured::Bench;
 use crate::measured::identify::Report;
 use crate::measured::simulate::ForwardCheck;
-use crate::report::handy::handy;
 use crate::report::identify::{
     effect_text, equation_title, noise_lines, parameter_columns, parameter_rows, refused, sentence, story_rows, stuck,
     unit_on, used,
@@ -13,6 +12,7 @@ use crate::report::identify::{
 use crate::report::plot::residual as plot;
 use crate::report::table::PLAIN_WIDTH;
 use crate::report::{forward, number, remake};
+use crate::words::handy::handy;
 
 /// The page; `forward` and `remade` where they were made.
 pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, remade: Option<&[Remade]>) -> Page {

@@ -22,9 +22,9 @@ use std::path::Path;
 
 pub use render::text;
 
-use super::file;
 use super::plot::{self, Figure};
 use crate::input::InputFile;
+use crate::output;
 
 /// More rows than this make a page slow; what is left out is said.
 pub const MOST_ROWS: usize = 5000;
@@ -214,5 +214,5 @@ pub fn check(path: &Path) -> Result<(), String> {
 /// In words, where it cannot be written.
 pub fn write(page: &Page, path: &Path) -> Result<(), String> {
     check(path)?;
-    file::write_whole(path, text(page).as_bytes())
+    output::write_whole(path, text(page).as_bytes())
 }

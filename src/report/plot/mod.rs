@@ -17,7 +17,6 @@ mod pen;
 pub mod rank;
 pub mod residual;
 pub mod step;
-pub mod study;
 pub mod sweep;
 pub mod temperature;
 pub mod torque_speed;
@@ -31,8 +30,8 @@ pub(crate) use draw::{described, ranges};
 pub use labels::{Placed, Rect, Wanted, overlap, place};
 pub use pen::{escaped, text_width};
 
-use super::file;
 use crate::input::limits::PIXELS;
+use crate::output;
 use crate::requirement::Objective;
 
 /// Pixels of a PNG for each pixel of the SVG.
@@ -462,7 +461,7 @@ pub fn write(figure: &Figure, path: &Path) -> Result<(), String> {
         Format::Svg => svg(figure).into_bytes(),
         Format::Png => png(figure)?,
     };
-    file::write_whole(path, &bytes)
+    output::write_whole(path, &bytes)
 }
 
 /// A figure as PNG.

@@ -1,10 +1,10 @@
 //! What the field calls good practice, with bounds that a rules file may move.
 
-use crate::report::number;
 use crate::requirement::RatioChoice;
 use crate::rules::facts::JointFacts;
 use crate::rules::place::Place;
 use crate::rules::rule::{Remark, Rule, Severity, Test};
+use crate::words::number;
 
 pub(super) const TORQUE_RESERVE: Rule = Rule {
     code: "GW101",

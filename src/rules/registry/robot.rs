@@ -1,10 +1,10 @@
 //! Rules about the robot as a whole, and about the rules file.
 
 use crate::design::robot::peak_power;
-use crate::report::number;
 use crate::rules::facts::RobotFacts;
 use crate::rules::place::Place;
 use crate::rules::rule::{Remark, Rule, Severity, Test};
+use crate::words::number;
 
 pub(super) const MASS_BUDGET: Rule = Rule {
     code: "GW040",

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use super::super::{FileRead, Holds, Import, Lines, Remark, RemarkKind};
 use super::Refused;
 use crate::catalog::matches_pattern;
-use crate::input::{Problem, Source, nearest};
+use crate::input::{Problem, Source};
+use crate::words::nearest;
 
 /// What `fits` says of a gear that no motor lists: blank would mean that any motor may have it. No motor
 /// is given this id.

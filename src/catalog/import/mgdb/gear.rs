@@ -4,7 +4,7 @@ use super::super::Row;
 use super::cells::Cells;
 use crate::catalog::{Gear, GearKind, SourceKind};
 use crate::input::{Range, Source};
-use crate::report::number;
+use crate::words::number;
 
 /// Id of the gear that stands for direct drive.
 pub const DIRECT: &str = "direct";

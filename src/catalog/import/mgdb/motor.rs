@@ -5,7 +5,7 @@ use super::cells::Cells;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::{Conventions, FIELDS, Identity, Printed, Sheet, SourceKind};
 use crate::input::Source;
-use crate::report::number;
+use crate::words::number;
 
 /// Columns of MGDB and the catalogue's; both in SI.
 const NUMBERS: &[(&str, &str)] = &[

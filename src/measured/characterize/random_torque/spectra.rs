@@ -3,7 +3,7 @@
 use crate::measured::bench::{Channel, Log};
 use crate::measured::signals;
 use crate::measured::simulate::{Unknown, minimise};
-use crate::report::number;
+use crate::words::number;
 
 /// Complex numbers of the transform.
 pub type Complex = realfft::num_complex::Complex<f64>;

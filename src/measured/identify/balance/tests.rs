@@ -1,7 +1,7 @@
 use super::super::noise::Reading;
 use super::super::steady::noise;
 use super::*;
-use crate::actuator::effects::{EFFECTS, Operating};
+use crate::effects::{EFFECTS, Operating};
 use crate::measured::read;
 
 /// Columns of a log, in the order of their values.
@@ -189,7 +189,7 @@ fn columns_change_with_the_response_exactly_where_the_table_says() {
             if !matches!(wanted, 'o' | 'r' | 'l') {
                 continue;
             }
-            let shape = if effect.shape() == crate::actuator::effects::Shape::Order { 6.0 } else { 2.0 };
+            let shape = if effect.shape() == crate::effects::Shape::Order { 6.0 } else { 2.0 };
             let differs = |other: &Balance| {
                 let (a, b) = (before.effect_columns(*effect, shape), other.effect_columns(*effect, shape));
                 a.iter().flatten().zip(b.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-9 * a.abs())
@@ -256,7 +256,7 @@ fn what_is_declared_of_the_response_stays_as_declared() {
     bench.declared.effects.push(("torque_constant_saturation".into(), vec![0.05, 4.0]));
     let with = Work::new(&bench, balance(&bench, target));
     assert_eq!((with.terms.len(), with.fixed.len(), plain.fixed.len()), (plain.terms.len(), 1, 0));
-    let effect = crate::actuator::effects::effect("torque_constant_saturation").unwrap();
+    let effect = crate::effects::effect("torque_constant_saturation").unwrap();
     let column = with.balance.function(|at| effect.value(&[0.05, 4.0], at));
     for ((a, b), c) in plain.target.iter().zip(&with.target).zip(&column) {
         assert!((a - b - c).abs() < 1e-12 && column.iter().any(|c| c.abs() > 0.01));

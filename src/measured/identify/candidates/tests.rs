@@ -1,6 +1,6 @@
 use super::super::steady::{CONSTANT, add, bench, noise, work};
 use super::*;
-use crate::actuator::effects::effect;
+use crate::effects::effect;
 use crate::measured::Bench;
 
 const RATIO: f64 = 6.0;

@@ -1,6 +1,6 @@
 use super::super::steady::{CONSTANT, add, bench, noise, work};
 use super::*;
-use crate::actuator::effects::{EFFECTS, Variable};
+use crate::effects::{EFFECTS, Variable};
 
 /// What was found, with effects that the data cannot tell from it.
 fn found(name: &'static str, confounded_with: &[&'static str]) -> Found {

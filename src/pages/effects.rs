@@ -1,6 +1,6 @@
 use super::{MADE, code, table};
-use crate::actuator::effects::{EFFECTS, Effect, Enters, Equation, Scale, Shape, SimulatorField};
 use crate::actuator::fitted::how_it_enters;
+use crate::effects::{EFFECTS, Effect, Enters, Equation, Scale, Shape, SimulatorField};
 
 /// The page of effects.
 pub fn text() -> String {

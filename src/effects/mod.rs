@@ -13,6 +13,8 @@ mod cogging;
 mod coulomb;
 mod direction_asymmetry;
 mod eddy_drag;
+pub mod features;
+mod found;
 mod gear_compliance;
 mod gear_ripple;
 mod gravity;
@@ -32,6 +34,7 @@ pub use cogging::Cogging;
 pub use coulomb::CoulombFriction;
 pub use direction_asymmetry::DirectionAsymmetry;
 pub use eddy_drag::EddyDrag;
+pub use found::FittedEffect;
 pub use gear_compliance::GearCompliance;
 pub use gear_ripple::GearRipple;
 pub use gravity::Gravity;
@@ -46,9 +49,8 @@ pub use torque_ripple::TorqueRipple;
 pub use viscous::ViscousFriction;
 pub use winding_temperature::WindingTemperature;
 
-use super::shaft::{Feature, ShaftForm, sign};
-use crate::catalog::Motor;
 use crate::units::Kind;
+use features::{Feature, ShaftForm, sign};
 
 /// A parameter of an effect.
 #[derive(Debug, Clone, Copy)]
@@ -275,8 +277,8 @@ pub trait Effect: Sync {
     /// How it enters the limits.
     fn enters(&self) -> Enters;
 
-    /// The values that a catalogue row declares, where it does.
-    fn declared(&self, _motor: &Motor) -> Option<Vec<f64>> {
+    /// The column of a motor's row that declares it, where one does.
+    fn column(&self) -> Option<&'static str> {
         None
     }
 
@@ -336,16 +338,6 @@ pub const EFFECTS: &[&dyn Effect] = &[
 /// The effect of a name.
 pub fn effect(name: &str) -> Option<&'static dyn Effect> {
     EFFECTS.iter().find(|e| e.name() == name).copied()
-}
-
-/// Adds all effects that the motor's row declares and that were fitted for it, where they have that form.
-pub fn add_declared(motor: &Motor, form: &mut ShaftForm) {
-    for effect in EFFECTS {
-        if let Some(values) = effect.declared(motor) {
-            effect.shaft(&values, form);
-        }
-    }
-    super::fitted::add_features(motor, form);
 }
 
 /// Plausible if positive and at most `largest`.
@@ -420,53 +412,6 @@ mod tests {
                     + form[Feature::Speed] * speed.abs()
                     + form[Feature::One];
                 approx::assert_relative_eq!(features, effect.value(&values, &at), max_relative = 1e-12);
-            }
-        }
-    }
-
-    /// What an effect says of the limits is what the code does with it: none is left out of a list somewhere.
-    #[test]
-    fn every_effect_enters_the_limits_as_it_says() {
-        use super::super::fitted::{
-            FittedEffect, Shortfall, evaluated, gear_with_fit, hot_torque_constant, why_evaluated,
-        };
-        use crate::requirement::GearModel;
-        let row = crate::catalog::Catalog::builtin().unwrap().motors.remove(0);
-        let k_t = row.torque_constant;
-        for effect in EFFECTS {
-            let name = effect.name();
-            let mut values = vec![0.01; effect.linear()];
-            if effect.shape() != Shape::None {
-                values.push(4.0);
-            }
-            let mut form = ShaftForm::default();
-            effect.shaft(&values, &mut form);
-            let motor = crate::catalog::Motor {
-                effects: vec![FittedEffect { effect: *effect, values: values.clone() }],
-                ..row.clone()
-            };
-            let hot = hot_torque_constant(&motor, Some(motor.reference_temperature + 50.0));
-            let here = [
-                form != ShaftForm::default(),
-                gear_with_fit(&motor, &GearModel::IDEAL) != GearModel::IDEAL,
-                Shortfall::new(&motor, k_t, true) != Shortfall::none(k_t) || hot != k_t,
-                evaluated(&motor).next().is_some() && why_evaluated(&motor).contains(name),
-            ];
-            let says = match effect.enters() {
-                Enters::Convex | Enters::Laurent => [true, false, false, false],
-                Enters::Efficiency => [false, true, false, false],
-                Enters::Bound => [false, false, true, false],
-                Enters::Evaluated => [false, false, false, true],
-                Enters::NotAtAll(_) => [false; 4],
-            };
-            assert_eq!(here, says, "{name}: in shaft torque, gear, bounds, evaluated");
-            if effect.enters() == Enters::Evaluated {
-                for speed in [3.0, 30.0] {
-                    let at = |speed: f64| effect.value(&values, &Operating { speed, direction: 1.0, ..point() });
-                    let slope = effect.speed_slope(&values, &Operating { speed, direction: 1.0, ..point() });
-                    let difference = (at(speed + 1e-4) - at(speed - 1e-4)) / 2e-4;
-                    approx::assert_relative_eq!(slope, difference, max_relative = 1e-6, epsilon = 1e-9);
-                }
             }
         }
     }

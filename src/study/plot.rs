@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::{Axis, Dash, Figure, Group, Mark, Panel, Series, Shape, Tone};
-use crate::report::number;
+use crate::report::plot::{Axis, Dash, Figure, Group, Mark, Panel, Series, Shape, Tone};
 use crate::study::effects::Effect;
 use crate::study::summary::Summary;
+use crate::words::number;
 
 /// Motors in the picture of winners.
 const WINNERS: usize = 20;

@@ -11,7 +11,7 @@ use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::input::reason;
+use crate::words::reason;
 
 /// Most links that lead from one to the next.
 const MAX_LINKS: usize = 40;

@@ -26,7 +26,7 @@ const LEAST: f64 = 0.05;
 /// A value in the unit in which it reads best, and that unit.
 ///
 /// ```
-/// use gearwise::report::handy::handy;
+/// use gearwise::words::handy::handy;
 /// assert_eq!(handy(0.0125, "N*m").1, "mN*m");
 /// assert_eq!(handy(9.01e-6, "kg*m^2").1, "g*cm^2");
 /// assert_eq!(handy(0.0, "rad/s"), (0.0, "rad/s"));

@@ -1,6 +1,4 @@
-use super::{
-    Effect, Enters, Feature, Motor, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive,
-};
+use super::{Effect, Enters, Feature, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive};
 use crate::units;
 
 /// Coulomb friction of the motor: torque `c sgn ω`. Its sign is never differentiated; at standstill
@@ -37,8 +35,8 @@ impl Effect for CoulombFriction {
         Enters::Laurent
     }
 
-    fn declared(&self, motor: &Motor) -> Option<Vec<f64>> {
-        motor.coulomb_friction.map(|c| vec![c])
+    fn column(&self) -> Option<&'static str> {
+        Some("coulomb_friction")
     }
 
     fn shaft(&self, values: &[f64], form: &mut ShaftForm) {

@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use super::instants::{self, Between};
-use super::spline::{self, Derivatives};
+pub mod instants;
+
+pub use instants::Between;
+
 use crate::input::csv::{Column, Content, Table};
 use crate::input::{InputError, Problem, Range, Source};
+use crate::numerics::spline::{self, Derivatives};
 use crate::units;
 
 /// How a motion goes on after its last sample.
@@ -292,7 +295,7 @@ impl Motion {
     pub fn name_sample(&self, k: usize) -> String {
         match self.course {
             Course::Points(_) => format!("point {}", k + 1),
-            _ => format!("t = {} s", crate::report::number(self.moment(k))),
+            _ => format!("t = {} s", crate::words::number(self.moment(k))),
         }
     }
 }

@@ -12,8 +12,8 @@
 //! What stands at two neighbouring samples stands between them, whatever rates these have: they are those of the motion
 //! beside the hold. So a hold gets an instant at either end that has none of them.
 
-use super::motion::{Course, Motion};
-use super::spline;
+use super::{Course, Motion};
+use crate::numerics::spline;
 
 /// What a straight line between two instants may miss, as a share of the largest value.
 pub const RESOLUTION: f64 = 1e-3;

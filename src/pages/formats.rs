@@ -2,16 +2,16 @@
 //! readers whether they know these and no others.
 
 use super::{MADE, code, plain, table};
-use crate::actuator::effects::EFFECTS;
 use crate::catalog::convention::{
     BLOCK, BackEmfConvention, Commutation, CurrentConvention, Modulation, SpeedConstantConvention, Terminals, Winding,
 };
 use crate::catalog::{FIELDS, GearKind, SourceKind, gear_columns, motor_columns};
+use crate::effects::EFFECTS;
 use crate::input::Range;
 use crate::input::csv::{Column, Content};
 use crate::measured::BenchKind;
+use crate::motion;
 use crate::report::currents;
-use crate::requirement::motion;
 
 /// A table of a TOML file with its keys.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! A study as a whole: how often each motor wins, and what each parameter does.
 
-use super::number;
-use super::table::{Column, Table, paragraph};
+use crate::report::number;
+use crate::report::table::{Column, Table, paragraph};
 use crate::study::effects::Effect;
 use crate::study::summary::{JointSummary, Summary};
 
@@ -87,7 +87,7 @@ fn effects_text(effects: &[Effect]) -> String {
             e.value.clone(),
             e.reference.clone(),
             e.joint.clone(),
-            super::optional(e.loss_ratio),
+            crate::report::optional(e.loss_ratio),
             share(e.other_first_choice),
             e.gained.to_string(),
             e.lost.to_string(),
@@ -106,5 +106,5 @@ fn effects_text(effects: &[Effect]) -> String {
 
 /// For programs.
 pub fn json_text(summary: &Summary) -> String {
-    super::json_text(&serde_json::to_value(summary).unwrap_or_default())
+    crate::report::json_text(&serde_json::to_value(summary).unwrap_or_default())
 }

@@ -1,6 +1,4 @@
-use super::{
-    Effect, Enters, Feature, Motor, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive,
-};
+use super::{Effect, Enters, Feature, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive};
 use crate::units;
 
 /// Viscous friction of the motor: torque `b ω`.
@@ -41,8 +39,8 @@ impl Effect for ViscousFriction {
         Enters::Convex
     }
 
-    fn declared(&self, motor: &Motor) -> Option<Vec<f64>> {
-        motor.viscous_friction.map(|b| vec![b])
+    fn column(&self) -> Option<&'static str> {
+        Some("viscous_friction")
     }
 
     fn shaft(&self, values: &[f64], form: &mut ShaftForm) {

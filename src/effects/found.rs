@@ -1,0 +1,42 @@
+//! An effect with its values.
+
+use super::{Effect, effect};
+
+/// An effect of an actuator with its values.
+#[derive(Clone)]
+pub struct FittedEffect {
+    /// The effect.
+    pub effect: &'static dyn Effect,
+    /// Its values in the order of its parameters, SI.
+    pub values: Vec<f64>,
+}
+
+impl FittedEffect {
+    /// The effect of a name with its values; `None` where the library has none of that name, or it has another
+    /// number of parameters.
+    pub fn new(name: &str, values: Vec<f64>) -> Option<FittedEffect> {
+        effect(name).filter(|e| e.parameters().len() == values.len()).map(|effect| FittedEffect { effect, values })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        self.effect.name()
+    }
+
+    /// Amplitude of an effect with a cosine and a sine.
+    pub fn amplitude(&self) -> f64 {
+        self.values[0].hypot(self.values[1])
+    }
+}
+
+impl std::fmt::Debug for FittedEffect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {:?}", self.name(), self.values)
+    }
+}
+
+impl PartialEq for FittedEffect {
+    fn eq(&self, other: &FittedEffect) -> bool {
+        self.name() == other.name() && self.values == other.values
+    }
+}

@@ -1,0 +1,97 @@
+//! How things are written: numbers, counts, cells, markup, and the name that somebody may have meant.
+
+pub mod csv;
+pub mod handy;
+pub mod xml;
+
+use std::io;
+
+/// A number with four significant digits, without needless zeros.
+///
+/// ```
+/// use gearwise::words::number;
+/// assert_eq!(number(0.064366), "0.06437");
+/// assert_eq!(number(1200.0), "1200");
+/// assert_eq!(number(9.01e-6), "9.010e-6");
+/// ```
+pub fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if value.is_infinite() {
+        return if value > 0.0 { "∞".into() } else { "−∞".into() };
+    }
+    if value.is_nan() {
+        return "–".into();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if !(-4..7).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let digits = (3 - magnitude).max(0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+}
+
+/// `number`, or a dash where the value is unknown.
+pub fn optional(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".into(), number)
+}
+
+/// A value with its unit; a pure number has none.
+pub fn with_unit(value: f64, unit: &str) -> String {
+    format!("{} {}", number(value), if unit == "1" { "" } else { unit }).trim_end().to_string()
+}
+
+/// `1 joint`, `2 joints`.
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The name in `names` that is most like `text`, if any is near enough to be what was meant.
+///
+/// ```
+/// assert_eq!(gearwise::words::nearest("reisstance", ["resistance", "mass"]), Some("resistance"));
+/// assert_eq!(gearwise::words::nearest("colour", ["resistance", "mass"]), None);
+/// ```
+pub fn nearest<'a>(text: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let plain = |s: &str| s.to_lowercase().replace(['-', ' ', '*', '^', '·'], "_").replace('_', "");
+    if text.len() > 100 {
+        return None;
+    }
+    let wanted = plain(text);
+    let mut best: Option<(f64, &str)> = None;
+    for name in names {
+        let score = strsim::jaro_winkler(&wanted, &plain(name));
+        let edits = strsim::damerau_levenshtein(&wanted, &plain(name));
+        let near = edits <= 1 || (edits <= wanted.len().max(name.len()) / 3) || score > 0.9;
+        if near && best.is_none_or(|(b, _)| score > b) {
+            best = Some((score, name));
+        }
+    }
+    best.map(|(_, name)| name)
+}
+
+/// Why a file cannot be read or written, in words without the numbers of the system.
+pub fn reason(error: &io::Error) -> String {
+    use io::ErrorKind as Kind;
+    let words = match error.kind() {
+        Kind::NotFound => "there is no such file",
+        Kind::AlreadyExists => "there is a file of this name",
+        Kind::PermissionDenied => "permission denied",
+        Kind::StorageFull => "the disk is full",
+        Kind::QuotaExceeded => "the quota is used up",
+        Kind::FileTooLarge => "the system does not allow files of this size",
+        Kind::ReadOnlyFilesystem => "the file system is read-only",
+        Kind::NotADirectory => "a part of the path is not a folder",
+        Kind::InvalidFilename => "the name is too long",
+        _ if is_loop(error) => "its symbolic links lead in a circle",
+        _ => return error.to_string(),
+    };
+    words.into()
+}
+
+// `ErrorKind::FilesystemLoop` is not stable.
+fn is_loop(error: &io::Error) -> bool {
+    format!("{:?}", error.kind()) == "FilesystemLoop"
+}
