@@ -98,7 +98,8 @@ async function looks(name, file) {
 
 async function sortsAndFilters(file) {
   const { page, wrong, close } = await open(file);
-  const table = page.locator("#s0 div.table").first();
+  // The hip: enough motors can do it for a field to search in.
+  const table = page.locator("#s1 div.table").first();
   const column = (text) => table.evaluate((box, text) => {
     const heads = [...box.querySelectorAll("thead th")], k = heads.findIndex((h) => h.textContent.startsWith(text));
     return [...box.querySelectorAll("tbody tr")].filter((r) => !r.hidden).map((r) => r.cells[k].textContent);
