@@ -590,7 +590,7 @@ fn limits_say_whose_they_are_and_what_is_left() {
     assert_eq!(class("max_speed").class.words(), "all ratios up to one");
     assert_eq!(class("voltage").class.words(), "one interval of ratios, convex in N²");
     assert!(class("regeneration").class.words().starts_with("up to two intervals"));
-    assert!(class("peak_current").has_safety() && !class("voltage").has_safety());
+    assert!(class("peak_current").safety && !class("voltage").safety);
     assert_eq!(format!("{:?}", class("voltage")), "voltage");
     assert!(matches!(asked.demand, Demand::Samples(_)));
 }

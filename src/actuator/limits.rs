@@ -128,6 +128,17 @@ pub enum Verdict {
 /// The name of a limit, and what is to be said of it.
 pub type Remark = (&'static str, &'static str);
 
+/// What a limit or a need is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Of {
+    /// Currents of the power-invariant q axis, the motor's own.
+    QAxis,
+    /// Ratings of the gear.
+    Gear,
+    /// Anything else.
+    Other,
+}
+
 /// A limit of the model.
 pub struct Limit {
     /// Name, also in JSON.
@@ -136,6 +147,10 @@ pub struct Limit {
     pub unit: &'static str,
     /// What is compared.
     pub formula: &'static str,
+    /// Whether the demand has the requirement's safety factor in it.
+    pub safety: bool,
+    /// What it is a limit of.
+    pub of: Of,
     /// Which ratios it leaves.
     pub class: Class,
     /// Whether the requirement itself asks for it: then a design of which it cannot be judged is no choice.
@@ -158,14 +173,9 @@ enum Prepared {
 }
 
 impl Limit {
-    /// Whether the demand has the requirement's safety factor in it.
-    pub fn has_safety(&self) -> bool {
-        self.formula.contains("safety")
-    }
-
     /// Whether demand and bound are q-axis amperes (power invariant), not those of a phase or of the bus.
     pub fn is_q_axis(&self) -> bool {
-        self.unit == "A" && self.formula.contains("/K_T")
+        self.of == Of::QAxis
     }
 
     /// Whether the limit applies to a candidate, and how.
@@ -526,6 +536,8 @@ const NO_MASS: &str = "the mass of motor or gear is not known";
 pub struct Need {
     /// Name, beside those of the limits.
     pub name: &'static str,
+    /// What it is about.
+    pub of: Of,
     /// Whether the requirement asks for what cannot be judged without it.
     pub stated: fn(&Robot, &Joint) -> bool,
     /// What is missing, if anything.
@@ -546,6 +558,7 @@ fn no_mass(candidate: &Candidate) -> Option<&'static str> {
 pub const NEEDS: &[Need] = &[
     Need {
         name: "inductance",
+        of: Of::Other,
         stated: the_supply,
         missing: |c| match (c.motor.inductance, c.motor.pole_pairs) {
             (Some(_), Some(_)) => None,
@@ -557,6 +570,7 @@ pub const NEEDS: &[Need] = &[
     },
     Need {
         name: "demagnetisation",
+        of: Of::Other,
         stated: by_data_sheets,
         missing: |c| {
             let by_drive =
@@ -568,6 +582,7 @@ pub const NEEDS: &[Need] = &[
     },
     Need {
         name: "torque_bandwidth_voltage",
+        of: Of::Other,
         stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
         missing: |c| {
             let Motor { inductance, pole_pairs, conventions, .. } = c.motor;
@@ -580,6 +595,7 @@ pub const NEEDS: &[Need] = &[
     },
     Need {
         name: "gear_inertia",
+        of: Of::Gear,
         stated: |_, joint| joint.limits.reflected_inertia.is_some(),
         missing: |c| {
             let unknown = c.catalog_gear.is_some_and(|gear| gear.inertia.is_none());
@@ -588,15 +604,23 @@ pub const NEEDS: &[Need] = &[
     },
     Need {
         name: "mass_budget",
+        of: Of::Other,
         stated: |robot, _| robot.budget.actuator_mass.is_some(),
         missing: |c| c.robot.budget.actuator_mass.and_then(|_| no_mass(c)),
     },
     Need {
         name: "carried_mass",
+        of: Of::Other,
         stated: |robot, joint| robot.carries(joint) || !joint.carries.is_empty(),
         missing: |c| if c.robot.carries(c.joint) { no_mass(c) } else { None },
     },
 ];
+
+/// Whether a limit or a need is about the gear, by its name.
+pub fn is_of_gear(name: &str) -> bool {
+    LIMITS.iter().any(|limit| limit.name == name && limit.of == Of::Gear)
+        || NEEDS.iter().any(|need| need.name == name && need.of == Of::Gear)
+}
 
 /// Whether the requirement itself asks for something, by the name of the limit or of the need.
 pub fn is_stated(name: &str, robot: &Robot, joint: &Joint) -> bool {
@@ -725,6 +749,8 @@ pub const LIMITS: &[Limit] = &[
         name: "peak_current",
         unit: "A",
         formula: "safety · max |T|/K_T ≤ I_peak",
+        safety: true,
+        of: Of::QAxis,
         class: Class::Convex,
         stated: |robot, joint| joint.drive_current.or(robot.bus.drive_current).is_some(),
         prepare: |c| match c.peak_current() {
@@ -736,6 +762,8 @@ pub const LIMITS: &[Limit] = &[
         name: "peak_torque",
         unit: "N*m",
         formula: "safety · max |T| ≤ T_peak",
+        safety: true,
+        of: Of::Other,
         class: Class::Convex,
         stated: by_data_sheets,
         prepare: |c| match c.motor.peak_torque {
@@ -751,6 +779,8 @@ pub const LIMITS: &[Limit] = &[
         name: "continuous_current",
         unit: "A",
         formula: "√mean(T²)/K_T ≤ I_continuous",
+        safety: false,
+        of: Of::QAxis,
         class: Class::Convex,
         stated: by_data_sheets,
         prepare: |c| match c.motor.continuous_current {
@@ -764,6 +794,8 @@ pub const LIMITS: &[Limit] = &[
         name: "continuous_torque",
         unit: "N*m",
         formula: "√mean(T²) ≤ T_continuous",
+        safety: false,
+        of: Of::Other,
         class: Class::Convex,
         stated: by_data_sheets,
         prepare: |c| match c.motor.continuous_torque {
@@ -780,6 +812,8 @@ pub const LIMITS: &[Limit] = &[
         name: "winding_temperature",
         unit: "A",
         formula: "√mean(T²)/K_T ≤ √((T_max − T_ambient)/(R_th R(T_max))): steady state, hot copper",
+        safety: false,
+        of: Of::QAxis,
         class: Class::Convex,
         stated: a_temperature,
         prepare: |c| match (c.thermal_current(), c.winding_temperature()) {
@@ -800,6 +834,8 @@ pub const LIMITS: &[Limit] = &[
         name: "winding_peak_temperature",
         unit: "K",
         formula: "max T_winding − T_ambient ≤ T_max − T_ambient over the motion: two nodes, hot copper, periodic state or from cold",
+        safety: false,
+        of: Of::Other,
         class: Class::Convex,
         stated: a_temperature,
         prepare: |c| match (c.two_node(), c.winding_temperature()) {
@@ -813,6 +849,8 @@ pub const LIMITS: &[Limit] = &[
         name: "standstill_holding",
         unit: "A",
         formula: "√(mean(T²) + R_wh/R_th · mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat",
+        safety: false,
+        of: Of::QAxis,
         class: Class::Convex,
         stated: a_temperature,
         prepare: |c| {
@@ -835,6 +873,8 @@ pub const LIMITS: &[Limit] = &[
         name: "voltage",
         unit: "V",
         formula: "max √(v_q² + v_d²) ≤ V, with R of the hottest winding allowed",
+        safety: false,
+        of: Of::Other,
         class: Class::Convex,
         stated: the_supply,
         prepare: |c| torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
@@ -843,6 +883,8 @@ pub const LIMITS: &[Limit] = &[
         name: "max_speed",
         unit: "rad/s",
         formula: "N max |ω| ≤ ω_max",
+        safety: false,
+        of: Of::Other,
         class: Class::UpperBound,
         stated: by_data_sheets,
         prepare: |c| match c.motor.max_speed {
@@ -857,6 +899,8 @@ pub const LIMITS: &[Limit] = &[
         name: "gear_input_speed",
         unit: "rad/s",
         formula: "N max |ω| ≤ ω_gear",
+        safety: false,
+        of: Of::Gear,
         class: Class::UpperBound,
         stated: |_, joint| described(joint, joint.gear.max_input_speed),
         prepare: |c| match c.gear.max_input_speed {
@@ -871,6 +915,8 @@ pub const LIMITS: &[Limit] = &[
         name: "gear_peak_torque",
         unit: "N*m",
         formula: "safety · max |τ| ≤ τ_gear peak",
+        safety: true,
+        of: Of::Gear,
         class: Class::Fixed,
         stated: |_, joint| described(joint, joint.gear.peak_torque),
         prepare: |c| match c.gear.peak_torque {
@@ -886,6 +932,8 @@ pub const LIMITS: &[Limit] = &[
         name: "gear_continuous_torque",
         unit: "N*m",
         formula: "√mean(τ²) ≤ τ_gear continuous",
+        safety: false,
+        of: Of::Gear,
         class: Class::Fixed,
         stated: |_, joint| described(joint, joint.gear.continuous_torque),
         prepare: |c| match c.gear.continuous_torque {
@@ -899,6 +947,8 @@ pub const LIMITS: &[Limit] = &[
         name: "reflected_inertia",
         unit: "kg*m^2",
         formula: "N² (J_m + J_g) ≤ J",
+        safety: false,
+        of: Of::Other,
         class: Class::UpperBound,
         stated: |_, joint| joint.limits.reflected_inertia.is_some(),
         prepare: |c| match c.joint.limits.reflected_inertia {
@@ -912,6 +962,8 @@ pub const LIMITS: &[Limit] = &[
         name: "torque_bandwidth_current",
         unit: "A",
         formula: "safety · max |T + superposed|/K_T ≤ I_peak, at 32 phases",
+        safety: true,
+        of: Of::QAxis,
         class: Class::Convex,
         stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
         prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
@@ -924,6 +976,8 @@ pub const LIMITS: &[Limit] = &[
         name: "torque_bandwidth_voltage",
         unit: "V",
         formula: "max √(v_q² + v_d²) ≤ V with the superposed torque, at 32 phases and R of the hottest winding",
+        safety: false,
+        of: Of::Other,
         class: Class::Convex,
         stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
         prepare: |c| match (&c.load.bandwidth, c.motor.inductance) {
@@ -936,6 +990,8 @@ pub const LIMITS: &[Limit] = &[
         name: "bus_power",
         unit: "W",
         formula: "max (R i² + K_B N ω i)/η_d ≤ P, with R of the hottest winding",
+        safety: false,
+        of: Of::Other,
         class: Class::Convex,
         stated: |robot, _| robot.bus.power.is_some(),
         prepare: |c| match c.robot.bus.power {
@@ -947,6 +1003,8 @@ pub const LIMITS: &[Limit] = &[
         name: "bus_current",
         unit: "A",
         formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus, with R of the hottest winding",
+        safety: false,
+        of: Of::Other,
         class: Class::Convex,
         stated: |robot, _| robot.bus.current.is_some(),
         prepare: |c| match c.robot.bus.current {
@@ -961,6 +1019,8 @@ pub const LIMITS: &[Limit] = &[
         name: "regeneration",
         unit: "W",
         formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration, with R at its reference temperature",
+        safety: false,
+        of: Of::Other,
         class: Class::ReverseConvex,
         stated: |robot, _| robot.bus.regeneration != Regeneration::Allowed,
         prepare: |c| match c.robot.bus.regeneration {
@@ -974,6 +1034,8 @@ pub const LIMITS: &[Limit] = &[
         name: "actuator_mass",
         unit: "kg",
         formula: "m_motor + m_gear ≤ m",
+        safety: false,
+        of: Of::Other,
         class: Class::UpperBound,
         stated: |_, joint| joint.limits.actuator_mass.is_some(),
         prepare: |c| match (c.joint.limits.actuator_mass, c.mass_at(1.0)) {

@@ -45,7 +45,7 @@ impl Examined {
 
     /// What is left of a limit over the bare demand, without the requirement's safety factor.
     pub fn reserve(&self, joint: &Joint, limit: &str) -> Option<f64> {
-        let has_safety = LIMITS.iter().any(|l| l.name == limit && l.has_safety());
+        let has_safety = LIMITS.iter().any(|l| l.name == limit && l.safety);
         let factor = if has_safety { joint.limits.safety } else { 1.0 };
         self.margin(limit).map(|margin| 1.0 - (1.0 - margin) / factor)
     }

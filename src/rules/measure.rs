@@ -251,7 +251,7 @@ pub fn measures() -> &'static [Measure] {
             name: format!("{}_reserve", limit.name),
             kind: None,
             unit: "1",
-            meaning: match limit.has_safety() {
+            meaning: match limit.safety {
                 true => format!("the same of {} without the requirement's safety factor", limit.name),
                 false => format!("the same as {}_margin: no safety factor acts there", limit.name),
             },

@@ -1,6 +1,7 @@
 //! One rule for each limit of the model, and for what cannot be checked. The limits themselves are those of
 //! [`LIMITS`](crate::actuator::limits::LIMITS); nothing is computed here.
 
+use crate::actuator::limits::is_of_gear;
 use crate::design::judge::unjudged;
 use crate::rules::facts::JointFacts;
 use crate::rules::place::{Place, asked_for};
@@ -161,7 +162,7 @@ pub const UNCHECKED_LIMIT: Rule = Rule {
 };
 
 fn unknown(limit: &'static str, message: String) -> Remark {
-    let place = if limit.starts_with("gear_") { Place::Reduction } else { Place::Motor };
+    let place = if is_of_gear(limit) { Place::Reduction } else { Place::Motor };
     Remark::new(message, limit, place)
 }
 
