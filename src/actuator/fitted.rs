@@ -6,8 +6,8 @@
 //! becomes one [`Shortfall`] of the actuator, which turns torques into currents for every limit. What
 //! depends on the motor's own speed in no polynomial way is a [`drag`], evaluated at a ratio.
 
-use super::shaft::{Feature, ShaftForm};
 use crate::catalog::Motor;
+use crate::effects::features::{Feature, ShaftForm};
 
 use crate::effects::{EFFECTS, Effect, Enters, FittedEffect, Operating};
 use crate::requirement::{GearModel, Joint, RatioChoice, backdrive_efficiency};

@@ -6,6 +6,7 @@
 
 pub mod audit;
 pub mod convention;
+mod fit;
 pub mod fitted;
 mod gear;
 pub mod import;

@@ -1,8 +1,7 @@
 //! A motor as the program computes with it: the power-invariant q-axis equivalent of its sheet.
 
 use super::convention::Commutation;
-use super::fitted::Fit;
-use super::fitted::FittedGear;
+use super::fit::{Fit, FittedGear};
 use super::sheet::{Conventions, Printed, Sheet, SourceKind};
 use crate::effects::{Effect, FittedEffect};
 

@@ -261,6 +261,18 @@ pub fn welch(values: &[f64], step: f64, window: usize) -> Vec<(f64, f64)> {
     sum.iter().enumerate().map(|(k, s)| (k as f64 / (length as f64 * step), s * scale)).collect()
 }
 
+/// Standard deviation of the noise of a signal: from the second differences, which take out what is slow.
+pub fn noise_level(values: &[f64]) -> f64 {
+    let second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    let zero = second.iter().filter(|v| **v == 0.0).count();
+    // Most are zero where a slow signal is quantised: then the mean says more than the median.
+    if 2 * zero > second.len() {
+        let sum: f64 = second.iter().map(|v| v * v).sum();
+        return (sum / second.len().max(1) as f64 / 6.0).sqrt();
+    }
+    median(second).unwrap_or(0.0) / 0.6745 / 6.0_f64.sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

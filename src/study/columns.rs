@@ -3,9 +3,12 @@
 //! The one idea: a cell is its text in the CSV file, blank where unknown. Journal, CSV and Parquet hold the
 //! same cells, so that no number is rounded on its way.
 
+use std::collections::BTreeMap;
+
 use super::plan::Plan;
 use crate::design::optimize::{Design, JointResult};
 use crate::design::program::Certificate;
+use crate::report::optimize::reason_text;
 use crate::report::{currents, spring, unjudged};
 use crate::words::csv::csv_number;
 
@@ -68,7 +71,7 @@ const OF_DESIGN: &[(&str, Kind, Cell)] = &[
     ("unjudged_motors", Kind::Integer, |j, _| j.unjudged.len().to_string()),
     ("spring_stiffness_nm_per_rad", Kind::Number, |_, d| of_spring(d, 0)),
     ("spring_rest_angle_rad", Kind::Number, |_, d| of_spring(d, 1)),
-    ("no_design_because", Kind::Text, |j, d| if d.is_some() { String::new() } else { super::worker::because(j) }),
+    ("no_design_because", Kind::Text, |j, d| if d.is_some() { String::new() } else { because(j) }),
 ];
 
 fn text(design: Option<(usize, &Design)>, of: impl Fn(&Design) -> String) -> String {
@@ -122,4 +125,19 @@ pub fn of_grid(plan: &Plan) -> impl Iterator<Item = Column> + '_ {
 /// The cells of the grid at a point.
 pub fn grid_cells(plan: &Plan, point: u64) -> impl Iterator<Item = &str> + '_ {
     (0..plan.grid.len()).map(move |k| plan.grid[k].cells[plan.value(k, point)].as_str())
+}
+
+/// Why a joint has no design: how many motors fail for which reason, the most frequent first.
+fn because(joint: &JointResult) -> String {
+    let mut classes: BTreeMap<String, usize> = BTreeMap::new();
+    for unjudged in &joint.unjudged {
+        *classes.entry(unjudged::class(&unjudged.because)).or_default() += 1;
+    }
+    for rejected in &joint.rejected {
+        *classes.entry(reason_text(&rejected.reason, joint.joint).0).or_default() += 1;
+    }
+    let mut classes: Vec<(String, usize)> = classes.into_iter().collect();
+    classes.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
+    let told: Vec<String> = classes.iter().take(3).map(|(why, n)| format!("{n} motors: {why}")).collect();
+    told.join("; ")
 }

@@ -13,8 +13,6 @@ use crate::catalog::Catalog;
 use crate::design::optimize::{JointResult, Options, optimize_with};
 use crate::input::{Change, InputError, Problem, Source};
 use crate::motion::CarriedColumn;
-use crate::report::optimize::reason_text;
-use crate::report::unjudged::class;
 use crate::requirement::{self, Motion, Motions, Robot};
 
 /// What was found for one robot.
@@ -267,21 +265,6 @@ fn standings(joint: &JointResult, catalog: &Catalog) -> String {
     }
     // What was solved, can do it and is not listed stands behind.
     catalog.motors.iter().map(|m| standing.get(m.id.as_str()).copied().unwrap_or(Standing::Behind).letter()).collect()
-}
-
-/// Why a joint has no design: how many motors fail for which reason, the most frequent first.
-pub(super) fn because(joint: &JointResult) -> String {
-    let mut classes: BTreeMap<String, usize> = BTreeMap::new();
-    for unjudged in &joint.unjudged {
-        *classes.entry(class(&unjudged.because)).or_default() += 1;
-    }
-    for rejected in &joint.rejected {
-        *classes.entry(reason_text(&rejected.reason, joint.joint).0).or_default() += 1;
-    }
-    let mut classes: Vec<(String, usize)> = classes.into_iter().collect();
-    classes.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(&b.0)));
-    let told: Vec<String> = classes.iter().take(3).map(|(why, n)| format!("{n} motors: {why}")).collect();
-    told.join("; ")
 }
 
 impl Broken {

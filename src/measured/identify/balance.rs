@@ -197,18 +197,6 @@ fn serves(log: &Log, bench: &Bench, target: Target) -> bool {
     }
 }
 
-/// Standard deviation of the noise of a signal: from the second differences, which take out what is slow.
-pub(super) fn noise_level(values: &[f64]) -> f64 {
-    let second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
-    let zero = second.iter().filter(|v| **v == 0.0).count();
-    // Most are zero where a slow signal is quantised: then the mean says more than the median.
-    if 2 * zero > second.len() {
-        let sum: f64 = second.iter().map(|v| v * v).sum();
-        return (sum / second.len().max(1) as f64 / 6.0).sqrt();
-    }
-    signals::median(second).unwrap_or(0.0) / 0.6745 / 6.0_f64.sqrt()
-}
-
 /// The channels of one stretch on its grid.
 struct Gridded<'a> {
     log: &'a Log,
@@ -421,7 +409,7 @@ impl Balance {
         if self.target.equation() == Equation::Torque && inertia > 0.0 {
             for s in &self.stretches {
                 let speed: Vec<f64> = s.points.iter().map(|p| p.speed).collect();
-                let (of_speed, of_target) = (noise_level(&speed), noise_level(&s.target));
+                let (of_speed, of_target) = (signals::noise_level(&speed), signals::noise_level(&s.target));
                 let target = of_target.max(1e-6 * self.scale.torque * self.factor.abs());
                 if of_speed > 0.0 {
                     // In a band f of white noise: J σ_ω 2π f/√3 against σ_target.
@@ -704,7 +692,7 @@ fn motion(grid: &Gridded, ratio: f64, lag: f64) -> Option<Motion> {
     let speed = &motor.values;
     let calm = if grid.step > 0.0 { LowPass::new(DIRECTION_BAND).apply(speed) } else { speed.clone() };
     let largest = speed.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let noise = if grid.step > 0.0 { noise_level(speed) } else { 0.0 };
+    let noise = if grid.step > 0.0 { signals::noise_level(speed) } else { 0.0 };
     let threshold = (2.0 * (2.0 * DIRECTION_BAND).sqrt() * noise).max(2e-3 * largest).max(f64::MIN_POSITIVE);
     let direction = calm.iter().map(|w| (w / threshold).clamp(-1.0, 1.0)).collect();
     Some(Motion { motor_acceleration: grid.derivative(&motor), motor, direction, output_acceleration })

@@ -266,7 +266,7 @@ impl Spectrum<'_> {
 
     fn second_differences(&self, band: f64) -> Result<f64, &'static str> {
         self.flat_up_to(band, f64::INFINITY)?;
-        Ok(super::balance::noise_level(&self.of.left) * self.of.filter(band).noise_gain().sqrt())
+        Ok(signals::noise_level(&self.of.left) * self.of.filter(band).noise_gain().sqrt())
     }
 }
 

@@ -89,7 +89,7 @@ fn second_differences_do_not_count_behind_a_filter() {
     let noise = of_stretches(&[stretch(left.clone())], BAND);
     let [still, above, second] = values(&noise)[..] else { panic!() };
     assert_eq!(second, None);
-    let wrong = super::super::balance::noise_level(&left) * LowPass::new(BAND * 1e-3).noise_gain().sqrt();
+    let wrong = crate::measured::signals::noise_level(&left) * LowPass::new(BAND * 1e-3).noise_gain().sqrt();
     assert!(wrong < 0.6 * in_band(&left), "{wrong}");
     for value in [still, above] {
         assert!((value.unwrap() / in_band(&left) - 1.0).abs() < 0.1, "{value:?}");
