@@ -6,7 +6,7 @@
 //! parameters but for at most one shape parameter ([`Effect::basis`]), and how it enters the limits of
 //! the model ([`Effect::enters`]). Sweep, ratio program, identification and export all read that. A
 //! new effect is one file here and one line in [`EFFECTS`]; one that lowers a bound or an efficiency instead has its
-//! equation in [`fitted`](super::fitted), and a test that says so where it is missing.
+//! equation in [`fitted`](crate::actuator::fitted), and a test that says so where it is missing.
 
 mod backlash;
 mod cogging;
