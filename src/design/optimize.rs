@@ -324,7 +324,8 @@ fn best_gear<'a>(
             }
         };
         let prepared = Prepared::new(candidate);
-        if let Some(what) = judge::left_out(robot, joint, &prepared.judged(gear.ratio).unchecked, only_checked) {
+        let here = prepared.unchecked_at(gear.ratio);
+        if let Some(what) = judge::left_out(robot, joint, &here, only_checked) {
             unchecked = Some((&gear.id, what));
             continue;
         }
@@ -336,7 +337,7 @@ fn best_gear<'a>(
                 tried -= 1;
                 continue;
             };
-            let place = usize::from(!judge::unjudged(robot, joint, &prepared.unchecked_at(gear.ratio)).is_empty());
+            let place = usize::from(!judge::unjudged(robot, joint, &here).is_empty());
             if best[place].as_ref().is_none_or(|(o, l, ..)| (objective, evaluation.loss) < (*o, *l)) {
                 best[place] = Some((objective, evaluation.loss, gear, prepared));
             }

@@ -297,7 +297,7 @@ pub fn json(story: &Explanation) -> Value {
         "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
         "judged": story.unjudged.is_empty(), "unjudged": super::unjudged::list(&story.unjudged),
         "assumed": super::unjudged::assumed(&story.assumed),
-        "not_checked": story.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
+        "not_checked": super::unjudged::list(&story.unchecked),
         "spring": story.spring.as_ref().map(|s| match s {
             Ok(spring) => super::spring::json(spring, e.loss),
             Err(why) => json!({

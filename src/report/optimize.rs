@@ -331,14 +331,11 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
         for finding in contradictions(design.motor) {
             add(format!("the row contradicts itself (`gearwise audit`): {finding}"), place);
         }
-        for (limit, why) in &design.unchecked {
-            add(format!("not checked: {limit}, because {why}"), place);
+        for note in unjudged::sentences(&design.unchecked, &design.assumed) {
+            add(note, place);
         }
         for (limit, why) in beyond(&design.optimum) {
             add(format!("beyond its ratios {limit} cannot be judged: {why}"), place);
-        }
-        for (limit, what) in &design.assumed {
-            add(format!("assumed: {limit}: {what}"), place);
         }
         for note in fitted_notes(design.motor, result.joint) {
             add(format!("fitted: {} {}", note.effect, note.how), place);
@@ -568,7 +565,7 @@ fn design_json(design: &Design, joint: &Joint) -> Value {
     put("reversal_time_s", json!(design.reversal_time.filter(|t| t.is_finite())));
     put("margins", margins);
     put("limits", limits);
-    put("not_checked", design.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect());
+    put("not_checked", unjudged::list(&design.unchecked));
     put("assumed", super::unjudged::assumed(&design.assumed));
     put("audit_errors", json!(contradictions(design.motor)));
     if let Some(list) = fitted_json(design.motor, joint) {

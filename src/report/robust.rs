@@ -112,9 +112,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
 fn notes(result: &RobustJoint, top: usize) -> BTreeMap<String, Vec<String>> {
     let mut notes: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for (place, design) in result.designs.iter().take(top).enumerate() {
-        let unchecked = design.unchecked.iter().map(|(limit, why)| format!("not checked: {limit}, because {why}"));
-        let assumed = design.assumed.iter().map(|(limit, what)| format!("assumed: {limit}: {what}"));
-        for note in unchecked.chain(assumed) {
+        for note in super::unjudged::sentences(&design.unchecked, &design.assumed) {
             notes.entry(note).or_default().push(format!("#{}", place + 1));
         }
     }

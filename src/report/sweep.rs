@@ -238,10 +238,7 @@ pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
             put("margins", margins);
             put("limits", limits);
             put("assumed", super::unjudged::assumed(&d.assumed));
-            put(
-                "not_checked",
-                d.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect(),
-            );
+            put("not_checked", unjudged::list(&d.unchecked));
             for metric in METRICS.iter().take(4) {
                 put(&format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(d.motor)));
             }

@@ -27,6 +27,12 @@ pub fn class(because: &[Remark]) -> String {
     format!("{} cannot be judged", limits.join(", "))
 }
 
+/// What is said of a limit that could not be checked, and of one that counts as kept as far as something holds.
+pub fn sentences(unchecked: &[Remark], assumed: &[Remark]) -> Vec<String> {
+    let unchecked = unchecked.iter().map(|(limit, why)| format!("not checked: {limit}, because {why}"));
+    unchecked.chain(assumed.iter().map(|(limit, what)| format!("assumed: {limit}: {what}"))).collect()
+}
+
 /// Names of limits for a cell.
 pub fn names(remarks: &[Remark]) -> String {
     remarks.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" ")
@@ -155,24 +161,19 @@ pub fn front_json(front: &Front) -> Value {
 
 /// What could not be checked and what was assumed of the designs on a front: each with the motors it is true of.
 pub fn front_remarks(front: &Front) -> Vec<String> {
-    type Of = for<'f> fn(&'f FrontPoint) -> &'f [Remark];
-    type Text = fn(&Remark) -> String;
-    let kinds: [(Of, Text); 2] = [
-        (|p| &p.unchecked, |(limit, why)| format!("not checked: {limit}, because {why}")),
-        (|p| &p.assumed, |(limit, what)| format!("assumed: {limit}: {what}")),
-    ];
+    let kinds: [fn(&FrontPoint) -> Vec<String>; 2] = [|p| sentences(&p.unchecked, &[]), |p| sentences(&[], &p.assumed)];
     let mut told = Vec::new();
-    for (of, text) in kinds {
-        let mut all: BTreeMap<&Remark, Vec<&str>> = BTreeMap::new();
+    for said in kinds {
+        let mut all: BTreeMap<String, Vec<&str>> = BTreeMap::new();
         for point in &front.points {
-            for what in of(point) {
+            for what in said(point) {
                 let motors = all.entry(what).or_default();
                 if !motors.contains(&point.motor.id.as_str()) {
                     motors.push(&point.motor.id);
                 }
             }
         }
-        told.extend(all.into_iter().map(|(what, motors)| format!("{}: {}", text(what), motors.join(", "))));
+        told.extend(all.into_iter().map(|(what, motors)| format!("{what}: {}", motors.join(", "))));
     }
     told
 }

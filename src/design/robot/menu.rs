@@ -150,9 +150,6 @@ fn geared<'a>(
     for (gear, load) in demand.gears_for(&catalog.motors[motor]) {
         let Ok(candidate) = geared_candidate(robot, joint, load, &catalog.motors[motor], gear) else { continue };
         let prepared = Prepared::new(candidate);
-        if judge::left_out(robot, joint, &prepared.judged(gear.ratio).unchecked, needs.only_checked).is_some() {
-            continue;
-        }
         let evaluation = prepared.at(gear.ratio);
         let Some(objective) = evaluation.objective(&joint.objective).filter(|_| evaluation.feasible) else { continue };
         let optimum = one_gear(gear.ratio, objective);

@@ -53,7 +53,7 @@ pub fn json(report: &Report, strict: bool) -> Value {
                     "margins": margins, "limits": limits, "between_samples": crate::report::between::json(choice.joint),
                     "judged": unjudged(facts).is_empty(), "unjudged": list(&unjudged(facts)),
                     "assumed": crate::report::unjudged::assumed(&examined.assumed),
-                    "not_checked": examined.unchecked.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect::<Vec<_>>(),
+                    "not_checked": list(&examined.unchecked),
                 });
                 currents::add(&mut value, choice.motor, e);
                 value
