@@ -11,7 +11,7 @@ use std::path::Path;
 use gearwise::actuator::Load;
 use gearwise::catalog::Catalog;
 use gearwise::design::program::RatioProgram;
-use gearwise::design::{Prepared, continuous_candidate, optimize, sweep};
+use gearwise::design::{Mount, Prepared, grid, optimize};
 use gearwise::measured::{identify, read};
 use gearwise::requirement::Robot;
 
@@ -45,12 +45,12 @@ fn prepared<T>(robot: &Robot, id: &str, friction: f64, work: impl FnOnce(&Prepar
     motor.coulomb_friction = (friction > 0.0).then_some(friction);
     let joint = &robot.joints[0];
     let load = Load::new(&joint.motion, None);
-    work(&Prepared::new(continuous_candidate(robot, joint, &load, &motor).expect("a candidate")))
+    work(&Prepared::new(Mount::new(robot, joint, &load, &motor).candidate().expect("a candidate")))
 }
 
 /// A motor at 64 ratios.
 fn kernel(id: &str, times: u64) {
-    let ratios = sweep::grid(3.0, 60.0, 64);
+    let ratios = grid(3.0, 60.0, 64);
     prepared(&common::robot(SAMPLES, 1), id, 0.0, |prepared| {
         for _ in 0..times {
             for ratio in &ratios {
@@ -65,7 +65,7 @@ fn program(id: &str, friction: f64, times: u64) {
     let robot = common::robot(SAMPLES, 1);
     prepared(&robot, id, friction, |prepared| {
         for _ in 0..times {
-            black_box(RatioProgram::new(prepared, &robot.joints[0].objective, 3.0, 60.0).solve());
+            let _ = black_box(RatioProgram::new(prepared, &robot.joints[0].objective, 3.0, 60.0).solve());
         }
     });
 }

@@ -8,9 +8,10 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use gearwise::actuator::Load;
 use gearwise::catalog::{Catalog, Motor};
-use gearwise::design::optimize::{Options, optimize_with};
-use gearwise::design::program::{Certificate, Outcome, RatioProgram};
-use gearwise::design::{Prepared, continuous_candidate, optimize};
+use gearwise::design::optimize::optimize_with;
+use gearwise::design::options::Options;
+use gearwise::design::program::{Certificate, RatioProgram};
+use gearwise::design::{Mount, Prepared, optimize};
 use gearwise::requirement::{Joint, Regeneration, Robot};
 
 use common::robot;
@@ -51,13 +52,13 @@ fn pair(c: &mut Criterion) {
         let robot = robot(samples, 1);
         let joint = &robot.joints[0];
         let load = Load::new(&joint.motion, None);
-        let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).expect("a candidate"));
-        let ratios: Vec<f64> = gearwise::design::sweep::grid(3.0, 60.0, 64);
+        let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().expect("a candidate"));
+        let ratios: Vec<f64> = gearwise::design::grid(3.0, 60.0, 64);
         let mut next = ratios.iter().cycle();
         group.bench_function(BenchmarkId::new("tree", samples), |b| {
             b.iter(|| prepared.at(black_box(*next.next().expect("a cycle"))));
         });
-        let with_nodes = Prepared::new(continuous_candidate(&robot, joint, &load, thermal).expect("a candidate"));
+        let with_nodes = Prepared::new(Mount::new(&robot, joint, &load, thermal).candidate().expect("a candidate"));
         group.bench_function(BenchmarkId::new("tree and two thermal nodes", samples), |b| {
             b.iter(|| with_nodes.at(black_box(*next.next().expect("a cycle"))));
         });
@@ -77,7 +78,7 @@ fn program(c: &mut Criterion) {
         let load = Load::new(&joint.motion, None);
         for id in [MOTOR, "t-motor-ri50", "faulhaber-3274g024bp4"] {
             let motor = catalog.motor(id).expect("a shipped motor");
-            let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).expect("a candidate"));
+            let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().expect("a candidate"));
             group.bench_function(BenchmarkId::new(id, samples), |b| {
                 b.iter(|| RatioProgram::new(&prepared, &joint.objective, 3.0, 60.0).solve());
             });
@@ -146,7 +147,7 @@ fn thousand(c: &mut Criterion) {
     let mut group = c.benchmark_group("a thousand motors");
     group.sample_size(10);
     group.bench_function("all limits, 1000 samples", |b| b.iter(|| optimize(&robot, &catalog)));
-    let ratios = gearwise::design::sweep::grid(3.0, 60.0, 200);
+    let ratios = gearwise::design::grid(3.0, 60.0, 200);
     let mut next = catalog.motors.iter().cycle();
     group.bench_function("one of them by a plain loop over 200 ratios, three limits", |b| {
         b.iter(|| {
@@ -161,11 +162,11 @@ fn thousand(c: &mut Criterion) {
     let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
     let (mut times, mut certified, mut feasible) = (Vec::new(), 0, 0);
     for motor in rubbing.motors.iter().step_by(10) {
-        let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).expect("a candidate"));
+        let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().expect("a candidate"));
         let start = std::time::Instant::now();
         let outcome = RatioProgram::new(&prepared, &joint.objective, 3.0, 60.0).solve();
         times.push(start.elapsed().as_secs_f64() * 1e3);
-        if let Outcome::Optimal(optimum) = outcome {
+        if let Ok(optimum) = outcome {
             feasible += 1;
             certified += usize::from(matches!(optimum.certificate, Certificate::Certified { .. }));
         }
@@ -185,11 +186,11 @@ fn first_few(c: &mut Criterion) {
     group.sample_size(10);
     for keep in [None, Some(5)] {
         let options = Options { keep, ..Options::default() };
-        let result = optimize_with(&robot, &catalog, options);
+        let result = optimize_with(&robot, &catalog, options).unwrap();
         let left_out = result.joints[0].pruned.as_ref().map_or(0, |p| p.not_solved.len());
         println!("{keep:?}: {left_out} of {} motors not solved", catalog.motors.len());
         let name = keep.map_or("all".to_string(), |k| format!("the first {k}"));
-        group.bench_function(name, |b| b.iter(|| optimize_with(&robot, &catalog, options)));
+        group.bench_function(name, |b| b.iter(|| optimize_with(&robot, &catalog, options).unwrap()));
     }
     let mut alike = common::robot(1000, 1);
     alike.joints = vec![alike.joints[0].clone(); 100];

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Draws every picture of the README anew, from the shipped catalogue and requirements. A test runs the same lines
-# and compares (tests/plots.rs). Lines that begin with `draw` are: file name, then the command.
+# Draws every picture of docs/ again, from the shipped catalogue and requirements. A test runs the same lines
+# and compares (tests/program/cli/plots.rs). Lines that begin with `draw` are: file name, then the command.
 set -eu
 cd "$(dirname "$0")/.."
 cargo build --quiet --release

@@ -29,7 +29,7 @@ motions_of() { # the motions that a requirement names
 for file in catalogs/motors/*.csv catalogs/gears/*.csv tests/fixtures/paper_motors.csv; do
     rows "$file" 4 | put catalogue "$(basename "$file")"
 done
-{ printf '== fitted.toml ==\n'; sed -n '/^id = "t-motor-ri50-fitted"/,/^"#;/p' tests/effects_in_design.rs | sed '$d'; } | put catalogue fitted
+{ printf '== fitted.toml ==\n'; sed -n '/^id = "t-motor-ri50-fitted"/,/^"#;/p' tests/library/proof/effects_in_design.rs | sed '$d'; } | put catalogue fitted
 { rows catalogs/motors/t-motor.csv 3; named gears.csv; rows catalogs/gears/belt.csv 3; } | put catalogue both
 for file in requirements/*.toml; do
     name=$(basename "$file" .toml)

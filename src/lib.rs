@@ -37,19 +37,24 @@
 
 pub mod actuator;
 pub mod catalog;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod design;
 pub mod effects;
 pub mod input;
+#[cfg(feature = "measured")]
 pub mod measured;
 pub mod mechanism;
 pub mod motion;
 pub mod numerics;
 pub mod output;
+#[cfg(feature = "cli")]
 pub mod pages;
+#[cfg(feature = "report")]
 pub mod report;
 pub mod requirement;
 pub mod rules;
+#[cfg(feature = "cli")]
 pub mod study;
 pub mod units;
 pub mod words;

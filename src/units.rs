@@ -274,6 +274,23 @@ pub fn quantity(text: &str, kind: &Kind) -> Result<f64, UnitError> {
     finite(unit_of(unit, kind)?.to_si(value, kind), text)
 }
 
+/// Reads a difference of two quantities of `kind`, a tolerance, in SI: `"2 degC"` is two kelvin.
+///
+/// # Errors
+/// As of [`quantity`].
+///
+/// ```
+/// use gearwise::units::{self, TEMPERATURE};
+/// assert_eq!(units::difference("2 degC", &TEMPERATURE).unwrap(), 2.0);
+/// ```
+pub fn difference(text: &str, kind: &Kind) -> Result<f64, UnitError> {
+    let text = text.trim();
+    let value = quantity(text, kind)?;
+    let unit = text[number_length(text)..].trim();
+    let offset = if unit.is_empty() { 0.0 } else { unit_of(unit, kind)?.offset };
+    Ok(if offset == 0.0 { value } else { number_value(&text[..number_length(text)])? })
+}
+
 /// Reads a bare number: finite, with a decimal point (a decimal comma is refused, not guessed).
 ///
 /// # Errors

@@ -1,15 +1,14 @@
 //! Effects that were found in logs and belong to one actuator, and what those of them that are no linear
 //! feature of a sample do to its limits.
 //!
-//! The one idea: an effect says how it enters ([`Enters`]), and each way is worked out in one place. Features
-//! go through [`Effect::shaft`] into the shaft's equation. What lowers what may be had, or adds to the heat,
+//! The one idea: an effect says as data how it enters ([`Enters`]), and each way is worked out in one place. Features
+//! are added to the shaft's equation. What lowers what may be had, or adds to the heat,
 //! becomes one [`Shortfall`] of the actuator, which turns torques into currents for every limit. What
 //! depends on the motor's own speed in no polynomial way is a [`drag`], evaluated at a ratio.
 
 use crate::catalog::Motor;
 use crate::effects::features::{Feature, ShaftForm};
-
-use crate::effects::{EFFECTS, Effect, Enters, FittedEffect, Operating};
+use crate::effects::{EFFECTS, Enters, FittedEffect, Operating, Side};
 use crate::requirement::{GearModel, Joint, RatioChoice, backdrive_efficiency};
 
 /// Saturation of the iron: torque `K_T i − k (i − i_s tanh(i/i_s))` at a current i ≥ 0.
@@ -23,14 +22,13 @@ struct Saturation {
     last: f64,
 }
 
-/// Adds all effects that the motor's row declares and that were fitted for it, where they have that form.
-pub fn add_declared(motor: &Motor, form: &mut ShaftForm) {
-    for effect in EFFECTS {
-        if let Some(values) = motor.declared(*effect) {
-            effect.shaft(&values, form);
+/// Adds all effects that the motor's row declares and that were fitted for it, where they are features of a sample.
+pub fn add_features(motor: &Motor, form: &mut ShaftForm) {
+    for effect in motor.all_effects() {
+        if let Enters::Features(own) = effect.enters() {
+            *form = form.plus(1.0, &own);
         }
     }
-    add_features(motor, form);
 }
 
 /// What lies between the torque that a sample asks for and the current that makes it, beyond `T/K_T`.
@@ -71,18 +69,20 @@ impl Shortfall {
         let mut all = Shortfall::none(torque_constant);
         let mut squares = 0.0;
         for fitted in &motor.effects {
-            match fitted.name() {
-                "cogging" => all.add_ripple(fitted.amplitude()),
-                "gear_ripple" if fitted_gear => all.add_ripple(fitted.amplitude()),
-                "torque_ripple" => {
-                    let relative = fitted.amplitude() / torque_constant;
+            if fitted.effect.side() == Side::Gear && !fitted_gear {
+                continue;
+            }
+            match fitted.enters() {
+                Enters::Ripple(amplitude) => all.add_ripple(amplitude),
+                Enters::RippleOfCurrent(amplitude) => {
+                    let relative = amplitude / torque_constant;
                     all.proportional += relative;
                     squares += relative * relative;
                 }
-                "torque_constant_saturation" if fitted.values[0] != 0.0 => {
-                    all.saturation = Some(Saturation::new(&fitted.values, torque_constant, motor.peak_current));
+                Enters::Saturation { slope, current } if slope != 0.0 => {
+                    all.saturation = Some(Saturation::new(slope, current, torque_constant, motor.peak_current));
                 }
-                "inverter_dead_time" => all.voltage += fitted.values[0],
+                Enters::Voltage(lost) => all.voltage += lost,
                 _ => {}
             }
         }
@@ -197,8 +197,7 @@ impl Shortfall {
 }
 
 impl Saturation {
-    fn new(values: &[f64], torque_constant: f64, peak_current: Option<f64>) -> Saturation {
-        let [slope, current] = [values[0], values[1]];
+    fn new(slope: f64, current: f64, torque_constant: f64, peak_current: Option<f64>) -> Saturation {
         // Where the slope dT/di = K_T − k tanh²(i/i_s) has fallen to a hundredth, the motor gives no more.
         let share = 0.99 * torque_constant / slope;
         let steep = if (0.0..1.0).contains(&share) { current * share.sqrt().atanh() } else { f64::INFINITY };
@@ -219,24 +218,20 @@ impl Saturation {
     }
 }
 
-/// Adds the features of all effects that the motor's row or its fit has.
-pub fn add_features(motor: &Motor, form: &mut ShaftForm) {
-    for fitted in &motor.effects {
-        fitted.effect.shaft(&fitted.values, form);
-    }
-}
-
 /// Effects that are evaluated at each ratio.
 pub fn evaluated(motor: &Motor) -> impl Iterator<Item = &FittedEffect> {
-    motor.effects.iter().filter(|e| e.effect.enters() == Enters::Evaluated)
+    motor.effects.iter().filter(|e| matches!(e.enters(), Enters::Evaluated(_)))
 }
 
 /// Torque of the evaluated effects at a speed of the motor \[N·m\] with its sign, and its derivative
 /// \[N·m·s/rad\].
 pub fn drag(motor: &Motor, speed: f64, direction: f64) -> (f64, f64) {
     let at = Operating { direction, ..Operating::at_speed(speed) };
-    evaluated(motor).fold((0.0, 0.0), |(torque, slope), fitted| {
-        (torque + fitted.effect.value(&fitted.values, &at), slope + fitted.effect.speed_slope(&fitted.values, &at))
+    motor.effects.iter().fold((0.0, 0.0), |(torque, slope), fitted| match fitted.enters() {
+        Enters::Evaluated(of_speed) => {
+            (torque + fitted.effect.value(&fitted.values, &at), slope + of_speed(&fitted.values, &at))
+        }
+        _ => (torque, slope),
     })
 }
 
@@ -254,7 +249,10 @@ pub fn why_evaluated(motor: &Motor) -> String {
 
 /// Torque constant of the hottest motor \[N·m/A\], where magnets were found to lose flux.
 pub fn hot_torque_constant(motor: &Motor, hottest: Option<f64>) -> f64 {
-    let slopes = motor.effects.iter().filter(|e| e.name() == "torque_constant_temperature").map(|e| e.values[0]);
+    let slopes = motor.effects.iter().filter_map(|e| match e.enters() {
+        Enters::TorqueConstant { per_kelvin } => Some(per_kelvin),
+        _ => None,
+    });
     let Some(hottest) = hottest else { return motor.torque_constant };
     let rise = (hottest - motor.reference_temperature).max(0.0);
     // A magnet that would be gone altogether is left a hundredth: currents without end are refused anyway.
@@ -263,7 +261,10 @@ pub fn hot_torque_constant(motor: &Motor, hottest: Option<f64>) -> f64 {
 
 /// The factor γ of the gear's friction, where it was found.
 fn load_dependent(motor: &Motor) -> Option<f64> {
-    let mut found = motor.effects.iter().filter(|e| e.name() == "load_dependent_friction").map(|e| e.values[0]);
+    let mut found = motor.effects.iter().filter_map(|e| match e.enters() {
+        Enters::Efficiency { loss } => Some(loss),
+        _ => None,
+    });
     let first = found.next()?;
     Some(found.fold(first, |a, b| a + b))
 }
@@ -295,26 +296,6 @@ pub struct Note {
     pub how: String,
 }
 
-/// How an effect enters the limits, in words: where nothing stands in its way.
-pub fn how_it_enters(effect: &dyn Effect) -> String {
-    match (effect.name(), effect.enters()) {
-        ("torque_constant_temperature", _) => {
-            "enters as the torque constant at the highest allowed winding temperature".into()
-        }
-        ("torque_constant_saturation", _) => {
-            "enters current and heat at every instant (voltage and power take the straight line)".into()
-        }
-        ("cogging" | "gear_ripple" | "torque_ripple", _) => {
-            "enters peak torque and current by its amplitude and heat by its mean square (not voltage and power)".into()
-        }
-        ("inverter_dead_time", _) => "lowers the voltage that may be had".into(),
-        (_, Enters::NotAtAll(why)) => format!("does not enter the limits: {why}"),
-        (_, Enters::Evaluated) => format!("is {}", Enters::Evaluated.words()),
-        // Whether N* is proved is for all effects together to say.
-        (_, enters) => enters.words().split(';').next().unwrap_or_default().into(),
-    }
-}
-
 /// How everything that was fitted for a motor enters the limits at a joint; empty for a catalogue row.
 pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
     let listed = matches!(joint.ratio, RatioChoice::Catalog { .. });
@@ -325,19 +306,19 @@ pub fn notes(motor: &Motor, joint: &Joint, hottest: Option<f64>) -> Vec<Note> {
         }
     };
     for fitted in &motor.effects {
-        let name = fitted.name();
-        let how = match (name, fitted.effect.enters()) {
-            ("load_dependent_friction" | "gear_ripple", _) if listed => {
+        let how = match fitted.enters() {
+            enters @ Enters::NotAtAll(_) => enters.detail(),
+            _ if listed && fitted.effect.side() == Side::Gear => {
                 "does not enter the limits: it belongs to the gear that was on the bench, and this joint takes gears of \
                  the catalogue"
                     .into()
             }
-            ("torque_constant_temperature", _) if hottest.is_none() => {
+            Enters::TorqueConstant { .. } if hottest.is_none() => {
                 "does not enter the limits: no highest temperature is known".into()
             }
-            _ => how_it_enters(fitted.effect),
+            enters => enters.detail(),
         };
-        add(name, how);
+        add(fitted.name(), how);
     }
     let replaced = gear_with_fit(motor, &joint.gear);
     if !listed && replaced != joint.gear {
@@ -398,12 +379,15 @@ mod tests {
             if effect.shape() != Shape::None {
                 values.push(4.0);
             }
-            let mut form = ShaftForm::default();
-            effect.shaft(&values, &mut form);
+            let fitted = FittedEffect { effect: *effect, values: values.clone() };
             let motor = crate::catalog::Motor {
-                effects: vec![FittedEffect { effect: *effect, values: values.clone() }],
+                viscous_friction: None,
+                coulomb_friction: None,
+                effects: vec![fitted.clone()],
                 ..row.clone()
             };
+            let mut form = ShaftForm::default();
+            add_features(&motor, &mut form);
             let hot = hot_torque_constant(&motor, Some(motor.reference_temperature + 50.0));
             let here = [
                 form != ShaftForm::default(),
@@ -411,19 +395,22 @@ mod tests {
                 Shortfall::new(&motor, k_t, true) != Shortfall::none(k_t) || hot != k_t,
                 evaluated(&motor).next().is_some() && why_evaluated(&motor).contains(name),
             ];
-            let says = match effect.enters() {
-                Enters::Convex | Enters::Laurent => [true, false, false, false],
-                Enters::Efficiency => [false, true, false, false],
-                Enters::Bound => [false, false, true, false],
-                Enters::Evaluated => [false, false, false, true],
+            let says = match fitted.enters() {
+                Enters::Features(_) => [true, false, false, false],
+                Enters::Efficiency { .. } => [false, true, false, false],
+                Enters::Ripple(_)
+                | Enters::RippleOfCurrent(_)
+                | Enters::Saturation { .. }
+                | Enters::Voltage(_)
+                | Enters::TorqueConstant { .. } => [false, false, true, false],
+                Enters::Evaluated(_) => [false, false, false, true],
                 Enters::NotAtAll(_) => [false; 4],
             };
             assert_eq!(here, says, "{name}: in shaft torque, gear, bounds, evaluated");
-            if effect.enters() == Enters::Evaluated {
+            if matches!(fitted.enters(), Enters::Evaluated(_) | Enters::Features(_)) {
                 for speed in [3.0, 30.0] {
-                    let at =
-                        |speed: f64| effect.value(&values, &Operating { speed, direction: 1.0, ..Operating::UNKNOWN });
-                    let slope = effect.speed_slope(&values, &Operating { speed, direction: 1.0, ..Operating::UNKNOWN });
+                    let at = |speed: f64| effect.value(&values, &Operating::at_speed(speed));
+                    let slope = fitted.speed_slope(&Operating::at_speed(speed));
                     let difference = (at(speed + 1e-4) - at(speed - 1e-4)) / 2e-4;
                     approx::assert_relative_eq!(slope, difference, max_relative = 1e-6, epsilon = 1e-9);
                 }

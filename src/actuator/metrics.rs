@@ -319,7 +319,8 @@ impl Metric {
 
     /// Probability that `a` is better than `b`, reading every ± as the 95 % interval (two standard
     /// deviations) of an independent normal error of the logarithm. `None` unless every parameter
-    /// of both has a ±.
+    /// of both has a ±. Only with the feature `measured`, which brings the normal distribution.
+    #[cfg(feature = "measured")]
     pub fn probability_ahead(&self, a: &Estimate, b: &Estimate) -> Option<f64> {
         use statrs::distribution::{ContinuousCDF, Normal};
         if !(a.complete && b.complete && a.value > 0.0 && b.value > 0.0) {

@@ -5,6 +5,7 @@
 //! polynomials in N ([`Laurent`]); the [`waveform`] finds their largest value over all samples, and
 //! each limit says once which of them it bounds ([`limits`]).
 
+pub mod candidate;
 pub mod envelope;
 pub mod fitted;
 pub mod limits;

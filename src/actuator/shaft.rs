@@ -107,7 +107,7 @@ impl Actuator {
             let mut torque = ShaftForm::default();
             torque[Feature::Load] = load;
             torque[Feature::Acceleration] = inertia;
-            fitted::add_declared(motor, &mut torque);
+            fitted::add_features(motor, &mut torque);
             let current = 1.0 / torque_constant;
             let mut voltage = ShaftForm::default()
                 .plus(motor.resistance * current, &torque)

@@ -45,6 +45,41 @@ pub fn winding_temperature(
     (denominator > 0.0).then(|| (ambient + rise * (1.0 - coefficient * reference)) / denominator)
 }
 
+/// What the steady temperature of a winding is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Winding {
+    /// It cannot be told, or there is no steady state.
+    NotAsked,
+    /// It settles at this \[K\].
+    At(f64),
+    /// No temperature balances the heat: thermal runaway.
+    Runaway,
+}
+
+impl Winding {
+    /// Its temperature \[K\], where it settles.
+    pub fn kelvin(self) -> Option<f64> {
+        match self {
+            Winding::At(kelvin) => Some(kelvin),
+            Winding::NotAsked | Winding::Runaway => None,
+        }
+    }
+
+    /// Its temperature \[K\], infinite where it runs away; `None` where nothing is known.
+    pub fn kelvin_or_infinite(self) -> Option<f64> {
+        match self {
+            Winding::NotAsked => None,
+            Winding::At(kelvin) => Some(kelvin),
+            Winding::Runaway => Some(f64::INFINITY),
+        }
+    }
+
+    /// Whether it runs away.
+    pub fn runs_away(self) -> bool {
+        self == Winding::Runaway
+    }
+}
+
 /// Mean squared current \[A²\] that heats the winding to `limit` \[K\] in steady state; not positive
 /// where ambient is already too hot.
 pub fn allowed_current_squared(

@@ -8,6 +8,7 @@
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
+use super::row::{MotorRow, Row};
 use super::{Catalog, Gear, GearKind, Motor, Printed};
 use crate::words::number;
 
@@ -204,7 +205,7 @@ fn frame(motor: &Motor) -> Frame {
     let commutation = motor.conventions.commutation;
     let block = 1.0 / CurrentConvention::Dc.torque_constant(commutation);
     let voltage = motor.sheet.voltage.map(|v| v.value);
-    match (motor.conventions.current, commutation) {
+    match (motor.conventions.of_torque_constant(), commutation) {
         (_, Commutation::Brushed) => Frame {
             torque_constant: motor.torque_constant,
             back_emf_constant: motor.back_emf_constant,
@@ -291,11 +292,13 @@ fn explain_constants(motor: &Motor, back_emf: f64, speed: bool) -> Option<String
     let agree = |k_t_factor: f64, k_b: f64| (k_t * k_t_factor / k_b - 1.0).abs() < 0.03;
     let mut readings = Vec::new();
     for (name, convention) in CurrentConvention::NAMES {
-        if *convention != motor.conventions.current && agree(convention.torque_constant(commutation), back_emf) {
+        if *convention != motor.conventions.of_torque_constant()
+            && agree(convention.torque_constant(commutation), back_emf)
+        {
             readings.push(format!("`current = {name}`"));
         }
     }
-    let k_t_q = motor.conventions.current.torque_constant(commutation);
+    let k_t_q = motor.conventions.of_torque_constant().torque_constant(commutation);
     if speed {
         let kv = motor.sheet.speed_constant?.value;
         for (name, convention) in SpeedConstantConvention::NAMES {
@@ -401,7 +404,7 @@ fn no_load_speed(motor: &Motor) -> Option<Outcome> {
     let explanation = CurrentConvention::NAMES
         .iter()
         .filter(|(_, c)| {
-            *c != motor.conventions.current
+            *c != motor.conventions.of_torque_constant()
                 && commutation == Commutation::Brushless
                 && motor.sheet.back_emf_constant.is_none()
         })
@@ -453,12 +456,17 @@ fn torque_specific_inertia(motor: &Motor) -> Option<Outcome> {
     error(mismatch("S_T", printed, expected, 0.03, "g*(A/N)^2", "J_m/K_T²")?, None)
 }
 
-fn torque_of(motor: &Motor, current: Printed) -> Option<f64> {
-    Some(motor.sheet.torque_constant?.value * current.value)
+/// The printed torque constant times a printed current, brought to the constant's convention where it has another.
+fn torque_of(motor: &Motor, current: Printed, convention: CurrentConvention) -> Option<f64> {
+    let (own, commutation) = (motor.conventions.of_torque_constant(), motor.conventions.commutation);
+    let factor =
+        if own == convention { 1.0 } else { convention.torque_current(commutation) / own.torque_current(commutation) };
+    Some(motor.sheet.torque_constant?.value * current.value * factor)
 }
 
 fn peak_torque(motor: &Motor) -> Option<Outcome> {
-    let ratio = motor.sheet.peak_torque?.value / torque_of(motor, motor.sheet.peak_current?)?;
+    let ratio = motor.sheet.peak_torque?.value
+        / torque_of(motor, motor.sheet.peak_current?, motor.conventions.of_peak_current())?;
     let share = number(ratio);
     if ratio > 1.03 {
         return error(format!("peak torque is {share} of K_T I_peak: more than the torque constant gives"), None);
@@ -477,7 +485,8 @@ fn peak_torque(motor: &Motor) -> Option<Outcome> {
 }
 
 fn continuous_torque(motor: &Motor) -> Option<Outcome> {
-    let ratio = motor.sheet.continuous_torque?.value / torque_of(motor, motor.sheet.continuous_current?)?;
+    let convention = motor.conventions.of_continuous_current();
+    let ratio = motor.sheet.continuous_torque?.value / torque_of(motor, motor.sheet.continuous_current?, convention)?;
     let share = number(ratio);
     let message = format!("continuous torque is {share} of K_T I_continuous");
     if ratio > 1.05 {
@@ -539,5 +548,11 @@ fn thermal(motor: &Motor) -> Option<Outcome> {
 pub fn conventions_line(motor: &Motor) -> String {
     let c = &motor.conventions;
     let winding = c.winding.map_or(String::new(), |w| format!(", {}", word(Winding::NAMES, &w)));
-    format!("{}{winding}, current {}", word(Terminals::NAMES, &c.terminals), word(CurrentConvention::NAMES, &c.current))
+    let row = MotorRow::of(motor);
+    let own = super::FIELDS.iter().filter_map(|field| {
+        let stated = row.states(field).convention?;
+        Some(format!(", {} {stated}", field.name))
+    });
+    let (terminals, current) = (word(Terminals::NAMES, &c.terminals), word(CurrentConvention::NAMES, &c.current));
+    format!("{terminals}{winding}, current {current}{}", own.collect::<String>())
 }

@@ -181,6 +181,29 @@ impl Commutation {
         &[("brushless", Commutation::Brushless), ("brushed", Commutation::Brushed)];
 }
 
+/// The words of a list of names.
+pub(crate) const fn words<T, const N: usize>(names: &[(&'static str, T)]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut k = 0;
+    while k < N {
+        words[k] = names[k].0;
+        k += 1;
+    }
+    words
+}
+
+/// `WORDS`: the words of every type that has `NAMES`.
+macro_rules! has_words {
+    ($($name:ident),*) => {$(
+        impl $name {
+            /// The words of [`NAMES`](Self::NAMES) alone.
+            pub const WORDS: &'static [&'static str] = &$crate::catalog::convention::words::<_, { Self::NAMES.len() }>(Self::NAMES);
+        }
+    )*};
+}
+has_words!(CurrentConvention, BackEmfConvention, SpeedConstantConvention, Terminals, Winding, Commutation);
+pub(crate) use has_words;
+
 /// The word of a convention in its list of names.
 pub fn word<T: PartialEq>(names: &[(&'static str, T)], value: &T) -> &'static str {
     names.iter().find(|(_, v)| v == value).map_or("", |(name, _)| name)

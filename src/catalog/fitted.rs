@@ -1,17 +1,16 @@
 //! Fitted actuators: a TOML file with a motor's row, the effects that were found in its logs, its gear and
-//! where all that comes from. It stands wherever a catalogue file may stand.
+//! where all that comes from. Use it wherever a catalogue file may be used.
 
 use std::sync::{Arc, LazyLock};
 
-use super::convention::{
-    BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding,
-};
 pub use super::fit::{Fit, FittedGear, Provenance};
 
-use super::motor::{Identity, Incomplete, Motor};
-use super::sheet::{Conventions, FIELDS, Printed, Sheet, SourceKind};
+use super::gear::{GEAR_FIELDS, Gear};
+use super::motor::Motor;
+use super::row::{self, Cells, MotorRow, TomlCells};
+use super::sheet::{Printed, SourceKind};
 use crate::effects::{EFFECTS, Effect, FittedEffect, Shape};
-use crate::input::{Form, InputError, Problem, Range, Section, Source};
+use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
 use crate::units;
 
 /// A fitted actuator.
@@ -75,10 +74,6 @@ pub fn on_axis(kind: &'static units::Kind) -> &'static units::Kind {
     PAIRS.iter().find(|(turning, _)| *turning == kind).map_or(kind, |(_, straight)| straight)
 }
 
-/// `…_tolerance` of every numeric column.
-static TOLERANCES: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| FIELDS.iter().map(|f| &*format!("{}_tolerance", f.name).leak()).collect());
-
 /// `…_tolerance` of every parameter of every effect, in the order of the library.
 static EFFECT_TOLERANCES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| {
     let of =
@@ -96,16 +91,22 @@ pub fn is_fitted_file(source: &Source) -> bool {
 /// # Errors
 /// Every mistake of the file, and a linear axis.
 pub fn read_fitted(source: &Arc<Source>) -> Result<Motor, InputError> {
-    Form::read(source, |root| match read_root(root)? {
+    super::read::check_version(source)?;
+    Form::read(source, read_choice)
+}
+
+/// A fitted actuator as a motor that can be chosen.
+pub(super) fn read_choice(root: &Section) -> Option<Motor> {
+    match read_root(root)? {
         Fitted::Motor(motor) => Some(*motor),
         Fitted::Axis(_) => {
             root.note(
                 Problem::at(root.span_of("axis"), "a linear axis cannot be chosen", "it has no row of a motor")
-                    .help("a fitted file with a table [motor] stands in place of a row"),
+                    .help("a fitted file with a table [motor] is used in place of a row"),
             );
             None
         }
-    })
+    }
 }
 
 /// Reads a fitted actuator, also that of a linear axis.
@@ -116,46 +117,71 @@ pub fn read_actuator(source: &Arc<Source>) -> Result<Fitted, InputError> {
     Form::read(source, read_root)
 }
 
+const MOTOR: Key = key(
+    "motor",
+    "the columns of a motor catalogue, values with their units, `…_tolerance` too; `source` and `source_kind` may be left out",
+)
+.or("axis");
+
+const AXIS: Key = key("axis", "a linear axis: it cannot be chosen").or("motor");
+
+const EFFECTS_TABLE: Key =
+    key("effects", "what was found, by name; `[[effects.cogging]]` for several orders").value("table of tables");
+
+const SHA256: Key = key("sha256", "of the file");
+
+const USE: Key = key("use", "what it was used for: `fit` or `held_out`");
+
+/// What the reader asks for, but for the columns of a motor and the parameters of effects, which have lists of their own.
+pub fn describe() -> [Description; 2] {
+    ["gear = {}\ncovariance = {}\n[[provenance]]\nlog = 'a'\n", "axis = {}\n"]
+        .map(|tables| Form::describe(tables, read_root))
+}
+
 fn read_root(root: &Section) -> Option<Fitted> {
-    if !root.has("motor") && (root.has("joint") || root.has("log") || root.has("bus")) {
+    if !root.holds("motor") && ["joint", "log", "bus"].iter().any(|key| root.holds(key)) {
         root.note(
             Problem::whole("this is no fitted actuator: it has no table [motor]")
-                .help("a requirement or a bench file stands alone, not in `--catalog`"),
+                .help("a requirement or a bench file is an argument of its own, not one of `--catalog`"),
         );
         return None;
     }
-    let version =
-        root.required_text("gearwise", "\"0.1.0\"  # the version that fitted it").map(|v| v.get_ref().clone());
+    let version = root
+        .required_text(
+            key("gearwise", "version of the program that fitted it"),
+            "\"0.1.0\"  # the version that fitted it",
+        )
+        .map(|v| v.get_ref().clone());
     let mut fit = Fit { version: version.unwrap_or_default(), ..Fit::default() };
-    let of_axis = root.has("axis") && !root.has("motor");
-    let axis = if of_axis { root.section("axis").and_then(read_axis) } else { None };
+    let of_axis = root.has(AXIS.value("table")) && !root.has(MOTOR.value("table"));
+    let axis = if of_axis { root.section(AXIS).and_then(read_axis) } else { None };
     if !of_axis && !root.has("motor") {
         root.missing("motor", "{ id = \"…\", resistance = \"0.7 ohm\", … }");
     }
-    let motor = root.section("motor").and_then(|section| {
+    let motor = root.section(MOTOR).and_then(|section| {
         let motor = read_motor(&section);
         section.finish();
         motor
     });
-    let gear = root.section("gear").map(|section| {
+    let gear = root.section(key("gear", "numbers of the gear on the bench")).map(|section| {
         let gear = read_gear(&section);
         section.finish();
         gear
     });
-    let effects = root.section("effects").map(|section| {
+    let effects = root.section(EFFECTS_TABLE).map(|section| {
         let effects = read_effects(&section, motor.as_ref(), of_axis, &mut fit);
         section.finish();
         effects
     });
     let effects = effects.unwrap_or_default();
-    if let Some(section) = root.section("covariance") {
+    if let Some(section) = root.section(key("covariance", "of the fitted numbers")) {
         read_covariance(&section, &mut fit);
         section.finish();
     }
-    for section in root.sections("provenance") {
-        if let Some(log) = section.required_text("log", "\"g1711.csv\"") {
-            let text = |key| section.text(key).map(|t| t.get_ref().clone());
-            let (sha256, usage) = (text("sha256"), text("use"));
+    for section in root.sections(key("provenance", "the logs")) {
+        if let Some(log) = section.required_text(key("log", "file name"), "\"g1711.csv\"") {
+            let text = |key: Key| section.text(key).map(|t| t.get_ref().clone());
+            let (sha256, usage) = (text(SHA256), text(USE));
             fit.provenance.push(Provenance { log: log.get_ref().clone(), sha256, usage });
         }
         section.finish();
@@ -167,23 +193,30 @@ fn read_root(root: &Section) -> Option<Fitted> {
 }
 
 fn read_axis(section: Section) -> Option<Axis> {
-    let number = |key, tolerance, kind, range| {
-        let value = section.quantity(key, kind, range);
+    let number = |name, about, tolerance, kind, range| {
+        let value = section.quantity(key(name, about), kind, range);
         let tolerance = read_tolerance(&section, tolerance, kind, value);
         value.map(|value| Printed { value, tolerance })
     };
-    let text = |key| section.text(key).map(|t| t.get_ref().clone());
+    let text = |name, about| section.text(key(name, about)).map(|t| t.get_ref().clone());
     let axis = Axis {
-        id: text("id").unwrap_or_default(),
-        note: text("note").unwrap_or_default(),
-        mass: number("mass", "mass_tolerance", &units::MASS, Range::Positive),
+        id: text("id", "its name").unwrap_or_default(),
+        note: text("note", "what the reader should know").unwrap_or_default(),
+        mass: number("mass", "that moves", "mass_tolerance", &units::MASS, Range::Positive),
         viscous_friction: number(
             "viscous_friction",
+            "per speed",
             "viscous_friction_tolerance",
             &units::LINEAR_VISCOUS_FRICTION,
             Range::NonNegative,
         ),
-        coulomb_friction: number("coulomb_friction", "coulomb_friction_tolerance", &units::FORCE, Range::NonNegative),
+        coulomb_friction: number(
+            "coulomb_friction",
+            "while it moves",
+            "coulomb_friction_tolerance",
+            &units::FORCE,
+            Range::NonNegative,
+        ),
         effects: Vec::new(),
         fit: Fit::default(),
     };
@@ -191,112 +224,48 @@ fn read_axis(section: Section) -> Option<Axis> {
     Some(axis)
 }
 
+/// The row of `[motor]`. What a file that the program wrote says of its source may be left out.
 fn read_motor(section: &Section) -> Option<Motor> {
-    let id = section.required_text("id", "\"t-motor-ri50-fitted\"");
-    if let Some(id) = &id {
-        let good = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '-' | '.' | '_');
-        if id.get_ref().is_empty() || !id.get_ref().chars().all(good) {
-            section.note(Problem::at(
-                id.span(),
-                "an id has lower-case letters, digits, `-`, `_` and `.` only",
-                "other characters here",
-            ));
-        }
-    }
-    let text = |key| section.text(key).map(|t| t.get_ref().clone());
-    let identity = Identity {
-        id: id.map_or_else(String::new, |id| id.get_ref().clone()),
-        manufacturer: text("manufacturer").unwrap_or_default(),
-        model: text("model").unwrap_or_default(),
-        source: text("source").unwrap_or_else(|| "fitted to bench logs".into()),
-        source_kind: section.choice("source_kind", SourceKind::NAMES).unwrap_or(SourceKind::Measured),
-        note: text("note").unwrap_or_default(),
-        accepted_findings: text("audit_accept")
-            .map_or_else(Vec::new, |t| t.split([';', ' ']).filter(|s| !s.is_empty()).map(str::to_string).collect()),
-    };
-    for key in ["terminals", "current"] {
-        if !section.has(key) {
-            section.missing(key, "\"q_axis\"");
-        }
-    }
-    let commutation = section.choice("commutation", Commutation::NAMES).unwrap_or(Commutation::Brushless);
-    let terminals = section.choice("terminals", Terminals::NAMES);
-    let current = section.choice("current", CurrentConvention::NAMES);
-    let winding = section.choice("winding", Winding::NAMES);
-    let back_emf = section.choice("back_emf_convention", BackEmfConvention::NAMES);
-    let speed_constant = section.choice("speed_constant_convention", SpeedConstantConvention::NAMES);
-    if commutation == Commutation::Brushed && current.is_some_and(|c| c != CurrentConvention::Dc) {
-        section.note(Problem::at(section.span_of("current"), "a brushed motor has DC amperes", "expected `dc`"));
-    }
-    let pole_pairs = section.count("pole_pairs");
-    let mut sheet = Sheet::default();
-    for (field, tolerance_name) in FIELDS.iter().zip(TOLERANCES.iter()) {
-        let value = section.quantity(field.name, field.kind, field.range);
-        let tolerance = read_tolerance(section, tolerance_name, field.kind, value);
-        match value {
-            Some(value) => (field.set)(&mut sheet, Printed { value, tolerance }),
-            None if section.has(tolerance_name) && !section.has(field.name) => section.note(Problem::at(
-                section.span_of(tolerance_name),
-                format!("`{tolerance_name}` stands without `{}`", field.name),
-                "a tolerance of nothing",
-            )),
-            None => {}
-        }
-    }
-    let conventions =
-        Conventions { commutation, terminals: terminals?, winding, current: current?, back_emf, speed_constant };
-    match Motor::new(identity, conventions, sheet, pole_pairs) {
-        Ok(motor) => Some(motor),
-        Err(incomplete) => {
-            let (key, example) = match incomplete {
-                Incomplete::Resistance => ("resistance", "\"0.7 ohm\""),
-                Incomplete::TorqueConstant => ("torque_constant", "\"0.1 N*m/A\""),
-                Incomplete::Winding => ("winding", "\"wye\"  # or \"delta\""),
-                Incomplete::BackEmfConvention => ("back_emf_convention", "\"q_axis\""),
-                Incomplete::SpeedConstantConvention => ("speed_constant_convention", "\"line_to_line_peak\""),
-            };
-            // What is there but wrong was said already.
-            if !section.has(key) {
-                section.missing(key, example);
-            }
-            None
-        }
-    }
+    let blank =
+        MotorRow { source: "fitted to bench logs".into(), source_kind: SourceKind::Measured, ..MotorRow::default() };
+    row::motor(&TomlCells(section), blank, &["source", "source_kind"])
 }
 
 /// A tolerance in the unit of its number, or in per cent of it.
-fn read_tolerance(section: &Section, key: &'static str, kind: &'static units::Kind, value: Option<f64>) -> Option<f64> {
-    let text = section.is_text(key).then(|| section.text(key)).flatten();
-    if kind.needs_unit()
-        && let Some(text) = &text
-        && text.get_ref().contains('%')
-    {
-        let share = units::quantity(text.get_ref(), &units::RATIO).ok().filter(|s| *s >= 0.0);
-        if share.is_none() {
-            section.note(Problem::at(text.span(), format!("`{key}` is no percentage"), "expected like \"2 %\""));
-        }
-        return Some(share? * value?.abs());
-    }
-    if !kind.needs_unit() {
-        return section.number(key, Range::NonNegative);
-    }
-    section.quantity(key, kind, Range::NonNegative)
+fn read_tolerance(
+    section: &Section,
+    name: &'static str,
+    kind: &'static units::Kind,
+    value: Option<f64>,
+) -> Option<f64> {
+    let (tolerance, relative) = TomlCells(section).tolerance(key(name, "±"), kind)?;
+    if relative { Some(tolerance * value?.abs()) } else { Some(tolerance) }
+}
+
+/// Columns of a gear that a fitted actuator has.
+const GEAR_COLUMNS: &[&str] = &["ratio", "efficiency", "backdrive_efficiency", "inertia"];
+
+/// The lines of `[gear]`.
+pub fn gear_text(fitted: &FittedGear) -> String {
+    let gear = Gear {
+        ratio: fitted.ratio.unwrap_or(f64::NAN),
+        efficiency: fitted.efficiency,
+        backdrive_efficiency: fitted.backdrive_efficiency,
+        inertia: fitted.inertia,
+        ..Gear::blank()
+    };
+    row::numbers_text(&gear, GEAR_FIELDS.iter().filter(|f| GEAR_COLUMNS.contains(&f.name)))
 }
 
 fn read_gear(section: &Section) -> FittedGear {
-    let backdrive_efficiency = section.number("backdrive_efficiency", Range::Any);
-    if backdrive_efficiency.is_some_and(|b| b > 1.0) {
-        section.note(Problem::at(
-            section.span_of("backdrive_efficiency"),
-            "`backdrive_efficiency` is out of range",
-            "expected at most 1",
-        ));
-    }
+    let (cells, mut gear) = (TomlCells(section), Gear::blank());
+    row::numbers(&cells, &mut gear, GEAR_FIELDS.iter().filter(|f| GEAR_COLUMNS.contains(&f.name)));
+    row::check_gear(&cells, &gear);
     FittedGear {
-        efficiency: section.number("efficiency", Range::Fraction),
-        backdrive_efficiency,
-        inertia: section.quantity("inertia", &units::INERTIA, Range::NonNegative),
-        ratio: section.number("ratio", Range::Positive),
+        efficiency: gear.efficiency,
+        backdrive_efficiency: gear.backdrive_efficiency,
+        inertia: gear.inertia,
+        ratio: Some(gear.ratio).filter(|ratio| ratio.is_finite()),
     }
 }
 
@@ -311,7 +280,7 @@ fn read_effects(section: &Section, motor: Option<&Motor>, of_axis: bool, fit: &m
             if section.is_list(name) { section.sections(name) } else { section.section(name).into_iter().collect() };
         if motor.is_some_and(|m| m.declared(*effect).is_some()) {
             section.note(
-                Problem::at(section.span_of(name), format!("`{name}` stands twice"), "it is a column of [motor] too")
+                Problem::at(section.span_of(name), format!("duplicate `{name}`"), "it is a column of [motor] too")
                     .help("leave one of the two out"),
             );
         }
@@ -368,8 +337,9 @@ pub fn parameter_name(effect: &dyn Effect, values: &[f64], parameter: &str) -> S
 }
 
 fn read_covariance(section: &Section, fit: &mut Fit) {
-    let names = section.texts("names").unwrap_or_default();
-    let matrix = section.matrix("matrix").unwrap_or_default();
+    let names = section.texts(key("names", "numbers of this file, in order: `motor.resistance`, `effects.eddy_drag.torque`, of an order `effects.cogging.12.cosine`")).unwrap_or_default();
+    let matrix =
+        section.matrix(key("matrix", "in SI; a `…_tolerance` is two square roots of its diagonal")).unwrap_or_default();
     if matrix.len() != names.len() || matrix.iter().any(|row| row.len() != names.len()) {
         section.note(Problem::at(
             section.span_of("matrix"),

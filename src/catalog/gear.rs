@@ -1,8 +1,10 @@
 //! A gearbox of the catalogue.
 
-use super::sheet::SourceKind;
+use super::convention::has_words;
+use super::row::{Field, Side, States};
+use super::sheet::{Printed, SourceKind};
 use crate::input::Range;
-use crate::units::{self, Kind};
+use crate::units;
 
 /// How a gear reduces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,8 +35,10 @@ impl GearKind {
     ];
 }
 
+has_words!(GearKind);
+
 /// A gearbox: SI, torques at the output, inertia and speed at the input.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Gear {
     /// Unique name.
     pub id: String,
@@ -110,90 +114,63 @@ pub fn matches_pattern(pattern: &str, text: &str) -> bool {
 }
 
 /// One numeric column of a gear catalogue; the number of stages, a whole one, stands beside them.
-#[derive(Debug)]
-pub struct GearField {
-    /// Column name.
-    pub name: &'static str,
-    /// What it measures.
-    pub kind: &'static Kind,
-    /// What values it may have.
-    pub range: Range,
-    /// Reads it from a gear, SI.
-    pub get: fn(&Gear) -> Option<f64>,
-    /// Writes it to a gear, SI.
-    pub set: fn(&mut Gear, f64),
+pub type GearField = Field<Gear>;
+
+macro_rules! gear_fields {
+    ($($name:ident, $about:literal, $kind:ident, $range:ident, $states:expr, $get:expr, $set:expr;)*) => {
+        /// The numeric columns of a gear catalogue: what is read, written and kept by locks.
+        pub const GEAR_FIELDS: &[GearField] = &[
+            $(Field {
+                name: stringify!($name),
+                tolerance: None,
+                about: $about,
+                kind: &units::$kind,
+                range: Range::$range,
+                states: $states,
+                get: |g| {
+                    let get: fn(&Gear) -> Option<f64> = $get;
+                    get(g).map(Printed::exact)
+                },
+                set: |g, printed| {
+                    let set: fn(&mut Gear, f64) = $set;
+                    set(g, printed.value);
+                },
+            },)*
+        ];
+    };
 }
 
-/// The numeric columns of a gear catalogue: what is read, written by importers and kept by locks.
-pub const GEAR_FIELDS: &[GearField] = &[
-    GearField {
-        name: "ratio",
-        kind: &units::RATIO,
-        range: Range::Positive,
-        get: |g| Some(g.ratio),
-        set: |g, v| g.ratio = v,
-    },
-    GearField {
-        name: "efficiency",
-        kind: &units::RATIO,
-        range: Range::Fraction,
-        get: |g| g.efficiency,
-        set: |g, v| g.efficiency = Some(v),
-    },
-    GearField {
-        name: "backdrive_efficiency",
-        kind: &units::RATIO,
-        range: Range::Any,
-        get: |g| g.backdrive_efficiency,
-        set: |g, v| g.backdrive_efficiency = Some(v),
-    },
-    GearField {
-        name: "mass",
-        kind: &units::MASS,
-        range: Range::NonNegative,
-        get: |g| g.mass,
-        set: |g, v| g.mass = Some(v),
-    },
-    GearField {
-        name: "inertia",
-        kind: &units::INERTIA,
-        range: Range::NonNegative,
-        get: |g| g.inertia,
-        set: |g, v| g.inertia = Some(v),
-    },
-    GearField {
-        name: "continuous_torque",
-        kind: &units::TORQUE,
-        range: Range::Positive,
-        get: |g| g.continuous_torque,
-        set: |g, v| g.continuous_torque = Some(v),
-    },
-    GearField {
-        name: "peak_torque",
-        kind: &units::TORQUE,
-        range: Range::Positive,
-        get: |g| g.peak_torque,
-        set: |g, v| g.peak_torque = Some(v),
-    },
-    GearField {
-        name: "max_input_speed",
-        kind: &units::SPEED,
-        range: Range::Positive,
-        get: |g| g.max_input_speed,
-        set: |g, v| g.max_input_speed = Some(v),
-    },
-    GearField {
-        name: "backlash",
-        kind: &units::ANGLE,
-        range: Range::NonNegative,
-        get: |g| g.backlash,
-        set: |g, v| g.backlash = Some(v),
-    },
-    GearField {
-        name: "stiffness",
-        kind: &units::STIFFNESS,
-        range: Range::Positive,
-        get: |g| g.stiffness,
-        set: |g, v| g.stiffness = Some(v),
-    },
-];
+/// At the motor; at the output the same number times N to this power.
+const fn at_motor(power: i32) -> States {
+    States::Side { kept: Side::Motor, power: Some(power) }
+}
+
+/// At the output; at the motor the same number times N to this power.
+const fn at_output(power: i32) -> States {
+    States::Side { kept: Side::Output, power: Some(power) }
+}
+
+/// Of one side alone.
+const fn only(kept: Side) -> States {
+    States::Side { kept, power: None }
+}
+
+// `ratio` comes first: what is given at the other side is converted by it.
+gear_fields! {
+    ratio, "reduction, N", RATIO, Positive, States::Nothing, |g| Some(g.ratio), |g, v| g.ratio = v;
+    efficiency, "when the motor drives, η", RATIO, Fraction, States::Nothing,
+        |g| g.efficiency, |g, v| g.efficiency = Some(v);
+    backdrive_efficiency, "when the load drives, η_b; 2 − 1/η by default; at most 1", RATIO, Any, States::Nothing,
+        |g| g.backdrive_efficiency, |g, v| g.backdrive_efficiency = Some(v);
+    mass, "of the gear", MASS, NonNegative, States::Nothing, |g| g.mass, |g, v| g.mass = Some(v);
+    inertia, "at the input, J_g", INERTIA, NonNegative, at_motor(-2), |g| g.inertia, |g, v| g.inertia = Some(v);
+    continuous_torque, "at the output, continuous", TORQUE, Positive, only(Side::Output),
+        |g| g.continuous_torque, |g, v| g.continuous_torque = Some(v);
+    peak_torque, "at the output, largest", TORQUE, Positive, only(Side::Output),
+        |g| g.peak_torque, |g, v| g.peak_torque = Some(v);
+    max_input_speed, "at the input", SPEED, Positive, only(Side::Motor),
+        |g| g.max_input_speed, |g, v| g.max_input_speed = Some(v);
+    backlash, "at the output", ANGLE, NonNegative, at_output(-1), |g| g.backlash, |g, v| g.backlash = Some(v);
+    stiffness, "torsional, at the output", STIFFNESS, Positive, at_output(2),
+        |g| g.stiffness, |g, v| g.stiffness = Some(v);
+}

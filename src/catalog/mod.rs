@@ -12,6 +12,7 @@ mod gear;
 pub mod import;
 mod motor;
 mod read;
+pub mod row;
 mod sheet;
 
 use std::collections::HashMap;
@@ -21,8 +22,9 @@ use std::sync::Arc;
 pub use fitted::{Fit, Provenance, read_fitted};
 pub use gear::{GEAR_FIELDS, Gear, GearField, GearKind, matches_pattern};
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE};
-pub use read::{gear_columns, motor_columns, read_gears, read_motors};
-pub use sheet::{Conventions, FIELDS, Field, Printed, Sheet, SourceKind};
+pub use read::{VERSION, gear_columns, motor_columns, read_gears, read_motors};
+pub use row::Field;
+pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
 
 use crate::input::{InputError, Problem, Source};
 
@@ -53,7 +55,7 @@ impl Catalog {
         BUILTIN.iter().map(|(name, text)| Arc::new(Source::new(*name, *text))).collect()
     }
 
-    /// Reads files, `.toml` ones as fitted actuators, and the `*.csv` files in folders (one level, and `motors`, `gears` below).
+    /// Reads files and the `*.csv` files in folders (one level, and `motors`, `gears` below).
     ///
     /// # Errors
     /// All mistakes of all files.
@@ -105,8 +107,8 @@ impl Catalog {
         if errors.is_empty() { Ok(sources) } else { Err((sources, errors)) }
     }
 
-    /// Reads catalogue texts; whether each holds motors or gears is seen from its header, a fitted actuator from
-    /// its name that ends in `.toml`.
+    /// Reads catalogue texts; whether a table holds motors or gears is seen from its header. A name that ends in `.toml` is
+    /// a fitted actuator, or a catalogue with lists of tables `[[motor]]`, `[[gear]]`.
     ///
     /// # Errors
     /// All mistakes of all files, and ids that stand in two files.
@@ -121,36 +123,20 @@ impl Catalog {
                     let at = source.text().find(id).unwrap_or(0);
                     let problem = Problem::at(
                         at..at + id.len(),
-                        format!("the id `{id}` stands in two files"),
+                        format!("the id `{id}` is in two files"),
                         format!("first in {first}"),
                     );
                     errors.push(InputError { source: source.clone(), problems: vec![problem] });
                 }
             };
-            if fitted::is_fitted_file(&source) {
-                match read_fitted(&source) {
-                    Ok(motor) => {
-                        twice(&mut motor_homes, &motor.id);
-                        catalog.motors.push(motor);
-                    }
-                    Err(error) => errors.push(error),
+            match read::read_rows(&source) {
+                Ok(rows) => {
+                    rows.motors.iter().for_each(|m| twice(&mut motor_homes, &m.id));
+                    rows.gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));
+                    catalog.motors.extend(rows.motors);
+                    catalog.gears.extend(rows.gears);
                 }
-            } else if read::is_gear_file(&source) {
-                match read_gears(&source) {
-                    Ok(gears) => {
-                        gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));
-                        catalog.gears.extend(gears);
-                    }
-                    Err(error) => errors.push(error),
-                }
-            } else {
-                match read_motors(&source) {
-                    Ok(motors) => {
-                        motors.iter().for_each(|m| twice(&mut motor_homes, &m.id));
-                        catalog.motors.extend(motors);
-                    }
-                    Err(error) => errors.push(error),
-                }
+                Err(error) => errors.push(error),
             }
         }
         if !errors.is_empty() {
@@ -182,8 +168,7 @@ fn csv_files(folder: &Path) -> Vec<PathBuf> {
             .collect()
     };
     let mut files = list(folder);
-    files.extend(list(&folder.join("motors")));
-    files.extend(list(&folder.join("gears")));
+    files.extend(read::KINDS.iter().flat_map(|kind| list(&folder.join(kind.folder))));
     files.sort();
     files
 }

@@ -1,9 +1,9 @@
 //! A motor as the program computes with it: the power-invariant q-axis equivalent of its sheet.
 
-use super::convention::Commutation;
+use super::convention::{Commutation, Terminals};
 use super::fit::{Fit, FittedGear};
 use super::sheet::{Conventions, Printed, Sheet, SourceKind};
-use crate::effects::{Effect, FittedEffect};
+use crate::effects::{EFFECTS, Effect, FittedEffect};
 
 /// Winding temperature that a resistance refers to where its row does not say \[K\]: 25 °C.
 pub const REFERENCE_TEMPERATURE: f64 = 298.15;
@@ -121,6 +121,13 @@ impl Motor {
         value.map(|value| vec![value])
     }
 
+    /// Everything that the motor has beyond its constants, as one list: the effects that columns of its row declare, in the
+    /// order of the library, then those that were fitted for it.
+    pub fn all_effects(&self) -> impl Iterator<Item = FittedEffect> + '_ {
+        let columns = EFFECTS.iter().filter_map(|e| Some(FittedEffect { effect: *e, values: self.declared(*e)? }));
+        columns.chain(self.effects.iter().cloned())
+    }
+
     /// Converts a sheet to its q-axis equivalent.
     ///
     /// # Errors
@@ -134,8 +141,11 @@ impl Motor {
         let commutation = conventions.commutation;
         let mut assumptions = Vec::new();
         let value = |p: Option<Printed>| p.map(|p| p.value);
-        let winding = conventions.terminals.resistance(conventions.winding, commutation).ok_or(Incomplete::Winding)?;
-        let resistance = sheet.resistance.ok_or(Incomplete::Resistance)?.value * winding;
+        let winding =
+            |terminals: Terminals| terminals.resistance(conventions.winding, commutation).ok_or(Incomplete::Winding);
+        let (of_resistance, of_inductance) =
+            (winding(conventions.of_resistance())?, winding(conventions.of_inductance())?);
+        let resistance = sheet.resistance.ok_or(Incomplete::Resistance)?.value * of_resistance;
         let by_back_emf = match (sheet.back_emf_constant, conventions.back_emf) {
             (Some(k), Some(convention)) => Some(k.value * convention.back_emf_constant(commutation)),
             (Some(_), None) => return Err(Incomplete::BackEmfConvention),
@@ -147,7 +157,7 @@ impl Motor {
             (None, _) => None,
         };
         let torque_constant = match (sheet.torque_constant, by_back_emf.or(by_speed)) {
-            (Some(k), _) => k.value * conventions.current.torque_constant(commutation),
+            (Some(k), _) => k.value * conventions.of_torque_constant().torque_constant(commutation),
             (None, Some(k)) => {
                 assumptions.push("torque constant taken equal to the back-EMF constant");
                 k
@@ -175,15 +185,16 @@ impl Motor {
         let series = |a: Option<f64>, b: Option<f64>| Some(a? + b?);
         Ok(Motor {
             resistance,
-            inductance: value(sheet.inductance).map(|l| l * winding),
+            inductance: value(sheet.inductance).map(|l| l * of_inductance),
             torque_constant,
             back_emf_constant,
             rotor_inertia: value(sheet.rotor_inertia),
             mass: value(sheet.mass),
             pole_pairs: if commutation == Commutation::Brushed { Some(0) } else { pole_pairs },
             continuous_current: value(sheet.continuous_current)
-                .map(|i| i * conventions.current.heating_current(commutation)),
-            peak_current: value(sheet.peak_current).map(|i| i * conventions.current.torque_current(commutation)),
+                .map(|i| i * conventions.of_continuous_current().heating_current(commutation)),
+            peak_current: value(sheet.peak_current)
+                .map(|i| i * conventions.of_peak_current().torque_current(commutation)),
             continuous_torque: value(sheet.continuous_torque),
             peak_torque: value(sheet.peak_torque),
             max_speed: value(sheet.max_speed),

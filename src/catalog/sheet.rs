@@ -1,13 +1,14 @@
 //! A motor's data sheet as printed: its numbers in the sheet's own conventions.
 //!
-//! [`FIELDS`] is the one list of numeric columns: a new one is one line here and one member of
-//! [`Sheet`]; reader, audit and documentation follow.
+//! [`FIELDS`] is the one list of numeric columns: a new one is one line here; reader, writers, audit, locks and
+//! documentation follow.
 
 use super::convention::{
-    BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding,
+    BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, has_words,
 };
+use super::row::{Convention, Field, States};
 use crate::input::Range;
-use crate::units::{self, Kind};
+use crate::units;
 
 /// A printed number in SI (in the sheet's convention) and its ±, where one is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +20,11 @@ pub struct Printed {
 }
 
 impl Printed {
+    /// A number without a ±.
+    pub const fn exact(value: f64) -> Printed {
+        Printed { value, tolerance: None }
+    }
+
     /// Tolerance over value; `None` where no tolerance is given.
     pub fn relative_tolerance(&self) -> Option<f64> {
         self.tolerance.filter(|_| self.value != 0.0).map(|t| t / self.value.abs())
@@ -48,6 +54,8 @@ impl SourceKind {
     ];
 }
 
+has_words!(SourceKind);
+
 /// The conventions that a row declares for its numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Conventions {
@@ -63,10 +71,54 @@ pub struct Conventions {
     pub back_emf: Option<BackEmfConvention>,
     /// What voltage the speed constant refers to, where there is one.
     pub speed_constant: Option<SpeedConstantConvention>,
+    /// What single columns state otherwise.
+    pub own: OwnConventions,
+}
+
+/// Conventions of single columns that are not the row's.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct OwnConventions {
+    /// Of the resistance.
+    pub resistance: Option<Terminals>,
+    /// Of the inductance.
+    pub inductance: Option<Terminals>,
+    /// Of the torque constant.
+    pub torque_constant: Option<CurrentConvention>,
+    /// Of the continuous current.
+    pub continuous_current: Option<CurrentConvention>,
+    /// Of the peak current.
+    pub peak_current: Option<CurrentConvention>,
+}
+
+impl Conventions {
+    /// Between what the resistance is.
+    pub fn of_resistance(&self) -> Terminals {
+        self.own.resistance.unwrap_or(self.terminals)
+    }
+
+    /// Between what the inductance is.
+    pub fn of_inductance(&self) -> Terminals {
+        self.own.inductance.unwrap_or(self.terminals)
+    }
+
+    /// What ampere means in the torque constant.
+    pub fn of_torque_constant(&self) -> CurrentConvention {
+        self.own.torque_constant.unwrap_or(self.current)
+    }
+
+    /// What ampere means in the continuous current.
+    pub fn of_continuous_current(&self) -> CurrentConvention {
+        self.own.continuous_current.unwrap_or(self.current)
+    }
+
+    /// What ampere means in the peak current.
+    pub fn of_peak_current(&self) -> CurrentConvention {
+        self.own.peak_current.unwrap_or(self.current)
+    }
 }
 
 macro_rules! sheet {
-    ($($(#[doc = $doc:literal])* $name:ident: $kind:ident, $range:ident;)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident: $kind:ident, $range:ident $(, $states:ident)?;)*) => {
         /// Everything a row can say in numbers; `None` is unknown, never zero.
         #[derive(Debug, Clone, Default, PartialEq)]
         pub struct Sheet {
@@ -77,43 +129,31 @@ macro_rules! sheet {
         pub const FIELDS: &[Field] = &[
             $(Field {
                 name: stringify!($name),
+                tolerance: Some(concat!(stringify!($name), "_tolerance")),
                 about: concat!($($doc),*),
                 kind: &units::$kind,
                 range: Range::$range,
+                states: sheet!(@states $($states)?),
                 get: |sheet| sheet.$name,
                 set: |sheet, printed| sheet.$name = Some(printed),
             },)*
         ];
     };
-}
-
-/// One numeric column of a motor catalogue.
-pub struct Field {
-    /// Column name.
-    pub name: &'static str,
-    /// What it is, as its documentation says.
-    pub about: &'static str,
-    /// What it measures.
-    pub kind: &'static Kind,
-    /// What values it may have.
-    pub range: Range,
-    /// Reads it from a sheet.
-    pub get: fn(&Sheet) -> Option<Printed>,
-    /// Writes it to a sheet.
-    pub set: fn(&mut Sheet, Printed),
+    (@states) => { States::Nothing };
+    (@states $states:ident) => { States::Convention(Convention::$states) };
 }
 
 sheet! {
     /// Resistance at the reference temperature \[Ω\], symbol R.
-    resistance: RESISTANCE, Positive;
+    resistance: RESISTANCE, Positive, Resistance;
     /// Inductance \[H\], symbol L.
-    inductance: INDUCTANCE, NonNegative;
+    inductance: INDUCTANCE, NonNegative, Inductance;
     /// Torque constant \[N·m/A\], symbol K_T.
-    torque_constant: TORQUE_CONSTANT, Positive;
+    torque_constant: TORQUE_CONSTANT, Positive, TorqueConstant;
     /// Back-EMF constant \[V·s/rad\], symbol K_B.
-    back_emf_constant: BACK_EMF_CONSTANT, Positive;
+    back_emf_constant: BACK_EMF_CONSTANT, Positive, BackEmf;
     /// Speed constant \[rad/(V·s)\], symbol Kv.
-    speed_constant: SPEED_CONSTANT, Positive;
+    speed_constant: SPEED_CONSTANT, Positive, SpeedConstant;
     /// Motor constant \[N·m/√W\], symbol K_M.
     motor_constant: MOTOR_CONSTANT, Positive;
     /// Responsiveness metric as printed \[s\], symbol S_M.
@@ -134,11 +174,11 @@ sheet! {
     length: LENGTH, Positive;
     /// Nominal voltage that the no-load and stall numbers refer to \[V\].
     voltage: VOLTAGE, Positive;
-    /// Current that can flow for ever \[A\].
-    continuous_current: CURRENT, Positive;
+    /// Continuous current \[A\].
+    continuous_current: CURRENT, Positive, ContinuousCurrent;
     /// Current that must never be exceeded \[A\].
-    peak_current: CURRENT, Positive;
-    /// Torque that can be held for ever \[N·m\].
+    peak_current: CURRENT, Positive, PeakCurrent;
+    /// Continuous torque \[N·m\].
     continuous_torque: TORQUE, Positive;
     /// Torque that must never be exceeded \[N·m\].
     peak_torque: TORQUE, Positive;

@@ -28,7 +28,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     arguments.html.write(&recording, || html::audit::page(&catalog, &findings))?;
     let text = arguments.output.choose(
         || report::text(&catalog, &findings),
-        || report::json(&catalog, &findings),
+        || crate::report::json::motors::audited(&catalog, &findings),
         || report::csv(&findings),
     );
     Ok(Done { text, satisfied: report::broken(&findings) == 0 })

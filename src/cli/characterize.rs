@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let text = arguments.output.choose(
         || report::text(&bench, &result, &written),
-        || report::json(&bench, &result),
+        || crate::report::json::document("characterize", report::json(&bench, &result)),
         || report::csv(&result),
     );
     Ok(Done { text, satisfied })

@@ -6,7 +6,7 @@ use clap::Args;
 use super::{CatalogChoice, Done, Failure};
 use crate::input::{InputError, Source};
 use crate::output;
-use crate::report::check::{github, input, json, junit, sarif, text};
+use crate::report::check::{github, input, junit, sarif, text};
 use crate::report::json_text;
 use crate::requirement::DesignFile;
 use crate::rules::file::{RulesFile, read};
@@ -15,7 +15,7 @@ use crate::rules::lock::{Lock, path_of};
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise check requirements/designs/quadruped_mini_cheetah/design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock\n\nExit status 1 if a rule with severity `error` is broken. Where an input file is wrong (exit status 2) the mistakes stand in what --github, --json, --junit and --sarif write."
+    before_help = "Examples:\n  gearwise check requirements/designs/quadruped_mini_cheetah/design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock\n\nExit status 1 if a rule with severity `error` is broken. Where an input file is wrong (exit status 2) the mistakes are in what --github, --json, --junit and --sarif write."
 )]
 pub struct Arguments {
     /// Design file (TOML)
@@ -28,7 +28,7 @@ pub struct Arguments {
     strict: bool,
     #[command(flatten)]
     catalog: CatalogChoice,
-    /// Print JSON (SI units, the unit beside the value)
+    /// Print JSON (SI units, the unit next to the value)
     #[arg(long, conflicts_with = "github")]
     json: bool,
     /// Print annotations for GitHub Actions
@@ -40,10 +40,10 @@ pub struct Arguments {
     /// Write SARIF 2.1.0; places are relative to the folder the program runs in
     #[arg(long, value_name = "FILE")]
     sarif: Option<PathBuf>,
-    /// Write the lock of the catalogue rows beside the design where there is none; one that is there is always compared
+    /// Write the lock of the catalogue rows next to the design where there is none; an existing one is always compared
     #[arg(long)]
     lock: bool,
-    /// Write the lock anew
+    /// Write the lock again
     #[arg(long)]
     update_lock: bool,
 }
@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     result
 }
 
-/// Tells those that wait for findings what is wrong with the input, each in its form.
+/// Reports what is wrong with the input in each form that was asked for.
 fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failure> {
     let root = std::env::current_dir().unwrap_or_default();
     if let Some(path) = &arguments.junit {
@@ -103,14 +103,14 @@ fn checked(arguments: &Arguments) -> Result<Done, Failure> {
         tell!("wrote {}", lock_path.display());
     }
     let text = match (arguments.json, arguments.github) {
-        (true, _) => json_text(&json::json(&report, arguments.strict)),
+        (true, _) => json_text(&crate::report::json::check::json(&report, arguments.strict)),
         (_, true) => github::text(&report, &root),
         _ => text::text(&report, arguments.strict),
     };
     Ok(Done { text, satisfied: report.passes(arguments.strict) })
 }
 
-/// The text of a lock that is to be written: where one is asked for anew, or asked for and not there.
+/// The text of a lock that is to be written: where one is asked for again, or asked for and not there.
 fn write_lock(
     arguments: &Arguments,
     path: &Path,

@@ -18,7 +18,7 @@ pub struct Arguments {
     a: String,
     /// Id of the second motor
     b: String,
-    /// Actuator inertia at which they are compared; the larger rotor inertia unless given
+    /// Actuator inertia at which they are compared; by default the larger rotor inertia
     #[arg(long, value_name = "J", allow_hyphen_values = true)]
     inertia: Option<String>,
     #[command(flatten)]
@@ -56,7 +56,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&comparison))?;
     arguments.html.write(&recording, || html::compare::page(&comparison))?;
-    let text =
-        if arguments.json { crate::report::json_text(&report::json(&comparison)) } else { report::text(&comparison) };
+    let text = if arguments.json {
+        crate::report::json_text(&crate::report::json::motors::compared(&comparison))
+    } else {
+        report::text(&comparison)
+    };
     Ok(Done { text, satisfied: true })
 }

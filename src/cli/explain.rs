@@ -6,8 +6,8 @@ use super::chosen::Chosen;
 use super::{CatalogChoice, Done, Failure, Html};
 use crate::design::explain::explain;
 use crate::report::explain as report;
-use crate::report::html;
 use crate::report::plot::design as plot;
+use crate::report::{html, json};
 use crate::requirement;
 
 /// Arguments of the command.
@@ -48,6 +48,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     })?;
     super::draw_plot(arguments.plot.as_ref(), || plot::explained(&robot, &story))?;
     arguments.html.write(&recording, || html::explain::page(&robot, &story))?;
-    let text = if arguments.json { crate::report::json_text(&report::json(&story)) } else { report::text(&story) };
+    let text = if arguments.json {
+        crate::report::json_text(&json::explain::json(&robot, &story))
+    } else {
+        report::text(&story)
+    };
     Ok(Done { text, satisfied: story.is_choice() })
 }

@@ -5,14 +5,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::chosen::Chosen;
 use super::{CatalogChoice, Done, Failure};
-use crate::actuator::Load;
 use crate::catalog::{Gear, Motor};
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::examine;
 use crate::design::explain::explain;
 use crate::design::judge::unjudged;
 use crate::design::simulated::{LeftOut, SimulatedJoint};
-use crate::design::{Evaluation, Unusable, continuous_candidate, geared_candidate, load_through};
+use crate::design::{Evaluation, Mount, Unusable, load_through};
 use crate::input::Source;
 use crate::output;
 use crate::report::export::{Exported, FORMATS, NamedFile, Origin, patch};
@@ -29,7 +28,7 @@ pub struct Arguments {
     design: String,
     /// Requirement file (TOML), where no design file names it
     requirement: Option<PathBuf>,
-    /// Joint: of a design file all, unless one is named; may be left out where the requirement has only one
+    /// Joint: by default all of a design file; may be left out where the requirement has only one
     #[arg(long, value_name = "NAME")]
     joint: Option<String>,
     /// Format: MuJoCo, URDF, or all facts in SI
@@ -123,12 +122,8 @@ fn exported<'a>(
     unchecked: &[(&'static str, &'static str)],
     spring: Option<(f64, f64)>,
 ) -> Result<Exported<'a>, Failure> {
-    let own = gear.and_then(|g| load_through(joint, g));
-    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
-    let candidate = match gear {
-        Some(gear) => geared_candidate(robot, joint, &load, motor, gear),
-        None => continuous_candidate(robot, joint, &load, motor),
-    };
+    let load = load_through(joint, gear);
+    let candidate = Mount::new(robot, joint, &load, motor).with_gear(gear).candidate();
     let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, evaluation.ratio);
     if let Some((stiffness, rest_angle)) = spring.filter(|(stiffness, _)| *stiffness > 0.0) {
         let number = crate::words::number;
@@ -183,7 +178,7 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
     };
     for joint in joints.iter().filter(|j| !j.broken.is_empty()) {
         tell!(
-            "warning: joint `{}`: {} at N = {} is not feasible, it breaks {}; exported all the same",
+            "warning: joint `{}`: {} at N = {} is not feasible, it breaks {}; exported anyway",
             joint.joint,
             joint.motor.id,
             crate::words::number(joint.simulated.ratio),
@@ -192,7 +187,7 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
     }
     for joint in joints.iter().filter(|j| j.broken.is_empty() && !j.unjudged.is_empty()) {
         tell!(
-            "warning: joint `{}`: {} at N = {} {}; exported all the same",
+            "warning: joint `{}`: {} at N = {} {}; exported anyway",
             joint.joint,
             joint.motor.id,
             crate::words::number(joint.simulated.ratio),

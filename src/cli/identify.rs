@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             if let (Some(remade), Some(object)) = (&remade, value.as_object_mut()) {
                 object.insert("design".into(), remake_report::design_json(remade));
             }
-            value
+            crate::report::json::document("identify", value)
         },
         || report::csv(&bench, &reports),
     );

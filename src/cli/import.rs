@@ -42,7 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         paths.iter().zip(&files).map(|(path, file)| Written { path, rows: file.rows }).collect();
     let text = arguments.output.choose(
         || report::text(&import, &written, arguments.rows),
-        || report::json(&import, &written),
+        || crate::report::json::import::json(&import, &written),
         || report::csv(&import),
     );
     Ok(Done { text, satisfied: true })

@@ -4,7 +4,7 @@
 macro_rules! tell {
     ($($said:tt)*) => { $crate::cli::say(format_args!($($said)*), "\n") };
 }
-/// As `tell`, of what has its line end.
+/// The same for a text that has its line end.
 macro_rules! tell_on {
     ($($said:tt)*) => { $crate::cli::say(format_args!($($said)*), "") };
 }
@@ -36,6 +36,8 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::catalog::{Catalog, Motor};
+use crate::design::options::Stopped;
+use crate::design::robot::NoChoice;
 use crate::input::{InputError, Recording, tame};
 use crate::report::html;
 use crate::report::plot::{self, Figure};
@@ -79,7 +81,7 @@ enum Command {
     Audit(audit::Arguments),
     /// Design rules on a chosen design, for CI: table, JSON, JUnit, SARIF, GitHub annotations
     Check(check::Arguments),
-    /// What a design rule does, why, and how to mend what it finds
+    /// What a design rule does, why, and how to fix what it finds
     Rule(rule::Arguments),
     /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
     Identify(identify::Arguments),
@@ -167,6 +169,21 @@ enum Failure {
 impl From<Vec<InputError>> for Failure {
     fn from(errors: Vec<InputError>) -> Failure {
         Failure::Input(errors)
+    }
+}
+
+impl From<Stopped> for Failure {
+    fn from(_: Stopped) -> Failure {
+        Failure::Interrupted("stopped".into())
+    }
+}
+
+impl From<NoChoice> for Failure {
+    fn from(why: NoChoice) -> Failure {
+        match why {
+            NoChoice::Stopped => Stopped.into(),
+            NoChoice::Cannot(why) => Failure::Argument(why),
+        }
     }
 }
 
@@ -357,7 +374,7 @@ fn plural(count: usize, word: &str) -> String {
     if count == 1 { word.into() } else { format!("{word}s") }
 }
 
-/// Says something on stderr. Where that cannot be written nobody can be told, and the work goes on.
+/// Says something on stderr. Where stderr cannot be written, the work goes on.
 fn say(said: std::fmt::Arguments, end: &str) {
     let _ = write!(std::io::stderr().lock(), "{}{end}", tame(&said.to_string()));
 }

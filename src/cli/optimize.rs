@@ -3,14 +3,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Html, Output};
-use crate::design::optimize::{Options, RobotResult, optimize_with};
+use crate::design::answer::RobotResult;
+use crate::design::optimize::optimize_with;
+use crate::design::options::Options;
 use crate::design::pareto::fronts;
 use crate::design::robot::{self, choose};
 use crate::design::robust::robust;
 use crate::output::write_whole;
 use crate::report::design_file::{self, way};
 use crate::report::optimize as report;
-use crate::report::{html, pareto, plot, robot as robot_report, robust as robust_report};
+use crate::report::{html, json, pareto, plot, robot as robot_report, robust as robust_report};
 use crate::requirement::{self, Quantity};
 use crate::words::nearest;
 
@@ -51,10 +53,10 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["pareto", "robust"])]
     write_design: Option<PathBuf>,
     /// The best combination for the whole robot, even where nothing couples the joints (a budget or
-    /// `torque_per_mass` does, and then it is always told)
+    /// `torque_per_mass` does, and then it is always reported)
     #[arg(long, conflicts_with_all = ["pareto", "robust"])]
     robot: bool,
-    /// How many further combinations of the whole robot are told
+    /// How many further combinations of the whole robot are reported
     #[arg(long, default_value_t = 3, value_name = "K", value_parser = clap::value_parser!(u32).range(..=1000))]
     runner_ups: u32,
     #[command(flatten)]
@@ -96,28 +98,33 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     if let Some(names) = &arguments.pareto {
         let points = arguments.points as usize;
-        let fronts = fronts(&robot, &catalog, quantities(names)?, points, arguments.only_checked);
+        let options = Options { only_checked: arguments.only_checked, ..Options::default() };
+        let fronts = fronts(&robot, &catalog, quantities(names)?, points, options)?;
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
         arguments.html.write(&recording, || html::pareto::page(&robot, &fronts))?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
-        let text = arguments.output.choose(|| pareto::text(&fronts), || pareto::json(&fronts), || pareto::csv(&fronts));
+        let text = arguments.output.choose(
+            || pareto::text(&fronts),
+            || json::pareto::json(&robot, &fronts),
+            || pareto::csv(&fronts),
+        );
         return Ok(Done { text, satisfied });
     }
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "optimising");
     let keep = arguments.only_top.map(|k| k as usize);
-    let options = Options { only_checked: arguments.only_checked, keep, reasons: true, tick: &|| bar.inc(1) };
+    let options = Options { only_checked: arguments.only_checked, keep, tick: &|| bar.inc(1), ..Options::default() };
     if arguments.robust {
-        let joints = robust(&robot, &catalog, options);
+        let joints = robust(&robot, &catalog, options)?;
         bar.finish_and_clear();
         let satisfied = joints.iter().all(|j| !j.designs.is_empty());
         let text = arguments.output.choose(
             || robust_report::text(&robot, &joints, arguments.top),
-            || robust_report::json(&robot, &joints),
+            || json::robust::json(&robot, &joints),
             || robust_report::csv(&joints),
         );
         return Ok(Done { text, satisfied });
     }
-    let result = optimize_with(&robot, &catalog, options);
+    let result = optimize_with(&robot, &catalog, options)?;
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
@@ -127,7 +134,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         runner_ups: arguments.runner_ups as usize,
         ..robot::Options::default()
     };
-    let choice = whole.then(|| choose(&robot, &catalog, options)).transpose().map_err(Failure::Argument)?;
+    let choice = whole.then(|| choose(&robot, &catalog, options)).transpose()?;
     arguments.html.write(&recording, || html::optimize::page(&result, choice.as_ref(), &catalog))?;
     if let Some(path) = &arguments.write_design {
         write_design(&result, choice.as_ref(), arguments, path)?;
@@ -137,14 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
             report::text(&result, shown) + &whole
         },
-        || {
-            let mut all = report::json(&result);
-            if let Some(choice) = &choice {
-                all["robot"]["satisfied"] = (!choice.combinations.is_empty()).into();
-                all["robot"]["choice"] = robot_report::json(choice);
-            }
-            all
-        },
+        || json::optimize::json(&result, choice.as_ref()),
         || report::csv(&result),
     );
     let satisfied = choice.as_ref().map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty());

@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     arguments.html.write(&recording, || html::rank::page(&ranking, &marked))?;
     let text = arguments.output.choose(
         || report::text(&ranking, arguments.top),
-        || report::json(&ranking),
+        || crate::report::json::motors::ranked(&ranking),
         || report::csv(&ranking),
     );
     Ok(Done { text, satisfied: true })

@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Go on with the study in the folder, or begin it
     #[arg(long, conflicts_with = "force")]
     resume: bool,
-    /// Begin anew, in place of the study in the folder
+    /// Start again, in place of the study in the folder
     #[arg(long)]
     force: bool,
     /// Only this part of the study, e.g. 2/8; `merge` puts the parts together
@@ -122,7 +122,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let robots = watched(arguments, &study, &journal)?;
     if arguments.shard.is_some() {
         let broken = broken_of(&journal)?;
-        let text = format!("shard {shard}: {robots} robots finished, {broken} of them could not be worked on\n");
+        let text = format!("shard {shard}: {} finished, {broken} of them could not be worked on\n", in_words(robots));
         return Ok(Done { text, satisfied: broken == 0 });
     }
     let shards = Shards::whole(journal);
@@ -130,9 +130,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     if summary.broken == 0 {
         Journal::remove(out)?;
     } else {
-        let them = if summary.broken == 1 { "1 robot" } else { &format!("{} robots", summary.broken) };
+        let them = in_words(summary.broken);
         tell!(
-            "{them} could not be worked on, see `{}`; mend them, and `--resume` does those again and keeps the rest",
+            "{them} could not be worked on, see `{}`; fix them, and `--resume` does those again and keeps the rest",
             out.join("errors.csv").display()
         );
     }
@@ -142,6 +142,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
 fn told(arguments: &Arguments, summary: &crate::study::Summary) -> Done {
     let text = if arguments.json { report::json_text(summary) } else { written(&arguments.out, report::text(summary)) };
     Done { text, satisfied: summary.broken == 0 }
+}
+
+/// How many robots.
+fn in_words(robots: u64) -> String {
+    if robots == 1 { "1 robot".into() } else { format!("{robots} robots") }
 }
 
 /// The summary with where the results are.
@@ -164,7 +169,7 @@ fn finished_before(arguments: &Arguments) -> Result<Done, Failure> {
     let manifest = output::read_manifest(&arguments.out)?;
     let satisfied = manifest.as_ref().is_some_and(|m| m.broken == 0);
     let robots = manifest.map_or(0, |m| m.plan.robots);
-    let text = if arguments.json { text } else { written(&arguments.out, format!("{robots} robots\n")) };
+    let text = if arguments.json { text } else { written(&arguments.out, format!("{}\n", in_words(robots))) };
     Ok(Done { text, satisfied })
 }
 
@@ -204,7 +209,7 @@ fn catalog(paths: &[PathBuf]) -> Result<(Catalog, Vec<Hashed>), Failure> {
     Ok((catalog, files))
 }
 
-/// Runs the study, with progress on stderr; Ctrl-C stops it after the robots at hand, a second one at once.
+/// Runs the study, with progress on stderr; Ctrl-C stops it, a second one at once.
 fn watched(arguments: &Arguments, study: &Study, journal: &Journal) -> Result<u64, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let handler = stop.clone();

@@ -4,10 +4,11 @@ use clap::Args;
 
 use super::{CatalogChoice, Done, Failure, Html, Output};
 use crate::actuator::metrics::METRICS;
-use crate::design::sweep::sweep_with_progress;
-use crate::report::html;
+use crate::design::options::Options;
+use crate::design::sweep::sweep_with;
 use crate::report::plot::sweep as plot;
 use crate::report::sweep::{self as report, Order};
+use crate::report::{html, json};
 use crate::requirement::{self, Quantity};
 
 /// Arguments of the command.
@@ -71,14 +72,15 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let catalog = super::motors(&arguments.catalog.catalog)?;
     super::check_gears(&robot, &catalog)?;
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "sweeping");
-    let sweeps = sweep_with_progress(&robot, &catalog, arguments.ratios as usize, &|| bar.inc(1));
+    let options = Options { tick: &|| bar.inc(1), ..Options::default() };
+    let sweeps = sweep_with(&robot, &catalog, arguments.ratios as usize, options)?;
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&sweeps))?;
     arguments.html.write(&recording, || html::sweep::page(&robot, &sweeps, order))?;
     let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.is_choice()));
     let text = arguments.output.choose(
         || report::text(&robot, &sweeps, order, arguments.top, arguments.infeasible),
-        || report::json(&robot, &sweeps, order),
+        || json::sweep::json(&robot, &sweeps, order),
         || report::csv(&sweeps, order),
     );
     Ok(Done { text, satisfied })

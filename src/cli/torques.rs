@@ -87,7 +87,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         }
         tell!("written: {}", written.join(", "));
     }
-    let text = arguments.output.choose(|| report::text(&answer), || report::json(&answer), || report::csv(&answer));
+    let text = arguments.output.choose(
+        || report::text(&answer),
+        || crate::report::json::torques::json(&answer),
+        || report::csv(&answer),
+    );
     Ok(Done { text, satisfied: true })
 }
 

@@ -1,9 +1,10 @@
 //! One design, looked at closely: every limit with its margin, and the figures people choose by.
 
+use super::options::Stop;
 use crate::actuator::fitted;
-use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict, heat_at_standstill};
+use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
-use crate::actuator::thermal;
+use crate::actuator::thermal::{self, Winding};
 use crate::actuator::waveform::Functional;
 use crate::requirement::{Course, Objective, Quantity};
 
@@ -24,6 +25,8 @@ pub struct Prepared<'a> {
     /// The limits that no ratio is rejected by.
     at_ratio: Vec<(&'static str, Judge)>,
     mean_torque_squared: crate::actuator::Laurent,
+    /// Whether a search over it is to stop.
+    pub(super) stop: Stop<'a>,
 }
 
 /// What is to be said of a design beside its margins.
@@ -95,9 +98,15 @@ impl<'a> Prepared<'a> {
             }
         }
         unchecked.extend(candidate.lacking());
+        at_ratio.extend(candidate.told_at_a_ratio());
         let assumed = candidate.assumptions(&asked);
         let mean_torque_squared = candidate.load.mean_torque_squared(&candidate.actuator);
-        Prepared { candidate, asked, unchecked, assumed, at_ratio, mean_torque_squared }
+        Prepared { candidate, asked, unchecked, assumed, at_ratio, mean_torque_squared, stop: Stop::NEVER }
+    }
+
+    /// The same for searches that may be stopped.
+    pub fn stopping(self, stop: Stop<'a>) -> Prepared<'a> {
+        Prepared { stop, ..self }
     }
 
     /// What could not be checked at a ratio, and what was assumed there.
@@ -110,16 +119,12 @@ impl<'a> Prepared<'a> {
                 Verdict::Unknown(why) => judged.unchecked.push((limit, why)),
             }
         }
-        if let Verdict::Unknown(why) = heat_at_standstill(&self.candidate, ratio) {
-            judged.unchecked.push(("standstill_holding", why));
-        }
         judged
     }
 
     /// The limits of which it depends on the ratio whether they can be checked.
     pub fn judged_at_ratio(&self) -> impl Iterator<Item = &'static str> + '_ {
-        let stands = self.candidate.load.dwell > 0.0 && self.candidate.two_node().is_some();
-        self.at_ratio.iter().map(|(name, _)| *name).chain(stands.then_some("standstill_holding"))
+        self.at_ratio.iter().map(|(name, _)| *name)
     }
 
     /// What could not be checked of the design at a ratio, and why.
@@ -135,8 +140,11 @@ impl<'a> Prepared<'a> {
     }
 
     /// The same limits for another load of the same motor and gear. A limit that was left out stays out.
-    pub fn with_candidate<'b>(&self, candidate: Candidate<'b>) -> Prepared<'b> {
-        let mut other = Prepared::new(candidate);
+    pub fn with_candidate<'b>(&self, candidate: Candidate<'b>) -> Prepared<'b>
+    where
+        'a: 'b,
+    {
+        let mut other = Prepared::new(candidate).stopping(self.stop);
         other.asked.retain(|a| self.asked.iter().any(|b| b.limit.name == a.limit.name));
         other
     }
@@ -251,11 +259,12 @@ impl<'a> Prepared<'a> {
         peak.max(0.0) / candidate.robot.bus.drive_efficiency
     }
 
-    /// Winding temperature in steady state at a ratio \[K\]: `None` where it cannot be told or there is none,
-    /// `Some(None)` where it runs away.
-    pub fn winding_temperature(&self, ratio: f64) -> Option<Option<f64>> {
+    /// Winding temperature in steady state at a ratio.
+    pub fn winding_temperature(&self, ratio: f64) -> Winding {
         let motor = self.candidate.motor;
-        let r_th = motor.thermal_resistance.filter(|_| self.candidate.load.has_steady_heat)?;
+        let Some(r_th) = motor.thermal_resistance.filter(|_| self.candidate.load.has_steady_heat) else {
+            return Winding::NotAsked;
+        };
         if self.candidate.is_evaluated() {
             return self.at_ratio(ratio, |here| here.winding_temperature(ratio));
         }
@@ -264,13 +273,14 @@ impl<'a> Prepared<'a> {
             true => self.mean_torque_squared.at(ratio).max(0.0) / actuator.torque_constant.powi(2),
             false => self.rms_current(ratio).powi(2),
         };
-        Some(thermal::winding_temperature(
+        let settles = thermal::winding_temperature(
             mean * self.candidate.load.share_of_time,
             motor.resistance,
             motor.reference_temperature,
             r_th,
             self.candidate.robot.ambient,
-        ))
+        );
+        settles.map_or(Winding::Runaway, Winding::At)
     }
 
     /// Longest time that the current needs for its jumps where the motion reverses \[s\]:

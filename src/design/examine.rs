@@ -4,11 +4,12 @@
 use rayon::prelude::*;
 
 use super::evaluate::Judged;
-use super::program::{Outcome, RatioProgram};
+use super::mount::{Mount, load_through};
+use super::program::RatioProgram;
 use super::robot::{carried_first, carrying, power_course};
-use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
-use crate::actuator::Load;
+use super::{Evaluation, Unusable};
 use crate::actuator::limits::{LIMITS, Remark, hottest};
+use crate::actuator::thermal::Winding;
 use crate::requirement::{Choice, Course, Joint, Motion, RatioChoice, Robot};
 
 /// What is known of a chosen design. SI.
@@ -20,8 +21,8 @@ pub struct Examined {
     pub unchecked: Vec<Remark>,
     /// Limits that count as kept, and as far as what holds.
     pub assumed: Vec<Remark>,
-    /// Steady winding temperature \[K\], where it can be told (`Some(None)`: it runs away).
-    pub winding_temperature: Option<Option<f64>>,
+    /// Steady winding temperature.
+    pub winding_temperature: Winding,
     /// Highest winding temperature that motor and requirement allow \[K\].
     pub hottest: Option<f64>,
     /// Longest time that the current needs for its jumps at a reversal \[s\].
@@ -87,16 +88,12 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
         joint.motion = moved;
     }
     let (motor, ratio) = (choice.motor, choice.ratio);
-    let own = choice.gear.and_then(|gear| load_through(&joint, gear));
-    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
-    let prepared = Prepared::new(match choice.gear {
-        Some(gear) => geared_candidate(robot, &joint, &load, motor, gear)?,
-        None => continuous_candidate(robot, &joint, &load, motor)?,
-    });
+    let load = load_through(&joint, choice.gear);
+    let prepared = Mount::new(robot, &joint, &load, motor).with_gear(choice.gear).prepared()?;
     let best = match (&joint.ratio, choice.gear) {
         (RatioChoice::Continuous { min, max }, None) => {
             match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
-                Outcome::Optimal(optimum) => Some((optimum.ratio, optimum.objective)),
+                Ok(optimum) => Some((optimum.ratio, optimum.objective)),
                 _ => None,
             }
         }

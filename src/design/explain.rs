@@ -1,14 +1,16 @@
 //! The whole story of one motor at one joint: the design that was asked for, the best one, what the
 //! best one is sensitive to, and what would have to change where none is feasible.
 
+use super::answer::{Reason, SpringChoice};
 use super::evaluate::Judged;
 use super::judge::{judged_part, unjudged};
-use super::optimize::{Reason, solve};
-use super::program::{Infeasible, Optimum, Outcome, RatioProgram};
-use super::spring::{SpringChoice, choose, nearest};
-use super::{Evaluation, Prepared, Unusable, continuous_candidate, geared_candidate, load_through};
-use crate::actuator::Load;
+use super::mount::{Mount, load_through};
+use super::program::{Infeasible, Optimum, RatioProgram};
+use super::solved::solve;
+use super::spring::{choose, nearest};
+use super::{Evaluation, Prepared, Unusable};
 use crate::actuator::limits::{Asked, Remark};
+use crate::actuator::thermal::Winding;
 use crate::catalog::{Gear, Motor, matches_pattern};
 use crate::numerics::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
@@ -24,8 +26,10 @@ pub struct Explanation<'a> {
     pub gear: Option<&'a Gear>,
     /// The design at the ratio that was asked for.
     pub evaluation: Evaluation,
-    /// Winding temperature there \[K\] (`Some(None)`: it runs away).
-    pub winding_temperature: Option<Option<f64>>,
+    /// Winding temperature there.
+    pub winding_temperature: Winding,
+    /// Longest time that the current needs for its jumps at a reversal \[s\].
+    pub reversal_time: Option<f64>,
     /// The best ratio, or why there is none; `None` where the gear fixes the ratio.
     pub best: Option<Result<Optimum, Reason>>,
     /// By how much the objective changes with a parameter of the motor.
@@ -125,22 +129,18 @@ pub fn explain<'a>(
     if joint.limits.spring.is_none() {
         return explain_as_it_is(robot, joint, motor, gear, ratio);
     }
-    let own = gear.and_then(|g| load_through(joint, g));
-    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
-    let candidate = match gear {
-        Some(gear) => geared_candidate(robot, joint, &load, motor, gear)?,
-        None => continuous_candidate(robot, joint, &load, motor)?,
-    };
+    let load = load_through(joint, gear);
+    let mount = Mount::new(robot, joint, &load, motor).with_gear(gear);
     let range = match (ratio.or(gear.map(|g| g.ratio)), &joint.ratio) {
         (Some(ratio), _) => (ratio, ratio),
         (None, RatioChoice::Continuous { min, max }) => (*min, *max),
         (None, RatioChoice::Catalog { .. }) => (1.0, 1.0),
     };
-    let prepared = Prepared::new(candidate);
-    let chosen = choose(&prepared, joint, gear, range);
+    let prepared = mount.prepared()?;
+    let chosen = choose(&mount, &prepared, range);
     // Without any spring all else would be about a joint that nobody asks for, where there has to be one.
     let nearest_spring = match &chosen {
-        Err(_) if joint.limits.spring.is_some_and(|s| s.stiffness[0] > 0.0) => nearest(&prepared, joint, gear, range),
+        Err(_) if joint.limits.spring.is_some_and(|s| s.stiffness[0] > 0.0) => nearest(&mount, &prepared, range),
         _ => None,
     };
     let found = chosen.as_ref().ok().map(|(spring, _)| (spring.stiffness, spring.rest_angle.unwrap_or(0.0)));
@@ -149,8 +149,17 @@ pub fn explain<'a>(
         Some(Joint { motion, ..joint.clone() })
     });
     let story = explain_as_it_is(robot, moved.as_ref().unwrap_or(joint), motor, gear, ratio)?;
-    let Explanation { evaluation, winding_temperature, mut best, sensitivities, remedies, unchecked, assumed, .. } =
-        story;
+    let Explanation {
+        evaluation,
+        winding_temperature,
+        reversal_time,
+        mut best,
+        sensitivities,
+        remedies,
+        unchecked,
+        assumed,
+        ..
+    } = story;
     let unjudged = unjudged(robot, joint, &unchecked);
     // The proof of ratio and spring together stands in place of that of the ratio alone.
     if let (Ok((_, optimum)), Some(Ok(best)), None) = (&chosen, &mut best, ratio) {
@@ -163,6 +172,7 @@ pub fn explain<'a>(
         gear,
         evaluation,
         winding_temperature,
+        reversal_time,
         best,
         sensitivities,
         remedies,
@@ -182,12 +192,9 @@ fn explain_as_it_is<'a>(
     gear: Option<&'a Gear>,
     ratio: Option<f64>,
 ) -> Result<Explanation<'a>, Unusable> {
-    let own = gear.and_then(|g| load_through(joint, g));
-    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
-    let prepared = match gear {
-        Some(gear) => Prepared::new(geared_candidate(robot, joint, &load, motor, gear)?),
-        None => Prepared::new(continuous_candidate(robot, joint, &load, motor)?),
-    };
+    let load = load_through(joint, gear);
+    let mount = Mount::new(robot, joint, &load, motor).with_gear(gear);
+    let prepared = mount.prepared()?;
     let range = match (&joint.ratio, gear) {
         (RatioChoice::Continuous { min, max }, None) => Some((*min, *max)),
         _ => None,
@@ -203,7 +210,7 @@ fn explain_as_it_is<'a>(
         _ => range.map_or(1.0, |(min, max)| (min * max).sqrt()),
     });
     let sensitivities = match (&best, range) {
-        (Some(Ok(optimum)), Some(range)) => sensitivities(robot, joint, &load, motor, range, optimum.objective),
+        (Some(Ok(optimum)), Some(range)) => sensitivities(&mount, range, optimum.objective),
         _ => Vec::new(),
     };
     let remedies = match (&best, range) {
@@ -214,6 +221,7 @@ fn explain_as_it_is<'a>(
     let evaluation =
         Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
     let winding_temperature = prepared.winding_temperature(here);
+    let reversal_time = prepared.reversal_time(here);
     let Judged { unchecked, assumed } = prepared.judged(here);
     let unjudged = unjudged(robot, joint, &unchecked);
     Ok(Explanation {
@@ -222,6 +230,7 @@ fn explain_as_it_is<'a>(
         gear,
         evaluation,
         winding_temperature,
+        reversal_time,
         best,
         sensitivities,
         remedies,
@@ -234,14 +243,8 @@ fn explain_as_it_is<'a>(
 }
 
 /// Re-solves with each parameter of the motor changed for the better by a tenth.
-fn sensitivities(
-    robot: &Robot,
-    joint: &Joint,
-    load: &Load,
-    motor: &Motor,
-    range: (f64, f64),
-    objective: f64,
-) -> Vec<Sensitivity> {
+fn sensitivities(mount: &Mount, range: (f64, f64), objective: f64) -> Vec<Sensitivity> {
+    let Mount { joint, motor, .. } = *mount;
     type Change = (&'static str, f64, fn(&mut Motor, f64));
     let changes: [Change; 5] = [
         ("resistance", -0.1, |m, f| m.resistance *= f),
@@ -261,8 +264,8 @@ fn sensitivities(
     let changed = changes.into_iter().filter(|(name, ..)| known(name)).map(|(parameter, change, apply)| {
         let mut other = motor.clone();
         apply(&mut other, 1.0 + change);
-        let candidate = continuous_candidate(robot, joint, load, &other).ok();
-        let solved = candidate.and_then(|c| solve(&Prepared::new(c), joint, range).ok());
+        let prepared = Mount { motor: &other, ..*mount }.prepared().ok();
+        let solved = prepared.and_then(|p| solve(&p, joint, range).ok());
         Sensitivity { parameter, change, objective: solved.map(|o| o.objective / objective - 1.0) }
     });
     changed.collect()
@@ -281,7 +284,7 @@ fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<R
     let mut found = Vec::new();
     for asked in &prepared.asked {
         let without = prepared.without(asked.limit.name);
-        let Outcome::Optimal(optimum) = RatioProgram::new(&without, &joint.objective, min, max).solve() else {
+        let Ok(optimum) = RatioProgram::new(&without, &joint.objective, min, max).solve() else {
             continue;
         };
         let demand = |n: f64| asked.raw_demand(&prepared.candidate, n).0;

@@ -6,44 +6,11 @@
 //! ([`is_stated`]), so that whoever adds an unknown adds nothing here.
 
 use super::Prepared;
-use super::optimize::{Design, Reason, Rejected};
+use super::answer::{Design, Reason, Refused, Rejected, Unjudged};
 use super::program::{Bind, Certificate, GAP_TOLERANCE, Optimum, RatioProgram, Window};
-use super::sweep::grid;
 use crate::actuator::limits::{Remark, is_stated};
+use crate::numerics::grid::grid;
 use crate::requirement::{Joint, Robot};
-
-/// A design that keeps every limit that could be judged, and of which a stated one could not.
-#[derive(Debug, Clone)]
-pub struct Unjudged<'a> {
-    /// The best design as far as it can be told.
-    pub design: Design<'a>,
-    /// What the requirement states and cannot be judged, and why; never empty.
-    pub because: Vec<Remark>,
-}
-
-/// Why a motor is no candidate for the choice.
-#[derive(Debug, Clone)]
-pub enum Refused<'a> {
-    /// It cannot do it.
-    Rejected(Box<Rejected<'a>>),
-    /// Whether it can is not known.
-    Unjudged(Box<Unjudged<'a>>),
-}
-
-impl<'a> Refused<'a> {
-    /// A motor that cannot do it.
-    pub fn rejected(rejected: Rejected<'a>) -> Refused<'a> {
-        Refused::Rejected(Box::new(rejected))
-    }
-
-    /// Why.
-    pub fn reason(&self) -> Reason {
-        match self {
-            Refused::Rejected(rejected) => rejected.reason.clone(),
-            Refused::Unjudged(unjudged) => Reason::Unjudged(unjudged.because.clone()),
-        }
-    }
-}
 
 /// Of what could not be checked of a design, that which the requirement itself states.
 pub fn unjudged(robot: &Robot, joint: &Joint, unchecked: &[Remark]) -> Vec<Remark> {

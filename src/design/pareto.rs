@@ -7,15 +7,19 @@
 
 use rayon::prelude::*;
 
+use super::answer::Reason;
+use super::best::lacking;
 use super::evaluate::Judged;
-use super::judge;
-use super::optimize::{Reason, solve};
-use super::program::{Bind, Certificate};
-use super::sweep::grid;
-use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
+use super::mount::{JointDemand, Mount, Site};
+use super::options::{Options, Stop, Stopped};
+use super::program::{Certificate, Unsolved};
+use super::selection::Selection;
+use super::solved::solve;
+use super::{Evaluation, Prepared, Unusable, judge};
 use crate::actuator::limits::{Candidate, Remark};
 use crate::catalog::{Catalog, Motor};
-use crate::requirement::{Joint, Objective, Quantity, RatioChoice, Robot};
+use crate::numerics::grid::grid;
+use crate::requirement::{Joint, Objective, Quantity, Robot};
 
 /// A design on the front.
 #[derive(Debug, Clone)]
@@ -57,18 +61,27 @@ pub struct Front<'a> {
 type Curve<'a> = Result<Vec<FrontPoint<'a>>, Reason>;
 
 /// The fronts of all joints, with `points` ratios along the curve of each motor. With `only_checked` motors are left
-/// out of which a limit could not be checked.
+/// out of which a limit could not be checked; of the options it, what is called and what stops it count.
+///
+/// # Errors
+/// It was stopped.
 pub fn fronts<'a>(
     robot: &'a Robot,
     catalog: &'a Catalog,
     quantities: [Quantity; 2],
     points: usize,
-    only_checked: bool,
-) -> Vec<Front<'a>> {
+    options: Options,
+) -> Result<Vec<Front<'a>>, Stopped> {
+    let (stop, only_checked) = (Stop::when(options.stop), options.only_checked);
     let one = |joint: &'a Joint| {
         let demand = JointDemand::new(joint, catalog);
-        let asked = Asked { robot, joint, demand: &demand, quantities, points, only_checked };
-        let curves: Vec<Curve> = catalog.motors.par_iter().map(|motor| asked.curve(motor)).collect();
+        let asked = Asked { site: Site::new(robot, joint, &demand).stopping(stop), quantities, points, only_checked };
+        let curve = |motor| {
+            let curve = asked.curve(motor);
+            (options.tick)();
+            stop.unless(curve)
+        };
+        let curves: Vec<Curve> = catalog.motors.par_iter().map(curve).collect::<Result<_, _>>()?;
         let mut front = Front { joint, quantities, points: Vec::new(), motors: 0, unjudged: vec![], rejected: vec![] };
         for (motor, curve) in catalog.motors.iter().zip(curves) {
             match curve {
@@ -81,7 +94,7 @@ pub fn fronts<'a>(
             }
         }
         front.points = not_dominated(front.points);
-        front
+        Ok(front)
     };
     robot.joints.iter().map(one).collect()
 }
@@ -96,9 +109,7 @@ fn value(prepared: &Prepared, evaluation: &Evaluation, quantity: Quantity) -> Op
 
 /// What a front is asked for.
 struct Asked<'a, 'd> {
-    robot: &'a Robot,
-    joint: &'a Joint,
-    demand: &'d JointDemand<'a>,
+    site: Site<'a, 'd>,
     quantities: [Quantity; 2],
     points: usize,
     only_checked: bool,
@@ -107,19 +118,11 @@ struct Asked<'a, 'd> {
 impl<'a> Asked<'a, '_> {
     /// The points of one motor.
     fn curve(&self, motor: &'a Motor) -> Curve<'a> {
-        for (quantity, unusable) in [(Quantity::Mass, Unusable::Mass), (Quantity::Energy, Unusable::Durations)] {
-            let known = match quantity {
-                Quantity::Mass => motor.mass.is_some(),
-                _ => self.demand.load.has_durations,
-            };
-            if self.quantities.contains(&quantity) && !known {
-                return Err(Reason::Unusable(unusable));
-            }
+        let durations = self.site.demand.load.has_durations;
+        if let Some(why) = lacking(motor, durations, |quantity| self.quantities.contains(&quantity)) {
+            return Err(Reason::Unusable(why));
         }
-        match &self.joint.ratio {
-            RatioChoice::Continuous { min, max } => self.of_ratios(motor, (*min, *max)),
-            RatioChoice::Catalog { .. } => self.of_gears(motor),
-        }
+        if self.site.is_geared() { self.of_gears(motor) } else { self.of_ratios(self.site.direct(motor)) }
     }
 
     /// The gate: why a design is not on a front, from what is not known of it.
@@ -127,7 +130,7 @@ impl<'a> Asked<'a, '_> {
         if let Some(why) = self.left_out(unchecked) {
             return Err(why);
         }
-        match judge::unjudged(self.robot, self.joint, unchecked) {
+        match judge::unjudged(self.site.robot, self.site.joint, unchecked) {
             because if because.is_empty() => Ok(()),
             because => Err(Reason::Unjudged(because)),
         }
@@ -135,39 +138,32 @@ impl<'a> Asked<'a, '_> {
 
     /// Why something with these unknowns is not looked at.
     fn left_out(&self, unchecked: &[Remark]) -> Option<Reason> {
-        let what = judge::left_out(self.robot, self.joint, unchecked, self.only_checked);
+        let what = judge::left_out(self.site.robot, self.site.joint, unchecked, self.only_checked);
         what.map(|(limit, why)| Reason::Unchecked(limit, why))
     }
 
-    fn at(
-        &self,
-        prepared: &Prepared,
-        motor: &'a Motor,
-        ratio: f64,
-        gear: Option<&'a str>,
-        certified: bool,
-    ) -> Option<FrontPoint<'a>> {
+    fn at(&self, mount: &Mount<'a, '_>, prepared: &Prepared, ratio: f64, certified: bool) -> Option<FrontPoint<'a>> {
         let evaluation = prepared.at(ratio);
         let values = self.quantities.map(|q| value(prepared, &evaluation, q));
         match values {
             [Some(a), Some(b)] if evaluation.feasible => {
                 let Judged { unchecked, assumed } = prepared.judged(ratio);
+                let (motor, gear) = (mount.motor, mount.gear_id());
                 Some(FrontPoint { motor, gear, values: [a, b], evaluation, certified, unchecked, assumed })
             }
             _ => None,
         }
     }
 
-    fn of_ratios(&self, motor: &'a Motor, range: (f64, f64)) -> Curve<'a> {
-        let candidate =
-            continuous_candidate(self.robot, self.joint, &self.demand.load, motor).map_err(Reason::Unusable)?;
-        let prepared = Prepared::new(candidate);
+    fn of_ratios(&self, mount: Mount<'a, '_>) -> Curve<'a> {
+        let prepared = mount.prepared().map_err(Reason::Unusable)?;
+        let Some(range) = mount.range() else { return Err(Reason::Unusable(Unusable::NoGearFits)) };
         if let Some(why) = self.left_out(&prepared.unchecked) {
             return Err(why);
         }
         let best = self.quantities.map(|quantity| {
-            let joint = Joint { objective: Objective::single(quantity), ..self.joint.clone() };
-            let own = Prepared::new(Candidate { joint: &joint, ..prepared.candidate });
+            let joint = Joint { objective: Objective::single(quantity), ..mount.joint.clone() };
+            let own = Prepared::new(Candidate { joint: &joint, ..prepared.candidate }).stopping(mount.stop);
             solve(&own, &joint, range).map(|optimum| judge::judged_part(&own, optimum, self.only_checked))
         });
         let [a, b] = best;
@@ -179,55 +175,43 @@ impl<'a> Asked<'a, '_> {
         let count = if to > from * (1.0 + 1e-12) { self.points.max(2) } else { 1 };
         let ratios = if count == 1 { vec![a.ratio] } else { grid(from, to, count) };
         let points: Vec<FrontPoint> =
-            ratios.into_iter().filter_map(|n| self.at(&prepared, motor, n, None, certified && convex)).collect();
+            ratios.into_iter().filter_map(|n| self.at(&mount, &prepared, n, certified && convex)).collect();
         if points.is_empty() {
             let unknown = prepared.candidate.mass_at(range.0).is_none() && self.quantities.contains(&Quantity::Mass);
-            let not = || Reason::NotSolved("no ratio between the two best ones keeps every limit".into());
+            let not = || Reason::NotSolved(Unsolved::NoneBetween);
             return Err(if unknown { Reason::Unusable(Unusable::Mass) } else { not() });
         }
         self.judged(points)
     }
 
     fn of_gears(&self, motor: &'a Motor) -> Curve<'a> {
-        let mut why = Reason::Unusable(Unusable::NoGearFits);
-        let mut nearest: Option<(f64, Reason)> = None;
-        let mut tried = 0;
+        let mut gears: Selection<()> = Selection::new();
         let mut points = Vec::new();
-        for (gear, load) in self.demand.gears_for(motor) {
-            let candidate = match geared_candidate(self.robot, self.joint, load, motor, gear) {
-                Ok(candidate) => candidate,
-                Err(unusable) => {
-                    why = Reason::Unusable(unusable);
+        for mount in self.site.mounts(motor) {
+            let Some(gear) = mount.gear else { continue };
+            let prepared = match mount.prepared() {
+                Ok(prepared) => prepared,
+                Err(why) => {
+                    gears.unusable(why);
                     continue;
                 }
             };
-            let prepared = Prepared::new(candidate);
-            if let Some(reason) = self.left_out(&prepared.unchecked) {
-                why = reason;
+            if let Some(what) = judge::left_out(mount.robot, mount.joint, &prepared.unchecked, self.only_checked) {
+                gears.unchecked(&gear.id, what);
                 continue;
             }
             let evaluation = prepared.at(gear.ratio);
-            if let Some(point) = self.at(&prepared, motor, gear.ratio, Some(gear.id.as_str()), true) {
-                points.push(point);
-            } else if evaluation.feasible {
-                why = Reason::Unusable(Unusable::Mass);
-                continue;
-            } else if let Some(worst) = evaluation.tightest()
-                && nearest.as_ref().is_none_or(|(margin, _)| worst.margin > *margin)
-            {
-                let bind = Bind::of(worst.limit, worst.sample);
-                let (over, allowed) = (worst.demand / worst.bound, worst.bound);
-                nearest = Some((worst.margin, Reason::Gears { bind, over, allowed, tried }));
+            match self.at(&mount, &prepared, gear.ratio, true) {
+                Some(point) => {
+                    gears.take(false, (0.0, 0.0), ());
+                    points.push(point);
+                }
+                None if evaluation.feasible => gears.unusable(Unusable::Mass),
+                None => gears.exceeds(&gear.id, evaluation.tightest()),
             }
-            tried += 1;
         }
-        match (points.is_empty(), nearest) {
-            (false, _) => self.judged(points),
-            (true, Some((_, Reason::Gears { bind, over, allowed, .. }))) => {
-                Err(Reason::Gears { bind, over, allowed, tried })
-            }
-            (true, _) => Err(why),
-        }
+        gears.best()?;
+        self.judged(points)
     }
 
     /// The points that can be judged; where there are none, why.

@@ -8,42 +8,27 @@
 
 use rayon::prelude::*;
 
-use super::judge::Refused;
-use super::optimize::{Design, Options, Sorted, best_design, is_impossible};
+use super::answer::{Design, Pruned, Refused, Sorted};
+use super::best::{best_design, is_impossible, lacking};
+use super::mount::{Mount, Site};
+use super::options::{Options, Stopped};
 use super::program::RatioProgram;
-use super::{JointDemand, Prepared, continuous_candidate, geared_candidate};
 use crate::catalog::{Catalog, Motor};
-use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
 
 /// Motors that are solved together.
 const BLOCK: usize = 8;
 /// Relative distance by which a bound must be above the k-th best: more than the accuracy of either.
 const CLEAR: f64 = 1e-6;
 
-/// What was not solved, because it cannot be among the first.
-#[derive(Debug, Clone)]
-pub struct Pruned<'a> {
-    /// How many designs were to be kept, k.
-    pub keep: usize,
-    /// Motors that were solved and can do it, but stand behind the first k.
-    pub behind: usize,
-    /// Motors that certainly cannot do it, where no reason was asked for.
-    pub impossible: Vec<&'a Motor>,
-    /// Motors that were not solved, each with its lower bound of the objective, by bound.
-    pub not_solved: Vec<(&'a Motor, f64)>,
-}
-
 /// What came of the motors of a joint that were solved, of the candidates the best `keep`, and the rest.
 pub(super) fn first<'a>(
-    robot: &'a Robot,
-    joint: &'a Joint,
-    demand: &JointDemand<'a>,
+    site: Site<'a, '_>,
     catalog: &'a Catalog,
     keep: usize,
     options: &Options,
-) -> (Sorted<'a>, Pruned<'a>) {
-    let bounds: Vec<Option<f64>> =
-        catalog.motors.par_iter().map(|motor| lower_bound(robot, joint, demand, motor)).collect();
+) -> Result<(Sorted<'a>, Pruned<'a>), Stopped> {
+    let bound = |motor| site.stop.unless(lower_bound(site, motor));
+    let bounds: Vec<Option<f64>> = catalog.motors.par_iter().map(bound).collect::<Result<_, _>>()?;
     // A motor without a bound is solved: that gives the reason why it cannot.
     let (mut bounded, mut queue) = (Vec::new(), Vec::new());
     for (index, bound) in bounds.into_iter().enumerate() {
@@ -70,12 +55,12 @@ pub(super) fn first<'a>(
         }
         let solve = |index: &usize| {
             let motor = &catalog.motors[*index];
-            let certain = !options.reasons && is_impossible(robot, joint, demand, motor);
-            let found = (!certain).then(|| best_design(robot, joint, demand, motor, options.only_checked));
+            let certain = !options.reasons && is_impossible(site, motor);
+            let found = (!certain).then(|| best_design(site, motor, options.only_checked));
             (options.tick)();
-            found
+            site.stop.unless(found)
         };
-        let solved: Vec<_> = queue.par_iter().map(solve).collect();
+        let solved: Vec<_> = queue.par_iter().map(solve).collect::<Result<_, _>>()?;
         for (index, result) in queue.drain(..).zip(solved) {
             match result {
                 Some(result) => {
@@ -89,8 +74,8 @@ pub(super) fn first<'a>(
     }
     if objectives.is_empty() {
         // What stands in the way of a joint without a design is told of every motor.
-        let why = |index: &usize| best_design(robot, joint, demand, &catalog.motors[*index], options.only_checked);
-        let solved: Vec<_> = impossible.par_iter().map(why).collect();
+        let why = |index: &usize| site.stop.unless(best_design(site, &catalog.motors[*index], options.only_checked));
+        let solved: Vec<_> = impossible.par_iter().map(why).collect::<Result<_, _>>()?;
         found.extend(impossible.drain(..).zip(solved));
     }
     found.sort_by_key(|(index, _)| *index);
@@ -100,33 +85,20 @@ pub(super) fn first<'a>(
     let not_solved = bounded[next..].iter().map(|(bound, index)| (&catalog.motors[*index], *bound)).collect();
     impossible.sort_unstable();
     let impossible = impossible.into_iter().map(|index| &catalog.motors[index]).collect();
-    (sorted, Pruned { keep, behind, impossible, not_solved })
+    Ok((sorted, Pruned { keep, behind, impossible, not_solved }))
 }
 
 /// What the objective is nowhere below for a motor; `None` where it has to be solved to be told.
-fn lower_bound(robot: &Robot, joint: &Joint, demand: &JointDemand, motor: &Motor) -> Option<f64> {
+fn lower_bound(site: Site, motor: &Motor) -> Option<f64> {
+    let Site { joint, demand, .. } = site;
     // A spring takes load off: a bound without it is none.
-    if joint.limits.spring.is_some() {
+    let counts = |quantity| joint.objective.weight(quantity) > 0.0;
+    if joint.limits.spring.is_some() || lacking(motor, demand.load.has_durations, counts).is_some() {
         return None;
     }
-    let objective = &joint.objective;
-    if objective.weight(Quantity::Mass) > 0.0 && motor.mass.is_none() {
-        return None;
-    }
-    if objective.weight(Quantity::Energy) > 0.0 && !demand.load.has_durations {
-        return None;
-    }
-    match &joint.ratio {
-        RatioChoice::Continuous { min, max } => {
-            let prepared = Prepared::new(continuous_candidate(robot, joint, &demand.load, motor).ok()?);
-            RatioProgram::new(&prepared, objective, *min, *max).lower_bound()
-        }
-        RatioChoice::Catalog { .. } => {
-            let bounds = demand.gears_for(motor).filter_map(|(gear, load)| {
-                let prepared = Prepared::new(geared_candidate(robot, joint, load, motor, gear).ok()?);
-                RatioProgram::new(&prepared, objective, gear.ratio, gear.ratio).lower_bound()
-            });
-            bounds.reduce(f64::min)
-        }
-    }
+    let bound = |mount: Mount| {
+        let (min, max) = mount.range()?;
+        RatioProgram::new(&mount.prepared().ok()?, &joint.objective, min, max).lower_bound()
+    };
+    site.mounts(motor).filter_map(bound).reduce(f64::min)
 }

@@ -6,15 +6,17 @@
 //! gear looks the same on either side of it, but another ratio tells them apart: the choice is given
 //! for both readings.
 
-use super::judge::Refused;
-use super::optimize::{Design, Reason, best_design, optimize, order};
-use super::{Evaluation, JointDemand, Margin, Prepared, continuous_candidate, geared_candidate};
+use super::answer::{Design, Reason, Refused, order};
+use super::best::best_design;
+use super::mount::{JointDemand, Site};
+use super::optimize::optimize;
+use super::{Evaluation, Margin};
 use crate::actuator::fitted::{Note, notes};
 use crate::actuator::limits::hottest;
 use crate::actuator::shaft::sign;
 use crate::catalog::{Catalog, Motor};
 use crate::design::program::{Bind, Certificate};
-use crate::effects::FittedEffect;
+use crate::effects::{FittedEffect, Side};
 use crate::requirement::{Joint, Robot};
 
 /// What the measurement changes at one joint.
@@ -113,9 +115,10 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
     let declared = catalog.motors.iter().find(|m| m.id == declared_id);
     let result = optimize(robot, catalog);
     let pairs = robot.joints.iter().zip(&result.joints);
-    let one = |(joint, before): (&'a Joint, &super::optimize::JointResult)| {
+    let one = |(joint, before): (&'a Joint, &super::answer::JointResult)| {
         let demand = JointDemand::new(joint, catalog);
-        let after = best_design(robot, joint, &demand, &fitted, false);
+        let site = Site::new(robot, joint, &demand);
+        let after = best_design(site, &fitted, false);
         let others: Vec<&Design> = before.candidates.iter().filter(|d| d.motor.id != declared_id).collect();
         let rank = |design: &Design| 1 + others.iter().filter(|d| order(d, design).is_lt()).count();
         let choice = |found: &Result<Design, Refused>| match found {
@@ -134,7 +137,7 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
         remade.extend(after.as_ref().ok());
         remade.sort_by(|a, b| order(a, b));
         let (first, first_after) = (before.candidates.first(), remade.first());
-        let at = |design: &Design| evaluate(robot, joint, &demand, &fitted, design);
+        let at = |design: &Design| evaluate(site, &fitted, design);
         let regret = first.map(|first| {
             let evaluation = if first.motor.id == declared_id { at(first) } else { Some(first.evaluation.clone()) };
             regret_of(joint, evaluation, first_after.map(|d| d.optimum.objective))
@@ -158,15 +161,9 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
 }
 
 /// The fitted motor in a design that was made for its row.
-fn evaluate(robot: &Robot, joint: &Joint, demand: &JointDemand, fitted: &Motor, design: &Design) -> Option<Evaluation> {
-    let candidate = match design.gear {
-        None => continuous_candidate(robot, joint, &demand.load, fitted).ok()?,
-        Some(id) => {
-            let (gear, load) = demand.gears_for(fitted).find(|(g, _)| g.id == id)?;
-            geared_candidate(robot, joint, load, fitted, gear).ok()?
-        }
-    };
-    let (prepared, ratio) = (Prepared::new(candidate), design.optimum.ratio);
+fn evaluate(site: Site, fitted: &Motor, design: &Design) -> Option<Evaluation> {
+    let prepared = site.mount(fitted, design.gear).ok()?.prepared().ok()?;
+    let ratio = design.optimum.ratio;
     Some(Evaluation {
         energy: prepared.energy(ratio),
         peak_power: Some(prepared.peak_power(ratio)),
@@ -198,8 +195,7 @@ fn output_side(
     let own = |of: fn(&Motor) -> Option<f64>| declared.and_then(of);
     let found = |of: fn(&Motor) -> Option<f64>| of(fitted).unwrap_or(0.0) - own(of).unwrap_or(0.0);
     let (viscous, coulomb) = (found(|m| m.viscous_friction), found(|m| m.coulomb_friction));
-    let friction =
-        |e: &&FittedEffect| matches!(e.name(), "stribeck_friction" | "viscous_friction" | "coulomb_friction");
+    let friction = |e: &&FittedEffect| e.effect.side() == Side::Either;
     let moved: Vec<&FittedEffect> = fitted.effects.iter().filter(friction).collect();
     if viscous == 0.0 && coulomb == 0.0 && moved.is_empty() {
         return None;
@@ -218,17 +214,14 @@ fn output_side(
         let (mut torque, mut slope) = (coulomb * sign(speed) + viscous * speed, viscous);
         for fitted in &moved {
             torque += fitted.effect.value(&fitted.values, &at);
-            slope += match fitted.name() {
-                "viscous_friction" => fitted.values[0],
-                _ => fitted.effect.speed_slope(&fitted.values, &at),
-            };
+            slope += fitted.speed_slope(&at);
         }
         // Torque at the output is N times that at the motor, and speed there 1/N.
         motion.torque[k] += bench * torque;
         motion.torque_rate[k] += bench * bench * slope * motion.acceleration[k];
     }
     let demand = JointDemand::new(&joint, catalog);
-    let found = best_design(robot, &joint, &demand, &motor, false);
+    let found = best_design(Site::new(robot, &joint, &demand), &motor, false);
     Some(match found {
         Ok(design) => Choice { outcome: Ok(Chosen::new(&design)), rank: Some(rank(&design)) },
         Err(refused) => Choice { outcome: Err(refused.reason()), rank: None },

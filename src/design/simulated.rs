@@ -124,7 +124,7 @@ impl SimulatedJoint {
                     crate::words::number(value)
                 ),
             ),
-            SimulatorField::Nowhere if effect.name() == "load_dependent_friction" => {
+            SimulatorField::Efficiency => {
                 self.leave_out(told(effect, values), "it is the gear's efficiency, see there");
             }
             SimulatorField::Nowhere => {
@@ -189,11 +189,10 @@ impl SimulatedJoint {
             self.leave_out("largest torque", "neither motor nor drive nor gear says one");
         }
         match self.continuous_effort() {
-            Some(bound) => self.leave_out(
-                "heating",
-                format!("{} N*m can be held for ever (by the {})", number(bound.value), bound.owner),
-            ),
-            None => self.leave_out("heating", "what can be held for ever is not known"),
+            Some(bound) => {
+                self.leave_out("heating", format!("{} N*m continuous (by the {})", number(bound.value), bound.owner))
+            }
+            None => self.leave_out("heating", "the continuous torque is not known"),
         }
     }
 }

@@ -1,53 +1,19 @@
 //! Joints with a parallel spring: motor, gear, ratio and spring chosen together, and what the spring is
 //! worth: the same joint with the same motor and no spring stands beside every choice.
 
-use super::judge::{self, Refused};
-use super::optimize::{Design, Reason, Rejected, design};
+use super::answer::{Design, Reason, Refused, SpringChoice, WithoutSpring};
+use super::mount::{Mount, Site, covered_inertia};
 use super::program::spring::{self, SpringOptimum, Sprung};
-use super::program::{Certificate, Optimum, Outcome, RatioProgram};
-use super::{JointDemand, Prepared, Unusable, covers_gear, geared_candidate};
-use crate::catalog::{Gear, Motor};
-use crate::requirement::{Joint, Robot};
+use super::program::{Certificate, Optimum, RatioProgram, Unsolved};
+use super::selection::Selection;
+use super::solved::design;
+use super::{Prepared, judge};
+use crate::catalog::Motor;
+use crate::requirement::Joint;
 
-/// A spring that was chosen, and the same joint without it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpringChoice {
-    /// Stiffness \[N·m/rad\].
-    pub stiffness: f64,
-    /// Rest angle \[rad\]; `None` without stiffness.
-    pub rest_angle: Option<f64>,
-    /// No ratio and spring are better than this, in the objective's unit; `None` where no bound was found.
-    pub lower_bound: Option<f64>,
-    /// Relative gap between objective and bound.
-    pub gap: Option<f64>,
-    /// Whether the objective leaves the spring free, so that the least stiffness was taken.
-    pub least_stiffness: bool,
-    /// The same motor (and gear) without a spring; `None` where no ratio keeps the limits then.
-    pub without: Option<WithoutSpring>,
-}
-
-/// The best a motor does without a spring.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WithoutSpring {
-    /// Ratio, N.
-    pub ratio: f64,
-    /// Objective.
-    pub objective: f64,
-    /// Mean copper loss \[W\].
-    pub loss: f64,
-}
-
-impl SpringChoice {
-    /// Share of the loss without spring that the spring saves; `None` where there is nothing to compare
-    /// with.
-    pub fn saving(&self, loss: f64) -> Option<f64> {
-        self.without.filter(|w| w.loss > 0.0).map(|w| 1.0 - loss / w.loss)
-    }
-}
-
-/// Inertia at the output \[kg·m²\] that a gear's efficiency covers at a joint.
-pub fn covered_inertia(joint: &Joint, gear: &Gear) -> f64 {
-    gear.inertia.filter(|_| covers_gear(joint)).map_or(0.0, |inertia| inertia * gear.ratio * gear.ratio)
+/// Inertia at the output \[kg·m²\] that the gear's efficiency covers.
+fn covered(mount: &Mount) -> f64 {
+    mount.gear.and_then(|gear| covered_inertia(mount.joint, gear)).unwrap_or(0.0)
 }
 
 /// The best that a motor does without the spring in a range of ratios.
@@ -57,7 +23,7 @@ fn without_spring(prepared: &Prepared, joint: &Joint, min: f64, max: f64) -> Opt
         (min, evaluation.objective(&joint.objective).filter(|_| evaluation.feasible)?)
     } else {
         match RatioProgram::new(prepared, &joint.objective, min, max).solve() {
-            Outcome::Optimal(optimum) => (optimum.ratio, optimum.objective),
+            Ok(optimum) => (optimum.ratio, optimum.objective),
             _ => return None,
         }
     };
@@ -69,20 +35,19 @@ fn without_spring(prepared: &Prepared, joint: &Joint, min: f64, max: f64) -> Opt
 /// # Errors
 /// Why there is none.
 pub(super) fn choose(
+    mount: &Mount,
     prepared: &Prepared,
-    joint: &Joint,
-    gear: Option<&Gear>,
     (min, max): (f64, f64),
 ) -> Result<(SpringChoice, Optimum), Reason> {
+    let joint = mount.joint;
     let Some(asked) = joint.limits.spring else {
-        return Err(Reason::NotSolved("the joint asks for no spring".into()));
+        return Err(Reason::NotSolved(Unsolved::NoSpringAsked));
     };
     // Effects that are evaluated, or that bend torque over current, have no place in the spring's forms.
     if prepared.candidate.is_evaluated() || !prepared.candidate.actuator.shortfall.is_nothing() {
-        return Err(Reason::NotSolved("a spring is not chosen for a motor with these fitted effects".into()));
+        return Err(Reason::NotSolved(Unsolved::SpringWithEffects));
     }
-    let covered = gear.map_or(0.0, |g| covered_inertia(joint, g));
-    let found = spring::solve(prepared, &joint.objective, &asked, (min, max), covered).map_err(reason)?;
+    let found = spring::solve(prepared, &joint.objective, &asked, (min, max), covered(mount)).map_err(Reason::from)?;
     let without = without_spring(prepared, joint, min, max);
     let SpringOptimum { stiffness, rest_angle, optimum, lower_bound, gap, least_stiffness } = found;
     Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
@@ -90,49 +55,37 @@ pub(super) fn choose(
 
 /// The allowed spring that comes nearest to keeping the limits, where none does: stiffness \[N·m/rad\] and rest angle
 /// \[rad\]. `None` where no spring is chosen for the candidate at all.
-pub(super) fn nearest(
-    prepared: &Prepared,
-    joint: &Joint,
-    gear: Option<&Gear>,
-    range: (f64, f64),
-) -> Option<(f64, f64)> {
-    let asked = joint.limits.spring?;
-    let covered = gear.map_or(0.0, |g| covered_inertia(joint, g));
-    spring::nearest(prepared, &joint.objective, &asked, range, covered)
+pub(super) fn nearest(mount: &Mount, prepared: &Prepared, range: (f64, f64)) -> Option<(f64, f64)> {
+    let asked = mount.joint.limits.spring?;
+    spring::nearest(prepared, &mount.joint.objective, &asked, range, covered(mount))
 }
 
-/// The same as a design.
-pub(super) fn solve<'a>(
-    prepared: &Prepared,
-    joint: &Joint,
-    motor: &'a Motor,
-    gear: Option<&'a Gear>,
-    range: (f64, f64),
-) -> Result<Design<'a>, Reason> {
-    let (choice, optimum) = choose(prepared, joint, gear, range)?;
-    let covered = gear.map_or(0.0, |g| covered_inertia(joint, g));
-    let sprung = Sprung::new(joint, choice.stiffness, choice.rest_angle.unwrap_or(0.0), covered)
-        .ok_or_else(|| Reason::NotSolved("a spring needs a motion with a position".into()))?;
+/// The best design with a spring over a range of ratios.
+///
+/// # Errors
+/// Why there is none.
+pub(super) fn solve<'a>(mount: &Mount<'a, '_>, prepared: &Prepared, range: (f64, f64)) -> Result<Design<'a>, Reason> {
+    let (choice, optimum) = choose(mount, prepared, range)?;
+    let sprung = Sprung::new(mount.joint, choice.stiffness, choice.rest_angle.unwrap_or(0.0), covered(mount))
+        .ok_or(Reason::NotSolved(Unsolved::NoPosition))?;
     let sprung = prepared.with_candidate(sprung.candidate(&prepared.candidate));
-    let mut design = design(&sprung, motor, gear.map(|g| g.id.as_str()), optimum);
+    let mut design = design(mount, &sprung, optimum);
     design.spring = Some(choice);
     Ok(design)
 }
 
-fn reason(outcome: Outcome) -> Reason {
-    match outcome {
-        Outcome::Optimal(_) => Reason::NotSolved("an optimum is no reason".into()),
-        Outcome::Infeasible(infeasible) => Reason::Infeasible(infeasible),
-        Outcome::Unbounded => Reason::Unbounded,
-        Outcome::NotSolved(why) => Reason::NotSolved(why),
-    }
-}
-
-/// Designs with gears of the catalogue, the best of them, and the least bound over them all.
-struct Best<'a> {
-    design: Option<Design<'a>>,
+/// The least objective that any gear of a class can have with its best spring.
+#[derive(Debug, Clone, Copy)]
+struct Bound(
     /// `None` once a gear has none.
-    bound: Option<f64>,
+    Option<f64>,
+);
+
+impl Bound {
+    /// Takes another gear in.
+    fn take(&mut self, design: &Design) {
+        self.0 = self.0.zip(design.spring.and_then(|s| s.lower_bound)).map(|(a, b)| a.min(b));
+    }
 }
 
 /// The best gear: the spring is solved for with each that fits. Gears with which the design cannot be judged are
@@ -141,84 +94,65 @@ struct Best<'a> {
 /// # Errors
 /// Why the motor is no choice.
 pub(super) fn best_gear<'a>(
-    robot: &'a Robot,
-    joint: &'a Joint,
-    demand: &JointDemand<'a>,
+    site: Site<'a, '_>,
     motor: &'a Motor,
     only_checked: bool,
 ) -> Result<Design<'a>, Refused<'a>> {
-    let mut best = [true, false].map(|_| Best { design: None, bound: Some(f64::INFINITY) });
-    let mut refused: Option<(Option<&'a str>, Reason)> = None;
-    for (gear, load) in demand.gears_for(motor) {
-        let candidate = match geared_candidate(robot, joint, load, motor, gear) {
-            Ok(candidate) => candidate,
+    let Site { robot, joint, .. } = site;
+    let mut gears: Selection<(Design, bool)> = Selection::new();
+    let mut bounds = [Bound(Some(f64::INFINITY)); 2];
+    for mount in site.mounts(motor) {
+        let (Some(gear), Some(range)) = (mount.gear_id(), mount.range()) else { continue };
+        let prepared = match mount.prepared() {
+            Ok(prepared) => prepared,
             Err(why) => {
-                refused = refused.or(Some((Some(&gear.id), Reason::Unusable(why))));
+                gears.mention(gear, Reason::Unusable(why));
                 continue;
             }
         };
-        let prepared = Prepared::new(candidate);
         if let Some((limit, why)) = judge::left_out(robot, joint, &prepared.unchecked, only_checked) {
-            refused = refused.or(Some((Some(&gear.id), Reason::Unchecked(limit, why))));
+            gears.mention(gear, Reason::Unchecked(limit, why));
             continue;
         }
-        match solve(&prepared, joint, motor, Some(gear), (gear.ratio, gear.ratio)) {
+        match solve(&mount, &prepared, range) {
             // What can be said of heat depends on the spring: it is asked of the design.
             Ok(design) => match judge::left_out(robot, joint, &design.unchecked, only_checked) {
-                Some((limit, why)) => refused = refused.or(Some((Some(&gear.id), Reason::Unchecked(limit, why)))),
+                Some((limit, why)) => gears.mention(gear, Reason::Unchecked(limit, why)),
                 None => {
-                    let apart = usize::from(!judge::unjudged(robot, joint, &design.unchecked).is_empty());
-                    best[apart].take(design);
+                    let apart = !judge::unjudged(robot, joint, &design.unchecked).is_empty();
+                    bounds[usize::from(apart)].take(&design);
+                    gears.take(apart, (design.optimum.objective, design.evaluation.loss), (design, apart));
                 }
             },
             Err(why) => {
                 if matches!(why, Reason::NotSolved(_)) {
-                    best.iter_mut().for_each(|best| best.bound = None);
+                    bounds = [Bound(None); 2];
                 }
-                refused = Some((Some(&gear.id), why));
+                gears.refused(gear, why);
             }
         }
     }
-    let found = best.into_iter().find_map(Best::settled);
-    let Some(design) = found else {
-        let unusable = if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { Unusable::NoGearFits };
-        let (gear, reason) = refused.unwrap_or((None, Reason::Unusable(unusable)));
-        return Err(Refused::rejected(Rejected { motor, gear, reason }));
-    };
-    judge::judged(robot, joint, design, only_checked)
+    let (design, apart) = gears.best_of(motor)?;
+    Ok(settled(design, bounds[usize::from(apart)].0))
 }
 
-impl<'a> Best<'a> {
-    /// Takes another gear's design in.
-    fn take(&mut self, design: Design<'a>) {
-        self.bound = self.bound.zip(design.spring.and_then(|s| s.lower_bound)).map(|(a, b)| a.min(b));
-        let key = |d: &Design| (d.optimum.objective, d.evaluation.loss);
-        if self.design.as_ref().is_none_or(|b| key(&design) < key(b)) {
-            self.design = Some(design);
-        }
+/// The best of all gears, with the proof that no gear has a better one.
+fn settled(mut design: Design, bound: Option<f64>) -> Design {
+    let objective = design.optimum.objective;
+    let gap = bound.map(|b| if objective == 0.0 { 0.0 } else { ((objective - b) / objective.abs()).max(0.0) });
+    if let (Certificate::Certified { .. }, Some(lower_bound)) = (&design.optimum.certificate, bound) {
+        design.optimum.certificate = match gap {
+            Some(gap) if gap <= super::program::GAP_TOLERANCE => {
+                let method = "all gears, each with its best spring";
+                Certificate::Certified { lower_bound: lower_bound.min(objective), gap, method }
+            }
+            _ => Certificate::NotCertified("another gear's spring could not be bounded closely enough".into()),
+        };
+    } else if bound.is_none() {
+        design.optimum.certificate = Certificate::NotCertified("another gear's spring could not be solved for".into());
     }
-
-    /// The best of all, with the proof that no gear has a better one.
-    fn settled(self) -> Option<Design<'a>> {
-        let Best { design, bound } = self;
-        let mut design = design?;
-        let objective = design.optimum.objective;
-        let gap = bound.map(|b| if objective == 0.0 { 0.0 } else { ((objective - b) / objective.abs()).max(0.0) });
-        if let (Certificate::Certified { .. }, Some(lower_bound)) = (&design.optimum.certificate, bound) {
-            design.optimum.certificate = match gap {
-                Some(gap) if gap <= super::program::GAP_TOLERANCE => {
-                    let method = "all gears, each with its best spring";
-                    Certificate::Certified { lower_bound: lower_bound.min(objective), gap, method }
-                }
-                _ => Certificate::NotCertified("another gear's spring could not be bounded closely enough".into()),
-            };
-        } else if bound.is_none() {
-            design.optimum.certificate =
-                Certificate::NotCertified("another gear's spring could not be solved for".into());
-        }
-        if let Some(spring) = &mut design.spring {
-            (spring.lower_bound, spring.gap) = (bound, gap);
-        }
-        Some(design)
+    if let Some(spring) = &mut design.spring {
+        (spring.lower_bound, spring.gap) = (bound, gap);
     }
+    design
 }

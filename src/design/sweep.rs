@@ -2,77 +2,33 @@
 
 use rayon::prelude::*;
 
+use super::Prepared;
+use super::answer::{JointSweep, SweptDesign, Unusable};
 use super::evaluate::Judged;
 use super::judge::unjudged;
-use super::{Evaluation, JointDemand, Prepared, Unusable, continuous_candidate, geared_candidate};
-use crate::actuator::limits::Remark;
+use super::mount::{JointDemand, Mount, Site};
+use super::options::{Options, Stop, Stopped};
 use crate::catalog::{Catalog, Motor};
-use crate::requirement::{Joint, RatioChoice, Robot};
-
-/// What was found at one joint.
-#[derive(Debug)]
-pub struct JointSweep<'a> {
-    /// The joint.
-    pub joint: &'a Joint,
-    /// Every design that was evaluated, in the order of motor and ratio.
-    pub designs: Vec<SweptDesign<'a>>,
-    /// Motors, or motors with a gear, that are no candidates.
-    pub unusable: Vec<(&'a str, Option<&'a str>, Unusable)>,
-}
-
-/// A motor at a ratio.
-#[derive(Debug)]
-pub struct SweptDesign<'a> {
-    /// The motor.
-    pub motor: &'a Motor,
-    /// Id of the gear, where it is one of the catalogue.
-    pub gear: Option<&'a str>,
-    /// All about it.
-    pub evaluation: Evaluation,
-    /// Limits that could not be checked, and why.
-    pub unchecked: std::sync::Arc<[Remark]>,
-    /// Of those, what the requirement itself states: with any of them the design is no choice.
-    pub unjudged: std::sync::Arc<[Remark]>,
-    /// Limits that count as kept, and as far as what holds.
-    pub assumed: std::sync::Arc<[Remark]>,
-}
-
-impl SweptDesign<'_> {
-    /// Whether it keeps every limit, and every limit that the requirement states could be judged.
-    pub fn is_choice(&self) -> bool {
-        self.evaluation.feasible && self.unjudged.is_empty()
-    }
-
-    /// Whether it keeps all that could be judged, but not all that the requirement states could be.
-    pub fn is_unjudged(&self) -> bool {
-        self.evaluation.feasible && !self.unjudged.is_empty()
-    }
-}
-
-/// `count` ratios from `min` to `max`, evenly spaced in ln N.
-pub fn grid(min: f64, max: f64, count: usize) -> Vec<f64> {
-    match count {
-        0 => Vec::new(),
-        1 => vec![(min * max).sqrt()],
-        _ => (0..count)
-            .map(|i| if i + 1 == count { max } else { min * (max / min).powf(i as f64 / (count - 1) as f64) })
-            .collect(),
-    }
-}
+use crate::numerics::grid::grid;
+use crate::requirement::Robot;
 
 /// Evaluates every motor at every ratio of the grid (`ratios` of them), or with every gear of the
 /// catalogue that the joint allows and that fits.
 pub fn sweep<'a>(robot: &'a Robot, catalog: &'a Catalog, ratios: usize) -> Vec<JointSweep<'a>> {
-    sweep_with_progress(robot, catalog, ratios, &|| {})
+    sweep_with(robot, catalog, ratios, Options::default()).expect("nobody stops it")
 }
 
-/// As [`sweep`]; `tick` is called once for each motor and joint that is done.
-pub fn sweep_with_progress<'a>(
+/// As [`sweep`], with options: of these what is called for each motor, and what stops it.
+///
+/// # Errors
+/// It was stopped.
+pub fn sweep_with<'a>(
     robot: &'a Robot,
     catalog: &'a Catalog,
     ratios: usize,
-    tick: &(dyn Fn() + Sync),
-) -> Vec<JointSweep<'a>> {
+    options: Options,
+) -> Result<Vec<JointSweep<'a>>, Stopped> {
+    let stop = Stop::when(options.stop);
     let demands: Vec<JointDemand> = robot.joints.par_iter().map(|j| JointDemand::new(j, catalog)).collect();
     robot
         .joints
@@ -80,59 +36,57 @@ pub fn sweep_with_progress<'a>(
         .zip(&demands)
         .map(|(joint, demand)| {
             let one = |motor| {
-                let swept = sweep_motor(robot, joint, demand, motor, ratios);
-                tick();
-                swept
+                let swept = sweep_motor(Site::new(robot, joint, demand), motor, ratios);
+                (options.tick)();
+                stop.unless(swept)
             };
-            let per_motor: Vec<_> = catalog.motors.par_iter().map(one).collect();
+            let per_motor: Vec<_> = catalog.motors.par_iter().map(one).collect::<Result<_, _>>()?;
             let mut result = JointSweep { joint, designs: Vec::new(), unusable: Vec::new() };
             for (designs, unusable) in per_motor {
                 result.designs.extend(designs);
                 result.unusable.extend(unusable);
             }
-            result
+            Ok(result)
         })
         .collect()
 }
 
-fn swept<'a>(prepared: &Prepared, motor: &'a Motor, gear: Option<&'a str>, ratio: f64) -> SweptDesign<'a> {
+fn swept<'a>(mount: &Mount<'a, '_>, prepared: &Prepared, ratio: f64) -> SweptDesign<'a> {
     let Judged { unchecked, assumed } = prepared.judged(ratio);
-    let unjudged = unjudged(prepared.candidate.robot, prepared.candidate.joint, &unchecked).into();
-    let evaluation = prepared.at(ratio);
-    SweptDesign { motor, gear, evaluation, unchecked: unchecked.into(), unjudged, assumed: assumed.into() }
+    let unjudged = unjudged(mount.robot, mount.joint, &unchecked).into();
+    SweptDesign {
+        motor: mount.motor,
+        gear: mount.gear_id(),
+        evaluation: prepared.at(ratio),
+        unchecked: unchecked.into(),
+        unjudged,
+        assumed: assumed.into(),
+    }
 }
 
-type MotorSweep<'a> = (Vec<SweptDesign<'a>>, Vec<(&'a str, Option<&'a str>, Unusable)>);
+/// A motor, with a gear where it has one, that is no candidate.
+type NoCandidate<'a> = (&'a Motor, Option<&'a str>, Unusable);
 
 fn sweep_motor<'a>(
-    robot: &'a Robot,
-    joint: &'a Joint,
-    demand: &JointDemand<'a>,
+    site: Site<'a, '_>,
     motor: &'a Motor,
     ratios: usize,
-) -> MotorSweep<'a> {
+) -> (Vec<SweptDesign<'a>>, Vec<NoCandidate<'a>>) {
     let (mut designs, mut unusable) = (Vec::new(), Vec::new());
-    match &joint.ratio {
-        RatioChoice::Continuous { min, max } => match continuous_candidate(robot, joint, &demand.load, motor) {
-            Ok(candidate) => {
-                let prepared = Prepared::new(candidate);
-                designs.extend(grid(*min, *max, ratios).into_iter().map(|ratio| swept(&prepared, motor, None, ratio)));
+    for mount in site.mounts(motor) {
+        match mount.prepared() {
+            Ok(prepared) => {
+                let at = match (mount.gear, mount.range()) {
+                    (Some(gear), _) => vec![gear.ratio],
+                    (None, range) => range.map_or_else(Vec::new, |(min, max)| grid(min, max, ratios)),
+                };
+                designs.extend(at.into_iter().map(|ratio| swept(&mount, &prepared, ratio)));
             }
-            Err(why) => unusable.push((motor.id.as_str(), None, why)),
-        },
-        RatioChoice::Catalog { .. } => {
-            for (gear, load) in demand.gears_for(motor) {
-                match geared_candidate(robot, joint, load, motor, gear) {
-                    Ok(candidate) => {
-                        designs.push(swept(&Prepared::new(candidate), motor, Some(&gear.id), gear.ratio));
-                    }
-                    Err(why) => unusable.push((motor.id.as_str(), Some(gear.id.as_str()), why)),
-                }
-            }
-            if designs.is_empty() && unusable.is_empty() {
-                unusable.push((motor.id.as_str(), None, Unusable::NoGearFits));
-            }
+            Err(why) => unusable.push((motor, mount.gear_id(), why)),
         }
+    }
+    if designs.is_empty() && unusable.is_empty() && site.is_geared() {
+        unusable.push((motor, None, Unusable::NoGearFits));
     }
     (designs, unusable)
 }

@@ -1,4 +1,5 @@
-use super::{Effect, Enters, Equation, Operating, Parameter, Scale, Variable, positive, sign};
+use super::features::sign;
+use super::{Doubt, Effect, Enters, Equation, Operating, Parameter, Scale, Side, Variable, positive};
 use crate::units;
 
 /// Backlash of the gear: the output lags the motor by half the play in the direction of the torque.
@@ -30,11 +31,15 @@ impl Effect for Backlash {
         [sign(at.torque), 0.0]
     }
 
-    fn plausible(&self, values: &[f64], _scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], _scale: &Scale) -> Result<(), Doubt> {
         positive("half the play", values[0], 0.2, "any gear")
     }
 
-    fn enters(&self) -> Enters {
+    fn enters(&self, _values: &[f64]) -> Enters {
         Enters::NotAtAll("the play changes where the output is, not what the motor must supply")
+    }
+
+    fn side(&self) -> Side {
+        Side::Gear
     }
 }

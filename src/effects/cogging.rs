@@ -1,4 +1,4 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Shape, Variable, positive, seen};
 use crate::units;
 
 /// Cogging of the motor: a torque that depends on the rotor's angle and not on current.
@@ -35,11 +35,15 @@ impl Effect for Cogging {
         [cosine, sine]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the amplitude", values[0].hypot(values[1]), scale.torque, "the largest torque on the bench")
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Bound
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Ripple(values[0].hypot(values[1]))
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::SLOW_TURNS)
     }
 }

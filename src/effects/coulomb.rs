@@ -1,4 +1,5 @@
-use super::{Effect, Enters, Feature, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive};
+use super::features::{Feature, ShaftForm};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Scale, Side, SimulatorField, Variable, positive};
 use crate::units;
 
 /// Coulomb friction of the motor: torque `c sgn ω`. Its sign is never differentiated; at standstill
@@ -9,6 +10,10 @@ pub struct CoulombFriction;
 impl Effect for CoulombFriction {
     fn name(&self) -> &'static str {
         "coulomb_friction"
+    }
+
+    fn title(&self) -> String {
+        "Coulomb friction".into()
     }
 
     fn equation(&self) -> &'static str {
@@ -27,23 +32,31 @@ impl Effect for CoulombFriction {
         [at.direction, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the friction torque", values[0], scale.torque, "the largest torque on the bench")
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Laurent
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Features(ShaftForm::of(Feature::Sign, values[0]))
     }
 
     fn column(&self) -> Option<&'static str> {
         Some("coulomb_friction")
     }
 
-    fn shaft(&self, values: &[f64], form: &mut ShaftForm) {
-        form[Feature::Sign] += values[0];
-    }
-
     fn export(&self, values: &[f64], ratio: f64) -> SimulatorField {
         SimulatorField::FrictionLoss(values[0] * ratio)
+    }
+
+    fn side(&self) -> Side {
+        Side::Either
+    }
+
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(10)
     }
 }

@@ -1,4 +1,6 @@
-use super::{Effect, Enters, Feature, Operating, Parameter, Scale, ShaftForm, Variable, positive};
+use super::features::{Feature, ShaftForm};
+use super::torque_offset::TorqueOffset;
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Variable, positive, seen};
 use crate::units;
 
 /// Friction that differs between the directions: the half difference `(b₊ − b₋)/2` times `|ω|` beyond
@@ -27,7 +29,7 @@ impl Effect for DirectionAsymmetry {
         [at.speed.abs(), 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive(
             "the half difference",
             values[0].abs(),
@@ -40,11 +42,20 @@ impl Effect for DirectionAsymmetry {
         true
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Convex
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Features(ShaftForm::of(Feature::Speed, values[0]))
     }
 
-    fn shaft(&self, values: &[f64], form: &mut ShaftForm) {
-        form[Feature::Speed] += values[0];
+    /// Asymmetry is what differs between directions beyond a constant.
+    fn beyond(&self) -> Option<&'static dyn Effect> {
+        Some(&TorqueOffset)
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::BOTH_DIRECTIONS)
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(40)
     }
 }

@@ -1,4 +1,5 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use super::viscous::ViscousFriction;
+use super::{Doubt, Effect, Enters, Mimic, Operating, Parameter, Scale, Search, Shape, Variable, positive};
 use crate::units;
 
 /// Drag of eddy currents, which rises with speed and flattens: `2 T_max/(ω/ω_k + ω_k/ω)`.
@@ -26,27 +27,36 @@ impl Effect for EddyDrag {
     }
 
     fn shape(&self) -> Shape {
-        Shape::Speed
+        Shape::Speed(Search { from: 0.2, to: 1.2, starts: &[0.3, 0.8] })
     }
 
     fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
         [2.0 * (at.speed / shape) / (1.0 + (at.speed / shape).powi(2)), 0.0]
     }
 
-    fn speed_slope(&self, values: &[f64], at: &Operating) -> f64 {
-        let x = at.speed / values[1];
-        2.0 * values[0] / values[1] * (1.0 - x * x) / (1.0 + x * x).powi(2)
-    }
-
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the drag torque", values[0], scale.torque, "the largest torque on the bench")?;
         if values[1] < 0.2 * scale.speed {
-            return Err(format!("its knee at {:.3e} rad/s would make it Coulomb friction", values[1]));
+            return Err(Doubt::Unnatural(format!(
+                "its knee at {:.3e} rad/s would make it Coulomb friction",
+                values[1]
+            )));
         }
         positive("the knee", values[1], 1.3 * scale.speed, "the largest speed: below its knee it is viscous friction")
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Evaluated
+    fn enters(&self, _values: &[f64]) -> Enters {
+        Enters::Evaluated(|values, at| {
+            let x = at.speed / values[1];
+            2.0 * values[0] / values[1] * (1.0 - x * x) / (1.0 + x * x).powi(2)
+        })
+    }
+
+    fn mimics(&self) -> Option<Mimic> {
+        Some(Mimic { of: &ViscousFriction, run: "a run to higher speeds, beyond the knee, would separate them" })
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(70)
     }
 }

@@ -55,6 +55,13 @@ impl IndexMut<Feature> for ShaftForm {
 }
 
 impl ShaftForm {
+    /// One feature with its coefficient.
+    pub fn of(feature: Feature, coefficient: f64) -> ShaftForm {
+        let mut form = ShaftForm::default();
+        form[feature] = coefficient;
+        form
+    }
+
     /// Coefficients times their powers of N.
     pub fn weights(&self, ratio: f64) -> [f64; FEATURES] {
         let (up, down) = (ratio, 1.0 / ratio);

@@ -1,6 +1,7 @@
 //! An effect with its values.
 
-use super::{Effect, effect};
+use super::features::Feature;
+use super::{Effect, Enters, Operating, effect};
 
 /// An effect of an actuator with its values.
 #[derive(Clone)]
@@ -23,9 +24,18 @@ impl FittedEffect {
         self.effect.name()
     }
 
-    /// Amplitude of an effect with a cosine and a sine.
-    pub fn amplitude(&self) -> f64 {
-        self.values[0].hypot(self.values[1])
+    /// How it enters the limits.
+    pub fn enters(&self) -> Enters {
+        self.effect.enters(&self.values)
+    }
+
+    /// Derivative of its torque by the speed of the motor \[N·m·s/rad\]; the jump of a sign is left out.
+    pub fn speed_slope(&self, at: &Operating) -> f64 {
+        match self.enters() {
+            Enters::Features(form) => form[Feature::Velocity] + form[Feature::Speed] * at.direction,
+            Enters::Evaluated(slope) => slope(&self.values, at),
+            _ => 0.0,
+        }
     }
 }
 

@@ -1,4 +1,6 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, SimulatorField, Variable, positive};
+use super::{
+    Doubt, Effect, Enters, Equation, Operating, Parameter, Scale, Side, SimulatorField, Variable, View, positive,
+};
 use crate::units;
 
 /// Compliance of the gear: the output lags the motor by `τ/k`; where only one side is measured, the
@@ -27,11 +29,11 @@ impl Effect for GearCompliance {
         [at.torque_curvature, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], _scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], _scale: &Scale) -> Result<(), Doubt> {
         positive("the compliance", values[0], 10.0, "any gear")
     }
 
-    fn enters(&self) -> Enters {
+    fn enters(&self, _values: &[f64]) -> Enters {
         Enters::NotAtAll(
             "the wind-up changes where the output is, not what the motor must supply at the motion's speed",
         )
@@ -39,5 +41,18 @@ impl Effect for GearCompliance {
 
     fn export(&self, values: &[f64], _ratio: f64) -> SimulatorField {
         SimulatorField::Stiffness(1.0 / values[0])
+    }
+
+    fn side(&self) -> Side {
+        Side::Gear
+    }
+
+    fn hidden(&self, view: &View) -> Option<&'static str> {
+        (!view.has_gear && view.equation != Equation::Angle).then_some("without a gear nothing winds up")
+    }
+
+    /// It is a term of torque, where one side alone is measured, and of the angle.
+    fn winds_up(&self) -> bool {
+        true
     }
 }

@@ -1,4 +1,4 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Shape, Side, Variable, View, positive, seen};
 use crate::units;
 
 /// Ripple of the gear: a torque, as seen at the motor, that depends on the output's angle.
@@ -35,11 +35,23 @@ impl Effect for GearRipple {
         [cosine, sine]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the amplitude", values[0].hypot(values[1]), scale.torque, "the largest torque on the bench")
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Bound
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Ripple(values[0].hypot(values[1]))
+    }
+
+    fn side(&self) -> Side {
+        Side::Gear
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::SLOW_TURNS)
+    }
+
+    fn hidden(&self, view: &View) -> Option<&'static str> {
+        (!view.has_gear).then_some("without a gear it is cogging")
     }
 }

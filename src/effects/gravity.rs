@@ -1,4 +1,4 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Variable, positive};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Scale, Variable, View, positive};
 use crate::units;
 
 /// Gravity of what hangs at the output, as seen at the motor: `m g l/N sin(θ_out + φ)`.
@@ -30,11 +30,19 @@ impl Effect for Gravity {
         [sine, cosine]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the amplitude", values[0].hypot(values[1]), scale.torque, "the largest torque on the bench")
     }
 
-    fn enters(&self) -> Enters {
+    fn enters(&self, _values: &[f64]) -> Enters {
         Enters::NotAtAll("gravity belongs to the load, not to the actuator")
+    }
+
+    fn hidden(&self, view: &View) -> Option<&'static str> {
+        (!view.sees_load).then_some("the sensor sees what hangs at the output")
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(50)
     }
 }

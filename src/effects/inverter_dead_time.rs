@@ -1,4 +1,6 @@
-use super::{Effect, Enters, Equation, Operating, Parameter, Scale, Shape, Variable, positive};
+use super::{
+    Doubt, Effect, Enters, Equation, Operating, Parameter, Run, Scale, Search, Shape, Variable, positive, seen,
+};
 use crate::units;
 
 /// Dead time of the inverter: voltage lost in the direction of the current, `V_d sgn i`, with the sign as
@@ -31,18 +33,26 @@ impl Effect for InverterDeadTime {
     }
 
     fn shape(&self) -> Shape {
-        Shape::Current
+        Shape::Current(Search { from: 0.003, to: 0.3, starts: &[0.05] })
     }
 
     fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
         [(at.current / shape).tanh(), 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the lost voltage", values[0], 0.3 * scale.voltage, "a third of the largest voltage")
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Bound
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Voltage(values[0])
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::STEPS_AT_STANDSTILL)
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(90)
     }
 }

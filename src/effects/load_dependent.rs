@@ -1,4 +1,5 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Variable, positive};
+use super::coulomb::CoulombFriction;
+use super::{Doubt, Effect, Enters, Mimic, Operating, Parameter, Scale, Side, SimulatorField, Variable, positive};
 use crate::units;
 
 /// Friction of the gear that grows with the transmitted torque: `γ |τ/N| sgn ω` at the motor. It *is* the
@@ -27,11 +28,27 @@ impl Effect for LoadDependentFriction {
         [at.torque.abs() * at.direction, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], _scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], _scale: &Scale) -> Result<(), Doubt> {
         positive("the factor", values[0], 1.0, "a gear that still drives")
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Efficiency
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Efficiency { loss: values[0] }
+    }
+
+    fn side(&self) -> Side {
+        Side::Gear
+    }
+
+    fn export(&self, _values: &[f64], _ratio: f64) -> SimulatorField {
+        SimulatorField::Efficiency
+    }
+
+    fn mimics(&self) -> Option<Mimic> {
+        Some(Mimic { of: &CoulombFriction, run: "the load hardly changed; a run at another load would separate them" })
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(20)
     }
 }

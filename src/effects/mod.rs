@@ -1,18 +1,19 @@
 //! Physical effects of an actuator, one file each.
 //!
-//! The one idea: an effect is a set of parameters and what they add to one equation of the actuator:
-//! to the torque that the motor shaft must supply, to the terminal voltage, or to the angle between
-//! motor and output. It says so once, as a function of the operating point that is linear in its
-//! parameters but for at most one shape parameter ([`Effect::basis`]), and how it enters the limits of
-//! the model ([`Effect::enters`]). Sweep, ratio program, identification and export all read that. A
-//! new effect is one file here and one line in [`EFFECTS`]; one that lowers a bound or an efficiency instead has its
-//! equation in [`fitted`](crate::actuator::fitted), and a test that says so where it is missing.
+//! The one idea: an effect is a set of parameters and what they add to one equation of the actuator: to the torque that
+//! the motor shaft must supply, to the terminal voltage, or to the angle between motor and output. It says what it does as
+//! data, in its own file: its function of the operating point, linear in its parameters but for at most one shape
+//! ([`Effect::basis`]), what it does to the limits of the model ([`Effect::enters`]), what hides it on a bench, what it is
+//! mistaken for and which run separates it. Sweep, ratio program, identification and export read that data and never its name.
+//! A new effect is one file here and its line in [`EFFECTS`].
 
 mod backlash;
 mod cogging;
 mod coulomb;
 mod direction_asymmetry;
+mod doubt;
 mod eddy_drag;
+mod enters;
 pub mod features;
 mod found;
 mod gear_compliance;
@@ -20,6 +21,8 @@ mod gear_ripple;
 mod gravity;
 mod inverter_dead_time;
 mod load_dependent;
+mod operating;
+mod seen;
 mod stribeck;
 mod supply_sag;
 mod torque_constant_saturation;
@@ -29,28 +32,13 @@ mod torque_ripple;
 mod viscous;
 mod winding_temperature;
 
-pub use backlash::Backlash;
-pub use cogging::Cogging;
-pub use coulomb::CoulombFriction;
-pub use direction_asymmetry::DirectionAsymmetry;
-pub use eddy_drag::EddyDrag;
+pub use doubt::{Doubt, positive};
+pub use enters::{Enters, Proof};
 pub use found::FittedEffect;
-pub use gear_compliance::GearCompliance;
-pub use gear_ripple::GearRipple;
-pub use gravity::Gravity;
-pub use inverter_dead_time::InverterDeadTime;
-pub use load_dependent::LoadDependentFriction;
-pub use stribeck::StribeckFriction;
-pub use supply_sag::SupplySag;
-pub use torque_constant_saturation::TorqueConstantSaturation;
-pub use torque_constant_temperature::TorqueConstantTemperature;
-pub use torque_offset::TorqueOffset;
-pub use torque_ripple::TorqueRipple;
-pub use viscous::ViscousFriction;
-pub use winding_temperature::WindingTemperature;
+pub use operating::{Operating, Variable};
+pub use seen::{Mimic, Run, View, separating_run};
 
 use crate::units::Kind;
-use features::{Feature, ShaftForm, sign};
 
 /// A parameter of an effect.
 #[derive(Debug, Clone, Copy)]
@@ -61,97 +49,6 @@ pub struct Parameter {
     pub symbol: &'static str,
     /// What it measures.
     pub kind: &'static Kind,
-}
-
-/// An operating point: what an effect can depend on. SI, motor side unless said; NaN where it is not
-/// known.
-#[derive(Debug, Clone, Copy)]
-pub struct Operating {
-    /// Speed of the motor shaft ω \[rad/s\].
-    pub speed: f64,
-    /// Sign of the speed, zero where the encoder cannot tell.
-    pub direction: f64,
-    /// Angle of the motor shaft θ \[rad\].
-    pub angle: f64,
-    /// Angle of the output \[rad\].
-    pub output_angle: f64,
-    /// Quadrature current i \[A\].
-    pub current: f64,
-    /// Torque transmitted by the gear, as seen at the motor τ/N \[N·m\].
-    pub torque: f64,
-    /// Second time derivative of the transmitted torque times the inertia it has to move, at the motor
-    /// \[N·m·N·m/rad\]: what a spring in the gear multiplies with 1/k.
-    pub torque_curvature: f64,
-    /// Winding temperature over the reference \[K\].
-    pub winding_rise: f64,
-    /// Housing temperature over the reference \[K\].
-    pub housing_rise: f64,
-    /// Duty cycle, −1 … 1.
-    pub duty: f64,
-}
-
-impl Operating {
-    /// Nothing known.
-    pub const UNKNOWN: Operating = Operating {
-        speed: f64::NAN,
-        direction: f64::NAN,
-        angle: f64::NAN,
-        output_angle: f64::NAN,
-        current: f64::NAN,
-        torque: f64::NAN,
-        torque_curvature: f64::NAN,
-        winding_rise: f64::NAN,
-        housing_rise: f64::NAN,
-        duty: f64::NAN,
-    };
-
-    /// At a speed of the motor \[rad/s\], nothing else known.
-    pub fn at_speed(speed: f64) -> Operating {
-        Operating { speed, direction: sign(speed), ..Operating::UNKNOWN }
-    }
-}
-
-/// What an effect depends on: a log must have it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Variable {
-    /// Speed, also its sign.
-    Speed,
-    /// Angle of the motor.
-    Angle,
-    /// Angle of the output.
-    OutputAngle,
-    /// Current.
-    Current,
-    /// Transmitted torque.
-    Torque,
-    /// What a spring in the gear multiplies with 1/k: the torque through it, or its second derivative.
-    TorqueCurvature,
-    /// Winding temperature.
-    WindingTemperature,
-    /// Housing temperature.
-    HousingTemperature,
-    /// Duty cycle.
-    Duty,
-    /// Nothing.
-    Constant,
-}
-
-impl Variable {
-    /// In words.
-    pub fn name(self) -> &'static str {
-        match self {
-            Variable::Speed => "speed",
-            Variable::Angle => "motor position",
-            Variable::OutputAngle => "output position",
-            Variable::Current => "current",
-            Variable::Torque => "transmitted torque",
-            Variable::TorqueCurvature => "torque across the gear over the wind-up, or its second derivative",
-            Variable::WindingTemperature => "winding temperature",
-            Variable::HousingTemperature => "housing temperature",
-            Variable::Duty => "duty",
-            Variable::Constant => "nothing",
-        }
-    }
 }
 
 /// The equation that an effect adds a term to.
@@ -166,16 +63,27 @@ pub enum Equation {
 }
 
 /// The one parameter that an effect is not linear in, and where to look for it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// None.
     None,
-    /// A speed, searched between fractions of the largest speed.
-    Speed,
-    /// A current, searched around the largest current.
-    Current,
+    /// A speed, as shares of the largest speed.
+    Speed(Search),
+    /// A current, as shares of the largest current.
+    Current(Search),
     /// An order: a whole number of periods a revolution.
     Order,
+}
+
+/// Where a shape is looked for, as shares of the largest value in the logs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Search {
+    /// The least.
+    pub from: f64,
+    /// The largest.
+    pub to: f64,
+    /// Where a simulation starts from.
+    pub starts: &'static [f64],
 }
 
 /// What a parameter is compared with to be plausible. SI, motor side.
@@ -195,35 +103,15 @@ pub struct Scale {
     pub voltage: f64,
 }
 
-/// How an effect enters the limits of the model.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Enters {
-    /// Through features of a sample, with even powers of N in the squares: the program stays conic.
-    Convex,
-    /// As a Laurent polynomial with odd powers: certified by branch and bound.
-    Laurent,
-    /// Through the gear's efficiency: the program stays conic.
-    Efficiency,
-    /// As a constant that lowers what may be had or adds to the heat: the program stays conic.
-    Bound,
-    /// Evaluated at every ratio of a refined grid: not certified.
-    Evaluated,
-    /// Not at all: why.
-    NotAtAll(&'static str),
-}
-
-impl Enters {
-    /// In words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Enters::Convex => "enters torque and voltage at every instant; the optimum is certified",
-            Enters::Laurent => "enters torque and voltage at every instant; certified by branch and bound",
-            Enters::Efficiency => "enters as the gear's efficiency; the optimum is certified",
-            Enters::Bound => "enters as a bound; the optimum is certified",
-            Enters::Evaluated => "evaluated on a refined grid of ratios; the optimum is not certified",
-            Enters::NotAtAll(_) => "does not enter the limits",
-        }
-    }
+/// Where in an actuator an effect is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// In the motor or its drive: it stays with the motor whatever the gear.
+    Motor,
+    /// In the gear: it belongs to the gear that was on the bench.
+    Gear,
+    /// Before or behind the gear: with one ratio the two look alike.
+    Either,
 }
 
 /// Where a simulator keeps a parameter at the joint.
@@ -235,6 +123,8 @@ pub enum SimulatorField {
     FrictionLoss(f64),
     /// Stiffness between motor and output \[N·m/rad\].
     Stiffness(f64),
+    /// It is the gear's efficiency.
+    Efficiency,
     /// No place for it.
     Nowhere,
 }
@@ -244,6 +134,11 @@ pub enum SimulatorField {
 pub trait Effect: Sync {
     /// Name, also in files.
     fn name(&self) -> &'static str;
+
+    /// Name in a sentence.
+    fn title(&self) -> String {
+        self.name().replace('_', " ")
+    }
 
     /// The equation.
     fn equation(&self) -> &'static str;
@@ -272,28 +167,70 @@ pub trait Effect: Sync {
     ///
     /// # Errors
     /// Why not.
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String>;
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt>;
 
-    /// How it enters the limits.
-    fn enters(&self) -> Enters;
+    /// How it enters the limits, with its values.
+    fn enters(&self, values: &[f64]) -> Enters;
 
     /// The column of a motor's row that declares it, where one does.
     fn column(&self) -> Option<&'static str> {
         None
     }
 
-    /// Derivative of its torque by the speed of the motor \[N·m·s/rad\], where it is evaluated at each ratio;
-    /// the jump of a sign is left out.
-    fn speed_slope(&self, _values: &[f64], _at: &Operating) -> f64 {
-        0.0
+    /// Where in the actuator it is.
+    fn side(&self) -> Side {
+        Side::Motor
     }
-
-    /// Adds the effect to the torque that the shaft must supply, where it has that form.
-    fn shaft(&self, _values: &[f64], _form: &mut ShaftForm) {}
 
     /// What a simulator should be told at a ratio.
     fn export(&self, _values: &[f64], _ratio: f64) -> SimulatorField {
         SimulatorField::Nowhere
+    }
+
+    /// Whether it is one of the plainest, which come first where they explain as much as one curve with a free shape.
+    fn is_basic(&self) -> bool {
+        false
+    }
+
+    /// The effect that it is defined beyond, which therefore comes first and stays.
+    fn beyond(&self) -> Option<&'static dyn Effect> {
+        None
+    }
+
+    /// The effect that it looks like unless a run is made for it, and that run.
+    fn mimics(&self) -> Option<Mimic> {
+        None
+    }
+
+    /// The run that separates it from whatever else looks like it; none where it takes one in which all varies.
+    fn separated_by(&self) -> Option<Run> {
+        None
+    }
+
+    /// Why the bench hides it although everything that it depends on is measured.
+    fn hidden(&self, _view: &View) -> Option<&'static str> {
+        None
+    }
+
+    /// Its place among the effects that a position alone shows, the simplest first; `None` where it does not show.
+    fn rank_in_position(&self) -> Option<u32> {
+        None
+    }
+
+    /// Whether it is a part of the angle by which the motor leads the output: both sides of the gear show it.
+    fn winds_up(&self) -> bool {
+        self.acts_on() == Equation::Angle
+    }
+
+    /// Whether it is proportional to speed as the back-EMF is: where a duty cycle drives, both are one damping.
+    fn is_damping(&self) -> bool {
+        false
+    }
+
+    /// Whether, where it is weak, the data show only its coefficient over the square of its shape, and physics says that
+    /// the coefficient is the torque constant.
+    fn is_of_torque_constant(&self) -> bool {
+        false
     }
 
     /// How many parameters it is linear in.
@@ -311,28 +248,51 @@ pub trait Effect: Sync {
         let shape = if self.shape() == Shape::None { 0.0 } else { values[self.linear()] };
         self.basis(shape, at).iter().zip(&values[..self.linear()]).map(|(b, v)| b * v).sum()
     }
+
+    /// How it enters the limits whatever its values: with values of one.
+    fn kind_of_entry(&self) -> Enters {
+        self.enters(&vec![1.0; self.parameters().len()])
+    }
+
+    /// Whether it depends on a temperature.
+    fn needs_temperature(&self) -> bool {
+        self.needs().iter().any(|v| v.is_temperature())
+    }
+}
+
+/// Two effects are the same where their names are.
+impl<'a> PartialEq<dyn Effect + 'a> for dyn Effect + '_ {
+    fn eq(&self, other: &(dyn Effect + 'a)) -> bool {
+        self.name() == other.name()
+    }
+}
+
+impl std::fmt::Debug for dyn Effect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// Every effect, the simplest first: where the data cannot tell two apart, the earlier is named.
 pub const EFFECTS: &[&dyn Effect] = &[
-    &TorqueOffset,
-    &Gravity,
-    &ViscousFriction,
-    &CoulombFriction,
-    &TorqueConstantSaturation,
-    &Cogging,
-    &TorqueRipple,
-    &GearRipple,
-    &EddyDrag,
-    &StribeckFriction,
-    &LoadDependentFriction,
-    &DirectionAsymmetry,
-    &TorqueConstantTemperature,
-    &WindingTemperature,
-    &InverterDeadTime,
-    &SupplySag,
-    &GearCompliance,
-    &Backlash,
+    &torque_offset::TorqueOffset,
+    &gravity::Gravity,
+    &viscous::ViscousFriction,
+    &coulomb::CoulombFriction,
+    &torque_constant_saturation::TorqueConstantSaturation,
+    &cogging::Cogging,
+    &torque_ripple::TorqueRipple,
+    &gear_ripple::GearRipple,
+    &eddy_drag::EddyDrag,
+    &stribeck::StribeckFriction,
+    &load_dependent::LoadDependentFriction,
+    &direction_asymmetry::DirectionAsymmetry,
+    &torque_constant_temperature::TorqueConstantTemperature,
+    &winding_temperature::WindingTemperature,
+    &inverter_dead_time::InverterDeadTime,
+    &supply_sag::SupplySag,
+    &gear_compliance::GearCompliance,
+    &backlash::Backlash,
 ];
 
 /// The effect of a name.
@@ -340,79 +300,25 @@ pub fn effect(name: &str) -> Option<&'static dyn Effect> {
     EFFECTS.iter().find(|e| e.name() == name).copied()
 }
 
-/// Plausible if positive and at most `largest`.
-fn positive(name: &str, value: f64, largest: f64, of: &str) -> Result<(), String> {
-    if value.is_nan() || value <= 0.0 {
-        return Err(format!("{name} would be {value:.3e}, but it cannot be negative or zero"));
-    }
-    if value > largest {
-        return Err(format!("{name} would be {value:.3e}, more than {of} ({largest:.3e}) lets one believe"));
-    }
-    Ok(())
+/// The effect that a column of a motor's row declares.
+pub fn of_column(column: &str) -> Option<&'static dyn Effect> {
+    EFFECTS.iter().find(|e| e.column() == Some(column)).copied()
+}
+
+/// The effect that is the efficiency of a gear.
+pub fn of_efficiency() -> Option<&'static dyn Effect> {
+    EFFECTS.iter().find(|e| matches!(e.kind_of_entry(), Enters::Efficiency { .. })).copied()
+}
+
+/// The effect that is in one damping with the back-EMF.
+pub fn of_damping() -> Option<&'static dyn Effect> {
+    EFFECTS.iter().find(|e| e.is_damping()).copied()
+}
+
+/// A text with the names of effects as a sentence has them, and without underscores.
+pub fn in_words(text: &str) -> String {
+    EFFECTS.iter().fold(text.to_string(), |text, e| text.replace(e.name(), &e.title())).replace('_', " ")
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::HashSet;
-
-    const SCALE: Scale =
-        Scale { torque_constant: 0.1, resistance: 0.5, torque: 2.0, speed: 200.0, current: 20.0, voltage: 48.0 };
-
-    fn point() -> Operating {
-        Operating {
-            speed: 30.0,
-            direction: 1.0,
-            angle: 0.7,
-            output_angle: 0.1,
-            current: 7.0,
-            torque: 0.6,
-            torque_curvature: 3.0,
-            winding_rise: 40.0,
-            housing_rise: 20.0,
-            duty: 0.4,
-        }
-    }
-
-    #[test]
-    fn the_list_is_sound() {
-        let mut names = HashSet::new();
-        for effect in EFFECTS {
-            assert!(names.insert(effect.name()), "{} stands twice", effect.name());
-            assert!(!effect.equation().is_empty() && !effect.parameters().is_empty() && !effect.needs().is_empty());
-            assert!((1..=2).contains(&effect.linear()), "{}", effect.name());
-            assert!(effect.basis(12.0, &point()).iter().all(|b| b.is_finite()), "{}", effect.name());
-        }
-    }
-
-    #[test]
-    fn friction_dissipates_and_a_negative_one_is_not_believed() {
-        let friction =
-            ["viscous_friction", "coulomb_friction", "eddy_drag", "stribeck_friction", "load_dependent_friction"];
-        for name in friction {
-            let effect = effect(name).unwrap();
-            for (speed, torque) in [(30.0, 0.6), (-30.0, 0.6), (30.0, -0.6), (-5.0, -0.6)] {
-                let at = Operating { speed, direction: sign(speed), torque, ..point() };
-                assert!(effect.basis(25.0, &at)[0] * speed > 0.0, "{name} makes energy");
-            }
-            assert!(effect.plausible(&[-0.01, 25.0], &SCALE).is_err(), "{name}");
-        }
-    }
-
-    #[test]
-    fn effects_of_the_shaft_form_agree_with_their_basis() {
-        for effect in EFFECTS.iter().filter(|e| matches!(e.enters(), Enters::Convex | Enters::Laurent)) {
-            let values = vec![0.03; effect.parameters().len()];
-            let mut form = ShaftForm::default();
-            effect.shaft(&values, &mut form);
-            for speed in [-30.0, 12.0] {
-                let at = Operating { speed, direction: sign(speed), ..point() };
-                let features: f64 = form[Feature::Velocity] * speed
-                    + form[Feature::Sign] * sign(speed)
-                    + form[Feature::Speed] * speed.abs()
-                    + form[Feature::One];
-                approx::assert_relative_eq!(features, effect.value(&values, &at), max_relative = 1e-12);
-            }
-        }
-    }
-}
+mod tests;

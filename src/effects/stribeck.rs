@@ -1,4 +1,5 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use super::coulomb::CoulombFriction;
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Search, Shape, Side, Variable, positive, seen};
 use crate::units;
 
 /// Stribeck friction of the motor: what is added to Coulomb friction at low speed, `c_s exp(−(ω/ω_s)²) sgn ω`.
@@ -8,6 +9,10 @@ pub struct StribeckFriction;
 impl Effect for StribeckFriction {
     fn name(&self) -> &'static str {
         "stribeck_friction"
+    }
+
+    fn title(&self) -> String {
+        "Stribeck friction".into()
     }
 
     fn equation(&self) -> &'static str {
@@ -26,23 +31,35 @@ impl Effect for StribeckFriction {
     }
 
     fn shape(&self) -> Shape {
-        Shape::Speed
+        Shape::Speed(Search { from: 0.008, to: 0.24, starts: &[0.03, 0.1] })
     }
 
     fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
         [(-(at.speed / shape).powi(2)).exp() * at.direction, 0.0]
     }
 
-    fn speed_slope(&self, values: &[f64], at: &Operating) -> f64 {
-        -2.0 * at.speed / values[1].powi(2) * self.value(values, at)
-    }
-
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the friction torque", values[0], scale.torque, "the largest torque on the bench")?;
         positive("the Stribeck speed", values[1], 0.25 * scale.speed, "a quarter of the largest speed")
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Evaluated
+    fn enters(&self, _values: &[f64]) -> Enters {
+        Enters::Evaluated(|values, at| -2.0 * at.speed / values[1].powi(2) * StribeckFriction.value(values, at))
+    }
+
+    fn side(&self) -> Side {
+        Side::Either
+    }
+
+    fn beyond(&self) -> Option<&'static dyn Effect> {
+        Some(&CoulombFriction)
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::SLOW_RUN)
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(30)
     }
 }

@@ -1,4 +1,4 @@
-use super::{Effect, Enters, Equation, Operating, Parameter, Scale, Variable, positive};
+use super::{Doubt, Effect, Enters, Equation, Operating, Parameter, Run, Scale, Variable, View, positive, seen};
 use crate::units;
 
 /// The supply sags with the current drawn from it: voltage `R_s d² i` at the motor for duty d.
@@ -30,11 +30,23 @@ impl Effect for SupplySag {
         [at.duty * at.duty * at.current, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the supply's resistance", values[0], 5.0 * scale.resistance, "five times the winding's resistance")
     }
 
-    fn enters(&self) -> Enters {
+    fn enters(&self, _values: &[f64]) -> Enters {
         Enters::NotAtAll("the requirement says what the bus delivers")
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::STEPS_AT_STANDSTILL)
+    }
+
+    fn hidden(&self, view: &View) -> Option<&'static str> {
+        view.measures_supply.then_some("the voltage is measured, sag and all")
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(80)
     }
 }

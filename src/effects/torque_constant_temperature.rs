@@ -1,4 +1,4 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Variable};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Variable, seen};
 use crate::units;
 
 /// Magnets lose flux with temperature: torque falls by `k (T − T_0) i`; k over the torque constant lies
@@ -27,18 +27,22 @@ impl Effect for TorqueConstantTemperature {
         [at.housing_rise * at.current, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         let relative = values[0] / scale.torque_constant;
         if !(0.0002..=0.0025).contains(&relative) {
-            return Err(format!(
+            return Err(Doubt::Unnatural(format!(
                 "the torque constant would change by {:+.3} %/K; magnets lose 0.02 to 0.25 %/K",
                 -100.0 * relative
-            ));
+            )));
         }
         Ok(())
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Bound
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::TorqueConstant { per_kelvin: values[0] }
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::COLD_AND_HOT)
     }
 }

@@ -1,4 +1,5 @@
-use super::{Effect, Enters, Feature, Operating, Parameter, Scale, ShaftForm, Variable, positive};
+use super::features::{Feature, ShaftForm};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Variable, View, positive, seen};
 use crate::units;
 
 /// A constant torque.
@@ -27,7 +28,7 @@ impl Effect for TorqueOffset {
         [1.0, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the offset", values[0].abs(), scale.torque, "the largest torque on the bench")
     }
 
@@ -35,11 +36,23 @@ impl Effect for TorqueOffset {
         true
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Laurent
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Features(ShaftForm::of(Feature::One, values[0]))
     }
 
-    fn shaft(&self, values: &[f64], form: &mut ShaftForm) {
-        form[Feature::One] += values[0];
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::BOTH_DIRECTIONS)
+    }
+
+    fn hidden(&self, view: &View) -> Option<&'static str> {
+        view.has_free_zero.then_some("the zero of the sensor hides it")
+    }
+
+    fn rank_in_position(&self) -> Option<u32> {
+        Some(60)
     }
 }

@@ -1,4 +1,4 @@
-use super::{Effect, Enters, Operating, Parameter, Scale, Shape, Variable, positive};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Run, Scale, Shape, Variable, positive, seen};
 use crate::units;
 
 /// Ripple of the motor's torque: depends on the rotor's angle, proportional to current.
@@ -35,7 +35,7 @@ impl Effect for TorqueRipple {
         [at.current * cosine, at.current * sine]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive(
             "the amplitude",
             values[0].hypot(values[1]),
@@ -44,7 +44,11 @@ impl Effect for TorqueRipple {
         )
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Bound
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::RippleOfCurrent(values[0].hypot(values[1]))
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::SLOW_TURNS)
     }
 }

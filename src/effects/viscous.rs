@@ -1,4 +1,5 @@
-use super::{Effect, Enters, Feature, Operating, Parameter, Scale, ShaftForm, SimulatorField, Variable, positive};
+use super::features::{Feature, ShaftForm};
+use super::{Doubt, Effect, Enters, Operating, Parameter, Scale, Side, SimulatorField, Variable, View, positive};
 use crate::units;
 
 /// Viscous friction of the motor: torque `b ω`.
@@ -26,7 +27,7 @@ impl Effect for ViscousFriction {
         [at.speed, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive(
             "the coefficient",
             values[0],
@@ -35,19 +36,31 @@ impl Effect for ViscousFriction {
         )
     }
 
-    fn enters(&self) -> Enters {
-        Enters::Convex
+    fn enters(&self, values: &[f64]) -> Enters {
+        Enters::Features(ShaftForm::of(Feature::Velocity, values[0]))
     }
 
     fn column(&self) -> Option<&'static str> {
         Some("viscous_friction")
     }
 
-    fn shaft(&self, values: &[f64], form: &mut ShaftForm) {
-        form[Feature::Velocity] += values[0];
-    }
-
     fn export(&self, values: &[f64], ratio: f64) -> SimulatorField {
         SimulatorField::Damping(values[0] * ratio * ratio)
+    }
+
+    fn side(&self) -> Side {
+        Side::Either
+    }
+
+    fn is_basic(&self) -> bool {
+        true
+    }
+
+    fn hidden(&self, view: &View) -> Option<&'static str> {
+        view.fits_damping.then_some("with duty alone it cannot be separated from the back-EMF: both are in `damping`")
+    }
+
+    fn is_damping(&self) -> bool {
+        true
     }
 }

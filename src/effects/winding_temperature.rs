@@ -1,4 +1,4 @@
-use super::{Effect, Enters, Equation, Operating, Parameter, Scale, Variable};
+use super::{Doubt, Effect, Enters, Equation, Operating, Parameter, Run, Scale, Variable, seen};
 use crate::units;
 
 /// Copper resistance rises with temperature: voltage `r (T − T_0) i`; r over the resistance is 0.39 % per
@@ -31,15 +31,22 @@ impl Effect for WindingTemperature {
         [at.winding_rise * at.current, 0.0]
     }
 
-    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), String> {
+    fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         let relative = values[0] / scale.resistance;
         if !(0.0025..=0.0055).contains(&relative) {
-            return Err(format!("the resistance would change by {:+.3} %/K; copper has +0.39 %/K", 100.0 * relative));
+            return Err(Doubt::Unnatural(format!(
+                "the resistance would change by {:+.3} %/K; copper has +0.39 %/K",
+                100.0 * relative
+            )));
         }
         Ok(())
     }
 
-    fn enters(&self) -> Enters {
+    fn enters(&self, _values: &[f64]) -> Enters {
         Enters::NotAtAll("the model has the resistance of hot copper already")
+    }
+
+    fn separated_by(&self) -> Option<Run> {
+        Some(seen::COLD_AND_HOT)
     }
 }

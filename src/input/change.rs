@@ -100,14 +100,14 @@ impl Change {
                 let asked = rest.split('.').next().unwrap_or(rest);
                 let problem = Problem::at(
                     self.key_at.clone(),
-                    format!("the grid's key `{}` names no `{first}` of the requirement", self.key),
+                    format!("the key `{}` names no `{first}` of the requirement", self.key),
                     format!("there is no `{asked}`, or nothing of it is named"),
                 );
                 Err(problem.suggest(asked, names.iter().map(String::as_str)))
             }
             _ => Err(Problem::at(
                 self.key_at.clone(),
-                format!("the grid's key `{}` leads through `{path}`, which is not a table", self.key),
+                format!("the key `{}` leads through `{path}`, which is not a table", self.key),
                 "names something inside a value",
             )),
         }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::Arc;
 
-use super::{Problem, Range, Source, limits};
+use super::{Problem, Range, Source, Stated, Words, limits};
 use crate::units::{self, Kind, Unit};
 
 /// What a column holds.
@@ -16,6 +16,11 @@ pub enum Content {
     Text,
     /// A number with a dimension; its unit stands in the header.
     Quantity(&'static Kind, Range),
+    /// The same, of which the header may also state what it refers to. Such a column may stand more than once, each time
+    /// with other words; a row fills one of them.
+    Stated(&'static Kind, Range, Words),
+    /// Pairs of numbers `7:120 10:18`; the header has the units of both, `[N*m : s]`.
+    Pairs([(&'static Kind, Range); 2]),
     /// The ± of the named column: in a unit of the same kind, or in per cent of the value.
     Tolerance(&'static Kind),
     /// A whole number from 1 on.
@@ -40,6 +45,8 @@ pub struct Number {
     pub value: f64,
     /// Whether it is a fraction of another value (a tolerance column in `%`).
     pub relative: bool,
+    /// What its column states of it.
+    pub stated: Stated,
 }
 
 #[derive(Debug)]
@@ -48,7 +55,10 @@ struct Head {
     column: usize,
     known: usize,
     unit: Option<Unit>,
+    // That of the second number of pairs.
+    second: Option<Unit>,
     relative: bool,
+    stated: Stated,
 }
 
 /// A CSV file with its header understood. Cells are read by (row, column name).
@@ -56,8 +66,8 @@ struct Head {
 pub struct Table {
     source: Arc<Source>,
     columns: Vec<Column>,
-    // Index into `columns` by name, position in the file by column.
-    heads: HashMap<String, Head>,
+    // The columns of each name: more than one where each states something else.
+    heads: HashMap<String, Vec<Head>>,
     records: Vec<csv::StringRecord>,
     starts: Vec<usize>,
     width: usize,
@@ -191,28 +201,33 @@ impl Table {
                 }
                 continue;
             };
+            let unknown =
+                Head { column: position, known, unit: None, second: None, relative: false, stated: Stated::default() };
             let head = match header_unit(&self.columns[known], unit) {
-                Ok((unit, relative)) => Head { column: position, known, unit, relative },
+                Ok(units) => Head { column: position, known, ..units },
                 Err((message, help)) => {
                     problems.push(
-                        Problem::at(span, format!("column `{name}`: {message}"), "the unit stands in brackets")
-                            .help(help),
+                        Problem::at(span, format!("column `{name}`: {message}"), "the unit is in brackets").help(help),
                     );
-                    Head { column: position, known, unit: None, relative: false }
+                    unknown
                 }
             };
-            if self.heads.insert(name.to_string(), head).is_some() {
+            let heads = self.heads.entry(name.to_string()).or_default();
+            if heads.iter().any(|other| other.stated == head.stated) {
                 problems.push(Problem::at(
-                    self.cell_span_in(0, position),
-                    format!("column `{name}` stands twice"),
+                    find_cell(self.source.text(), self.starts[0], position),
+                    format!("duplicate column `{name}`"),
                     "second time",
                 ));
             }
+            heads.push(head);
         }
         for column in self.columns.iter().filter(|c| c.required) {
             if !self.heads.contains_key(&column.name) {
                 let example = match column.content {
-                    Content::Quantity(kind, _) if kind.needs_unit() => format!("{} [{}]", column.name, kind.si),
+                    Content::Quantity(kind, _) | Content::Stated(kind, ..) if kind.needs_unit() => {
+                        format!("{} [{}]", column.name, kind.si)
+                    }
                     _ => column.name.clone(),
                 };
                 let span = self.record_span(0);
@@ -247,24 +262,30 @@ impl Table {
     /// The text of a cell, without the `'` that keeps a spreadsheet from running it; `None` where it is blank or the
     /// file does not have the column.
     pub fn text(&self, row: usize, name: &str) -> Option<&str> {
-        let head = self.heads.get(name)?;
+        let head = self.filled(row, name).next()?;
         self.records[row].get(head.column).map(unguarded).filter(|t| !t.is_empty())
+    }
+
+    /// The columns of a name that a row fills.
+    fn filled(&self, row: usize, name: &str) -> impl Iterator<Item = &Head> {
+        let heads = self.heads.get(name).map_or(&[][..], Vec::as_slice);
+        heads.iter().filter(move |head| self.records[row].get(head.column).is_some_and(|t| !t.is_empty()))
     }
 
     /// The number in a cell, in SI; `None` where it is blank. What is not a number of the column's
     /// kind and range is noted.
     pub fn number(&self, row: usize, name: &str, problems: &mut Vec<Problem>) -> Option<Number> {
-        let head = self.heads.get(name)?;
+        let head = self.only_filled(row, name, problems)?;
         let text = self.records[row].get(head.column).filter(|t| !t.is_empty())?;
         let column = &self.columns[head.known];
         let (range, expected) = match column.content {
-            Content::Quantity(_, range) => (range, range.expected()),
+            Content::Quantity(_, range) | Content::Stated(_, range, _) => (range, range.expected()),
             Content::Tolerance(_) => (Range::NonNegative, Range::NonNegative.expected()),
             Content::Count => (Range::AtLeastOne, "a whole number, at least 1"),
-            Content::Text => return None,
+            Content::Text | Content::Pairs(_) => return None,
         };
         let value = match (units::number_value(text), column.content, &head.unit) {
-            (Ok(value), Content::Quantity(kind, _), Some(unit)) => unit.to_si(value, kind),
+            (Ok(value), Content::Quantity(kind, _) | Content::Stated(kind, ..), Some(unit)) => unit.to_si(value, kind),
             (Ok(value), Content::Tolerance(_), Some(unit)) => value * unit.scale(),
             (Ok(value), _, _) => value,
             (Err(error), ..) => {
@@ -279,8 +300,7 @@ impl Table {
                     && !text.to_lowercase().contains("nan")
                     && !text.to_lowercase().contains("inf")
                 {
-                    problem =
-                        problem.help("the unit stands in the header, in brackets; an unknown value is a blank cell");
+                    problem = problem.help("the unit is in the header, in brackets; an unknown value is a blank cell");
                 } else {
                     problem = problem.help("leave the cell blank where the value is not known");
                 }
@@ -288,7 +308,7 @@ impl Table {
                 return None;
             }
         };
-        let whole = !matches!(column.content, Content::Count) || value.fract() == 0.0;
+        let whole = !matches!(column.content, Content::Count) || value.fract() == 0.0 && value <= f64::from(u32::MAX);
         if !range.contains(value) || !whole || !units::is_sane(value) {
             let mut problem = Problem::at(
                 self.cell_span(row, name),
@@ -299,7 +319,69 @@ impl Table {
             problems.push(problem);
             return None;
         }
-        Some(Number { value, relative: head.relative })
+        Some(Number { value, relative: head.relative, stated: head.stated })
+    }
+
+    /// The column of a name that a row fills; that it fills two is noted.
+    fn only_filled(&self, row: usize, name: &str, problems: &mut Vec<Problem>) -> Option<&Head> {
+        let mut filled = self.filled(row, name);
+        let (first, second) = (filled.next()?, filled.next());
+        if let Some(second) = second {
+            let stated = |head: &Head| match head.stated.after("") {
+                words if words.is_empty() => "the column that states nothing".to_string(),
+                words => format!("`{words}`"),
+            };
+            let span = find_cell(self.source.text(), self.starts[row], second.column);
+            let message = format!("`{name}` is given twice in this row");
+            let label = format!("here as {}, before as {}", stated(second), stated(first));
+            problems.push(Problem::at(span, message, label).help("leave one of the two cells blank"));
+            return None;
+        }
+        Some(first)
+    }
+
+    /// The pairs of numbers in a cell, in SI; `None` where it is blank or has a mistake, which is noted with its place.
+    pub fn pairs(&self, row: usize, name: &str, problems: &mut Vec<Problem>) -> Option<Vec<[f64; 2]>> {
+        let head = self.filled(row, name).next()?;
+        let Content::Pairs(kinds) = self.columns[head.known].content else { return None };
+        let span = self.cell_span(row, name);
+        let cell = &self.source.text()[span.clone()];
+        let (mut pairs, before) = (Vec::new(), problems.len());
+        for (at, text) in words_with_places(cell.trim_matches('"')) {
+            let start = span.start + (cell.len() - cell.trim_start_matches('"').len()) + at;
+            let span = start..start + text.len();
+            let Some((first, second)) = text.split_once(':') else {
+                problems.push(
+                    Problem::at(
+                        span,
+                        format!("`{name}`: `{text}` is not a pair"),
+                        "expected two numbers with `:` between them",
+                    )
+                    .help("pairs are separated by blanks, for example 7:120 10:18"),
+                );
+                continue;
+            };
+            let mut pair = [0.0; 2];
+            let units = [&head.unit, &head.second];
+            for (k, text) in [first, second].into_iter().enumerate() {
+                let (kind, range) = kinds[k];
+                match units::number_value(text).map(|value| units[k].as_ref().map_or(value, |u| u.to_si(value, kind))) {
+                    Ok(value) if range.contains(value) && units::is_sane(value) => pair[k] = value,
+                    Ok(_) => problems.push(Problem::at(
+                        span.clone(),
+                        format!("`{name}`: `{text}` is out of range"),
+                        format!("expected {}", range.expected()),
+                    )),
+                    Err(error) => problems.push(Problem::at(
+                        span.clone(),
+                        format!("`{name}`: {}", error.message(&units::RATIO)),
+                        format!("expected {}", range.expected()),
+                    )),
+                }
+            }
+            pairs.push(pair);
+        }
+        (problems.len() == before).then_some(pairs)
     }
 
     /// One of several words; `None` where the cell is blank.
@@ -351,7 +433,7 @@ impl Table {
 
     /// The bytes of a cell, or of its row where the column is absent.
     pub fn cell_span(&self, row: usize, name: &str) -> Span<usize> {
-        match self.heads.get(name) {
+        match self.filled(row, name).next().or_else(|| self.heads.get(name)?.first()) {
             Some(head) => find_cell(self.source.text(), self.starts[row], head.column),
             None => self.row_span(row),
         }
@@ -418,30 +500,78 @@ fn split_unit(cell: &str) -> (&str, Option<&str>) {
     }
 }
 
+/// The words of a text, each with the byte that it begins at.
+fn words_with_places(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.split_whitespace().map(move |word| (word.as_ptr() as usize - text.as_ptr() as usize, word))
+}
+
 type HeaderProblem = (String, String);
 
-fn header_unit(column: &Column, unit: Option<&str>) -> Result<(Option<Unit>, bool), HeaderProblem> {
-    let (kind, tolerance) = match column.content {
-        Content::Text | Content::Count => {
-            return match unit {
-                None => Ok((None, false)),
-                Some(unit) => Err((format!("has no unit, but `{unit}` is given"), format!("write `{}`", column.name))),
-            };
-        }
-        Content::Quantity(kind, _) => (kind, false),
-        Content::Tolerance(kind) => (kind, true),
-    };
-    let example = kind.example.split_once(' ').map_or("", |(_, unit)| unit);
-    match unit {
-        Some("%") if tolerance => Ok((Some(units::unit_of("%", &units::RATIO).expect("per cent is a unit")), true)),
-        None if kind.needs_unit() => Err((
-            units::UnitError::MissingUnit.message(kind),
-            format!("write the unit in brackets, for example `{} [{example}]`", column.name),
-        )),
-        None => Ok((None, false)),
-        Some(unit) => match units::unit_of(unit, kind) {
-            Ok(unit) => Ok((Some(unit), false)),
-            Err(error) => Err((error.message(kind), format!("for example `{} [{example}]`", column.name))),
+/// What the brackets behind a column's name say. The place of the column is the caller's.
+fn header_unit(column: &Column, unit: Option<&str>) -> Result<Head, HeaderProblem> {
+    let head = Head { column: 0, known: 0, unit: None, second: None, relative: false, stated: Stated::default() };
+    match column.content {
+        Content::Text | Content::Count => match unit {
+            None => Ok(head),
+            Some(unit) => Err((format!("has no unit, but `{unit}` is given"), format!("write `{}`", column.name))),
         },
+        Content::Tolerance(_) if unit == Some("%") => {
+            let percent = units::unit_of("%", &units::RATIO).expect("per cent is a unit");
+            Ok(Head { unit: Some(percent), relative: true, ..head })
+        }
+        Content::Quantity(kind, _) | Content::Tolerance(kind) => {
+            Ok(Head { unit: unit_in_header(column, kind, unit, Words::NONE)?, ..head })
+        }
+        Content::Stated(kind, _, words) => {
+            let (rest, stated) = match unit.map(|text| words.split(text)) {
+                None => (None, Stated::default()),
+                Some(Ok((rest, stated))) => (Some(rest).filter(|r| !r.is_empty()), stated),
+                Some(Err(message)) => return Err((message, format!("one of them: {}", example(column, kind, words)))),
+            };
+            Ok(Head { unit: unit_in_header(column, kind, rest, words)?, stated, ..head })
+        }
+        Content::Pairs([(first, _), (second, _)]) => {
+            let help = || format!("write both units, `{} [{} : {}]`", column.name, first.si, second.si);
+            let Some((a, b)) = unit.and_then(|unit| unit.split_once(':')) else {
+                return Err(("its cells are pairs, which have two units".into(), help()));
+            };
+            let of = |kind: &'static Kind, text: &str| {
+                let text = Some(text.trim()).filter(|t| !t.is_empty());
+                unit_in_header(column, kind, text, Words::NONE).map_err(|(message, _)| (message, help()))
+            };
+            Ok(Head { unit: of(first, a)?, second: of(second, b)?, ..head })
+        }
     }
 }
+
+/// How a column is written in a header.
+fn example(column: &Column, kind: &Kind, words: Words) -> String {
+    let unit = kind.example.split_once(' ').map_or("", |(_, unit)| unit);
+    let stated = Stated { convention: words.convention.first().copied(), side: words.side.first().copied() };
+    format!("`{} [{}]`", column.name, stated.after(unit))
+}
+
+fn unit_in_header(
+    column: &Column,
+    kind: &'static Kind,
+    unit: Option<&str>,
+    words: Words,
+) -> Result<Option<Unit>, HeaderProblem> {
+    match unit {
+        None if kind.needs_unit() => Err((
+            units::UnitError::MissingUnit.message(kind),
+            format!("write the unit in brackets, for example {}", example(column, kind, Words::NONE)),
+        )),
+        None => Ok(None),
+        Some(text) => units::unit_of(text, kind).map(Some).map_err(|error| {
+            let help = match words.meant(text) {
+                Some(near) => format!("did you mean `{near}`? For example {}", example(column, kind, words)),
+                None => format!("for example {}", example(column, kind, Words::NONE)),
+            };
+            (error.message(kind), help)
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

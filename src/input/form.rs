@@ -1,6 +1,8 @@
 //! A TOML file read as a form: each reader asks for the keys it knows, with the kind and range of
 //! their values; what it did not ask for is an unknown key.
 
+mod values;
+
 use std::cell::RefCell;
 use std::ops::Range as Span;
 use std::sync::Arc;
@@ -8,14 +10,16 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-use super::{Change, InputError, Problem, Range, Source};
-use crate::units::{self, Kind};
+use super::describe::Asked;
+use super::{Change, Description, InputError, Key, Problem, Source};
 
 /// A parsed TOML file together with the problems found in it so far.
 #[derive(Debug)]
 pub struct Form {
     source: Arc<Source>,
     problems: RefCell<Vec<Problem>>,
+    // What is asked for, where that is written down.
+    described: Option<RefCell<Description>>,
 }
 
 impl Form {
@@ -26,6 +30,29 @@ impl Form {
     /// All syntax errors, and all problems that `read` or the sections noted.
     pub fn read<T>(source: &Arc<Source>, read: impl FnOnce(&Section) -> Option<T>) -> Result<T, InputError> {
         Form::read_changed(source, &[], read)
+    }
+
+    /// What `read` asks for, over a skeleton of a file: TOML that has every table which the reader looks into. What is
+    /// missing or wrong in it does not matter.
+    pub fn describe<T>(skeleton: &str, read: impl FnOnce(&Section) -> Option<T>) -> Description {
+        let source = Arc::new(Source::new("skeleton.toml", skeleton));
+        let form = Form { source: source.clone(), problems: RefCell::default(), described: Some(RefCell::default()) };
+        let (table, errors) = DeTable::parse_recoverable(source.text());
+        debug_assert!(errors.is_empty(), "the skeleton is TOML: {errors:?}");
+        read(&form.root(table.get_ref()));
+        form.described.unwrap_or_default().into_inner()
+    }
+
+    /// The table at the top.
+    fn root<'a>(&'a self, table: &'a DeTable<'a>) -> Section<'a> {
+        self.reach("");
+        Section { form: self, table, span: 0..0, path: String::new(), asked: RefCell::default() }
+    }
+
+    fn reach(&self, path: &str) {
+        if let Some(described) = &self.described {
+            described.borrow_mut().reach(path);
+        }
     }
 
     /// What was read of a file together with the mistakes of the files that it names: its own come first, and
@@ -54,7 +81,7 @@ impl Form {
         changes: &[Change],
         read: impl FnOnce(&Section) -> Option<T>,
     ) -> Result<T, InputError> {
-        let form = Form { source: source.clone(), problems: RefCell::default() };
+        let form = Form { source: source.clone(), problems: RefCell::default(), described: None };
         let (mut table, errors) = DeTable::parse_recoverable(source.text());
         if errors.is_empty() {
             for change in changes {
@@ -77,13 +104,7 @@ impl Form {
         }
         // After a syntax error the rest of the table is a guess: report the syntax alone.
         let result = if errors.is_empty() {
-            let root = Section {
-                form: &form,
-                table: table.get_ref(),
-                span: 0..0,
-                path: String::new(),
-                asked: RefCell::default(),
-            };
+            let root = form.root(table.get_ref());
             let value = read(&root);
             root.finish();
             value
@@ -129,8 +150,13 @@ impl<'a> Section<'a> {
     }
 
     /// Whether the key is present (it counts as asked for).
-    pub fn has(&self, key: &'static str) -> bool {
-        self.value(key).is_some()
+    pub fn has(&self, key: impl Into<Key>) -> bool {
+        self.ask(&key.into(), &Asked::Presence).is_some()
+    }
+
+    /// Whether the key is present, without asking for it: of a table that belongs to another kind of file.
+    pub fn holds(&self, key: &str) -> bool {
+        self.table.contains_key(key)
     }
 
     /// The span of a key's value, or of the table where it is missing.
@@ -138,7 +164,16 @@ impl<'a> Section<'a> {
         self.value(key).map_or_else(|| self.span(), Spanned::span)
     }
 
+    /// The value at a key, which counts as asked for.
     fn value(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.ask(&key.into(), &Asked::Presence)
+    }
+
+    fn ask(&self, key: &Key, asked: &Asked) -> Option<&'a Spanned<DeValue<'a>>> {
+        if let Some(described) = &self.form.described {
+            described.borrow_mut().ask(&self.path, key, asked);
+        }
+        let key = key.name;
         if !self.asked.borrow().contains(&key) {
             self.asked.borrow_mut().push(key);
         }
@@ -166,8 +201,10 @@ impl<'a> Section<'a> {
     }
 
     /// A string, if the key is there.
-    pub fn text(&self, key: &'static str) -> Option<Spanned<String>> {
-        let value = self.value(key)?;
+    pub fn text(&self, key: impl Into<Key>) -> Option<Spanned<String>> {
+        let key = key.into();
+        let value = self.ask(&key, &Asked::Text)?;
+        let key = key.name;
         let Some(text) = value.get_ref().as_str() else {
             self.wrong_type(value, key, "a string in quotes");
             return None;
@@ -176,7 +213,10 @@ impl<'a> Section<'a> {
     }
 
     /// A string that must be there.
-    pub fn required_text(&self, key: &'static str, example: &str) -> Option<Spanned<String>> {
+    pub fn required_text(&self, key: impl Into<Key>, example: &str) -> Option<Spanned<String>> {
+        let key = key.into().required();
+        self.ask(&key, &Asked::Text);
+        let key = key.name;
         if !self.has(key) {
             self.missing(key, example);
             return None;
@@ -200,7 +240,10 @@ impl<'a> Section<'a> {
     }
 
     /// A short printable string, or what stands for it where the key is not there.
-    pub fn name_or(&self, key: &'static str, default: impl FnOnce() -> String) -> Option<String> {
+    pub fn name_or(&self, key: impl Into<Key>, default: impl FnOnce() -> String) -> Option<String> {
+        let key = key.into();
+        self.ask(&key, &Asked::Text);
+        let key = key.name;
         if !self.has(key) {
             return Some(default());
         }
@@ -208,8 +251,10 @@ impl<'a> Section<'a> {
     }
 
     /// A list of strings, if the key is there.
-    pub fn texts(&self, key: &'static str) -> Option<Vec<Spanned<String>>> {
-        let value = self.value(key)?;
+    pub fn texts(&self, key: impl Into<Key>) -> Option<Vec<Spanned<String>>> {
+        let key = key.into();
+        let value = self.ask(&key, &Asked::Texts)?;
+        let key = key.name;
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(value, key, "a list of strings");
             return None;
@@ -232,8 +277,10 @@ impl<'a> Section<'a> {
     }
 
     /// Every key of a table of texts with its text, in the order of their names; empty if the key is not there.
-    pub fn entries(&self, key: &'static str) -> Vec<(Spanned<String>, Spanned<String>)> {
-        let Some(value) = self.value(key) else { return Vec::new() };
+    pub fn entries(&self, key: impl Into<Key>) -> Vec<(Spanned<String>, Spanned<String>)> {
+        let key = key.into();
+        let Some(value) = self.ask(&key, &Asked::Entries) else { return Vec::new() };
+        let key = key.name;
         let Some(table) = value.get_ref().as_table() else {
             self.wrong_type(value, key, "a table");
             return Vec::new();
@@ -252,8 +299,10 @@ impl<'a> Section<'a> {
     }
 
     /// `true` or `false`, if the key is there.
-    pub fn boolean(&self, key: &'static str) -> Option<bool> {
-        let value = self.value(key)?;
+    pub fn boolean(&self, key: impl Into<Key>) -> Option<bool> {
+        let key = key.into();
+        let value = self.ask(&key, &Asked::Boolean)?;
+        let key = key.name;
         let found = value.get_ref().as_bool();
         if found.is_none() {
             self.wrong_type(value, key, "true or false");
@@ -262,8 +311,10 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number from 1 on, if the key is there.
-    pub fn count(&self, key: &'static str) -> Option<u32> {
-        let value = self.value(key)?;
+    pub fn count(&self, key: impl Into<Key>) -> Option<u32> {
+        let key = key.into();
+        let value = self.ask(&key, &Asked::Count)?;
+        let key = key.name;
         let number = value.get_ref().as_integer().and_then(|i| u32::from_str_radix(i.as_str(), i.radix()).ok());
         match number {
             Some(number) if number > 0 => Some(number),
@@ -279,142 +330,16 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A number without dimension in a range, if the key is there.
-    pub fn number(&self, key: &'static str, range: Range) -> Option<f64> {
-        let value = self.value(key)?;
-        self.read_number(value, key, range)
-    }
-
-    fn read_number(&self, value: &Spanned<DeValue>, key: &str, range: Range) -> Option<f64> {
-        let number = match value.get_ref() {
-            DeValue::Integer(i) if i.radix() == 10 => i.as_str().parse().ok(),
-            DeValue::Float(x) => x.as_str().parse::<f64>().ok(),
-            _ => {
-                self.wrong_type(value, key, "a number");
-                return None;
-            }
-        };
-        self.in_range(number.unwrap_or(f64::NAN), value.span(), key, range)
-    }
-
-    fn in_range(&self, number: f64, span: Span<usize>, key: &str, range: Range) -> Option<f64> {
-        if number.is_finite() && units::is_sane(number) && range.contains(number) {
-            return Some(number);
-        }
-        let what = if number.is_finite() { "out of range" } else { "not a finite number" };
-        let mut problem =
-            Problem::at(span, format!("{} is {what}", self.name(key)), format!("expected {}", range.expected()));
-        problem.help = range.help(number);
-        self.form.note(problem);
-        None
-    }
-
-    /// A quantity with its unit, in SI, if the key is there.
-    pub fn quantity(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<f64> {
-        let value = self.value(key)?;
-        self.read_quantity(value, key, kind, range)
-    }
-
-    /// Two quantities of one kind, `[least, most]`, in SI, if the key is there. Equal ones are one value;
-    /// the wrong way round is a mistake.
-    pub fn quantity_range(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<[f64; 2]> {
-        let value = self.value(key)?;
-        let items = value.get_ref().as_array().filter(|a| a.len() == 2);
-        let Some(items) = items else {
-            self.form.note(
-                Problem::at(
-                    value.span(),
-                    format!("{} is not a pair [least, most]", self.name(key)),
-                    format!("expected the least and the most {}, each with its unit", kind.name),
-                )
-                .help(format!("for example {key} = [\"0 {}\", \"{}\"]", kind.si, kind.example)),
-            );
-            return None;
-        };
-        let mut ends = items.iter().map(|item| self.read_quantity(item, key, kind, range));
-        let (least, most) = (ends.next().flatten(), ends.next().flatten());
-        let (least, most) = (least?, most?);
-        if least > most {
-            self.form.note(
-                Problem::at(
-                    value.span(),
-                    format!("{} is upside down", self.name(key)),
-                    "the first is more than the second",
-                )
-                .help("swap the two"),
-            );
-            return None;
-        }
-        Some([least, most])
-    }
-
-    /// Three quantities of one kind, along x, y and z, in SI, if the key is there.
-    pub fn vector(&self, key: &'static str, kind: &'static Kind) -> Option<[f64; 3]> {
-        let value = self.value(key)?;
-        let Some(items) = value.get_ref().as_array().filter(|a| a.len() == 3) else {
-            self.form.note(
-                Problem::at(
-                    value.span(),
-                    format!("{} is not a vector [x, y, z]", self.name(key)),
-                    format!("expected three times {}, each with its unit", kind.with_article()),
-                )
-                .help(format!("for example {key} = [\"0 {0}\", \"0 {0}\", \"{1}\"]", kind.si, kind.example)),
-            );
-            return None;
-        };
-        let read: Vec<Option<f64>> = items.iter().map(|item| self.read_quantity(item, key, kind, Range::Any)).collect();
-        Some([read[0]?, read[1]?, read[2]?])
-    }
-
-    /// A quantity that must be there.
-    pub fn required_quantity(&self, key: &'static str, kind: &'static Kind, range: Range) -> Option<f64> {
-        if !self.has(key) {
-            self.missing(key, &format!("\"{}\"", kind.example));
-        }
-        self.quantity(key, kind, range)
-    }
-
-    fn read_quantity(&self, value: &Spanned<DeValue>, key: &str, kind: &'static Kind, range: Range) -> Option<f64> {
-        let text = match value.get_ref() {
-            DeValue::String(text) => text,
-            DeValue::Integer(_) | DeValue::Float(_) => {
-                self.form.note(
-                    Problem::at(
-                        value.span(),
-                        format!("{} has no unit", self.name(key)),
-                        format!("expected {} with its unit", kind.with_article()),
-                    )
-                    .help(format!("write it in quotes with its unit, for example {key} = \"{}\"", kind.example)),
-                );
-                return None;
-            }
-            _ => {
-                self.wrong_type(
-                    value,
-                    key,
-                    &format!("{} with its unit, like \"{}\"", kind.with_article(), kind.example),
-                );
-                return None;
-            }
-        };
-        match units::quantity(text, kind) {
-            Ok(number) => self.in_range(number, value.span(), key, range),
-            Err(error) => {
-                self.form.note(
-                    Problem::at(
-                        value.span(),
-                        format!("{}: {}", self.name(key), error.message(kind)),
-                        format!("expected {}", kind.with_article()),
-                    )
-                    .help(error.help(kind)),
-                );
-                None
-            }
-        }
+    /// How many mistakes of the file were noted so far.
+    pub fn noted(&self) -> usize {
+        self.form.problems.borrow().len()
     }
 
     /// One of several words, if the key is there.
-    pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&'static str, T)]) -> Option<T> {
+    pub fn choice<T: Copy>(&self, key: impl Into<Key>, choices: &[(&'static str, T)]) -> Option<T> {
+        let key = key.into();
+        self.ask(&key, &Asked::Choice(choices.iter().map(|(name, _)| *name).collect()));
+        let key = key.name;
         let text = self.text(key)?;
         let found = choices.iter().find(|(name, _)| name == text.get_ref());
         if found.is_none() {
@@ -432,8 +357,10 @@ impl<'a> Section<'a> {
     }
 
     /// A table, if the key is there.
-    pub fn section(&self, key: &'static str) -> Option<Section<'a>> {
-        let value = self.value(key)?;
+    pub fn section(&self, key: impl Into<Key>) -> Option<Section<'a>> {
+        let key = key.into();
+        let value = self.ask(&key, &Asked::Table)?;
+        let key = key.name;
         let Some(table) = value.get_ref().as_table() else {
             self.wrong_type(value, key, "a table");
             return None;
@@ -442,12 +369,15 @@ impl<'a> Section<'a> {
     }
 
     fn child(&self, table: &'a DeTable<'a>, span: Span<usize>, path: String) -> Section<'a> {
+        self.form.reach(&path);
         Section { form: self.form, table, span, path, asked: RefCell::default() }
     }
 
     /// A list of tables (`[[joint]]`, or `points = [{…}]`), empty if the key is not there.
-    pub fn sections(&self, key: &'static str) -> Vec<Section<'a>> {
-        let Some(value) = self.value(key) else { return Vec::new() };
+    pub fn sections(&self, key: impl Into<Key>) -> Vec<Section<'a>> {
+        let key = key.into();
+        let Some(value) = self.ask(&key, &Asked::Tables) else { return Vec::new() };
+        let key = key.name;
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(value, key, "a list of tables");
             return Vec::new();
@@ -460,38 +390,6 @@ impl<'a> Section<'a> {
             }
         }
         sections
-    }
-
-    /// Numbers without dimension in a list, if the key is there.
-    pub fn number_list(&self, key: &'static str, range: Range) -> Option<Vec<f64>> {
-        let value = self.value(key)?;
-        let Some(items) = value.get_ref().as_array() else {
-            self.wrong_type(value, key, "a list of numbers");
-            return None;
-        };
-        items.iter().map(|item| self.read_number(item, key, range)).collect()
-    }
-
-    /// Quantities of one kind under names of the user's own, in SI, with the place of each name.
-    pub fn named_quantities(
-        &self,
-        key: &'static str,
-        kind: &'static Kind,
-        range: Range,
-    ) -> Vec<(Spanned<String>, f64)> {
-        let Some(value) = self.value(key) else { return Vec::new() };
-        let Some(table) = value.get_ref().as_table() else {
-            self.wrong_type(value, key, "a table of names and quantities");
-            return Vec::new();
-        };
-        let mut named = Vec::new();
-        for (name, item) in table.iter() {
-            if let Some(number) = self.read_quantity(item, name.get_ref(), kind, range) {
-                named.push((Spanned::new(name.span(), name.get_ref().to_string()), number));
-            }
-        }
-        named.sort_by_key(|(name, _)| name.span().start);
-        named
     }
 
     /// Whether the value at `key` is a table (for keys that are a word or a table).
@@ -521,8 +419,10 @@ impl<'a> Section<'a> {
     }
 
     /// Texts, numbers or truth values as they would stand in a cell: one, or a list of them.
-    pub fn cells(&self, key: &'static str) -> Vec<Spanned<String>> {
-        let Some(value) = self.value(key) else { return Vec::new() };
+    pub fn cells(&self, key: impl Into<Key>) -> Vec<Spanned<String>> {
+        let key = key.into();
+        let Some(value) = self.ask(&key, &Asked::Cells) else { return Vec::new() };
+        let key = key.name;
         let items = value.get_ref().as_array().map_or(std::slice::from_ref(value), |array| array.as_ref());
         let mut cells = Vec::new();
         for item in items {
@@ -539,24 +439,6 @@ impl<'a> Section<'a> {
             cells.push(Spanned::new(item.span(), text));
         }
         cells
-    }
-
-    /// A list of lists of numbers, if the key is there.
-    pub fn matrix(&self, key: &'static str) -> Option<Vec<Vec<f64>>> {
-        let value = self.value(key)?;
-        let expected = "a list of lists of numbers";
-        let Some(rows) = value.get_ref().as_array() else {
-            self.wrong_type(value, key, expected);
-            return None;
-        };
-        let row = |row: &Spanned<DeValue>| {
-            let Some(cells) = row.get_ref().as_array() else {
-                self.wrong_type(row, key, expected);
-                return None;
-            };
-            cells.iter().map(|cell| self.read_number(cell, key, Range::Any)).collect()
-        };
-        rows.iter().map(row).collect()
     }
 
     /// Notes every key that nobody asked for, with the nearest that exists.

@@ -7,21 +7,27 @@
 
 mod change;
 pub mod csv;
+mod describe;
 mod file;
 mod form;
 pub mod limits;
 mod locate;
 mod recording;
 mod source;
+mod stated;
 
 pub use change::Change;
+pub use describe::{Description, Key, KeyAsked, TableAsked, key};
+#[cfg(feature = "measured")]
 pub(crate) use file::{Opened, utf_16};
 pub use form::{Form, Section};
 pub use locate::{Step, locate};
 pub(crate) use recording::was_read;
 pub use recording::{InputFile, Recording, sha256};
+#[cfg(feature = "report")]
 pub(crate) use source::tame;
 pub use source::{InputError, Problem, Source, hex};
+pub use stated::{Stated, Words};
 
 /// What values a number may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +64,17 @@ impl Range {
             Range::NonNegative => "a number that is not negative",
             Range::Fraction => "a number greater than 0 and at most 1",
             Range::AtLeastOne => "a number that is at least 1",
+        }
+    }
+
+    /// The values, in few words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Range::Any => "any",
+            Range::Positive => "above zero",
+            Range::NonNegative => "from zero",
+            Range::Fraction => "above 0, at most 1",
+            Range::AtLeastOne => "from 1",
         }
     }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use crate::catalog::convention::{Commutation, Winding};
 use crate::catalog::{Catalog, Motor, Sheet};
+use crate::effects::{EFFECTS, Effect, FittedEffect, of_efficiency};
 use crate::requirement::GearModel;
 
 /// What kind of test a log records.
@@ -175,6 +176,8 @@ pub struct Log {
     pub gains: BTreeMap<Channel, f64>,
     /// Channels that drive the machine and hold a row's value until the next row, as a digital drive does.
     pub held: BTreeSet<Channel>,
+    /// Channels that were measured at the motor and brought to the output by the ratio.
+    pub from_motor: BTreeSet<Channel>,
     /// Time \[s\], increasing; row number for a steady table without time.
     pub time: Vec<f64>,
     /// The channels that the log has.
@@ -219,8 +222,50 @@ pub struct Declared {
     pub coulomb_friction: Option<f64>,
     /// Inertia of the bench at the output, between gear and torque sensor \[kg·m²\].
     pub fixture_inertia: f64,
-    /// Further effects that the model has already: name and parameters (SI, in the order of the effect).
-    pub effects: Vec<(String, Vec<f64>)>,
+    /// Further effects that the model has already.
+    pub effects: Vec<FittedEffect>,
+}
+
+impl Declared {
+    /// Everything that the declared model has beyond its constants, as one list, each effect once: what the file declares,
+    /// then what columns of the motor's row or of the axis declare, then the loss of the gear.
+    pub fn all_effects(&self) -> Vec<FittedEffect> {
+        let own = self.effects.iter().cloned();
+        let columns = EFFECTS.iter().filter_map(|e| Some(FittedEffect { effect: *e, values: self.column(*e)? }));
+        let loss = of_efficiency().filter(|_| self.gear.efficiency < 1.0);
+        let gear = loss.map(|effect| FittedEffect { effect, values: vec![1.0 / self.gear.efficiency - 1.0] });
+        let mut found: Vec<FittedEffect> = Vec::new();
+        for fitted in own.chain(columns).chain(gear) {
+            if !found.iter().any(|f| f.effect == fitted.effect) {
+                found.push(fitted);
+            }
+        }
+        found
+    }
+
+    /// The values of an effect that a column declares.
+    fn column(&self, effect: &dyn Effect) -> Option<Vec<f64>> {
+        if let Some(motor) = &self.motor {
+            return motor.declared(effect);
+        }
+        let value = match effect.column()? {
+            "viscous_friction" => self.viscous_friction,
+            "coulomb_friction" => self.coulomb_friction,
+            _ => None,
+        };
+        value.map(|value| vec![value])
+    }
+}
+
+/// Quadrature voltage per volt of duty times supply: a brushed motor, and a row that is on the q axis
+/// already, take all of it.
+pub(crate) fn volts_per_duty(motor: &Motor) -> f64 {
+    use crate::catalog::convention::{BLOCK, CurrentConvention, Modulation};
+    match (motor.conventions.commutation, motor.conventions.current) {
+        (Commutation::Brushed, _) | (_, CurrentConvention::QAxis) => 1.0,
+        (_, CurrentConvention::Dc) => BLOCK,
+        (commutation, _) => Modulation::SpaceVector.voltage(commutation),
+    }
 }
 
 /// A bench file with its logs.

@@ -9,16 +9,14 @@
 
 mod numbers;
 
-use self::numbers::{Fits, Number};
+use self::numbers::{Fits, Number, coefficient};
+use super::answer::Report;
 use super::bench::{Bench, Use};
-use super::identify::Report;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::fitted::FittedGear;
 use crate::catalog::fitted::{Axis, Fit, Fitted, Provenance, parameter_name, settled, settled_difference};
-use crate::effects::FittedEffect;
-use crate::effects::{EFFECTS, Effect, Shape};
-
-use crate::catalog::{Conventions, FIELDS, Field, Identity, Motor, Printed, Sheet, SourceKind};
+use crate::catalog::{Conventions, FIELDS, Field, Identity, Motor, OwnConventions, Printed, Sheet, SourceKind};
+use crate::effects::{EFFECTS, Effect, FittedEffect, Shape, of_column, of_efficiency};
 use crate::input::Range;
 use crate::measured::characterize::row::REDUNDANT;
 use crate::requirement::backdrive_efficiency;
@@ -86,6 +84,7 @@ impl Builder<'_> {
             current: if brushed { CurrentConvention::Dc } else { CurrentConvention::QAxis },
             back_emf: sheet.back_emf_constant.map(|_| BackEmfConvention::QAxis),
             speed_constant: None,
+            own: OwnConventions::default(),
         };
         let poles = motor.pole_pairs.filter(|_| !brushed);
         let made = Motor::new(self.identity(motor), conventions, sheet, poles).ok()?;
@@ -128,7 +127,8 @@ impl Builder<'_> {
         let direct = self.fits.best("torque_constant", |f| !f.sees_quotient).filter(positive);
         let torque_constant = direct.or_else(|| {
             let quotient = self.fits.best("torque_constant", |f| f.sees_quotient).filter(positive)?;
-            self.notes.push("from duty and position K_T/R alone is seen: K_T is that with this resistance".into());
+            self.notes
+                .push("only K_T/R is identifiable from duty and position: K_T is that with this resistance".into());
             Some(match &resistance {
                 Some(r) => quotient.times(&r.by_factor(1.0 / motor.resistance)),
                 None => quotient,
@@ -139,7 +139,6 @@ impl Builder<'_> {
 
     /// A column that follows from fitted numbers, on the q axis; `None` where it stays as declared.
     fn column(&mut self, motor: &Motor, field: &Field, constants: &Constants) -> Option<Number> {
-        let of_bench = |effect: &str| self.fits.declared_effect(effect).map(Number::exact);
         match field.name {
             "resistance" => constants.resistance.clone(),
             "inductance" => self.fits.best("inductance", |_| true),
@@ -151,8 +150,7 @@ impl Builder<'_> {
                 let seen = self.fits.best("inertia", |_| true)?;
                 let rotor = seen.plus(-gear);
                 if rotor.value <= 0.0 {
-                    self.notes
-                        .push("the inertia that was seen is less than the gear's: the rotor's is as declared".into());
+                    self.notes.push("the fitted inertia is less than the gear's: the rotor's is as declared".into());
                     return None;
                 }
                 if gear > 0.0 {
@@ -160,22 +158,22 @@ impl Builder<'_> {
                 }
                 Some(rotor)
             }
-            "coulomb_friction" => {
-                let declared = of_bench("coulomb_friction");
-                self.fits.best("coulomb_friction.torque", |_| true).filter(|n| n.value >= 0.0).or(declared)
+            column => {
+                let effect = of_column(column)?;
+                let declared = self.fits.declared_effect(effect).map(Number::exact);
+                let fitted = match effect.is_damping() {
+                    true => self.viscous(effect, motor, constants),
+                    false => self.fits.best(&coefficient(effect), |_| true).filter(|n| n.value >= 0.0),
+                };
+                fitted.or(declared)
             }
-            "viscous_friction" => {
-                let declared = of_bench("viscous_friction");
-                self.viscous(motor, constants).or(declared)
-            }
-            _ => None,
         }
     }
 
     /// Viscous friction b. Where a voltage drives, what opposes motion holds the back-EMF too: `D = b + K_T K_B/R`,
     /// with the K_T/R of the same fit.
-    fn viscous(&mut self, motor: &Motor, constants: &Constants) -> Option<Number> {
-        let direct = self.fits.best("viscous_friction.coefficient", |f| !f.sees_quotient).filter(|n| n.value >= 0.0);
+    fn viscous(&mut self, effect: &dyn Effect, motor: &Motor, constants: &Constants) -> Option<Number> {
+        let direct = self.fits.best(&coefficient(effect), |f| !f.sees_quotient).filter(|n| n.value >= 0.0);
         if direct.is_some() {
             return direct;
         }
@@ -190,17 +188,15 @@ impl Builder<'_> {
         let left = damping.minus(&taken);
         let error = self.fits.error(&left).unwrap_or(0.0);
         if left.value >= 0.0 {
-            self.notes.push("viscous friction is the damping that was seen less K_T K_B/R".into());
+            self.notes.push("viscous friction is the fitted damping less K_T K_B/R".into());
             return Some(left);
         }
         if left.value > -2.0 * error {
-            self.notes.push(
-                "the damping that was seen is that of the back-EMF: viscous friction is zero within its ±".into(),
-            );
+            self.notes.push("the fitted damping is that of the back-EMF: viscous friction is zero within its ±".into());
             return Some(Number { value: 0.0, ..left });
         }
         self.notes.push(
-            "the damping that was seen is less than K_T K_B/R: K_B is smaller than declared, and viscous friction as declared"
+            "the fitted damping is less than K_T K_B/R: K_B is smaller than declared, and viscous friction as declared"
                 .into(),
         );
         None
@@ -212,17 +208,16 @@ impl Builder<'_> {
         let declared = &bench.declared;
         let effects = self.effects(false);
         self.notes.extend(self.fits.disagreements());
-        let mut one = |place: &str, name: &str, effect: &str, own: Option<f64>, unit: &str, range: Range| {
-            let fitted = self.fits.best(name, |_| true).filter(|n| range.contains(n.value));
-            let known = || self.fits.declared_effect(effect).or(own).map(Number::exact);
+        let mut one = |place: &str, own: Option<f64>, unit: &str, range: Range| {
+            let effect = of_column(place);
+            let name = effect.map_or_else(|| place.to_string(), coefficient);
+            let fitted = self.fits.best(&name, |_| true).filter(|n| range.contains(n.value));
+            let known = || effect.and_then(|e| self.fits.declared_effect(e)).or(own).map(Number::exact);
             fitted.or_else(known).map(|n| self.printed(format!("axis.{place}"), &n, unit))
         };
-        let mass = one("mass", "mass", "", declared.mass, "kg", Range::Positive);
-        let (b, c) = (declared.viscous_friction, declared.coulomb_friction);
-        let viscous_friction =
-            one("viscous_friction", "viscous_friction.coefficient", "viscous_friction", b, "N*s/m", Range::NonNegative);
-        let coulomb_friction =
-            one("coulomb_friction", "coulomb_friction.torque", "coulomb_friction", c, "N", Range::NonNegative);
+        let mass = one("mass", declared.mass, "kg", Range::Positive);
+        let viscous_friction = one("viscous_friction", declared.viscous_friction, "N*s/m", Range::NonNegative);
+        let coulomb_friction = one("coulomb_friction", declared.coulomb_friction, "N", Range::NonNegative);
         Axis {
             id: format!("{}-fitted", bench.name),
             note: self.notes.join("; "),
@@ -238,11 +233,12 @@ impl Builder<'_> {
     fn gear(&mut self, motor: &Motor) -> Option<FittedGear> {
         let ratio = self.fits.bench.declared.ratio;
         let mut gear = motor.fitted_gear.unwrap_or_default();
-        let fitted = self.fits.best("load_dependent_friction.factor", |_| true).filter(|f| f.value > 0.0);
+        let loss = of_efficiency();
+        let fitted = loss.and_then(|e| self.fits.best(&coefficient(e), |_| true)).filter(|f| f.value > 0.0);
         // What was fitted is the whole loss; what was only declared beyond the row adds to that of the row's gear.
         let own = gear.efficiency.filter(|_| fitted.is_none()).unwrap_or(1.0);
         let back = gear.backdrive_efficiency.filter(|_| fitted.is_none()).unwrap_or_else(|| backdrive_efficiency(own));
-        let factor = fitted.or_else(|| self.fits.declared_effect("load_dependent_friction").map(Number::exact));
+        let factor = fitted.or_else(|| self.fits.declared_effect(loss?).map(Number::exact));
         if let Some(factor) = &factor {
             let whole = 1.0 / own + factor.value;
             let efficiency = factor.through(1.0 / whole, -1.0 / (whole * whole));
@@ -260,7 +256,7 @@ impl Builder<'_> {
     /// the library.
     fn effects(&mut self, turns: bool) -> Vec<FittedEffect> {
         let mut effects = Vec::new();
-        for effect in EFFECTS.iter().copied().filter(|e| !has_a_column(e.name(), turns)) {
+        for effect in EFFECTS.iter().copied().filter(|e| !has_a_column(*e, turns)) {
             for instance in self.fits.instances(effect) {
                 effects.extend(self.instance(effect, &instance));
             }
@@ -329,8 +325,8 @@ impl Builder<'_> {
 }
 
 /// Effects that have a column of the row or of the gear. An axis has no gear.
-fn has_a_column(name: &str, turns: bool) -> bool {
-    matches!(name, "viscous_friction" | "coulomb_friction") || (turns && name == "load_dependent_friction")
+fn has_a_column(effect: &dyn Effect, turns: bool) -> bool {
+    effect.column().is_some() || (turns && of_efficiency().is_some_and(|e| e == effect))
 }
 
 /// A column on the q axis as declared, with its own ±.
@@ -346,11 +342,12 @@ fn declared(motor: &Motor, field: &Field) -> Option<Printed> {
             (of.map(|_| motor.back_emf_constant), of)
         }
         "rotor_inertia" => (motor.rotor_inertia, printed),
-        "coulomb_friction" => (motor.coulomb_friction, printed),
-        "viscous_friction" => (motor.viscous_friction, printed),
         "continuous_current" => (motor.continuous_current, printed),
         "peak_current" => (motor.peak_current, printed),
-        _ => (printed.map(|p| p.value), printed),
+        column => match of_column(column) {
+            Some(effect) => (motor.declared(effect).map(|values| values[0]), printed),
+            None => (printed.map(|p| p.value), printed),
+        },
     };
     let value = value?;
     let tolerance = of.and_then(|p| p.relative_tolerance()).map(|t| t * value.abs());

@@ -3,12 +3,13 @@
 //! The one idea: a log is brought to SI and canonical frames once, when it is read; what follows sees
 //! arrays over time and a declared model, and never a file.
 
+pub mod answer;
 pub mod bench;
 pub mod characterize;
 pub mod fitted;
-pub mod read;
-
 pub mod identify;
+pub mod read;
+pub mod select;
 pub mod signals;
 pub mod simulate;
 

@@ -6,6 +6,7 @@
 mod actuator;
 mod columns;
 mod readings;
+mod remark;
 mod table;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,11 +16,12 @@ use std::sync::Arc;
 
 use self::actuator::{Frame, Purpose};
 use self::columns::{Column, Target};
+use self::remark::Remark;
 use self::table::{Condition, Rows, Wanted};
 use super::bench::*;
 use crate::catalog::Catalog;
 use crate::catalog::convention::Commutation;
-use crate::input::{Form, InputError, Problem, Range, Section, Source};
+use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
 use crate::units;
 
 /// Standard gravity \[m/s²\].
@@ -93,15 +95,16 @@ fn read_bench(
     for_row: bool,
     others: &mut Vec<InputError>,
 ) -> Option<Bench> {
-    let name =
-        root.name_or("name", || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()));
+    let name = root.name_or(key("name", "name of the bench").default("that of the file"), || {
+        path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    });
     let catalog = read_catalog(root, source, catalog, others);
-    let kind = root.choice("kind", BenchKind::NAMES);
+    let kind = root.choice(key("kind", "what the logs record; may be in each log"), BenchKind::NAMES);
     let linear = kind == Some(BenchKind::Linear);
     let readings = readings::read(root);
     let commutation = readings.motor.commutation.unwrap_or(Commutation::Brushless);
     let purpose = if for_row { Purpose::Characterize(commutation) } else { Purpose::Identify };
-    let actuator = match root.section("actuator") {
+    let actuator = match root.section(key("actuator", "the declared model; required for `identify`")) {
         Some(section) => actuator::read(section, catalog.as_ref(), linear, purpose),
         None if for_row && !root.has("actuator") => Some(actuator::without_row(commutation)),
         None => {
@@ -115,11 +118,12 @@ fn read_bench(
     let (declared, frame) = actuator.unzip();
     let frame = frame.unwrap_or(Frame::unknown(linear));
     let (load, controller) = (read_load(root, &frame), read_controller(root));
-    let (columns, complete) =
-        root.section("columns").map_or((Vec::new(), true), |section| columns::read(section, &frame));
+    let (columns, complete) = root
+        .section(key("columns", "what the columns of the logs are; may be in each log"))
+        .map_or((Vec::new(), true), |section| columns::read(section, &frame));
     let known = actuator_known && complete;
     let common = Common { kind, load: load.unwrap_or_default(), controller, columns, frame: &frame };
-    let sections = root.sections("log");
+    let sections = root.sections(key("log", "the logs, at least one for `identify`"));
     let enough = for_row && (readings.terminals.is_some() || readings.rotor.is_some());
     if sections.is_empty() && !root.has("log") && !enough {
         root.missing("log", "a table [[log]] with file = \"run1.csv\" for each log");
@@ -140,7 +144,7 @@ fn read_catalog(
     given: Option<Catalog>,
     others: &mut Vec<InputError>,
 ) -> Option<Catalog> {
-    let named = if root.has("catalog") { Some(root.texts("catalog")?) } else { None };
+    let named = if root.has(CATALOG) { Some(root.texts("catalog")?) } else { None };
     let catalog = if given.is_some() {
         return given;
     } else if let Some(named) = named {
@@ -152,9 +156,45 @@ fn read_catalog(
     catalog.map_err(|errors| others.extend(errors)).ok()
 }
 
+const LOAD: Key = key("load", "what hangs at the output").value("table");
+const PENDULUM: Key = key("pendulum", "a pendulum at the output, in place of `load`").value("table");
+const CATALOG: Key = key("catalog", "where the motor is looked for, next to this file")
+    .value("list of paths")
+    .default("the built-in catalogue");
+const USE: Key = key("use", "what is held out has no part in the choice").value("`fit`, `held_out`").default("`fit`");
+const OWN_KIND: Key = key("kind", "of this log").value("kind of bench");
+const ROTOR: Key = key("rotor", "of kind `random_torque`: whether the rotor was in")
+    .value("`installed`, `removed`")
+    .default("`installed`");
+const SELECT: Key = key("select", "which rows, where one file has several logs").value("table or list of tables");
+
+/// Every table that the reader looks into.
+const SKELETON: &str = "
+actuator = {}
+columns = { time = {}, velocity = {}, current = {}, duty = {} }
+load = {}
+controller = {}
+terminals = {}
+rotor = {}
+[[log]]
+file = ''
+select = {}
+[[log]]
+pendulum = {}
+";
+
+/// What the reader asks for: of columns, those tables that differ.
+pub fn describe() -> Description {
+    let catalog = || Some(Catalog::default());
+    let source = Arc::new(Source::new("skeleton.toml", ""));
+    let read =
+        |root: &Section| read_bench(root, Path::new("skeleton.toml"), &source, catalog(), false, &mut Vec::new());
+    Form::describe(SKELETON, read).and(Form::describe("actuator = { mass = '1 kg' }", read))
+}
+
 /// What hangs at the output: `load`, or `pendulum`.
 fn read_load(section: &Section, frame: &Frame) -> Option<KnownLoad> {
-    if section.has("load") && section.has("pendulum") {
+    if section.has(LOAD) && section.has(PENDULUM) {
         section.note(
             Problem::at(
                 section.span_of("pendulum"),
@@ -165,10 +205,12 @@ fn read_load(section: &Section, frame: &Frame) -> Option<KnownLoad> {
         );
         return None;
     }
-    if let Some(table) = section.section("pendulum") {
-        let mass = table.required_quantity("mass", &units::MASS, Range::NonNegative);
-        let length = table.required_quantity("length", &units::LENGTH, Range::Positive);
-        let arm = table.quantity("arm_mass", &units::MASS, Range::NonNegative).unwrap_or(0.0);
+    if let Some(table) = section.section(PENDULUM) {
+        let mass = table.required_quantity(key("mass", "at the end"), &units::MASS, Range::NonNegative);
+        let length = table.required_quantity(key("length", "to the mass"), &units::LENGTH, Range::Positive);
+        let arm = table
+            .quantity(key("arm_mass", "of the arm").default("none"), &units::MASS, Range::NonNegative)
+            .unwrap_or(0.0);
         table.finish();
         let (mass, length) = (mass?, length?);
         // A mass at the end of a slender arm.
@@ -177,14 +219,15 @@ fn read_load(section: &Section, frame: &Frame) -> Option<KnownLoad> {
             gravity_torque: Some((mass + arm / 2.0) * STANDARD_GRAVITY * length),
         });
     }
-    let table = section.section("load")?;
-    let mass = table.quantity("mass", &units::MASS, Range::NonNegative);
+    let table = section.section(LOAD)?;
+    let mass = table.quantity(key("mass", "of what hangs there"), &units::MASS, Range::NonNegative);
     let load = if frame.linear.is_some() {
         KnownLoad { inertia: mass, gravity_torque: None }
     } else {
-        let inertia = table.quantity("inertia", &units::INERTIA, Range::NonNegative);
-        let gravity = table.quantity("gravity_torque", &units::TORQUE, Range::NonNegative);
-        let distance = table.quantity("distance", &units::LENGTH, Range::NonNegative);
+        let inertia = table.quantity(key("inertia", "about the output"), &units::INERTIA, Range::NonNegative);
+        let gravity =
+            table.quantity(key("gravity_torque", "in place of mass and distance"), &units::TORQUE, Range::NonNegative);
+        let distance = table.quantity(key("distance", "of its centre"), &units::LENGTH, Range::NonNegative);
         for (key, other, example) in [("mass", "distance", "\"0.1 m\""), ("distance", "mass", "\"0.5 kg\"")] {
             if table.has(key) && !table.has(other) {
                 table.missing(other, example);
@@ -202,39 +245,45 @@ fn read_load(section: &Section, frame: &Frame) -> Option<KnownLoad> {
 }
 
 fn read_controller(section: &Section) -> Option<Controller> {
-    let table = section.section("controller")?;
+    let table = section.section(key("controller", "of kind `servo`: what makes duty of the goal"))?;
     // The gain is often called kp.
-    let gain = if table.has("kp") { "kp" } else { "gain" };
+    let gain = if table.has(key("kp", "another name of `gain`").value("number")) { "kp" } else { "gain" };
     if !table.has(gain) {
         table.missing("gain", "0.29  # duty per rad");
     }
-    let number = |key, kind| {
-        if table.is_text(key) { table.quantity(key, kind, Range::Any) } else { table.number(key, Range::Any) }
+    let number = |asked: Key, kind| {
+        if table.is_text(asked.name()) {
+            table.quantity(asked, kind, Range::Any)
+        } else {
+            table.number(asked, Range::Any)
+        }
     };
     let controller = Controller {
-        gain: number(gain, &units::PER_ANGLE).unwrap_or(f64::NAN),
-        supply: table.quantity("supply", &units::VOLTAGE, Range::Positive),
-        damping: number("damping", &units::PER_SPEED).unwrap_or(0.0),
-        limit: table.number("limit", Range::Positive).unwrap_or(1.0),
+        gain: number(key(gain, "duty per angle, or per rad").required(), &units::PER_ANGLE).unwrap_or(f64::NAN),
+        supply: table.quantity(key("supply", "where the log does not have it"), &units::VOLTAGE, Range::Positive),
+        damping: number(key("damping", "duty per speed, or per rad/s").default("none"), &units::PER_SPEED)
+            .unwrap_or(0.0),
+        limit: table.number(key("limit", "largest duty").default("1"), Range::Positive).unwrap_or(1.0),
     };
     table.finish();
     controller.gain.is_finite().then_some(controller)
 }
 
 fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
-    let file = section.required_text("file", "\"run1.csv\"");
-    let usage = if section.has("use") { section.choice("use", USES) } else { Some(Use::Fit) };
-    let kind = if section.has("kind") { section.choice("kind", BenchKind::NAMES) } else { common.kind };
+    let file = section.required_text(key("file", "CSV next to this file").value("file"), "\"run1.csv\"");
+    let usage = if section.has(USE) { section.choice(USE, USES) } else { Some(Use::Fit) };
+    let kind = if section.has(OWN_KIND) { section.choice(OWN_KIND, BenchKind::NAMES) } else { common.kind };
     if kind.is_none() && !section.has("kind") && common.kind.is_none() {
         section.missing("kind", "\"dynamometer\", here or at the top of the file");
     }
     let load = read_load(&section, common.frame);
     let controller = read_controller(&section);
-    let (own, complete) =
-        section.section("columns").map_or((Vec::new(), true), |table| columns::read(table, common.frame));
+    let (own, complete) = section
+        .section(key("columns", "of this log, over the common ones"))
+        .map_or((Vec::new(), true), |table| columns::read(table, common.frame));
     let columns = columns::merge(&common.columns, own);
     let select = read_select(&section);
-    let rotor = if section.has("rotor") { section.choice("rotor", ROTORS) } else { Some(true) };
+    let rotor = if section.has(ROTOR) { section.choice(ROTOR, ROTORS) } else { Some(true) };
     let columns = columns
         .into_iter()
         .map(|c| if kind == Some(BenchKind::ThermalStep) { c.heating(common.frame) } else { c })
@@ -299,7 +348,7 @@ fn check_kind(section: &Section, kind: BenchKind, frame: &Frame, known: bool) {
 
 /// One condition, or a list of conditions that must all hold. `None` where one of them is wrong.
 fn read_select(section: &Section) -> Option<Vec<Condition>> {
-    if !section.has("select") {
+    if !section.has(SELECT) {
         return Some(Vec::new());
     }
     let tables = if section.is_list("select") { section.sections("select") } else { vec![section.section("select")?] };
@@ -307,9 +356,12 @@ fn read_select(section: &Section) -> Option<Vec<Condition>> {
 }
 
 fn read_condition(table: Section) -> Option<Condition> {
-    let column = table.required_text("column", "\"run\"");
-    let cells = table.cells("equals");
-    let (min, max) = (table.number("min", Range::Any), table.number("max", Range::Any));
+    let column = table.required_text(key("column", "in the header of the log"), "\"run\"");
+    let cells = table.cells(key("equals", "rows with one of these cells"));
+    let (min, max) = (
+        table.number(key("min", "rows from this value on"), Range::Any),
+        table.number(key("max", "rows up to this value"), Range::Any),
+    );
     let bounded = table.has("min") || table.has("max");
     if !table.has("equals") && !bounded {
         table.missing("equals", "\"run 1\", a list of values, or `min` and `max`");
@@ -422,6 +474,7 @@ fn read_logs(root: &Section, plans: Vec<Plan>, frame: &Frame, others: &mut Vec<I
             complete = false;
             continue;
         };
+        let empty: Vec<Remark> = rows.remarks.iter().copied().filter(|r| matches!(r, Remark::Empty { .. })).collect();
         let mut log = assemble(&plan, hash, rows);
         // What a column does not hold is as good as not there.
         let has = |target: Target| match target {
@@ -431,7 +484,7 @@ fn read_logs(root: &Section, plans: Vec<Plan>, frame: &Frame, others: &mut Vec<I
         let emptied = log.channels.len() + usize::from(plan.columns.iter().any(|c| c.target == Target::Time))
             < plan.columns.len();
         if emptied && let Some(problem) = lacking(plan.kind, plan.controller.is_some(), frame, &plan.span, &has) {
-            let what = log.remarks.iter().filter(|r| r.contains("none of its")).cloned().collect::<Vec<_>>();
+            let what: Vec<String> = empty.iter().map(Remark::to_string).collect();
             root.note(Problem { help: Some(what.join("; ")), ..problem });
             complete = false;
         }
@@ -445,11 +498,12 @@ fn read_logs(root: &Section, plans: Vec<Plan>, frame: &Frame, others: &mut Vec<I
 }
 
 fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
-    let mut remarks: Vec<String> = Vec::new();
-    for column in &plan.columns {
-        remarks.extend(column.remarks.iter().cloned());
-    }
-    remarks.extend(rows.remarks);
+    let of_columns = plan.columns.iter().flat_map(|c| &c.remarks);
+    let remarks = of_columns.chain(&rows.remarks).map(Remark::to_string).collect();
+    let from_motor = |c: &Column| match c.target {
+        Target::Channel(channel) if c.remarks.contains(&Remark::FromMotor(c.key)) => Some(channel),
+        _ => None,
+    };
     Log {
         name: plan.name(),
         hash,
@@ -461,6 +515,7 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
         difference: plan.difference(),
         gains: plan.gains(),
         held: plan.held(),
+        from_motor: plan.columns.iter().filter_map(from_motor).collect(),
         time: rows.time,
         channels: rows.channels,
         remarks,

@@ -120,7 +120,7 @@ impl Sheet {
                     let message = format!("`{}`: `{word}` is not a number", attribute.name());
                     let mut problem = Problem::at(attribute.range_value(), message, "expected numbers");
                     if word.contains(',') {
-                        problem = problem.help("numbers have a decimal point and stand apart with blanks, not commas");
+                        problem = problem.help("numbers have a decimal point and are separated by blanks, not commas");
                     }
                     self.note(problem);
                     return None;

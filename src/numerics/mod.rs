@@ -1,5 +1,8 @@
-//! Searches and interpolants that know nothing of robots.
+//! Searches, fits and interpolants that know nothing of robots.
 
+pub mod grid;
 pub mod laurent;
+pub mod least_squares;
 pub mod line_search;
 pub mod spline;
+pub mod sums;

@@ -1,19 +1,18 @@
 use super::{MADE, code, table};
-use crate::actuator::fitted::how_it_enters;
-use crate::effects::{EFFECTS, Effect, Enters, Equation, Scale, Shape, SimulatorField};
+use crate::effects::{Doubt, EFFECTS, Effect, Equation, Proof, Scale, Shape, SimulatorField, Variable};
 
 /// The page of effects.
 pub fn text() -> String {
     let mut out = format!(
         "{MADE}# Effects\n\nWhat an actuator can have beyond resistance, inductance, torque constant and inertia. `identify` asks \
          logs for them in this order; a [fitted actuator](formats.md#fitted-actuator-toml) carries them; sweep and ratio program keep \
-         them as said here. Values are at the motor unless said; a new effect is one file in `src/actuator/effects`.\n\n"
+         them as said here. Values are by default at the motor; a new effect is one file in `src/effects`.\n\n"
     );
     let rows = EFFECTS.iter().map(|e| {
         vec![
             format!("[{0}](#{0})", e.name()),
             format!("`{}`", e.equation()),
-            how_it_enters(*e),
+            e.kind_of_entry().detail(),
             proof(*e).into(),
             exported(*e),
         ]
@@ -26,11 +25,11 @@ pub fn text() -> String {
 }
 
 fn proof(effect: &dyn Effect) -> &'static str {
-    match effect.enters() {
-        Enters::Convex | Enters::Efficiency | Enters::Bound => "certified",
-        Enters::Laurent => "certified, branch and bound",
-        Enters::Evaluated => "not certified",
-        Enters::NotAtAll(_) => "",
+    match effect.kind_of_entry().proof() {
+        Proof::Conic => "certified",
+        Proof::BranchAndBound => "certified, branch and bound",
+        Proof::None => "not certified",
+        Proof::NotNeeded => "",
     }
 }
 
@@ -40,7 +39,7 @@ fn exported(effect: &dyn Effect) -> String {
         SimulatorField::Damping(_) => "damping".into(),
         SimulatorField::FrictionLoss(_) => "friction loss".into(),
         SimulatorField::Stiffness(_) => "comment: a stiffness needs a joint of its own".into(),
-        SimulatorField::Nowhere => "comment: no place for it".into(),
+        SimulatorField::Efficiency | SimulatorField::Nowhere => "comment: no place for it".into(),
     }
 }
 
@@ -52,11 +51,11 @@ fn one(effect: &dyn Effect) -> String {
     };
     let shape = match effect.shape() {
         Shape::None => "",
-        Shape::Speed => " The last one is looked for among speeds of the logs.",
-        Shape::Current => " The last one is looked for around the largest current of the logs.",
-        Shape::Order => " The last one is a whole number of periods a turn; several orders stand in several tables.",
+        Shape::Speed(_) => " The last one is looked for among speeds of the logs.",
+        Shape::Current(_) => " The last one is looked for around the largest current of the logs.",
+        Shape::Order => " The last one is a whole number of periods a turn; several orders are several tables.",
     };
-    let needs: Vec<&str> = effect.needs().iter().map(|v| v.name()).filter(|n| *n != "nothing").collect();
+    let needs: Vec<&str> = effect.needs().iter().filter(|v| **v != Variable::Constant).map(|v| v.name()).collect();
     let needs = if needs.is_empty() { "nothing beyond the equation itself".into() } else { needs.join(", ") };
     let mut out = format!(
         "\n## {}\n\n`{}`, added to {acts_on}. A log must have: {needs}.{shape}\n\n",
@@ -85,15 +84,12 @@ fn believed(effect: &dyn Effect, index: usize) -> String {
         values[index] = value;
         effect.plausible(&values, &SCALE)
     };
-    let of = |why: String| {
-        why.split_once("more than ").and_then(|(_, of)| of.split_once(" (")).map(|(of, _)| of.to_string())
-    };
     let above = match with(-1e-9) {
-        Err(why) if why.contains("negative") => "above zero",
+        Err(Doubt::NotPositive { .. }) => "above zero",
         _ => "either sign",
     };
-    match with(1e30).err().and_then(of) {
-        Some(largest) => format!("{above}, up to {largest}"),
-        None => above.into(),
+    match with(1e30) {
+        Err(Doubt::TooLarge { of, .. }) => format!("{above}, up to {of}"),
+        _ => above.into(),
     }
 }

@@ -2,7 +2,7 @@ use super::{MADE, table};
 use crate::actuator::Load;
 use crate::actuator::limits::{Check, LIMITS, Limit, Verdict};
 use crate::catalog::Catalog;
-use crate::design::geared_candidate;
+use crate::design::Mount;
 use crate::input::Source;
 use crate::requirement;
 
@@ -65,7 +65,9 @@ fn missing() -> Vec<(&'static str, &'static str)> {
         };
         let joint = &robot.joints[0];
         let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
-        let Ok(candidate) = geared_candidate(&robot, joint, &load, &catalog.motors[0], &catalog.gears[0]) else {
+        let Ok(candidate) =
+            Mount::new(&robot, joint, &load, &catalog.motors[0]).with_gear(Some(&catalog.gears[0])).candidate()
+        else {
             continue;
         };
         let unknown = |limit: &'static Limit| match limit.check(&candidate) {

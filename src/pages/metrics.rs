@@ -14,7 +14,7 @@ pub fn text() -> String {
         ]
     });
     format!(
-        "{MADE}# Metrics\n\nNumbers of a motor that do not depend on the ratio; they stand beside every design, and order with `--sort`. \
+        "{MADE}# Metrics\n\nNumbers of a motor that do not depend on the ratio; they are next to every design, and order with `--sort`. \
          All are of the q-axis equivalent. A ± of the row goes into every metric by the exponents of its formula.\n\n{}\n\
          `optimize` says how well the order by each agrees with the order by the task (Kendall's τ). At matched actuator inertia J_a \
          the actuator's motor constant is √(J_a/S_M), its torque constant √(J_a/S_T): that is why less is better.\n",

@@ -32,7 +32,7 @@ pub fn text() -> String {
             let ends: Vec<String> = ends.into_iter().flatten().collect();
             out.push_str(&format!("\nBounds: {} on `{}`.\n", ends.join(", "), names.join("`, `")));
         }
-        out.push_str(&format!("\n*Why.* {}\n\n*Example.* {}\n\n*To mend it.* {}\n", rule.why, rule.example, rule.mend));
+        out.push_str(&format!("\n*Why.* {}\n\n*Example.* {}\n\n*To fix it.* {}\n", rule.why, rule.example, rule.fix));
     }
     out.push_str("\n# Measures\n\nWhat rules of your own can bound, per joint.\n\n");
     let rows = measures().iter().map(|m| vec![format!("`{}`", m.name), m.unit.into(), m.meaning.clone()]);

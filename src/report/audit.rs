@@ -1,7 +1,5 @@
 //! What an audit found.
 
-use serde_json::{Value, json};
-
 use super::table::paragraph;
 use crate::catalog::Catalog;
 use crate::catalog::audit::{CHECKS, Finding, Severity};
@@ -44,25 +42,14 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
     let accepted = findings.iter().filter(|f| f.accepted && f.severity == Severity::Error).count();
     let notes = findings.iter().filter(|f| f.severity == Severity::Note).count();
     let line = format!(
-        "{} motors and {} gears, {} checks: {} errors, {accepted} explained by the row's note, {notes} notes",
-        catalog.motors.len(),
-        catalog.gears.len(),
-        CHECKS.len(),
-        broken(findings),
+        "{} and {}, {}: {}, {accepted} explained by the row's note, {}",
+        crate::words::counted(catalog.motors.len(), "motor"),
+        crate::words::counted(catalog.gears.len(), "gear"),
+        crate::words::counted(CHECKS.len(), "check"),
+        crate::words::counted(broken(findings), "error"),
+        crate::words::counted(notes, "note"),
     );
     out + &paragraph(&line, 0, 2)
-}
-
-/// For programs.
-pub fn json(catalog: &Catalog, findings: &[Finding]) -> Value {
-    json!({
-        "motors": catalog.motors.len(),
-        "gears": catalog.gears.len(),
-        "errors": broken(findings),
-        "findings": findings.iter().map(|f| json!({
-            "id": f.id, "code": f.code, "severity": word(f), "message": f.message, "explanation": f.explanation,
-        })).collect::<Vec<_>>(),
-    })
 }
 
 /// As rows.

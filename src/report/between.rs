@@ -1,7 +1,5 @@
 //! What is said of a motion that may be larger between its samples than at any of them.
 
-use serde_json::{Value, json};
-
 use crate::requirement::{Between, Joint};
 
 /// For people, as a sentence without its full stop; `None` where there is nothing to say.
@@ -18,15 +16,4 @@ pub(super) fn words(joint: &Joint) -> Option<String> {
              sample to sample"
         ),
     })
-}
-
-/// For programs: whether the motion is known between its samples, and the share that is missed there at most (of
-/// a resolved one) or by estimate.
-pub(super) fn json(joint: &Joint) -> Value {
-    let (known, share) = match joint.motion.between {
-        Between::Nothing => return Value::Null,
-        Between::Spline(share) => ("spline", share),
-        Between::Given(share) => ("not_resolved", share),
-    };
-    json!({ "by": known, "missed_share": share, "samples": joint.motion.len(), "given_samples": joint.motion.given.len() })
 }

@@ -8,8 +8,9 @@ use super::number;
 use super::table::{Column, Table, paragraph, wrap};
 use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, Winding, word};
-use crate::catalog::import::{cell, head, safe};
-use crate::catalog::{FIELDS, Motor, Printed, SourceKind, read_motors};
+use crate::catalog::import::safe;
+use crate::catalog::row::MotorRow;
+use crate::catalog::{Conventions, FIELDS, Motor, OwnConventions, Printed, Sheet, SourceKind, read_motors};
 use crate::input::Source;
 use crate::measured::Bench;
 use crate::measured::characterize::estimate::Estimate;
@@ -160,44 +161,35 @@ const BOTH_MEASURED: &[&str] = &["back-emf", "rotor-inertia"];
 /// The row's text; what the audit finds in it is accepted and its note says what.
 fn row_text_csv(row: &Row, accepted: &[AuditFinding]) -> String {
     let brushed = row.commutation == Commutation::Brushed;
-    let mut header: Vec<String> = Vec::new();
-    let mut cells: Vec<String> = Vec::new();
-    let mut add = |name: String, text: String| {
-        if !text.is_empty() {
-            header.push(name);
-            cells.push(text);
-        }
-    };
-    let current = if brushed { CurrentConvention::Dc } else { CurrentConvention::QAxis };
-    add("id".into(), row.id.clone());
-    add("manufacturer".into(), safe(&row.manufacturer));
-    add("model".into(), safe(&row.model));
-    add("commutation".into(), word(Commutation::NAMES, &row.commutation).into());
-    add("winding".into(), row.winding.map_or("", |w| word(Winding::NAMES, &w)).into());
-    add("terminals".into(), word(Terminals::NAMES, &Terminals::QAxis).into());
-    add("current".into(), word(CurrentConvention::NAMES, &current).into());
-    if row.sheet.back_emf_constant.is_some() {
-        add("back_emf_convention".into(), word(BackEmfConvention::NAMES, &BackEmfConvention::QAxis).into());
-    }
-    if let (Some(poles), false) = (row.pole_pairs, brushed) {
-        add("pole_pairs".into(), poles.to_string());
-    }
+    let mut sheet = Sheet::default();
     for field in FIELDS {
         let Some(Printed { value, tolerance }) = (field.get)(&row.sheet) else { continue };
-        add(head(field.name, field.kind), cell(Some(rounded(value, 7))));
-        if let Some(tolerance) = tolerance {
-            add(head(&format!("{}_tolerance", field.name), field.kind), cell(Some(rounded(tolerance, 3))));
-        }
+        let printed = Printed { value: rounded(value, 7), tolerance: tolerance.map(|t| rounded(t, 3)) };
+        (field.set)(&mut sheet, printed);
     }
-    add("source".into(), safe(&row.source));
-    add("source_kind".into(), word(SourceKind::NAMES, &SourceKind::Measured).into());
-    let codes: Vec<&str> = accepted.iter().map(|f| f.code).collect();
-    add("audit_accept".into(), codes.join(";"));
     let found: Vec<String> = accepted.iter().map(|f| format!("both measured: {}", f.message)).collect();
     let note: Vec<&str> = [row.note.as_str()].into_iter().chain(found.iter().map(String::as_str)).collect();
-    add("note".into(), safe(&note.join("; ")));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    super::csv_text(&header, [cells])
+    let written = MotorRow {
+        id: row.id.clone(),
+        manufacturer: safe(&row.manufacturer),
+        model: safe(&row.model),
+        source: safe(&row.source),
+        source_kind: SourceKind::Measured,
+        note: safe(&note.join("; ")),
+        accepted_findings: accepted.iter().map(|f| f.code.to_string()).collect(),
+        conventions: Conventions {
+            commutation: row.commutation,
+            terminals: Terminals::QAxis,
+            winding: row.winding,
+            current: if brushed { CurrentConvention::Dc } else { CurrentConvention::QAxis },
+            back_emf: row.sheet.back_emf_constant.map(|_| BackEmfConvention::QAxis),
+            speed_constant: None,
+            own: OwnConventions::default(),
+        },
+        pole_pairs: row.pole_pairs.filter(|_| !brushed),
+        sheet,
+    };
+    crate::catalog::row::csv_text(&[written], &[])
 }
 
 /// So many significant digits: more than a measurement says.

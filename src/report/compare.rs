@@ -1,7 +1,5 @@
 //! Two motors side by side: the case study of Urs et al. for any pair.
 
-use serde_json::{Map, Value, json};
-
 use super::rank::with_tolerance;
 use super::table::{Column, Table, paragraph};
 use super::{number, optional};
@@ -18,9 +16,9 @@ pub struct Comparison<'a> {
     pub motors: [&'a Motor; 2],
     /// Actuator inertia that both are matched to \[kg·m²\].
     pub inertia: f64,
-    matched: [Option<MatchedInertia>; 2],
-    without_inductance: [Option<StepResponse>; 2],
-    with_inductance: [Option<StepResponse>; 2],
+    pub(super) matched: [Option<MatchedInertia>; 2],
+    pub(super) without_inductance: [Option<StepResponse>; 2],
+    pub(super) with_inductance: [Option<StepResponse>; 2],
 }
 
 impl<'a> Comparison<'a> {
@@ -157,43 +155,4 @@ pub fn text(comparison: &Comparison) -> String {
         }
     }
     out
-}
-
-/// For programs.
-pub fn json(comparison: &Comparison) -> Value {
-    let motor = |i: usize| {
-        let m = comparison.motors[i];
-        let mut metrics = Map::new();
-        for metric in METRICS {
-            metrics.insert(format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(m)));
-        }
-        let step = |r: Option<StepResponse>| r.map(|r| json!({ "rise_time_s": r.rise_time, "overshoot": r.overshoot }));
-        json!({
-            "motor": m.id,
-            "resistance_ohm": m.resistance,
-            "inductance_h": m.inductance,
-            "torque_constant_nm_per_a": m.torque_constant,
-            "back_emf_constant_vs_per_rad": m.back_emf_constant,
-            "rotor_inertia_kgm2": m.rotor_inertia,
-            "mass_kg": m.mass,
-            "metrics": metrics,
-            "matched": comparison.matched[i].map(|x| json!({
-                "ratio": x.ratio,
-                "actuator_torque_constant_nm_per_a": x.torque_constant,
-                "actuator_motor_constant_nm_per_sqrt_w": x.motor_constant,
-            })),
-            "step_without_inductance": step(comparison.without_inductance[i]),
-            "step_with_inductance": step(comparison.with_inductance[i]),
-            "source": m.source,
-            "note": m.note,
-            "assumptions": m.assumptions,
-            "audit": audit_motor(m).iter().map(|f| json!({ "code": f.code, "message": f.message, "explanation": f.explanation })).collect::<Vec<_>>(),
-        })
-    };
-    let s_m = metric("s_m").map(|s| comparison.motors.map(|m| s.value(m)));
-    let ratio = match s_m {
-        Some([Some(a), Some(b)]) => Some(b / a),
-        _ => None,
-    };
-    json!({ "matched_inertia_kgm2": comparison.inertia, "responsiveness_ratio": ratio, "motors": [motor(0), motor(1)] })
 }

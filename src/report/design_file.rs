@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::number;
 use super::optimize::without_choice;
-use crate::design::optimize::{Design, RobotResult};
+use crate::design::answer::{Design, RobotResult};
 use crate::design::robot::Choice;
 
 /// The way from a folder to a file, both as they are on disk; the file's own path where one of them is not there.
@@ -64,10 +64,10 @@ pub fn toml(
         let objective = &joint.joint.objective;
         let window = design.optimum.window();
         out.push_str(&format!(
-            "\n# {} {}; {} motors can do it alone",
+            "\n# {} {}; {} can do it alone",
             objective.name(),
             super::with_unit(design.optimum.objective, objective.unit()),
-            joint.candidates.len()
+            crate::words::counted(joint.candidates.len(), "motor")
         ));
         if design.gear.is_none() {
             out.push_str(&format!("; feasible from {} to {}", number(window.min), number(window.max)));

@@ -1,15 +1,14 @@
 //! The whole story of one motor at a joint.
 
-use serde_json::{Value, json};
-
-use super::optimize::{bind_text, fitted_json, fitted_notes, margins_json, proof, reason_text};
+use super::optimize::{bind_text, fitted_notes, proof, reason_text};
 use super::table::{Column, Table, paragraph};
 use super::{currents, number, optional};
-use crate::actuator::metrics::METRICS;
+use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::design::answer::Reason;
 use crate::design::evaluate::Margin;
 use crate::design::explain::{Explanation, Forbidden, Remedy};
-use crate::design::optimize::Reason;
+use crate::design::figures::{FIGURES, figure};
 use crate::design::program::{Certificate, Optimum};
 use crate::requirement::Joint;
 
@@ -29,7 +28,7 @@ pub fn text(story: &Explanation) -> String {
     out.push('\n');
     for (what, value, unit) in quantities(story) {
         out.push_str(&format!("  {what:<24}{} {unit}\n", optional(value)));
-        if what == WINDING && story.winding_temperature == Some(None) {
+        if what == figure("winding_temperature_k").words && story.winding_temperature.runs_away() {
             out.push_str(&paragraph(RUNAWAY, 2, 4));
         }
     }
@@ -142,31 +141,16 @@ pub(super) fn no_spring(story: &Explanation, why: &Reason) -> String {
     format!("No spring will do: {}. All else is {with}.", reason_text(why, story.joint).1)
 }
 
-const WINDING: &str = "winding, steady state";
 /// What is said where the winding has no steady temperature.
 pub(super) const RUNAWAY: &str = "thermal runaway: the copper's resistance rises faster than heat flows off";
 
 /// What the design needs and weighs: name, value, unit.
 pub(super) fn quantities(story: &Explanation) -> Vec<(&'static str, Option<f64>, &'static str)> {
-    let e = &story.evaluation;
-    let [peak_phase, peak_q, rms_phase, rms_q] = currents::values(story.motor, e);
-    let phase = currents::phase_word(story.motor);
-    let mut all = vec![
-        ("copper loss", Some(e.loss), "W"),
-        ("energy per cycle", e.energy, "J"),
-        ("peak electrical power", e.peak_power, "W"),
-        ("current, rms", Some(rms_phase), phase),
-        ("", Some(rms_q), "A (q axis)"),
-        ("current, peak", Some(peak_phase), phase),
-        ("", Some(peak_q), "A (q axis)"),
-        ("reflected inertia", Some(e.reflected_inertia), "kg*m^2"),
-        ("mass", e.mass, "kg"),
-        (WINDING, story.winding_temperature.flatten().map(|t| t - 273.15), "degC"),
-    ];
-    all.extend(METRICS.iter().take(4).map(|metric| {
-        (metric.symbol, metric.value(story.motor).map(|v| crate::units::in_unit(v, metric.unit)), metric.unit)
-    }));
-    all
+    let facts = story.facts();
+    let figures = FIGURES.iter().map(|f| (f.words, f.shown(&facts), f.unit_of(story.motor)));
+    let metrics = METRICS.iter().filter(|m| m.shown == Shown::AsOrder);
+    let metrics = metrics.map(|m| (m.symbol, m.value(story.motor).map(|v| crate::units::in_unit(v, m.unit)), m.unit));
+    figures.chain(metrics).collect()
 }
 
 pub(super) fn remedy_text(remedy: &Remedy) -> String {
@@ -259,7 +243,7 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
         let change = percent(price.elasticity / 100.0);
         out.push_str(&paragraph(&format!("{} +1 %: {} {change}", price.limit, joint.objective.name()), 2, 4));
     }
-    out.push_str("\nIf the motor were better, the ratio chosen anew:\n");
+    out.push_str("\nIf the motor were better, with the ratio chosen again:\n");
     for s in &story.sensitivities {
         let change = s.objective.map_or_else(
             || "no ratio is feasible".to_string(),
@@ -268,49 +252,4 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
         out.push_str(&paragraph(&format!("{} {}: {change}", s.parameter, percent(s.change)), 2, 4));
     }
     out
-}
-
-/// For programs.
-pub fn json(story: &Explanation) -> Value {
-    let e = &story.evaluation;
-    let (margins, limits) = margins_json(&e.margins, story.joint);
-    let best = story.best.as_ref().map(|b| match b {
-        Ok(o) => json!({
-            "ratio": o.ratio, "objective": o.objective, "window": [o.window().min, o.window().max],
-            "binds": { "low": o.window().low.limit, "high": o.window().high.limit },
-            "certificate": match &o.certificate {
-                Certificate::Certified { lower_bound, gap, method } => json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method }),
-                Certificate::NotCertified(why) => json!({ "certified": false, "because": why }),
-            },
-            "shadow_prices": o.shadow_prices.iter().map(|p| json!({ "limit": p.limit, "price": p.price, "elasticity": p.elasticity })).collect::<Vec<_>>(),
-        }),
-        Err(reason) => json!({ "because": reason_text(reason, story.joint).1 }),
-    });
-    let mut value = json!({
-        "joint": story.joint.name, "motor": story.motor.id, "gear": story.gear.map(|g| &g.id), "ratio": e.ratio, "feasible": e.feasible,
-        "allowed": story.forbidden().is_none(),
-        "loss_w": e.loss, "energy_per_cycle_j": e.energy, "peak_electrical_power_w": e.peak_power,
-        "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
-        "winding_temperature_k": story.winding_temperature.flatten(), "thermal_runaway": story.winding_temperature == Some(None),
-        "margins": margins, "limits": limits, "best": best, "between_samples": super::between::json(story.joint),
-        "sensitivities": story.sensitivities.iter().map(|s| json!({ "parameter": s.parameter, "change": s.change, "objective_change": s.objective })).collect::<Vec<_>>(),
-        "remedies": story.remedies.iter().map(|r| json!({ "limit": r.limit, "bound": r.bound, "needed": r.needed, "unit": r.unit, "ratio": r.ratio, "of": r.owner })).collect::<Vec<_>>(),
-        "judged": story.unjudged.is_empty(), "unjudged": super::unjudged::list(&story.unjudged),
-        "assumed": super::unjudged::assumed(&story.assumed),
-        "not_checked": super::unjudged::list(&story.unchecked),
-        "spring": story.spring.as_ref().map(|s| match s {
-            Ok(spring) => super::spring::json(spring, e.loss),
-            Err(why) => json!({
-                "because": reason_text(why, story.joint).1,
-                "all_else_with": story.nearest_spring.map(|(stiffness, rest)| json!({
-                    "stiffness_nm_per_rad": stiffness, "rest_angle_rad": rest,
-                })),
-            }),
-        }),
-    });
-    currents::add(&mut value, story.motor, e);
-    if let (Some(list), Value::Object(object)) = (fitted_json(story.motor, story.joint), &mut value) {
-        object.insert("fitted".into(), list);
-    }
-    value
 }

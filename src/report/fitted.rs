@@ -5,12 +5,13 @@
 
 use std::fmt::Write;
 
-use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, Winding, word};
-use crate::catalog::fitted::{Axis, Fit, Fitted, on_axis, parameter_name, settled_difference};
-use crate::catalog::{FIELDS, Motor, Printed, SourceKind};
-use crate::effects::FittedEffect;
-use crate::effects::Shape;
+use crate::catalog::fitted::{Axis, Fit, Fitted, gear_text, on_axis, parameter_name};
+use crate::catalog::row::{MotorRow, number_line, quoted, say, toml_text};
+use crate::catalog::{Motor, Printed};
+use crate::effects::{FittedEffect, Shape};
+use crate::input::Stated;
 use crate::measured::identify::Report;
+use crate::units::{self, Kind};
 
 /// The file's text. The reports give the comments at its top.
 pub fn text(actuator: &Fitted, reports: &[Report]) -> String {
@@ -64,77 +65,24 @@ fn error_comment(report: &Report) -> String {
     )
 }
 
-/// A number as it is, in the form that is shorter to read.
-fn digits(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 || (1e-3..1e7).contains(&size) { value.to_string() } else { format!("{value:e}") }
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_string()).to_string()
-}
-
-/// Writing to a string does not fail.
-fn line(out: &mut String, name: &str, value: f64, unit: &str) {
-    let _ = match unit {
-        "1" => writeln!(out, "{name} = {}", digits(value)),
-        _ => writeln!(out, "{name} = \"{} {unit}\"", digits(value)),
-    };
-}
-
-fn with_tolerance(out: &mut String, name: &str, number: Printed, unit: &str) {
-    match unit {
-        "K" => line(out, name, settled_difference(number.value - 273.15), "degC"),
-        _ => line(out, name, number.value, unit),
-    }
-    if let Some(tolerance) = number.tolerance {
-        line(out, &format!("{name}_tolerance"), tolerance, unit);
-    }
-}
-
-fn say(out: &mut String, name: &str, value: &str) {
-    if !value.is_empty() {
-        let _ = writeln!(out, "{name} = {}", quoted(value));
-    }
+fn with_tolerance(out: &mut String, name: &str, number: Printed, kind: &Kind) {
+    number_line(out, name, Some(&format!("{name}_tolerance")), number, kind, Stated::default());
 }
 
 fn motor_table(motor: &Motor) -> String {
-    let mut out = String::from("\n[motor]\n");
-    let conventions = &motor.conventions;
-    say(&mut out, "id", &motor.id);
-    say(&mut out, "manufacturer", &motor.manufacturer);
-    say(&mut out, "model", &motor.model);
-    say(&mut out, "commutation", word(Commutation::NAMES, &conventions.commutation));
-    say(&mut out, "winding", conventions.winding.map_or("", |w| word(Winding::NAMES, &w)));
-    say(&mut out, "terminals", word(Terminals::NAMES, &conventions.terminals));
-    say(&mut out, "current", word(CurrentConvention::NAMES, &conventions.current));
-    say(&mut out, "audit_accept", &motor.accepted_findings.join(";"));
-    if let (Some(poles), Commutation::Brushless) = (motor.pole_pairs, conventions.commutation) {
-        let _ = writeln!(out, "pole_pairs = {poles}");
-    }
-    for field in FIELDS {
-        let Some(number) = (field.get)(&motor.sheet) else { continue };
-        with_tolerance(&mut out, field.name, number, field.kind.si);
-        if let ("back_emf_constant", Some(convention)) = (field.name, conventions.back_emf) {
-            say(&mut out, "back_emf_convention", word(BackEmfConvention::NAMES, &convention));
-        }
-    }
-    say(&mut out, "source", &motor.source);
-    say(&mut out, "source_kind", word(SourceKind::NAMES, &motor.source_kind));
-    say(&mut out, "note", &motor.note);
-    out
+    format!("\n[motor]\n{}", toml_text(&MotorRow::of(motor)))
 }
 
 fn axis_table(axis: &Axis) -> String {
     let mut out = String::from("\n[axis]\n");
     say(&mut out, "id", &axis.id);
-    for (name, number, unit) in [
-        ("mass", axis.mass, "kg"),
-        ("viscous_friction", axis.viscous_friction, "N*s/m"),
-        ("coulomb_friction", axis.coulomb_friction, "N"),
+    for (name, number, kind) in [
+        ("mass", axis.mass, &units::MASS),
+        ("viscous_friction", axis.viscous_friction, &units::LINEAR_VISCOUS_FRICTION),
+        ("coulomb_friction", axis.coulomb_friction, &units::FORCE),
     ] {
         if let Some(number) = number {
-            with_tolerance(&mut out, name, number, unit);
+            with_tolerance(&mut out, name, number, kind);
         }
     }
     say(&mut out, "note", &axis.note);
@@ -142,19 +90,7 @@ fn axis_table(axis: &Axis) -> String {
 }
 
 fn gear_table(motor: &Motor) -> String {
-    let Some(gear) = motor.fitted_gear else { return String::new() };
-    let mut out = String::from("\n[gear]\n");
-    for (name, value, unit) in [
-        ("ratio", gear.ratio, "1"),
-        ("efficiency", gear.efficiency, "1"),
-        ("backdrive_efficiency", gear.backdrive_efficiency, "1"),
-        ("inertia", gear.inertia, "kg*m^2"),
-    ] {
-        if let Some(value) = value {
-            line(&mut out, name, value, unit);
-        }
-    }
-    out
+    motor.fitted_gear.map_or_else(String::new, |gear| format!("\n[gear]\n{}", gear_text(&gear)))
 }
 
 fn effect_table(fitted: &FittedEffect, of_axis: bool, fit: &Fit) -> String {
@@ -168,7 +104,7 @@ fn effect_table(fitted: &FittedEffect, of_axis: bool, fit: &Fit) -> String {
         let name = parameter_name(effect, &fitted.values, parameter.name);
         let tolerance = fit.tolerances.iter().find(|(of, _)| *of == name).map(|(_, tolerance)| *tolerance);
         let kind = if of_axis { on_axis(parameter.kind) } else { parameter.kind };
-        with_tolerance(&mut out, parameter.name, Printed { value: *value, tolerance }, kind.si);
+        with_tolerance(&mut out, parameter.name, Printed { value: *value, tolerance }, kind);
     }
     out
 }

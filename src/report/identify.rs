@@ -7,9 +7,9 @@ use serde_json::{Map, Value, json};
 
 use super::number;
 use super::table::{Column, Table, paragraph, paragraph_at, width};
-use crate::effects::Enters;
+use crate::effects::{self, Enters};
 use crate::measured::identify::evidence::{AT_THE_NOISE, Asked, Gain};
-use crate::measured::identify::{Found, Ground, Parameter, Refused, Report, Stage, Target, Verdict};
+use crate::measured::identify::{Found, Ground, Parameter, Refused, Report, Stage, Step, Target, Verdict};
 use crate::measured::{Bench, Channel, Log, Use};
 use crate::words::handy::{handy, with_error};
 
@@ -41,7 +41,7 @@ pub fn overall(reports: &[Report]) -> Verdict {
 /// was found in any.
 pub(super) fn refused(reports: &[Report]) -> Vec<(&Refused, Target)> {
     let Some((first, further)) = reports.split_first() else { return Vec::new() };
-    let found = |name: &str| reports.iter().flat_map(|r| &r.effects).any(|e| e.name == name);
+    let found = |name: &str| reports.iter().flat_map(|r| &r.effects).any(|e| e.name() == name);
     first
         .refused
         .iter()
@@ -75,10 +75,6 @@ fn percent(part: f64) -> String {
     number((1e4 * part).round() / 100.0)
 }
 
-fn words(name: &str) -> String {
-    name.replace('_', " ").replace("coulomb", "Coulomb").replace("stribeck", "Stribeck")
-}
-
 /// A list in words.
 fn listed(items: &[String]) -> String {
     match items {
@@ -90,14 +86,15 @@ fn listed(items: &[String]) -> String {
 
 /// An effect that the end of the story does not have any more is marked.
 fn stage_label(report: &Report, stage: &Stage) -> String {
-    let stays = || report.effects.iter().any(|e| stage.name.split(' ').next() == Some(e.name));
-    match stage.name.as_str() {
-        "declared" => "as declared".into(),
-        "artefacts" => "artefacts taken out".into(),
-        "refit" => "declared parameters refitted".into(),
-        "final" => "in the end".into(),
-        name if stays() => format!("+ {name}"),
-        name => format!("+ {name} (taken back)"),
+    match stage.step {
+        Step::Declared => "as declared".into(),
+        Step::Artefacts => "artefacts taken out".into(),
+        Step::Refit => "declared parameters refitted".into(),
+        Step::Final => "final".into(),
+        Step::Added(effect, _) if report.effects.iter().any(|e| e.effect == effect) => {
+            format!("+ {}", stage.step.name())
+        }
+        Step::Added(..) | Step::Lag => format!("+ {} (taken back)", stage.step.name()),
     }
 }
 
@@ -249,7 +246,7 @@ fn equation(bench: &Bench, report: &Report) -> String {
         for artefact in &report.artefacts {
             let (value, unit) = handy(artefact.value, unit_on(bench, artefact.unit));
             let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-            let line = format!("{} of {}: {}{unit}", artefact.kind, artefact.channel, number(value));
+            let line = format!("{} of {}: {}{unit}", artefact.kind.name(), artefact.channel, number(value));
             out.push_str(&paragraph(&line, 4, 6));
         }
     }
@@ -261,7 +258,7 @@ fn equation(bench: &Bench, report: &Report) -> String {
         out.push_str(&effect_text(bench, report, effect, width()));
     }
     for left in &report.unexplained {
-        let line = format!("Left unexplained, depends on {}: {}", left.depends_on, left.detail);
+        let line = format!("Left unexplained, depends on {}: {}", left.depends_on.name(), left.detail);
         out.push_str(&format!("\n{}", paragraph(&line, 2, 4)));
     }
     out
@@ -276,7 +273,7 @@ fn story(report: &Report) -> String {
 pub(super) fn noise_line(report: &Report) -> String {
     match report.evidence.noise.told() {
         Ok(floor) => format!("noise of the instrument {} {}", number(floor), report.unit),
-        Err(why) => format!("the instrument's noise cannot be told: {why}"),
+        Err(why) => format!("the instrument's noise is not known: {why}"),
     }
 }
 
@@ -302,7 +299,7 @@ pub(super) fn noise_lines(report: &Report) -> Vec<String> {
         lines.push(format!("noise by {}", ways.join("; ")));
     }
     if let Some(frequency) = evidence.noise.line {
-        lines.push(format!("a line at {} Hz stands out above the band", number(round(frequency))));
+        lines.push(format!("there is a line at {} Hz, above the band", number(round(frequency))));
     }
     lines.extend(evidence.strongest().map(|asked| format!("strongest of what was refused: {}", strength(asked))));
     if let Some(together) = evidence.together.filter(|_| evidence.asked.len() > 1) {
@@ -410,7 +407,7 @@ pub(super) fn parameter_rows(bench: &Bench, parameters: &[Parameter]) -> Vec<Vec
             vec![
                 p.name.clone(),
                 p.declared.map_or_else(|| "–".into(), |d| number(d * factor)),
-                p.standard_error.map_or_else(|| "not seen, held".into(), |_| number(p.fitted * factor)),
+                p.standard_error.map_or_else(|| "not identifiable, held".into(), |_| number(p.fitted * factor)),
                 p.standard_error.map_or_else(String::new, |e| format!("± {}", number(e * factor))),
                 unit.into(),
                 if p.standard_error.is_some() { change } else { String::new() },
@@ -422,7 +419,8 @@ pub(super) fn parameter_rows(bench: &Bench, parameters: &[Parameter]) -> Vec<Vec
 /// An effect that was found, as text of a width.
 pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found, width: usize) -> String {
     let say = |line: &str| paragraph_at(line, 4, 4, width);
-    let heading = format!("{}: {}; {} {} rms", effect.name, effect.equation, number(effect.size), report.unit);
+    let heading =
+        format!("{}: {}; {} {} rms", effect.name(), effect.effect.equation(), number(effect.size), report.unit);
     let mut out = format!("\n{}", paragraph_at(&heading, 2, 4, width));
     let values: Vec<String> = effect
         .parameters
@@ -435,12 +433,12 @@ pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found, width:
         out.push_str(&say(&format!("held-out error {before} {} without it, {after} with it", report.unit)));
     }
     if !effect.confounded_with.is_empty() {
-        let names: Vec<String> = effect.confounded_with.iter().map(|n| n.to_string()).collect();
-        let line = format!("these logs cannot tell it from {}", listed(&names));
+        let names: Vec<String> = effect.confounded_with.iter().map(|e| e.name().to_string()).collect();
+        let line = format!("these logs cannot separate it from {}", listed(&names));
         out.push_str(&say(&line));
     }
-    let enters = match effect.enters {
-        Enters::NotAtAll(why) => format!("in the model it {}: {why}", effect.enters.words()),
+    let enters = match effect.effect.kind_of_entry() {
+        enters @ Enters::NotAtAll(why) => format!("in the model it {}: {why}", enters.words()),
         other => format!("in the model it {}", other.words()),
     };
     out.push_str(&say(&enters));
@@ -456,8 +454,8 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     let mut parts = Vec::new();
     let mut names: Vec<String> = Vec::new();
     for effect in reports.iter().flat_map(|r| &r.effects) {
-        let name = words(effect.name);
-        let alike: Vec<String> = effect.confounded_with.iter().map(|n| words(n)).collect();
+        let name = effect.effect.title();
+        let alike: Vec<String> = effect.confounded_with.iter().map(|e| e.title()).collect();
         let text = if alike.is_empty() {
             name
         } else {
@@ -475,7 +473,7 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
             let change = p.fitted / declared - 1.0;
             ((p.fitted - declared).abs() > 3.0 * error && change.abs() > 0.02).then(|| {
                 let more = if change > 0.0 { "larger" } else { "smaller" };
-                format!("{} {} % {more}", words(&p.name), number((1e3 * change.abs()).round() / 10.0))
+                format!("{} {} % {more}", effects::in_words(&p.name), number((1e3 * change.abs()).round() / 10.0))
             })
         })
         .collect();
@@ -504,7 +502,7 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
             let strongest = strongest.max_by(|a, b| a.gain.most().total_cmp(&b.gain.most()));
             parts.push("No effect could be named with certainty, and not all could be excluded".into());
             parts.push(match strongest {
-                Some(asked) => format!("the strongest of what was refused: {}", words(&strength(asked))),
+                Some(asked) => format!("the strongest of what was refused: {}", effects::in_words(&strength(asked))),
                 None => "how much those that were refused could still explain was not bounded".into(),
             });
             if !shifted.is_empty() {
@@ -515,8 +513,9 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
         Verdict::UnexplainedStructure => {
             let mut on: Vec<String> = Vec::new();
             for left in reports.iter().flat_map(|r| &r.unexplained) {
-                if !on.contains(&left.depends_on) {
-                    on.push(left.depends_on.clone());
+                let name = left.depends_on.name().to_string();
+                if !on.contains(&name) {
+                    on.push(name);
                 }
             }
             let lacks = if names.is_empty() {
@@ -563,9 +562,9 @@ fn left(report: &Report, verdict: Verdict) -> String {
             }
         }
         None if matches!(verdict, Verdict::NoneOfThese | Verdict::NotResolved) => {
-            "whether more than the instrument's noise is left cannot be told".into()
+            "it is not known whether more than the instrument's noise is left".into()
         }
-        None => "the instrument's noise cannot be told".into(),
+        None => "the instrument's noise is not known".into(),
     }
 }
 
@@ -575,14 +574,14 @@ fn unseen(reports: &[Report]) -> String {
     for (refusal, _) in refused(reports) {
         let Ground::Response(by) = refusal.ground else { continue };
         match ways.iter_mut().find(|(way, _)| *way == by) {
-            Some((_, names)) => names.push(words(&refusal.name)),
-            None => ways.push((by, vec![words(&refusal.name)])),
+            Some((_, names)) => names.push(effects::in_words(&refusal.name)),
+            None => ways.push((by, vec![effects::in_words(&refusal.name)])),
         }
     }
     let one = |(by, names): &(&str, Vec<String>)| {
-        let (their, them) = if names.len() == 1 { ("its", "it") } else { ("their", "them") };
+        let (are, their, them) = if names.len() == 1 { ("is", "its", "it") } else { ("are", "their", "them") };
         format!(
-            " On this bench {} cannot be seen: {their} regressor is made of the response; {by} would show {them}.",
+            " On this bench {} {are} not identifiable: {their} regressor is made of the response; {by} would show {them}.",
             listed(names)
         )
     };
@@ -614,16 +613,16 @@ fn parameter_json(bench: &Bench, p: &Parameter) -> Value {
 
 fn effect_json(bench: &Bench, report: &Report, effect: &Found) -> Value {
     json!({
-        "name": effect.name,
+        "name": effect.name(),
         "equation": report.target.name(),
-        "formula": effect.equation,
+        "formula": effect.effect.equation(),
         "parameters": effect.parameters.iter().map(|p| parameter_json(bench, p)).collect::<Vec<_>>(),
         "size_rms": finite(effect.size),
         "unit": report.unit,
         "held_out_before": maybe(effect.held_out_before),
         "held_out_after": maybe(effect.held_out_after),
-        "confounded_with": effect.confounded_with,
-        "enters": effect.enters.words(),
+        "confounded_with": effect.confounded_with.iter().map(|e| e.name()).collect::<Vec<_>>(),
+        "enters": effect.effect.kind_of_entry().words(),
     })
 }
 
@@ -679,7 +678,7 @@ fn unexplained_json(report: &Report) -> Vec<Value> {
     report
         .unexplained
         .iter()
-        .map(|u| json!({ "depends_on": u.depends_on, "detail": u.detail, "equation": report.target.name() }))
+        .map(|u| json!({ "depends_on": u.depends_on.name(), "detail": u.detail, "equation": report.target.name() }))
         .collect()
 }
 
@@ -688,13 +687,13 @@ fn report_json(bench: &Bench, report: &Report) -> Map<String, Value> {
     let mut errors = Map::new();
     let mut steps = Vec::new();
     for stage in &report.stages {
-        match stage.name.as_str() {
-            "declared" | "artefacts" | "refit" | "final" => {
-                errors.insert(stage.name.clone(), stage_json(stage));
+        match stage.step {
+            Step::Declared | Step::Artefacts | Step::Refit | Step::Final => {
+                errors.insert(stage.step.name(), stage_json(stage));
             }
-            _ => {
+            Step::Added(..) | Step::Lag => {
                 let mut step = stage_json(stage);
-                step["name"] = json!(stage.name);
+                step["name"] = json!(stage.step.name());
                 steps.push(step);
             }
         }
@@ -703,7 +702,7 @@ fn report_json(bench: &Bench, report: &Report) -> Map<String, Value> {
     let artefacts: Vec<Value> = report
         .artefacts
         .iter()
-        .map(|a| json!({ "kind": a.kind, "channel": a.channel, "value": finite(a.value), "unit": unit_on(bench, a.unit) }))
+        .map(|a| json!({ "kind": a.kind.name(), "channel": a.channel, "value": finite(a.value), "unit": unit_on(bench, a.unit) }))
         .collect();
     let value = json!({
         "target": report.target.name(),
@@ -776,11 +775,17 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
         let none = [None; 7];
         for s in &report.stages {
             let errors = [None, None, None, Some(s.fit), s.held_out, Some(s.fit_vaf), s.held_out_vaf];
-            rows.push(row("stage", &s.name, errors, report.unit, ""));
+            rows.push(row("stage", &s.step.name(), errors, report.unit, ""));
         }
         for a in &report.artefacts {
             let numbers = [None, Some(a.value), None, None, None, None, None];
-            rows.push(row("artefact", &format!("{} of {}", a.kind, a.channel), numbers, unit_on(bench, a.unit), ""));
+            rows.push(row(
+                "artefact",
+                &format!("{} of {}", a.kind.name(), a.channel),
+                numbers,
+                unit_on(bench, a.unit),
+                "",
+            ));
         }
         for e in &report.evidence.noise.estimates {
             let numbers = [None, e.value.ok(), None, None, None, None, None];
@@ -792,15 +797,21 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
         }
         for e in &report.effects {
             for p in &e.parameters {
-                let name = format!("{}.{}", e.name, p.name);
-                rows.push(row("effect", &name, values(p), unit_on(bench, p.unit), &e.confounded_with.join(" ")));
+                let name = format!("{}.{}", e.name(), p.name);
+                rows.push(row(
+                    "effect",
+                    &name,
+                    values(p),
+                    unit_on(bench, p.unit),
+                    &e.confounded_with.iter().map(|e| e.name()).collect::<Vec<_>>().join(" "),
+                ));
             }
         }
         for r in &report.refused {
             rows.push(row("refused", &r.name, none, "", &r.reason));
         }
         for u in &report.unexplained {
-            rows.push(row("unexplained", &u.depends_on, none, "", &u.detail));
+            rows.push(row("unexplained", u.depends_on.name(), none, "", &u.detail));
         }
     }
     super::csv_text(

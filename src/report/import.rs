@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
-
 use super::table::{Column, Table, paragraph};
 use crate::catalog::import::{Holds, Import, Place, Remark, RemarkKind};
 
@@ -53,10 +51,10 @@ pub fn text(import: &Import, written: &[Written], rows: bool) -> String {
     let columns = vec![Column::name("file"), Column::name("holds"), rows_read, taken, refused];
     let mut out = Table::new(columns).rows(files).text();
     let counts = format!(
-        "{} motors and {} gears; {} pairs are compatible by the database.",
-        import.motors.len(),
-        import.gears.len(),
-        import.compatible_pairs
+        "{} and {}; {} compatible by the database.",
+        crate::words::counted(import.motors.len(), "motor"),
+        crate::words::counted(import.gears.len(), "gear"),
+        crate::words::counted(import.compatible_pairs, "pair")
     );
     out.push_str(&format!("\n{}", paragraph(&counts, 0, 2)));
     out.push_str("\nAssumed of every row\n");
@@ -90,44 +88,6 @@ pub fn text(import: &Import, written: &[Written], rows: bool) -> String {
     out
 }
 
-/// For programs.
-pub fn json(import: &Import, written: &[Written]) -> Value {
-    let remarks = |kind: RemarkKind| -> Vec<Value> {
-        let remark = |r: &Remark| {
-            json!({
-                "file": r.place.file, "line": r.place.line, "column": r.place.column, "key": r.key, "code": r.code,
-                "because": r.message,
-            })
-        };
-        import.remarks_of(kind).map(remark).collect()
-    };
-    let row = |kind: &str, key: &str, id: &str, place: &Option<Place>| {
-        json!({
-            "kind": kind, "id": id, "key": key,
-            "file": place.as_ref().map(|p| &p.file), "line": place.as_ref().map(|p| p.line),
-        })
-    };
-    let motors = import.motors.iter().map(|m| row("motor", &m.key, &m.item.identity.id, &m.place));
-    let gears = import.gears.iter().map(|g| row("gear", &g.key, &g.item.id, &g.place));
-    json!({
-        "database": import.database,
-        "motors": import.motors.len(),
-        "gears": import.gears.len(),
-        "compatible_pairs": import.compatible_pairs,
-        "files": import.files.iter().map(|f| json!({
-            "file": f.file, "holds": f.holds.word(), "rows": f.rows, "taken": f.taken, "refused": f.rows - f.taken,
-        })).collect::<Vec<_>>(),
-        "written": written.iter().map(|w| json!({
-            "file": w.path.display().to_string(), "rows": w.rows,
-        })).collect::<Vec<_>>(),
-        "assumptions_of_every_row": import.assumptions,
-        "refused": remarks(RemarkKind::Refused),
-        "assumed": remarks(RemarkKind::Assumed),
-        "left_out": remarks(RemarkKind::LeftOut),
-        "rows": motors.chain(gears).collect::<Vec<_>>(),
-    })
-}
-
 /// As rows: every row that was taken, and every remark.
 pub fn csv(import: &Import) -> String {
     let taken = |holds: Holds, id: &str, key: &str, place: &Option<Place>| {
@@ -135,7 +95,7 @@ pub fn csv(import: &Import) -> String {
         let line = if place.line > 0 { place.line.to_string() } else { String::new() };
         vec!["taken".into(), place.file, line, String::new(), key.into(), holds.word().into(), id.into()]
     };
-    let motors = import.motors.iter().map(|m| taken(Holds::Motors, &m.item.identity.id, &m.key, &m.place));
+    let motors = import.motors.iter().map(|m| taken(Holds::Motors, &m.item.id, &m.key, &m.place));
     let gears = import.gears.iter().map(|g| taken(Holds::Gears, &g.item.id, &g.key, &g.place));
     let remarks = import.remarks.iter().map(|r| {
         let Place { file, line, column } = &r.place;

@@ -2,18 +2,17 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::{Map, Value, json};
-
+use super::columns::{self, Entry, State};
 use super::table::{Column, Table, paragraph, wrap};
-use super::{csv_number, different_motors, number, optional};
-use super::{currents, prune, unjudged};
+use super::{different_motors, number};
+use super::{prune, unjudged};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
-use crate::actuator::metrics::METRICS;
+use crate::actuator::metrics::{METRICS, Metric, metric};
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
+use crate::design::answer::{Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::evaluate::Margin;
-use crate::design::optimize::{Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::program::{Bind, Certificate, Infeasible, Optimum};
 use crate::requirement::{Course, GearModel, Joint, Quantity, RatioChoice};
 
@@ -159,7 +158,11 @@ pub(super) fn verdict(result: &JointResult) -> String {
     match &result.pruned {
         None => {
             let (can, cannot) = (result.candidates.len(), result.rejected.len());
-            format!("{can} motors can do it, {cannot} cannot{}", unjudged::counted(result.unjudged.len()))
+            format!(
+                "{} can do it, {cannot} cannot{}",
+                crate::words::counted(can, "motor"),
+                unjudged::counted(result.unjudged.len())
+            )
         }
         Some(pruned) => prune::verdict(result, pruned),
     }
@@ -225,20 +228,13 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
     let (columns, with_objective) = candidate_columns(joint);
     let mut table = Table::new(columns).indented(2).also_in("`--csv`, `--json`");
     for (place, design) in result.candidates.iter().take(top).enumerate() {
-        let e = &design.evaluation;
-        let mut row = vec![(place + 1).to_string(), design.motor.id.clone()];
-        row.push(number(e.ratio));
+        let facts = design.facts();
+        let mut row = vec![(place + 1).to_string(), design.motor.id.clone(), number(design.evaluation.ratio)];
         if with_objective {
             row.push(number(design.optimum.objective));
         }
-        let s_m = METRICS[0].value(design.motor).map(|s| s * 1e3);
-        row.extend([
-            number(e.loss),
-            number(currents::phase(design.motor, e.peak_current)),
-            number(e.reflected_inertia),
-            optional(e.mass),
-            optional(s_m),
-        ]);
+        row.extend(columns::in_tables().map(|figure| columns::cell(figure, &facts)));
+        row.push(columns::metric_cell(responsiveness(), design.motor));
         row.push(proof(&design.optimum.certificate));
         table.push(row, vec![details(design, joint)]);
     }
@@ -253,32 +249,28 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
 
 /// The columns of the candidates, and whether one of them is the objective's alone. What is minimised is never dropped.
 fn candidate_columns(joint: &Joint) -> (Vec<Column>, bool) {
-    let sole = joint.objective.sole();
-    // Loss, peak current, inertia and mass have columns of their own.
-    let objective = match sole {
-        None => Some(Column::number("objective", "")),
-        Some(Quantity::Energy | Quantity::PeakPower) => {
-            Some(Column::number(joint.objective.name(), joint.objective.unit()))
-        }
-        Some(_) => None,
-    };
+    let sole = joint.objective.sole().map_or("", Quantity::name);
+    // What tables show anyway has its column; else what is minimised has one of its own.
+    let shown = columns::in_tables().any(|figure| figure.name == sole || figure.name == format!("{sole}_phase"));
+    let objective = (!shown).then(|| match sole {
+        "" => Column::number("objective", ""),
+        _ => Column::number(joint.objective.name(), joint.objective.unit()),
+    });
     let with_objective = objective.is_some();
     let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
     let ratio = if geared { "N" } else { "N*" };
-    let of = |quantity: Quantity, column: Column, order: u8| {
-        if sole == Some(quantity) { column } else { column.dropped(order) }
-    };
-    let mut columns = vec![Column::number("#", ""), Column::name("motor"), Column::number(ratio, "")];
-    columns.extend(objective);
-    columns.extend([
-        of(Quantity::Loss, Column::number("loss", "W"), 6),
-        of(Quantity::PeakCurrent, Column::number("I peak", "A"), 4),
-        of(Quantity::ReflectedInertia, Column::number("J", "kg*m^2"), 3),
-        of(Quantity::Mass, Column::number("mass", "kg"), 5),
-        Column::number("S_M", "ms").dropped(1),
-        Column::name("proof").dropped(2),
-    ]);
-    (columns, with_objective)
+    let kept = if sole == "peak_current" { "peak_current_phase" } else { sole };
+    let mut shown = vec![Column::number("#", ""), Column::name("motor"), Column::number(ratio, "")];
+    shown.extend(objective);
+    shown.extend(columns::in_tables().map(|figure| columns::heading(figure, kept)));
+    shown.push(columns::metric_heading(responsiveness(), "", 1));
+    shown.push(Column::name("proof").dropped(2));
+    (shown, with_objective)
+}
+
+/// The metric that tables of designs show.
+fn responsiveness() -> &'static Metric {
+    metric("s_m").expect("a metric of the list")
 }
 
 /// Which ratios are feasible and what ends them, and which limit is nearest.
@@ -348,7 +340,7 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
             };
             add(format!("not certified: {why}; {found}"), place);
         }
-        if design.winding_temperature == Some(None) {
+        if design.winding_temperature.runs_away() {
             add("thermal runaway: the copper's resistance rises faster than heat flows off".into(), place);
         }
         if design.reversal_time.is_some_and(|t| t.is_infinite()) {
@@ -361,13 +353,6 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
 /// How what was fitted for a motor enters the limits of a joint.
 pub fn fitted_notes(motor: &Motor, joint: &Joint) -> Vec<Note> {
     fitted::notes(motor, joint, hottest(motor, joint).map(|t| t.0))
-}
-
-/// The same for programs.
-pub fn fitted_json(motor: &Motor, joint: &Joint) -> Option<Value> {
-    let notes = fitted_notes(motor, joint);
-    let list = notes.iter().map(|n| json!({ "name": n.effect, "enters": n.how })).collect::<Vec<_>>();
-    (!list.is_empty()).then_some(Value::Array(list))
 }
 
 /// What the audit calls an error in a motor's row, where its note does not explain it.
@@ -455,7 +440,7 @@ fn summary(result: &RobotResult) -> String {
             say(&format!("actuator mass {} kg, {motors}", number(mass)));
         }
         (None, Some(_)) => say("the actuator mass budget cannot be checked: a mass is not known"),
-        (None, None) => say("the actuator mass cannot be told: a mass is not known, or a joint has no choice"),
+        (None, None) => say("the actuator mass is not known: a mass is missing, or a joint has no choice"),
     }
     if let Some(limit) = robot.budget.max_distinct_motors {
         let verdict = if result.distinct_motors() <= limit as usize { "within" } else { "OVER" };
@@ -483,229 +468,36 @@ pub(super) fn without_choice(result: &RobotResult) -> Vec<String> {
     }))
 }
 
-/// Margins as an object, `{limit: margin}`, and each limit in full.
-pub fn margins_json(margins: &[Margin], joint: &Joint) -> (Value, Value) {
-    let mut short = Map::new();
-    for margin in margins {
-        short.insert(margin.limit.into(), json!(margin.margin));
-    }
-    let full = margins.iter().map(|m| {
-        json!({
-            "limit": m.limit, "demand": m.demand, "bound": m.bound, "unit": m.unit, "margin": m.margin, "of": m.owner,
-            "sample": m.sample.and_then(|k| joint.motion.given_sample(k)), "time_s": m.sample.and_then(|k| time_of(joint, k)),
-            "at": m.sample.map(|k| joint.motion.name_sample(k)),
-        })
-    });
-    (Value::Object(short), Value::Array(full.collect()))
+/// As rows: every motor at every joint, feasible or not.
+pub fn csv(result: &RobotResult) -> String {
+    let sprung = result.joints.iter().any(|j| j.joint.limits.spring.is_some());
+    columns::csv(result.joints.iter().flat_map(entries), sprung)
 }
 
-fn bind_json(bind: &Bind, joint: &Joint) -> Value {
-    let motion = &joint.motion;
-    json!({
-        "limit": bind.limit, "sample": bind.sample.and_then(|k| motion.given_sample(k)),
-        "time_s": bind.sample.and_then(|k| time_of(joint, k)), "at": bind.sample.map(|k| motion.name_sample(k)),
-        "unjudged": bind.unjudged,
-    })
-}
-
-/// When a sample of a joint's motion is \[s\]; operating points have no time.
-fn time_of(joint: &Joint, sample: usize) -> Option<f64> {
-    (!matches!(joint.motion.course, Course::Points(_))).then(|| joint.motion.moment(sample))
-}
-
-fn design_json(design: &Design, joint: &Joint) -> Value {
-    let optimum = &design.optimum;
-    let e = &design.evaluation;
-    let window = optimum.window();
-    let (margins, limits) = margins_json(&e.margins, joint);
-    let mut prices = Map::new();
-    let mut sensitivity = Map::new();
-    for price in &optimum.shadow_prices {
-        prices.insert(price.limit.into(), json!(price.price));
-        sensitivity.insert(price.limit.into(), json!(price.elasticity));
-    }
-    let certificate = match &optimum.certificate {
-        Certificate::Certified { lower_bound, gap, method } => {
-            json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method })
-        }
-        Certificate::NotCertified(why) => {
-            json!({ "certified": false, "lower_bound": null, "gap": null, "because": why })
-        }
-    };
-    let mut metrics = Map::new();
-    for metric in METRICS {
-        metrics.insert(format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(design.motor)));
-    }
-    let mut object = Map::new();
-    let mut put = |key: &str, value: Value| object.insert(key.into(), value);
-    put("motor", json!(design.motor.id));
-    put("gear", json!(design.gear));
-    put("ratio", json!(e.ratio));
-    put("window", json!([window.min, window.max]));
-    put("binds", json!({ "low": window.low.limit, "high": window.high.limit }));
-    put("binds_at", json!({ "low": bind_json(&window.low, joint), "high": bind_json(&window.high, joint) }));
-    put(
-        "windows",
-        optimum
-            .windows
+/// The motors of a joint as rows: designs, what cannot be judged, what cannot do it, what was not solved.
+fn entries<'a>(result: &'a JointResult<'a>) -> Vec<Entry<'a>> {
+    let joint = result.joint;
+    let mut all = designs(result);
+    all.extend(result.unjudged.iter().map(|u| {
+        Entry::design(joint, State::Unjudged, None, u.design.facts()).because(unjudged::sentence(&u.because))
+    }));
+    all.extend(
+        result
+            .rejected
             .iter()
-            .map(|w| json!({ "min": w.min, "max": w.max, "low": w.low.limit, "high": w.high.limit }))
-            .collect(),
+            .map(|r| Entry::without(joint, State::Rejected, r.motor, r.gear, reason_text(&r.reason, joint).1)),
     );
-    put("objective", json!(optimum.objective));
-    put("objective_unit", json!(joint.objective.unit()));
-    put("loss_w", json!(e.loss));
-    put("mean_electrical_power_w", json!(e.mean_power));
-    put("energy_per_cycle_j", json!(e.energy));
-    put("peak_electrical_power_w", json!(e.peak_power));
-    put("reflected_inertia_kgm2", json!(e.reflected_inertia));
-    put("mass_kg", json!(e.mass));
-    put("winding_temperature_k", json!(design.winding_temperature.flatten()));
-    put("thermal_runaway", json!(design.winding_temperature == Some(None)));
-    put("reversal_time_s", json!(design.reversal_time.filter(|t| t.is_finite())));
-    put("margins", margins);
-    put("limits", limits);
-    put("not_checked", unjudged::list(&design.unchecked));
-    put("assumed", super::unjudged::assumed(&design.assumed));
-    put("audit_errors", json!(contradictions(design.motor)));
-    if let Some(list) = fitted_json(design.motor, joint) {
-        put("fitted", list);
-    }
-    put("shadow_prices", Value::Object(prices));
-    put("sensitivity", Value::Object(sensitivity));
-    put("certificate", certificate);
-    put("metrics", Value::Object(metrics));
-    if let Some(spring) = &design.spring {
-        put("spring", super::spring::json(spring, e.loss));
-    }
-    currents::put(&mut object, design.motor, e);
-    Value::Object(object)
-}
-
-/// For programs.
-pub fn json(result: &RobotResult) -> Value {
-    let joints = result.joints.iter().map(|j| {
-        let mut joint = json!({
-            "joint": j.joint.name,
-            "count": j.joint.count,
-            "objective": j.joint.objective.name(),
-            "derived_by_spline": j.joint.motion.derived,
-            "between_samples": super::between::json(j.joint),
-            "candidates": j.candidates.iter().map(|d| design_json(d, j.joint)).collect::<Vec<_>>(),
-            "unjudged": unjudged::json(&j.unjudged, j.joint),
-            "rejected": j.rejected.iter().map(|r| {
-                let (class, sentence) = reason_text(&r.reason, j.joint);
-                json!({ "motor": r.motor.id, "gear": r.gear, "because": sentence, "class": class })
-            }).collect::<Vec<_>>(),
-            "metric_agreement": j.agreement.iter().map(|a| json!({ "metric": a.metric, "kendall_tau": a.tau, "motors": a.motors })).collect::<Vec<_>>(),
-        });
-        if let (Some(pruned), Value::Object(object)) = (&j.pruned, &mut joint) {
-            object.insert("pruned".into(), prune::json(pruned));
-        }
-        joint
-    });
-    let mut all = json!({
-        "robot": {
-            "name": result.robot.name,
-            "satisfied": result.satisfied(),
-            "first_choices_fully_checked": result.joints.iter().all(|j| j.candidates.first().is_some_and(|d| d.unchecked.is_empty())),
-            "actuator_mass_kg": result.actuator_mass(),
-            "distinct_motors": result.distinct_motors(),
-        },
-        "joints": joints.collect::<Vec<_>>(),
-    });
-    if let (Some(driven), Value::Object(object)) = (&result.robot.driven, &mut all) {
-        object.insert("mechanism".into(), super::torques::driven_json(driven, result.robot));
+    if let Some(pruned) = &result.pruned {
+        all.extend(pruned.not_solved.iter().map(|(motor, bound)| {
+            let because = prune::reason(joint, pruned.keep, *bound);
+            Entry::without(joint, State::NotSolved, motor, None, because)
+        }));
     }
     all
 }
 
-/// As rows: every motor at every joint, feasible or not.
-pub fn csv(result: &RobotResult) -> String {
-    let header = [
-        "joint",
-        "rank",
-        "motor",
-        "gear",
-        "ratio",
-        "ratio_min",
-        "ratio_max",
-        "bound_low",
-        "bound_high",
-        "objective",
-        "loss_w",
-        currents::NAMES[0],
-        currents::NAMES[1],
-        currents::NAMES[2],
-        currents::NAMES[3],
-        "reflected_inertia_kgm2",
-        "mass_kg",
-        "tightest_limit",
-        "tightest_margin",
-        "gap",
-        "not_checked",
-        "assumed",
-        "s_m_s",
-        "s_t_kgm2a2_per_nm2",
-        "mass_s_m_kgs",
-        "mass_s_t_kg2m2a2_per_nm2",
-        "rejected_because",
-    ];
-    // Columns of the spring stand there where a joint asks for one.
-    let sprung = result.joints.iter().any(|j| j.joint.limits.spring.is_some());
-    let with_spring: Vec<&str> = header.into_iter().chain(super::spring::COLUMNS).collect();
-    let rows = result.joints.iter().flat_map(|j| {
-        let feasible = j.candidates.iter().enumerate().map(|(place, d)| {
-            let e = &d.evaluation;
-            let window = d.optimum.window();
-            let tightest = e.tightest();
-            let mut row =
-                vec![j.joint.name.clone(), (place + 1).to_string(), d.motor.id.clone(), d.gear.unwrap_or("").into()];
-            row.extend([e.ratio, window.min, window.max].map(|x| csv_number(Some(x))));
-            row.extend([window.low.limit.to_string(), window.high.limit.to_string()]);
-            row.extend([d.optimum.objective, e.loss].map(|x| csv_number(Some(x))));
-            row.extend(currents::values(d.motor, e).map(|x| csv_number(Some(x))));
-            row.extend([Some(e.reflected_inertia), e.mass].map(csv_number));
-            row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
-            row.push(match d.optimum.certificate {
-                Certificate::Certified { gap, .. } => csv_number(Some(gap)),
-                Certificate::NotCertified(_) => String::new(),
-            });
-            row.extend([unjudged::names(&d.unchecked), unjudged::names(&d.assumed)]);
-            row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
-            row.push(String::new());
-            if sprung {
-                row.extend(super::spring::csv(d.spring.as_ref(), e.loss));
-            }
-            row
-        });
-        let apart = j.unjudged.iter().map(|u| (u.design.motor, u.design.gear, unjudged::sentence(&u.because)));
-        let cannot = j.rejected.iter().map(|r| (r.motor, r.gear, reason_text(&r.reason, j.joint).1));
-        let rejected = apart.chain(cannot).map(|(motor, gear, why)| {
-            let mut row = vec![String::new(); header.len()];
-            row[0] = j.joint.name.clone();
-            row[2] = motor.id.clone();
-            row[3] = gear.unwrap_or("").into();
-            let first = header.len() - 5;
-            for (i, metric) in METRICS.iter().take(4).enumerate() {
-                row[first + i] = csv_number(metric.value(motor));
-            }
-            row[header.len() - 1] = why;
-            if sprung {
-                row.extend(super::spring::csv(None, 0.0));
-            }
-            row
-        });
-        let mut rows: Vec<Vec<String>> = feasible.chain(rejected).collect();
-        if let Some(pruned) = &j.pruned {
-            rows.extend(pruned.not_solved.iter().map(|(motor, bound)| {
-                let mut row = vec![String::new(); header.len()];
-                (row[0], row[2]) = (j.joint.name.clone(), motor.id.clone());
-                row[header.len() - 1] = prune::reason(j.joint, pruned.keep, *bound);
-                row
-            }));
-        }
-        rows
-    });
-    super::csv_text(if sprung { &with_spring } else { &header }, rows)
+/// The candidates of a joint as rows.
+pub fn designs<'a>(result: &'a JointResult<'a>) -> Vec<Entry<'a>> {
+    let ranked = result.candidates.iter().enumerate();
+    ranked.map(|(k, d)| Entry::design(result.joint, State::Candidate, Some(k + 1), d.facts())).collect()
 }

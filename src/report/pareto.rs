@@ -1,15 +1,14 @@
 //! Fronts of two quantities.
 
-use serde_json::{Value, json};
-
+use super::columns::{self, Entry, State};
 use super::optimize::reason_text;
 use super::table::{Column, Table, paragraph, wrap};
-use super::{csv_number, number, optional, unjudged};
+use super::{number, optional, unjudged};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::requirement::Quantity;
 
 /// The columns of a front, with a gear and the mass where they say something; the front's own are never dropped.
-fn columns(front: &Front, geared: bool, with_mass: bool) -> Vec<Column> {
+fn headings(front: &Front, geared: bool, with_mass: bool) -> Vec<Column> {
     let mut columns = vec![Column::name("motor")];
     columns.extend(geared.then(|| Column::name("gear")));
     columns.push(Column::number("N", ""));
@@ -25,13 +24,13 @@ pub fn text(fronts: &[Front]) -> String {
     for front in fronts {
         let [a, b] = front.quantities;
         let heading = format!(
-            "{}: {} against {}; {} motors have a feasible design{}, {} points on the front",
+            "{}: {} against {}; {} with a feasible design{}, {} on the front",
             front.joint.name,
             a.name(),
             b.name(),
-            front.motors,
+            crate::words::counted(front.motors, "motor"),
             unjudged::counted(front.unjudged.len()),
-            front.points.len()
+            crate::words::counted(front.points.len(), "point")
         );
         out.push_str(&format!("{}\n", paragraph(&heading, 0, 2)));
         let geared = front.points.iter().any(|p| p.gear.is_some());
@@ -56,7 +55,7 @@ pub fn text(fronts: &[Front]) -> String {
                 row.push(if p.certified { "exact".into() } else { "not certified".into() });
                 row
             });
-        let table = Table::new(columns(front, geared, with_mass)).also_in("`--csv`, `--json`").rows(rows);
+        let table = Table::new(headings(front, geared, with_mass)).also_in("`--csv`, `--json`").rows(rows);
         if table.is_empty() {
             let left_out = unjudged::left_out(front.rejected.iter().map(|(_, why)| why));
             let which = match (front.unjudged.len(), left_out) {
@@ -84,52 +83,20 @@ fn beside(front: &Front) -> String {
     if text.is_empty() { text } else { text + "\n" }
 }
 
-/// For programs: every point.
-pub fn json(fronts: &[Front]) -> Value {
-    let joints = fronts.iter().map(|front| {
-        let [a, b] = front.quantities;
-        json!({
-            "joint": front.joint.name,
-            "quantities": [{ "name": a.name(), "unit": a.unit() }, { "name": b.name(), "unit": b.unit() }],
-            "points": front.points.iter().map(|p| json!({
-                "motor": p.motor.id, "gear": p.gear, "ratio": p.evaluation.ratio, a.name(): p.values[0], b.name(): p.values[1],
-                "loss_w": p.evaluation.loss, "reflected_inertia_kgm2": p.evaluation.reflected_inertia, "mass_kg": p.evaluation.mass,
-                "certified": p.certified, "not_checked": unjudged::list(&p.unchecked), "assumed": unjudged::assumed(&p.assumed),
-            })).collect::<Vec<_>>(),
-            "unjudged": unjudged::front_json(front),
-            "rejected": front.rejected.iter().map(|(motor, why)| {
-                let (class, sentence) = reason_text(why, front.joint);
-                json!({ "motor": motor.id, "because": sentence, "class": class })
-            }).collect::<Vec<_>>(),
-        })
-    });
-    json!({ "joints": joints.collect::<Vec<_>>() })
-}
-
-/// As rows: every point.
+/// As rows: every point, then the motors that cannot be judged and those that cannot do it.
 pub fn csv(fronts: &[Front]) -> String {
-    let columns = fronts
-        .first()
-        .map_or([String::new(), String::new()], |f| f.quantities.map(|q| format!("{} [{}]", q.name(), q.unit())));
     let rows = fronts.iter().flat_map(|front| {
-        front.points.iter().map(|p| {
-            let mut row = vec![front.joint.name.clone(), p.motor.id.clone(), p.gear.unwrap_or("").into()];
-            row.extend(
-                [Some(p.evaluation.ratio), Some(p.values[0]), Some(p.values[1]), p.evaluation.mass].map(csv_number),
-            );
-            row.push(p.certified.to_string());
-            row.extend([unjudged::names(&p.unchecked), unjudged::names(&p.assumed), String::new()]);
-            row
-        })
+        let joint = front.joint;
+        let points = front.points.iter().map(|p| Entry::design(joint, State::Candidate, None, p.facts(joint)));
+        let apart = front
+            .unjudged
+            .iter()
+            .map(|(motor, why)| Entry::without(joint, State::Unjudged, motor, None, unjudged::sentence(why)));
+        let cannot = front
+            .rejected
+            .iter()
+            .map(|(motor, why)| Entry::without(joint, State::Rejected, motor, None, reason_text(why, joint).1));
+        points.chain(apart).chain(cannot).collect::<Vec<_>>()
     });
-    let apart = fronts.iter().flat_map(|front| {
-        front.unjudged.iter().map(|(motor, because)| {
-            let mut row = vec![String::new(); 11];
-            (row[0], row[1], row[10]) = (front.joint.name.clone(), motor.id.clone(), unjudged::sentence(because));
-            row
-        })
-    });
-    let header = ["joint", "motor", "gear", "ratio", &columns[0], &columns[1], "mass [kg]", "certified"];
-    let header: Vec<&str> = header.into_iter().chain(["not_checked", "assumed", "unjudged_because"]).collect();
-    super::csv_text(&header, rows.chain(apart))
+    columns::csv(rows, false)
 }

@@ -1,11 +1,8 @@
 //! What was not solved, where only the first designs of a joint were wanted.
 
-use serde_json::{Value, json};
-
 use super::number;
 use super::table::paragraph;
-use crate::design::optimize::JointResult;
-use crate::design::prune::Pruned;
+use crate::design::answer::{JointResult, Pruned};
 use crate::requirement::Joint;
 
 /// How many can, cannot, and were not solved.
@@ -14,7 +11,7 @@ pub(super) fn verdict(result: &JointResult, pruned: &Pruned) -> String {
     let cannot = result.rejected.len() + pruned.impossible.len();
     let apart = super::unjudged::counted(result.unjudged.len());
     match pruned.not_solved.len() {
-        0 => format!("{solved} motors can do it, {cannot} cannot{apart}"),
+        0 => format!("{} can do it, {cannot} cannot{apart}", crate::words::counted(solved, "motor")),
         left => format!(
             "of the motors solved {solved} can do it and {cannot} cannot{apart}; {left} not solved, none of them is among the first {}",
             pruned.keep
@@ -30,9 +27,9 @@ pub(super) fn text(joint: &Joint, pruned: &Pruned) -> String {
         unit => format!(" {unit}"),
     };
     let line = format!(
-        "{} motors were not solved: whether they can do it is not known, but their {} is at least {}{unit}. No order by metric is \
-         compared. Without `--only-top` all are solved",
-        pruned.not_solved.len(),
+        "Not solved: {}, with {} of at least {}{unit}; whether any can do it is not known. No order by metric is compared. \
+         Without `--only-top` all are solved",
+        crate::words::counted(pruned.not_solved.len(), "motor"),
         joint.objective.name(),
         number(*least),
     );
@@ -42,14 +39,4 @@ pub(super) fn text(joint: &Joint, pruned: &Pruned) -> String {
 /// Why a motor was not solved.
 pub(super) fn reason(joint: &Joint, keep: usize, bound: f64) -> String {
     format!("not solved: {} is at least {}, which is not among the first {keep}", joint.objective.name(), number(bound))
-}
-
-/// For programs.
-pub(super) fn json(pruned: &Pruned) -> Value {
-    let not_solved = pruned.not_solved.iter().map(|(motor, bound)| json!({ "motor": motor.id, "lower_bound": bound }));
-    json!({
-        "keep": pruned.keep,
-        "feasible_behind": pruned.behind,
-        "not_solved": not_solved.collect::<Vec<_>>(),
-    })
 }

@@ -1,7 +1,6 @@
 //! Motors ranked by a metric.
 
-use serde_json::{Map, Value, json};
-
+use super::columns::metric_key;
 use super::table::{Column, Table, paragraph};
 use super::{csv_number, number};
 use crate::actuator::metrics::{Estimate, METRICS, Metric, Shown};
@@ -110,36 +109,9 @@ fn columns(metrics: &[&Metric]) -> Vec<Column> {
     columns
 }
 
-/// For programs.
-pub fn json(ranking: &Ranking) -> Value {
-    let motors = ranking.ranked.iter().enumerate().map(|(place, (motor, _))| {
-        let mut object = Map::new();
-        object.insert("rank".into(), json!(place + 1));
-        object.insert("motor".into(), json!(motor.id));
-        object.insert("manufacturer".into(), json!(motor.manufacturer));
-        object.insert("source".into(), json!(motor.source));
-        object.insert("probability_ahead_of_next".into(), json!(ranking.sure(place)));
-        for metric in METRICS {
-            let estimate = metric.of_with_tolerance(motor, ranking.default_tolerance);
-            let key = format!("{}_{}", metric.name, metric.si_suffix);
-            object.insert(key, json!(estimate.map(|e| e.value)));
-            if let Some(e) = estimate.filter(|e| e.independent.is_some()) {
-                object.insert(format!("{}_relative_tolerance", metric.name), json!(e.independent));
-                object.insert(format!("{}_relative_worst_case", metric.name), json!(e.worst_case));
-            }
-        }
-        Value::Object(object)
-    });
-    json!({
-        "sorted_by": ranking.metric.name,
-        "motors": motors.collect::<Vec<_>>(),
-        "not_ranked": ranking.unranked.iter().map(|m| &m.id).collect::<Vec<_>>(),
-    })
-}
-
 /// As rows.
 pub fn csv(ranking: &Ranking) -> String {
-    let names: Vec<String> = METRICS.iter().map(|m| format!("{}_{}", m.name, m.si_suffix)).collect();
+    let names: Vec<String> = METRICS.iter().map(metric_key).collect();
     let mut header = vec!["rank", "motor", "manufacturer", "probability_ahead_of_next"];
     header.extend(names.iter().map(String::as_str));
     let ranked = ranking.ranked.iter().enumerate().map(|(place, (motor, _))| (Some(place), *motor));

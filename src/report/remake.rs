@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
+use super::json::{self, design};
 use super::number;
-use super::optimize::{bind_text, margins_json, proof, reason_text};
+use super::optimize::{bind_text, proof, reason_text};
 use super::table::{Column, Table, paragraph_at};
-use crate::design::program::Certificate;
 use crate::design::remake::{Choice, Chosen, Regret, Remade};
 use crate::requirement::{Joint, RatioChoice};
 
@@ -74,7 +74,7 @@ fn joint_text(one: &Remade, width: usize) -> String {
         && let Ok(motor) = &one.after.outcome
     {
         say(format!(
-            "one ratio cannot tell friction of the motor from friction at the output: N* = {} if it is the motor's, {} if \
+            "one ratio cannot separate friction of the motor from friction at the output: N* = {} if it is the motor's, {} if \
              it is the output's",
             number(motor.ratio),
             number(output.ratio)
@@ -155,8 +155,8 @@ pub fn json(remade: &[Remade]) -> Value {
             "before": one.before.as_ref().map(|c| choice_json(c, one.joint)),
             "after": choice_json(&one.after, one.joint),
             "output_side": one.output_side.as_ref().map(|c| choice_json(c, one.joint)),
-            "first_before": one.first_before.as_ref().map(|c| chosen_json(c, one.joint)),
-            "first_after": one.first_after.as_ref().map(|c| chosen_json(c, one.joint)),
+            "first_before": one.first_before.as_ref().map(chosen_json),
+            "first_after": one.first_after.as_ref().map(chosen_json),
             "regret": one.regret.as_ref().map(regret_json),
             "own_regret": one.own_regret.as_ref().map(regret_json),
             "effects": one.notes.iter().map(|n| json!({ "name": n.effect, "enters": n.how })).collect::<Vec<_>>(),
@@ -172,7 +172,7 @@ pub fn design_json(remade: &[Remade]) -> Value {
             .iter()
             .map(|one| {
                 let chosen = if after { &one.first_after } else { &one.first_before };
-                let mut value = chosen.as_ref().map_or_else(|| json!({ "motor": null }), |c| chosen_json(c, one.joint));
+                let mut value = chosen.as_ref().map_or_else(|| json!({ "motor": null }), chosen_json);
                 if let Value::Object(object) = &mut value {
                     object.insert("joint".into(), json!(one.joint.name));
                 }
@@ -189,7 +189,7 @@ pub fn design_json(remade: &[Remade]) -> Value {
 
 fn choice_json(choice: &Choice, joint: &Joint) -> Value {
     let mut value = match &choice.outcome {
-        Ok(chosen) => chosen_json(chosen, joint),
+        Ok(chosen) => chosen_json(chosen),
         Err(reason) => json!({ "because": reason_text(reason, joint).1 }),
     };
     if let Value::Object(object) = &mut value {
@@ -198,8 +198,7 @@ fn choice_json(choice: &Choice, joint: &Joint) -> Value {
     value
 }
 
-fn chosen_json(chosen: &Chosen, joint: &Joint) -> Value {
-    let (margins, _) = margins_json(&chosen.margins, joint);
+fn chosen_json(chosen: &Chosen) -> Value {
     let mut object = Map::new();
     let mut put = |key: &str, value: Value| object.insert(key.into(), value);
     put("motor", json!(chosen.motor));
@@ -208,16 +207,8 @@ fn chosen_json(chosen: &Chosen, joint: &Joint) -> Value {
     put("window", json!([chosen.window.0, chosen.window.1]));
     put("binds", json!({ "low": chosen.binds.0.limit, "high": chosen.binds.1.limit }));
     put("objective", json!(chosen.objective));
-    put("margins", margins);
-    put(
-        "certificate",
-        match &chosen.certificate {
-            Certificate::Certified { lower_bound, gap, method } => {
-                json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method })
-            }
-            Certificate::NotCertified(why) => json!({ "certified": false, "because": why }),
-        },
-    );
+    put("margins", json::value(design::margins(&chosen.margins)));
+    put("certificate", json::value(design::Certificate::from(&chosen.certificate)));
     Value::Object(object)
 }
 

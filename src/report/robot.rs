@@ -1,11 +1,10 @@
 //! The choice for a whole robot: which design at which joint, what it keeps, how sure it is, what comes next
 //! and what the budgets cost.
 
-use serde_json::{Value, json};
-
+use super::optimize::margin_text;
 use super::table::{Column, Table, paragraph, wrap};
-use super::{currents, different_motors, number, optional};
-use crate::design::optimize::Design;
+use super::{columns, different_motors, number, optional};
+use crate::design::answer::Design;
 use crate::design::robot::{Change, Choice, Combination, Wanting};
 use crate::requirement::{Joint, Regeneration, Robot};
 
@@ -122,32 +121,20 @@ fn name(design: &Design) -> String {
 
 fn designs(robot: &Robot, best: &Combination) -> String {
     let rows = robot.joints.iter().zip(&best.joints).map(|(joint, design)| {
-        let e = &design.evaluation;
+        let facts = design.facts();
         let mark = if design.unchecked.is_empty() { "" } else { " *" };
-        let tightest =
-            e.tightest().map_or_else(String::new, |m| format!("{} {:.0} %", m.limit, (100.0 * m.margin).max(0.0)));
-        vec![
-            joint.name.clone(),
-            joint.count.to_string(),
-            format!("{}{mark}", name(design)),
-            number(e.ratio),
-            number(e.loss),
-            number(e.reflected_inertia),
-            optional(e.mass),
-            tightest,
-        ]
+        let tightest = facts.evaluation.tightest().map_or_else(String::new, margin_text);
+        let mut row = vec![joint.name.clone(), joint.count.to_string(), format!("{}{mark}", name(design))];
+        row.push(number(facts.evaluation.ratio));
+        row.extend(columns::in_tables().map(|figure| columns::cell(figure, &facts)));
+        row.push(tightest);
+        row
     });
-    let columns = vec![
-        Column::name("joint"),
-        Column::number("×", ""),
-        Column::name("motor"),
-        Column::number("N", ""),
-        Column::number("loss", "W").dropped(4),
-        Column::number("J", "kg*m^2").dropped(1),
-        Column::number("mass", "kg").dropped(3),
-        Column::name("tightest\nmargin").dropped(2),
-    ];
-    let mut out = Table::new(columns).indented(2).also_in("`--json`").rows(rows).text();
+    let mut headings = vec![Column::name("joint"), Column::number("×", ""), Column::name("motor")];
+    headings.push(Column::number("N", ""));
+    headings.extend(columns::in_tables().map(|figure| columns::heading(figure, "")));
+    headings.push(Column::name("tightest\nmargin").dropped(9));
+    let mut out = Table::new(headings).indented(2).also_in("`--json`").rows(rows).text();
     if best.joints.iter().any(|d| !d.unchecked.is_empty()) {
         let line = "* not every limit could be checked: the joint's table above says which";
         out.push_str(&paragraph(line, 2, 4));
@@ -176,7 +163,8 @@ fn proof(choice: &Choice) -> String {
     let gap = proof.gap.unwrap_or(f64::INFINITY);
     if proof.certified() {
         let gap = if gap < 1e-12 { "exact".to_string() } else { format!("gap {gap:.0e}") };
-        return format!("proved: no combination is better ({gap}, {} branches looked at)", proof.branches);
+        let branches = if proof.branches == 1 { "1 branch".into() } else { format!("{} branches", proof.branches) };
+        return format!("proved: no combination is better ({gap}, {branches} looked at)");
     }
     let how_far = match gap.is_finite() {
         true => super::may_be_beaten(gap),
@@ -262,68 +250,4 @@ fn wanting_text(choice: &Choice) -> String {
         out.push_str(&format!("    {}\n", wrap(&line, 6)));
     }
     out
-}
-
-fn combination_json(robot: &Robot, combination: &Combination) -> Value {
-    let joints = robot.joints.iter().zip(&combination.joints).zip(&combination.carried).map(|((joint, d), carried)| {
-        let e = &d.evaluation;
-        let of_constant = joint.carries.iter().any(|c| c.constant);
-        let mut value = json!({
-            "joint": joint.name, "count": joint.count, "motor": d.motor.id, "gear": d.gear, "ratio": e.ratio,
-            "objective": d.optimum.objective, "loss_w": e.loss, "reflected_inertia_kgm2": e.reflected_inertia,
-            "mass_kg": e.mass, "unchecked": d.unchecked.iter().map(|u| u.0).collect::<Vec<_>>(),
-            "tightest": e.tightest().map(|m| json!({ "limit": m.limit, "margin": m.margin })),
-            "carried_torque_nm": carried.first().filter(|_| of_constant),
-        });
-        currents::add(&mut value, d.motor, e);
-        value
-    });
-    json!({
-        "joints": joints.collect::<Vec<_>>(),
-        "objective": combination.objective,
-        "lower_bound": combination.lower_bound,
-        "actuator_mass_kg": combination.mass,
-        "peak_power_w": combination.peak_power,
-        "objective_per_watt": combination.power_price,
-        "distinct_motors": combination.distinct_motors,
-    })
-}
-
-/// For programs.
-pub fn json(choice: &Choice) -> Value {
-    let robot = choice.robot;
-    let proof = &choice.proof;
-    let wanting = choice.wanting.iter().map(|w| match w {
-        Wanting::Joints(names) => json!({ "joints": names }),
-        Wanting::Mass(mass) => json!({ "actuator_mass_kg": mass }),
-        Wanting::Motors(motors) => json!({ "max_distinct_motors": motors }),
-        Wanting::Power(least, draws) => json!({ "least_power_tried_w": least, "unlimited_power_w": draws }),
-    });
-    let changes = choice.changes.iter().map(|c| {
-        json!({
-            "budget": c.budget, "unit": c.unit, "value": c.value, "certified": c.certified,
-            "best": c.best.as_ref().map(|b| combination_json(robot, b)),
-        })
-    });
-    json!({
-        "satisfied": !choice.combinations.is_empty(),
-        "total": { "name": choice.total.name, "unit": choice.total.unit, "relative": choice.total.relative, "scale": choice.total.scale },
-        "budget": {
-            "actuator_mass_kg": robot.budget.actuator_mass, "max_distinct_motors": robot.budget.max_distinct_motors,
-            "power_w": robot.shared_power(),
-        },
-        "power_is": if choice.instant_by_instant { "largest at any instant" } else { "sum of peaks over time bases" },
-        "time_bases": choice.time_bases,
-        "certificate": {
-            "certified": proof.certified(), "lower_bound": proof.lower_bound, "gap": proof.gap,
-            "not_proved": proof.not_proved, "branches": proof.branches,
-        },
-        "best": choice.combinations.first().map(|c| combination_json(robot, c)),
-        "runner_ups": choice.combinations.iter().skip(1).map(|c| combination_json(robot, c)).collect::<Vec<_>>(),
-        "wanting": wanting.collect::<Vec<_>>(),
-        "other_budgets": changes.collect::<Vec<_>>(),
-        "other_budgets_left_out": choice.others_left_out,
-        "front": choice.front.iter().map(|c| combination_json(robot, c)).collect::<Vec<_>>(),
-        "unjudged": super::unjudged::robot_json(choice),
-    })
 }

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::{Value, json};
-
+use super::columns::{self, Entry, State};
 use super::optimize::{bind_text, proof, reason_text};
 use super::table::{Column, Table, paragraph};
 use super::{csv_number, number};
-use crate::design::optimize::JointResult;
+use crate::design::answer::{Design, JointResult};
 use crate::design::program::Certificate;
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES, Toleranced, standard_error};
 use crate::requirement::Robot;
@@ -49,11 +48,11 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let JointResult { joint, candidates, .. } = &result.nominal;
     let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
     let heading = format!(
-        "{} (×{}), least {}: {} motors can do it by their printed numbers{}; of those with tolerances {with} also at worst, {} not",
+        "{} (×{}), least {}: {} can do it by the printed numbers{}; of those with tolerances {with} also at worst, {} not",
         joint.name,
         joint.count,
         joint.objective.name(),
-        candidates.len(),
+        crate::words::counted(candidates.len(), "motor"),
         super::unjudged::counted(result.nominal.unjudged.len()),
         result.lost.len()
     );
@@ -170,125 +169,25 @@ fn details(design: &RobustDesign, result: &RobustJoint) -> String {
     out
 }
 
-/// For programs.
-pub fn json(robot: &Robot, joints: &[RobustJoint]) -> Value {
-    let joints: Vec<Value> = joints
-        .iter()
-        .map(|j| {
-            let joint = j.nominal.joint;
-            let design = |d: &RobustDesign| {
-                let window = d.optimum.window();
-                let certificate = match &d.optimum.certificate {
-                    Certificate::Certified { lower_bound, gap, method } => {
-                        json!({ "certified": true, "lower_bound": lower_bound, "gap": gap, "method": method })
-                    }
-                    Certificate::NotCertified(why) => {
-                        json!({ "certified": false, "lower_bound": null, "gap": null, "because": why })
-                    }
-                };
-                json!({
-                    "motor": d.nominal.motor.id,
-                    "gear": d.gear,
-                    "tolerances": d.toleranced.iter().map(|t| json!({
-                        "column": t.column, "value": t.value, "tolerance": t.tolerance,
-                    })).collect::<Vec<_>>(),
-                    "nominal_only": d.toleranced.is_empty(),
-                    "corners": d.corners,
-                    "ratio": d.optimum.ratio,
-                    "window": [window.min, window.max],
-                    "binds": { "low": window.low.limit, "high": window.high.limit },
-                    "objective": d.optimum.objective,
-                    "worst_objective": d.worst_objective,
-                    "not_checked": super::unjudged::list(&d.unchecked),
-                    "assumed": super::unjudged::assumed(&d.assumed),
-                    "objective_unit": joint.objective.unit(),
-                    "loss_w": d.evaluation.loss,
-                    "tightest_margin": d.tightest.map(|m| json!({ "limit": m.limit, "margin": m.margin })),
-                    "nominal_gear": d.nominal.gear,
-                    "nominal_ratio": d.nominal.optimum.ratio,
-                    "nominal_objective": d.nominal.optimum.objective,
-                    "certificate": certificate,
-                })
-            };
-            let lost = j.lost.iter().map(|l| {
-                json!({
-                    "motor": l.nominal.motor.id,
-                    "nominal_ratio": l.nominal.optimum.ratio,
-                    "because": reason_text(&l.reason, joint).1,
-                })
-            });
-            let contenders = j.contenders.iter().map(|c| {
-                let share = |p: f64| json!({ "share": p, "standard_error": standard_error(p) });
-                json!({
-                    "motor": c.motor.id,
-                    "feasible_at_nominal_ratio": share(c.feasible_nominal),
-                    "first_at_nominal_ratios": share(c.first_nominal),
-                    "feasible_at_robust_ratio": c.feasible_robust.map(share),
-                    "first_at_robust_ratios": share(c.first_robust),
-                })
-            });
-            json!({
-                "joint": joint.name,
-                "count": joint.count,
-                "objective": joint.objective.name(),
-                "designs": j.designs.iter().map(design).collect::<Vec<_>>(),
-                "unjudged": super::unjudged::json(&j.nominal.unjudged, joint),
-                "lost": lost.collect::<Vec<_>>(),
-                "samples": SAMPLES,
-                "contenders": contenders.collect::<Vec<_>>(),
-            })
-        })
-        .collect();
-    json!({ "robot": { "name": robot.name }, "joints": joints })
-}
-
-/// As rows: every motor that can do it by its printed numbers.
+/// As rows: every motor that can do it by its printed numbers, over its tolerances; with what those numbers alone give.
 pub fn csv(joints: &[RobustJoint]) -> String {
-    let header = [
-        "joint",
-        "rank",
-        "motor",
-        "gear",
-        "nominal_only",
-        "nominal_ratio",
-        "ratio",
-        "ratio_min",
-        "ratio_max",
-        "bound_low",
-        "bound_high",
-        "nominal_objective",
-        "objective",
-        "worst_objective",
-        "gap",
-        "lost_because",
-    ];
-    let rows = joints.iter().flat_map(|j| {
-        let name = &j.nominal.joint.name;
-        let designs = j.designs.iter().enumerate().map(|(place, d)| {
-            let window = d.optimum.window();
-            let mut row = vec![name.clone(), (place + 1).to_string(), d.nominal.motor.id.clone()];
-            row.extend([d.gear.unwrap_or("").to_string(), d.toleranced.is_empty().to_string()]);
-            let ratios = [d.nominal.optimum.ratio, d.optimum.ratio, window.min, window.max];
-            row.extend(ratios.map(|x| csv_number(Some(x))));
-            row.extend([window.low.limit.to_string(), window.high.limit.to_string()]);
-            let objectives = [d.nominal.optimum.objective, d.optimum.objective, d.worst_objective];
-            row.extend(objectives.map(|x| csv_number(Some(x))));
-            row.push(match d.optimum.certificate {
-                Certificate::Certified { gap, .. } => csv_number(Some(gap)),
-                Certificate::NotCertified(_) => String::new(),
-            });
-            row.push(String::new());
-            row
+    let more = ["nominal_only", "nominal_ratio", "nominal_objective", "worst_objective"];
+    let rows = joints.iter().flat_map(|of| {
+        let joint = of.nominal.joint;
+        let nominal = |d: &Design| [d.optimum.ratio, d.optimum.objective].map(|x| csv_number(Some(x)));
+        let designs = of.designs.iter().enumerate().map(move |(k, d)| {
+            let [ratio, objective] = nominal(&d.nominal);
+            let worst = csv_number(Some(d.worst_objective));
+            let cells = vec![d.toleranced.is_empty().to_string(), ratio, objective, worst];
+            (Entry::design(joint, State::Candidate, Some(k + 1), d.facts()), cells)
         });
-        let lost = j.lost.iter().map(|l| {
-            let mut row = vec![String::new(); header.len()];
-            (row[0], row[2], row[4]) = (name.clone(), l.nominal.motor.id.clone(), "false".into());
-            row[5] = csv_number(Some(l.nominal.optimum.ratio));
-            row[11] = csv_number(Some(l.nominal.optimum.objective));
-            row[header.len() - 1] = reason_text(&l.reason, j.nominal.joint).1;
-            row
+        let lost = of.lost.iter().map(move |l| {
+            let because = reason_text(&l.reason, joint).1;
+            let [ratio, objective] = nominal(&l.nominal);
+            let entry = Entry::without(joint, State::Rejected, l.nominal.motor, l.nominal.gear, because);
+            (entry, vec!["false".into(), ratio, objective, String::new()])
         });
         designs.chain(lost).collect::<Vec<_>>()
     });
-    super::csv_text(&header, rows)
+    columns::csv_with(&more, rows, false)
 }

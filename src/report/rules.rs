@@ -41,7 +41,7 @@ pub fn measure_list() -> String {
 pub fn text(rule: &Rule) -> String {
     let mut out = format!("{} {} ({})\n{}", rule.code, rule.name, rule.severity.name(), paragraph(rule.summary, 0, 0));
     for (what, text) in
-        [("What it does", rule.what), ("Why", rule.why), ("Example", rule.example), ("How to mend it", rule.mend)]
+        [("What it does", rule.what), ("Why", rule.why), ("Example", rule.example), ("How to fix it", rule.fix)]
     {
         out.push_str(&format!("\n{what}\n{}", paragraph(text, 2, 2)));
     }
@@ -70,6 +70,6 @@ pub fn json(rule: &Rule) -> Value {
     };
     json!({
         "code": rule.code, "name": rule.name, "severity": rule.severity.name(), "summary": rule.summary, "what": rule.what,
-        "why": rule.why, "example": rule.example, "mend": rule.mend, "measures": measured, "min": min, "max": max,
+        "why": rule.why, "example": rule.example, "mend": rule.fix, "measures": measured, "min": min, "max": max,
     })
 }

@@ -1,9 +1,7 @@
 //! A parallel spring: what was chosen, and what it saves.
 
-use serde_json::{Value, json};
-
-use super::{csv_number, number};
-use crate::design::spring::SpringChoice;
+use super::number;
+use crate::design::answer::SpringChoice;
 use crate::requirement::Spring;
 
 /// What the requirement leaves open.
@@ -11,7 +9,7 @@ pub fn asked(spring: &Spring) -> String {
     let [k0, k1] = spring.stiffness.map(number);
     let [q0, q1] = spring.rest_angle.map(|q| number(q.to_degrees()));
     format!(
-        "A parallel spring is chosen with the ratio: {k0} to {k1} N*m/rad, at rest between {q0} and {q1} deg; what no ratio can do is said of the spring that comes nearest."
+        "A parallel spring is chosen with the ratio: {k0} to {k1} N*m/rad, at rest between {q0} and {q1} deg; where no ratio can do it, the reasons are those of the spring that comes nearest."
     )
 }
 
@@ -35,41 +33,4 @@ pub fn text(spring: &SpringChoice, loss: f64) -> String {
     };
     let least = if spring.least_stiffness { ", the least stiffness of several that are as good" } else { "" };
     format!("{chosen}{least}; {worth}")
-}
-
-/// For programs.
-pub fn json(spring: &SpringChoice, loss: f64) -> Value {
-    json!({
-        "stiffness_nm_per_rad": spring.stiffness,
-        "rest_angle_rad": spring.rest_angle,
-        "least_stiffness": spring.least_stiffness,
-        "lower_bound": spring.lower_bound,
-        "gap": spring.gap,
-        "feasible_without": spring.without.is_some(),
-        "ratio_without": spring.without.map(|w| w.ratio),
-        "objective_without": spring.without.map(|w| w.objective),
-        "loss_without_w": spring.without.map(|w| w.loss),
-        "loss_saved": spring.saving(loss),
-    })
-}
-
-/// Columns of [`csv()`].
-pub const COLUMNS: [&str; 5] = [
-    "stiffness_nm_per_rad",
-    "rest_angle_rad",
-    "loss_without_spring_w",
-    "objective_without_spring",
-    "loss_saved_by_spring",
-];
-
-/// Cells of a row; blank without a spring.
-pub fn csv(spring: Option<&SpringChoice>, loss: f64) -> [String; 5] {
-    let without = spring.and_then(|s| s.without);
-    [
-        csv_number(spring.map(|s| s.stiffness)),
-        csv_number(spring.and_then(|s| s.rest_angle)),
-        csv_number(without.map(|w| w.loss)),
-        csv_number(without.map(|w| w.objective)),
-        csv_number(spring.and_then(|s| s.saving(loss))),
-    ]
 }

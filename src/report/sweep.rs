@@ -2,13 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::{Map, Value, json};
-
-use super::optimize::{fitted_json, fitted_notes, margins_json};
+use super::columns::{self, Entry, State};
+use super::optimize::fitted_notes;
 use super::table::{Column, Table, paragraph};
-use super::{csv_number, currents, number, optional, unjudged};
-use crate::actuator::metrics::{METRICS, Metric};
-use crate::design::sweep::{JointSweep, SweptDesign};
+use super::{number, unjudged};
+use crate::actuator::metrics::{Metric, metric};
+use crate::design::answer::{JointSweep, SweptDesign};
 use crate::requirement::{Quantity, Robot};
 
 /// What a sweep is ordered by.
@@ -69,6 +68,12 @@ pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -
     format!("{}: {} of {} {}{at}", worst.limit, number(worst.demand), number(worst.bound), worst.unit)
 }
 
+/// The same in short: the text of all designs that fail alike.
+pub(super) fn class(design: &SweptDesign) -> String {
+    let worst = design.evaluation.tightest().filter(|_| !design.evaluation.feasible);
+    worst.map_or_else(String::new, |worst| format!("{} is exceeded", worst.limit))
+}
+
 /// For people.
 pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infeasible: bool) -> String {
     let mut out = paragraph(&format!("{}: {}", robot.name, super::counted(robot.joints.len(), "joint")), 0, 2);
@@ -76,22 +81,16 @@ pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infe
         let feasible = sweep.designs.iter().filter(|d| d.is_choice()).count();
         let apart = unjudged::counted(sweep.designs.iter().filter(|d| d.is_unjudged()).count());
         let all = sweep.designs.len();
-        let heading = format!("{}: {all} designs, {feasible} feasible{apart}", sweep.joint.name);
+        let heading =
+            format!("{}: {}, {feasible} feasible{apart}", sweep.joint.name, crate::words::counted(all, "design"));
         out.push_str(&format!("\n{}\n", paragraph(&heading, 0, 2)));
         let designs = ordered(sweep, order);
-        let mut table = Table::new(columns(order)).indented(2).also_in("`--csv`, `--json`");
+        let mut table = Table::new(headings(order)).indented(2).also_in("`--csv`, `--json`");
         for d in designs.iter().filter(|d| d.is_choice() || infeasible && !d.is_unjudged()).take(top) {
-            let e = &d.evaluation;
-            let metric =
-                |i: usize| optional(METRICS[i].value(d.motor).map(|v| crate::units::in_unit(v, METRICS[i].unit)));
-            let mut row = vec![
-                d.motor.id.clone(),
-                number(e.ratio),
-                number(e.loss),
-                number(e.reflected_inertia),
-                optional(e.mass),
-            ];
-            row.extend([metric(0), metric(2), metric(1)]);
+            let facts = d.facts(sweep.joint);
+            let mut row = vec![d.motor.id.clone(), number(d.evaluation.ratio)];
+            row.extend(columns::in_tables().map(|figure| columns::cell(figure, &facts)));
+            row.extend(shown_metrics().map(|metric| columns::metric_cell(metric, d.motor)));
             table.push(row, vec![verdict(d, sweep.joint)]);
         }
         if !table.is_empty() {
@@ -104,29 +103,21 @@ pub fn text(robot: &Robot, sweeps: &[JointSweep], order: Order, top: usize, infe
 }
 
 /// The columns of the designs; what orders them is never dropped.
-fn columns(order: Order) -> Vec<Column> {
-    let first = match order {
-        Order::Quantity(Quantity::Loss) => "loss",
-        Order::Quantity(Quantity::ReflectedInertia) => "J",
-        Order::Quantity(Quantity::Mass) => "mass",
-        Order::Metric(metric) => metric.symbol,
-        _ => "",
+fn headings(order: Order) -> Vec<Column> {
+    let kept = match order {
+        Order::Quantity(Quantity::PeakCurrent) => "peak_current_phase",
+        Order::Quantity(quantity) => quantity.name(),
+        Order::Metric(metric) => metric.name,
+        Order::Objective | Order::Margin => "",
     };
-    let number = |heading: &str, unit: &str, drop: u8| {
-        let column = Column::number(heading, unit);
-        if heading == first { column } else { column.dropped(drop) }
-    };
-    let metric = |i: usize, drop: u8| number(METRICS[i].symbol, METRICS[i].unit, drop);
-    vec![
-        Column::name("motor"),
-        Column::number("N", ""),
-        number("loss", "W", 6),
-        number("J", "kg*m^2", 4),
-        number("mass", "kg", 5),
-        metric(0, 3),
-        metric(2, 2),
-        metric(1, 1),
-    ]
+    let figures = columns::in_tables().map(|figure| columns::heading(figure, kept));
+    let metrics = shown_metrics().zip([3, 2, 1]).map(|(metric, drop)| columns::metric_heading(metric, kept, drop));
+    [Column::name("motor"), Column::number("N", "")].into_iter().chain(figures).chain(metrics).collect()
+}
+
+/// The metrics of the motors that the table shows.
+fn shown_metrics() -> impl Iterator<Item = &'static Metric> {
+    ["s_m", "mass_s_m", "s_t"].into_iter().filter_map(metric)
 }
 
 /// Feasible with how much left, or why not; with which gear.
@@ -192,10 +183,10 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
         out.push(format!("Fitted, {line}"));
     }
     for ((limit, why), n) in unchecked {
-        out.push(format!("Not checked in {n} designs: {limit}, because {why}"));
+        out.push(format!("Not checked in {}: {limit}, because {why}", crate::words::counted(n, "design")));
     }
     for ((limit, what), n) in assumed {
-        out.push(format!("Assumed in {n} designs: {limit}: {what}"));
+        out.push(format!("Assumed in {}: {limit}: {what}", crate::words::counted(n, "design")));
     }
     out.extend(super::between::words(sweep.joint));
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
@@ -203,7 +194,7 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
         reasons
             .entry(why.reason())
             .or_default()
-            .push(gear.map_or_else(|| (*motor).to_string(), |g| format!("{motor} with {g}")));
+            .push(gear.map_or_else(|| motor.id.clone(), |g| format!("{} with {g}", motor.id)));
     }
     for (why, who) in reasons {
         let shown = who.len().min(6);
@@ -213,110 +204,23 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     out
 }
 
-/// For programs.
-pub fn json(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Value {
-    let joints = sweeps.iter().map(|sweep| {
-        let designs = ordered(sweep, order).into_iter().map(|d| {
-            let e = &d.evaluation;
-            let (margins, limits) = margins_json(&e.margins, sweep.joint);
-            let mut object = Map::new();
-            let mut put = |key: &str, value: Value| object.insert(key.into(), value);
-            put("motor", json!(d.motor.id));
-            put("gear", json!(d.gear));
-            put("ratio", json!(e.ratio));
-            put("feasible", json!(e.feasible));
-            put("judged", json!(d.unjudged.is_empty()));
-            put("because", if d.is_choice() { Value::Null } else { json!(because(d, sweep.joint)) });
-            put("objective", json!(e.objective(&sweep.joint.objective)));
-            if let Some(list) = fitted_json(d.motor, sweep.joint) {
-                put("fitted", list);
-            }
-            put("loss_w", json!(e.loss));
-            put("mean_electrical_power_w", json!(e.mean_power));
-            put("reflected_inertia_kgm2", json!(e.reflected_inertia));
-            put("mass_kg", json!(e.mass));
-            put("margins", margins);
-            put("limits", limits);
-            put("assumed", super::unjudged::assumed(&d.assumed));
-            put("not_checked", unjudged::list(&d.unchecked));
-            for metric in METRICS.iter().take(4) {
-                put(&format!("{}_{}", metric.name, metric.si_suffix), json!(metric.value(d.motor)));
-            }
-            currents::put(&mut object, d.motor, e);
-            Value::Object(object)
-        });
-        let unusable = sweep
-            .unusable
-            .iter()
-            .map(|(motor, gear, why)| json!({ "motor": motor, "gear": gear, "because": why.reason() }));
-        json!({
-            "joint": sweep.joint.name, "between_samples": super::between::json(sweep.joint),
-            "designs": designs.collect::<Vec<_>>(), "unjudged": unjudged::sweep_json(sweep),
-            "left_out": unusable.collect::<Vec<_>>()
-        })
-    });
-    json!({ "robot": robot.name, "joints": joints.collect::<Vec<_>>() })
-}
-
 /// As rows: every design, then what was left out.
 pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
-    let header = [
-        "joint",
-        "motor",
-        "gear",
-        "ratio",
-        "feasible",
-        "judged",
-        "because",
-        "objective",
-        "loss_w",
-        currents::NAMES[0],
-        currents::NAMES[1],
-        currents::NAMES[2],
-        currents::NAMES[3],
-        "reflected_inertia_kgm2",
-        "mass_kg",
-        "tightest_limit",
-        "tightest_margin",
-        "not_checked",
-        "assumed",
-        "s_m_s",
-        "s_t_kgm2a2_per_nm2",
-        "mass_s_m_kgs",
-        "mass_s_t_kg2m2a2_per_nm2",
-    ];
     let rows = sweeps.iter().flat_map(|sweep| {
-        let designs = ordered(sweep, order).into_iter().map(|d| {
-            let e = &d.evaluation;
-            let mut row = vec![
-                sweep.joint.name.clone(),
-                d.motor.id.clone(),
-                d.gear.unwrap_or("").into(),
-                csv_number(Some(e.ratio)),
-            ];
-            row.push(e.feasible.to_string());
-            row.push(d.unjudged.is_empty().to_string());
-            row.push(because(d, sweep.joint));
-            let objective = e.objective(&sweep.joint.objective);
-            row.extend([objective, Some(e.loss)].map(csv_number));
-            row.extend(currents::values(d.motor, e).map(|x| csv_number(Some(x))));
-            row.extend([Some(e.reflected_inertia), e.mass].map(csv_number));
-            let tightest = e.tightest();
-            row.extend([tightest.map_or_else(String::new, |m| m.limit.into()), csv_number(tightest.map(|m| m.margin))]);
-            row.extend([unjudged::names(&d.unchecked), unjudged::names(&d.assumed)]);
-            row.extend(METRICS.iter().take(4).map(|m| csv_number(m.value(d.motor))));
-            row
+        let joint = sweep.joint;
+        let designs = ordered(sweep, order).into_iter().map(move |design| {
+            let state = match (design.is_choice(), design.is_unjudged()) {
+                (true, _) => State::Candidate,
+                (_, true) => State::Unjudged,
+                _ => State::Rejected,
+            };
+            Entry::design(joint, state, None, design.facts(joint)).because(because(design, joint))
         });
-        let left_out = sweep.unusable.iter().map(|(motor, gear, why)| {
-            let mut row = vec![String::new(); header.len()];
-            row[0] = sweep.joint.name.clone();
-            row[1] = (*motor).to_string();
-            row[2] = gear.unwrap_or("").to_string();
-            row[4] = "false".into();
-            row[6] = why.reason().into();
-            row
-        });
+        let left_out = sweep
+            .unusable
+            .iter()
+            .map(move |(motor, gear, why)| Entry::without(joint, State::Rejected, motor, *gear, why.reason().into()));
         designs.chain(left_out).collect::<Vec<_>>()
     });
-    super::csv_text(&header, rows)
+    columns::csv(rows, false)
 }

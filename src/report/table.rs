@@ -7,7 +7,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use console::measure_text_width;
+use unicode_width::UnicodeWidthStr;
 
 use crate::input::tame;
 use crate::units::{RATIO, UnitError, unit_of};
@@ -225,13 +225,13 @@ impl Table {
     /// The least and the natural width of a column.
     fn bounds(&self, index: usize, broken: bool) -> (usize, usize) {
         let column = &self.columns[index];
-        let heading = column.lines(broken).iter().map(|l| measure_text_width(l)).max().unwrap_or(0);
+        let heading = column.lines(broken).iter().map(|l| l.width()).max().unwrap_or(0);
         let cells = || self.rows.iter().filter_map(|row| row.cells.get(index));
-        let natural = cells().map(|c| measure_text_width(c)).max().unwrap_or(0).max(heading);
+        let natural = cells().map(|c| c.width()).max().unwrap_or(0).max(heading);
         if column.kind != Kind::Prose {
             return (natural, natural);
         }
-        let word = cells().flat_map(|c| c.split(' ')).map(measure_text_width).max().unwrap_or(0);
+        let word = cells().flat_map(|c| c.split(' ')).map(UnicodeWidthStr::width).max().unwrap_or(0);
         (word.max(heading).max(LEAST_PROSE).min(natural), natural)
     }
 
@@ -260,7 +260,7 @@ impl Table {
             let mut line = " ".repeat(self.indent);
             for (place, ((index, width), cell)) in shown.iter().zip(&cells).enumerate() {
                 let text = cell.get(k).map_or("", String::as_str);
-                let blank = " ".repeat(width.saturating_sub(measure_text_width(text)));
+                let blank = " ".repeat(width.saturating_sub(text.width()));
                 let gap = " ".repeat(if place == 0 { 0 } else { GAP });
                 line += &match self.columns[*index].kind {
                     Kind::Number => format!("{gap}{blank}{text}"),
@@ -295,21 +295,21 @@ impl Table {
     /// Each row as a block: a line for each cell, and what is said beneath it.
     fn stacked(&self, width: usize) -> String {
         let heading = |c: &Column| c.heading.replace('\n', " ");
-        let label = self.columns.iter().map(|c| measure_text_width(&heading(c))).max().unwrap_or(0);
+        let label = self.columns.iter().map(|c| heading(c).width()).max().unwrap_or(0);
         let block = |row: &Row| {
             let mut out = String::new();
             for (column, cell) in self.columns.iter().zip(&row.cells).filter(|(_, cell)| !cell.is_empty()) {
                 let unit = if column.unit.is_empty() || cell == "–" { "" } else { &format!(" {}", column.unit) };
                 let hang = self.indent + label + GAP;
                 let heading = heading(column);
-                let blank = " ".repeat(label - measure_text_width(&heading) + GAP);
+                let blank = " ".repeat(label - heading.width() + GAP);
                 let head = format!("{}{heading}", " ".repeat(self.indent));
                 out += &if heading.is_empty() {
                     // What says by itself what it is stands alone, as a title.
                     format!("{head}{cell}{unit}\n")
                 } else if column.kind == Kind::Prose {
                     format!("{head}{blank}{}\n", wrap_at(cell, hang, width))
-                } else if hang + measure_text_width(cell) + measure_text_width(unit) > width {
+                } else if hang + cell.width() + unit.width() > width {
                     format!("{head}\n{}{cell}{unit}\n", " ".repeat(self.indent + GAP))
                 } else {
                     format!("{head}{blank}{cell}{unit}\n")
@@ -346,7 +346,7 @@ pub fn wrap_at(text: &str, indent: usize, width: usize) -> String {
 fn folded(text: &str, room: usize) -> Vec<String> {
     let (mut lines, mut line) = (Vec::new(), String::new());
     for part in parts(text, room) {
-        if !line.is_empty() && measure_text_width(&line) + 1 + measure_text_width(&part) > room {
+        if !line.is_empty() && line.width() + 1 + part.width() > room {
             lines.push(std::mem::take(&mut line));
         }
         if !line.is_empty() {
@@ -364,7 +364,7 @@ fn parts(text: &str, room: usize) -> Vec<String> {
     let mut before = "";
     for word in text.split_whitespace() {
         match parts.last_mut() {
-            Some(last) if held(before, word) && measure_text_width(last) + 1 + measure_text_width(word) <= room => {
+            Some(last) if held(before, word) && last.width() + 1 + word.width() <= room => {
                 last.push(' ');
                 last.push_str(word);
             }

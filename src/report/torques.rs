@@ -2,8 +2,6 @@
 
 use std::collections::HashSet;
 
-use serde_json::{Map, Value, json};
-
 use super::table::{Column, Table, paragraph};
 use super::{counted, csv_number, number, optional};
 use crate::mechanism::torques::{Carried, Torques};
@@ -29,20 +27,20 @@ pub struct Answer<'a> {
 }
 
 /// Peaks and means of one joint. SI.
-struct Row<'a> {
-    joint: &'a Joint,
-    peak: f64,
-    peak_at: usize,
-    rms: f64,
-    speed: f64,
-    mean_power: f64,
-    peak_power: f64,
-    motion: Motion,
-    worst: Option<&'a Carried>,
+pub(super) struct Row<'a> {
+    pub(super) joint: &'a Joint,
+    pub(super) peak: f64,
+    pub(super) peak_at: usize,
+    pub(super) rms: f64,
+    pub(super) speed: f64,
+    pub(super) mean_power: f64,
+    pub(super) peak_power: f64,
+    pub(super) motion: Motion,
+    pub(super) worst: Option<&'a Carried>,
 }
 
 impl<'a> Answer<'a> {
-    fn rows(&'a self) -> Vec<Row<'a>> {
+    pub(super) fn rows(&'a self) -> Vec<Row<'a>> {
         self.shown.iter().filter_map(|j| Some(self.row(*j, self.mechanism.joints().nth(*j)?))).collect()
     }
 
@@ -69,7 +67,7 @@ impl<'a> Answer<'a> {
         }
     }
 
-    fn name(&self, joint: usize) -> &str {
+    pub(super) fn name(&self, joint: usize) -> &str {
         self.mechanism.joints().nth(joint).map_or("", |j| j.name.as_str())
     }
 }
@@ -166,68 +164,9 @@ pub(super) fn driven_text(driven: &Driven, robot: &Robot) -> String {
     lines.iter().map(|line| paragraph(line, 2, 4)).collect()
 }
 
-/// The same for programs.
-pub(super) fn driven_json(driven: &Driven, robot: &Robot) -> Value {
-    let carried = driven.carried.iter().map(|c| {
-        let motion = &robot.joints[c.carrying].motion;
-        let time = motion.given.get(c.worst()).map(|k| motion.time[*k]);
-        json!({
-            "carrying_joint": robot.joints[c.carrying].name,
-            "actuator_of": robot.joints[c.actuator].name,
-            "largest_nm_per_kg": c.largest(),
-            "time_s": time,
-        })
-    });
-    json!({
-        "model": driven.model,
-        "rotor_inertia_counted": false,
-        "actuators": if driven.separate { "separate" } else { "included" },
-        "notes": driven.notes,
-        "torque_per_mass": carried.collect::<Vec<_>>(),
-    })
-}
-
 /// Zero where only rounding is left.
 fn rounded(value: f64, size: f64) -> f64 {
     if value.abs() <= 1e-9 * size.abs() { 0.0 } else { value }
-}
-
-/// For programs.
-pub fn json(answer: &Answer) -> Value {
-    let joints = answer.rows().into_iter().map(|row| {
-        let slides = row.joint.motion == Degree::Slides;
-        let (torque, speed) =
-            if slides { ("force_n", "velocity_m_per_s") } else { ("torque_nm", "velocity_rad_per_s") };
-        let mut object = Map::new();
-        object.insert("joint".into(), json!(row.joint.name));
-        object.insert("motion".into(), json!(if slides { "slides" } else { "turns" }));
-        object.insert(format!("peak_{torque}"), json!(row.peak));
-        object.insert("peak_time_s".into(), json!(answer.trajectory.time[row.peak_at]));
-        object.insert(format!("rms_{torque}"), json!(row.rms));
-        object.insert(format!("peak_{speed}"), json!(row.speed));
-        object.insert("mean_power_w".into(), json!(row.mean_power));
-        object.insert("peak_power_w".into(), json!(row.peak_power));
-        object.insert("armature_left_out_kgm2".into(), json!(row.joint.armature));
-        Value::Object(object)
-    });
-    let carried = answer.carried.iter().filter(|c| answer.shown.contains(&c.carrying)).map(|c| {
-        json!({
-            "carrying_joint": answer.name(c.carrying),
-            "actuator_of": answer.name(c.actuator),
-            "largest_nm_per_kg": c.largest(),
-            "time_s": answer.trajectory.time[c.worst()],
-        })
-    });
-    json!({
-        "model": answer.mechanism.name,
-        "mass_kg": answer.mechanism.mass(),
-        "samples": answer.trajectory.len(),
-        "joints": joints.collect::<Vec<_>>(),
-        "torque_per_mass": carried.collect::<Vec<_>>(),
-        "joint_friction_counted": answer.torques.joint_friction,
-        "rotor_inertia_counted": false,
-        "notes": answer.notes,
-    })
 }
 
 /// As rows: every sample, torque, speed and position of every joint.

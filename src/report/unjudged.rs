@@ -3,22 +3,29 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::{Value, json};
-
 use super::number;
 use super::table::wrap;
 use crate::actuator::limits::Remark;
-use crate::design::judge::Unjudged;
-use crate::design::optimize::{JointResult, Reason};
+use crate::design::answer::{JointResult, JointSweep, Reason, Unjudged};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::design::robot::{Apart, Choice};
-use crate::design::sweep::JointSweep;
-use crate::requirement::Joint;
 
 /// Why something cannot be judged, in a sentence.
 pub fn sentence(because: &[Remark]) -> String {
-    let each: Vec<String> = because.iter().map(|(limit, why)| format!("{why} ({limit})")).collect();
-    format!("cannot be judged: {}", each.join("; "))
+    format!("cannot be judged: {}", causes(because))
+}
+
+/// Each cause once, with the limits that it leaves open.
+fn causes(because: &[Remark]) -> String {
+    let mut causes: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (limit, why) in because {
+        match causes.iter_mut().find(|(cause, _)| cause == why) {
+            Some((_, limits)) => limits.push(limit),
+            None => causes.push((why, vec![limit])),
+        }
+    }
+    let each: Vec<String> = causes.iter().map(|(why, limits)| format!("{why} ({})", limits.join(", "))).collect();
+    each.join("; ")
 }
 
 /// The same in short: the limits alone.
@@ -38,40 +45,11 @@ pub fn names(remarks: &[Remark]) -> String {
     remarks.iter().map(|(limit, _)| *limit).collect::<Vec<_>>().join(" ")
 }
 
-/// What counts as kept as far as something holds, for programs.
-pub fn assumed(assumed: &[Remark]) -> Value {
-    assumed.iter().map(|(limit, what)| json!({ "limit": limit, "as": what })).collect()
-}
-
-/// Limits and reasons for programs.
-pub fn list(because: &[Remark]) -> Value {
-    because.iter().map(|(limit, why)| json!({ "limit": limit, "because": why })).collect()
-}
-
-/// A motor, a gear and why they cannot be judged, for programs.
-fn one(motor: &str, gear: Option<&str>, because: &[Remark]) -> Value {
-    json!({ "motor": motor, "gear": gear, "because": sentence(because), "limits": list(because) })
-}
-
-/// Unjudged designs for programs, with the best that each has as far as it can be told.
-pub fn json(unjudged: &[Unjudged], joint: &Joint) -> Value {
-    let each = unjudged.iter().map(|u| {
-        let e = &u.design.evaluation;
-        let mut value = one(&u.design.motor.id, u.design.gear, &u.because);
-        value["as_far_as_known"] = json!({
-            "ratio": e.ratio, "objective": u.design.optimum.objective, "objective_unit": joint.objective.unit(),
-            "loss_w": e.loss, "reflected_inertia_kgm2": e.reflected_inertia, "mass_kg": e.mass,
-        });
-        value
-    });
-    each.collect()
-}
-
 /// Motors by what cannot be judged, the most frequent first.
 fn by_reason<'m>(all: impl Iterator<Item = (&'m str, &'m [Remark])>) -> Vec<(String, Vec<&'m str>)> {
     let mut reasons: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for (motor, because) in all {
-        let motors = reasons.entry(sentence(because)).or_default();
+        let motors = reasons.entry(causes(because)).or_default();
         if !motors.contains(&motor) {
             motors.push(motor);
         }
@@ -81,7 +59,7 @@ fn by_reason<'m>(all: impl Iterator<Item = (&'m str, &'m [Remark])>) -> Vec<(Str
     reasons
 }
 
-const HEADING: &str = "What the requirement asks for cannot be judged of these, so none of them is a choice";
+const HEADING: &str = "The requirement's limits cannot be judged for these motors, so none of them is a choice";
 
 /// A line for each reason, with how many motors have it and the first of them.
 fn lines<'m>(all: impl Iterator<Item = (&'m str, &'m [Remark])>) -> Vec<String> {
@@ -115,9 +93,9 @@ pub fn text(result: &JointResult, each: bool) -> String {
     let line = |u: &Unjudged| {
         let gear = u.design.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
         format!(
-            "{}{gear}: {}; as far as it can be told {} {} at N = {}",
+            "{}{gear}: {}; as far as is known {} {} at N = {}",
             u.design.motor.id,
-            sentence(&u.because),
+            causes(&u.because),
             goal.name(),
             super::with_unit(u.design.optimum.objective, goal.unit()),
             number(u.design.evaluation.ratio)
@@ -132,31 +110,15 @@ pub fn sweep_text(sweep: &JointSweep) -> String {
     let apart = sweep.designs.iter().filter(|d| d.is_unjudged());
     let reasons = apart.map(|d| (d.motor.id.as_str(), &*d.unjudged));
     let heading = format!(
-        "What the requirement asks for cannot be judged of {count} designs, so none of those is a choice; by motor"
+        "The requirement's limits cannot be judged for {}, so none of them is a choice; by motor",
+        crate::words::counted(count, "design")
     );
     block(&heading, lines(reasons))
-}
-
-/// Unjudged designs of a sweep, for programs: each motor (with its gear) once.
-pub fn sweep_json(sweep: &JointSweep) -> Value {
-    let mut all: Vec<(&str, Option<&str>, &[Remark])> = Vec::new();
-    for design in sweep.designs.iter().filter(|d| d.is_unjudged()) {
-        let new = (design.motor.id.as_str(), design.gear, &*design.unjudged);
-        if !all.contains(&new) {
-            all.push(new);
-        }
-    }
-    all.into_iter().map(|(motor, gear, because)| one(motor, gear, because)).collect()
 }
 
 /// The block of a front.
 pub fn front_text(front: &Front) -> String {
     block(HEADING, lines(front.unjudged.iter().map(|(motor, why)| (motor.id.as_str(), why.as_slice()))))
-}
-
-/// Unjudged motors of a front, for programs.
-pub fn front_json(front: &Front) -> Value {
-    front.unjudged.iter().map(|(motor, because)| one(&motor.id, None, because)).collect()
 }
 
 /// What could not be checked and what was assumed of the designs on a front: each with the motors it is true of.
@@ -187,16 +149,6 @@ pub fn robot_text(choice: &Choice) -> String {
     };
     let joints = choice.unjudged.chunk_by(|a, b| std::ptr::eq(a.joint, b.joint));
     block(HEADING, joints.flat_map(of_joint).collect())
-}
-
-/// Motors that the choice for a whole robot leaves out, for programs.
-pub fn robot_json(choice: &Choice) -> Value {
-    let apart = |a: &Apart| {
-        let mut value = one(&a.motor.id, None, &a.because);
-        value["joint"] = json!(a.joint.name);
-        value
-    };
-    choice.unjudged.iter().map(apart).collect()
 }
 
 /// How many motors cannot be judged, to go on a sentence that counts the others.

@@ -8,7 +8,7 @@ use std::ops::Range as Span;
 use toml::Spanned;
 
 use super::robot::{Carried, Joint};
-use crate::input::{Problem, Range, Section};
+use crate::input::{Key, Problem, Range, Section, key};
 use crate::motion::CarriedColumn;
 use crate::units;
 
@@ -23,12 +23,15 @@ enum What {
     Course(Vec<f64>, Vec<f64>),
 }
 
+const TORQUE_PER_MASS: Key =
+    key("torque_per_mass", "what a kilogram of the actuator of a joint, by its name, adds to this joint's torque");
+
 /// Reads `torque_per_mass` of a joint, beside the columns of its motion.
 pub(super) fn read(section: &Section, columns: Vec<CarriedColumn>) -> Vec<Asked> {
     let mut asked = Vec::new();
-    for (name, value) in section.named_quantities("torque_per_mass", &units::TORQUE_PER_MASS, Range::Any) {
+    for (name, value) in section.named_quantities(TORQUE_PER_MASS, &units::TORQUE_PER_MASS, Range::Any) {
         if columns.iter().any(|(column, ..)| column == name.get_ref()) {
-            let message = format!("torque per mass of `{}` is given twice", name.get_ref());
+            let message = format!("duplicate torque per mass of `{}`", name.get_ref());
             let help = "the motion has a column for it: remove the one or the other";
             section.note(Problem::at(name.span(), message, "here and in the motion").help(help));
         }

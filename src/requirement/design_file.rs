@@ -9,9 +9,10 @@ use std::ops::Range as Span;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::robot::{Joint, RatioChoice, Robot};
+use super::gear::RatioChoice;
+use super::robot::{Joint, Robot};
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern, read_fitted};
-use crate::input::{Form, InputError, Problem, Range, Section, Source, limits};
+use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key, limits};
 use crate::units;
 use crate::words::nearest;
 use crate::words::number;
@@ -201,15 +202,27 @@ fn within(ratio: f64, min: f64, max: f64) -> bool {
     (min * (1.0 - AT_THE_END)..=max * (1.0 + AT_THE_END)).contains(&ratio)
 }
 
+const CATALOG: Key =
+    key("catalog", "files and folders, next to this file").value("list of paths").default("the built-in catalogue");
+const MOTOR: Key = key("motor", "of the catalogue").value("id").or("actuator");
+const ACTUATOR: Key = key("actuator", "a fitted actuator").value("file").or("motor");
+const RATIO: Key = key("ratio", "of the gear that the requirement describes").value("number, above zero").or("gear");
+const GEAR: Key = key("gear", "of the catalogue").value("id").or("ratio");
+
+/// What the reader asks for.
+pub fn describe() -> Description {
+    Form::describe("[[joint]]\nspring = {}\n", |root| read_design(root, &mut Vec::new()))
+}
+
 fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFile> {
     let folder = root.source().folder().to_path_buf();
-    let requirement = root.required_text("requirement", "\"robot.toml\"");
+    let requirement = root.required_text(key("requirement", "next to this file").value("file"), "\"robot.toml\"");
     let requirement_span = root.span_of("requirement");
     let robot = requirement.as_ref().and_then(|file| {
         let source = open(root, &folder, file.get_ref(), file.span(), "requirement")?;
         super::read_source(&source).map_err(|errors| others.extend(errors)).ok().map(|robot| (source, robot))
     });
-    let catalog: Vec<PathBuf> = if root.has("catalog") {
+    let catalog: Vec<PathBuf> = if root.has(CATALOG) {
         let paths = root.texts("catalog").unwrap_or_default();
         let missing = paths.iter().filter(|p| !folder.join(p.get_ref()).exists());
         for path in missing {
@@ -220,8 +233,8 @@ fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFil
     } else {
         Vec::new()
     };
-    let rules = root.text("rules").map(|file| folder.join(file.get_ref()));
-    let sections = root.sections("joint");
+    let rules = root.text(key("rules", "rules file for `check`").value("file")).map(|file| folder.join(file.get_ref()));
+    let sections = root.sections(key("joint", "one for each joint of the requirement").required());
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint of the requirement");
     }
@@ -239,7 +252,7 @@ fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFil
             && let Some(first) = seen.insert(name.get_ref().clone(), span)
         {
             let line = section.source().position(first.start).0;
-            let message = format!("the joint `{}` stands twice in this design", name.get_ref());
+            let message = format!("duplicate joint `{}` in this design", name.get_ref());
             root.note(Problem::at(name.span(), message, format!("first in line {line}")).help("remove one of the two"));
         }
         section.finish();
@@ -291,7 +304,7 @@ fn read_joint(
     folder: &Path,
     others: &mut Vec<InputError>,
 ) -> Option<JointDesign> {
-    let name = section.required_text("name", "\"knee\"");
+    let name = section.required_text(key("name", "a joint of the requirement"), "\"knee\"");
     let joint = name.as_ref().zip(robot).and_then(|(name, robot)| {
         let joint = robot.joints.iter().find(|j| &j.name == name.get_ref());
         if joint.is_none() {
@@ -301,7 +314,7 @@ fn read_joint(
         }
         joint
     });
-    let motor = match (section.has("motor"), section.has("actuator")) {
+    let motor = match (section.has(MOTOR), section.has(ACTUATOR)) {
         (true, true) => {
             let span = section.span_of("actuator");
             let message = "a joint has `motor` or `actuator` (a fitted one, which has its motor), not both";
@@ -324,12 +337,16 @@ fn read_joint(
     let motor_span = section.span_of(if section.has("motor") { "motor" } else { "actuator" });
     let reduction = read_reduction(section, joint);
     let reduction_span = section.span_of(if section.has("ratio") { "ratio" } else { "gear" });
-    let spring = section.section("spring").map(|table| {
+    let spring = section.section(key("spring", "a parallel spring")).map(|table| {
         let spring = read_spring(&table, joint);
         table.finish();
         spring
     });
-    let load_inertia = section.quantity("load_inertia", &units::INERTIA, Range::Positive);
+    let load_inertia = section.quantity(
+        key("load_inertia", "of the load about the joint, for the rules"),
+        &units::INERTIA,
+        Range::Positive,
+    );
     let spring = match spring {
         Some(None) => return None,
         Some(spring) => spring,
@@ -348,7 +365,7 @@ fn read_joint(
 }
 
 fn read_reduction(section: &Section, joint: Option<&Joint>) -> Option<Reduction> {
-    match (section.has("ratio"), section.has("gear")) {
+    match (section.has(RATIO), section.has(GEAR)) {
         (true, true) => {
             let span = section.span_of("gear");
             let message = "a joint has `ratio` or `gear` (which has its ratio), not both";
@@ -385,8 +402,12 @@ fn read_reduction(section: &Section, joint: Option<&Joint>) -> Option<Reduction>
 }
 
 fn read_spring(table: &Section, joint: Option<&Joint>) -> Option<FixedSpring> {
-    let stiffness = table.required_quantity("stiffness", &units::STIFFNESS, Range::NonNegative);
-    let rest_angle = table.required_quantity("rest_angle", &units::ANGLE, Range::Any);
+    let stiffness = table.required_quantity(key("stiffness", "k"), &units::STIFFNESS, Range::NonNegative);
+    let rest_angle = table.required_quantity(
+        key("rest_angle", "q_0 on the scale of the motion's position"),
+        &units::ANGLE,
+        Range::Any,
+    );
     let spring = FixedSpring { stiffness: stiffness?, rest_angle: rest_angle? };
     if joint.is_some_and(|j| j.motion.position.is_none()) {
         let message = "a spring needs the position, but the joint's motion has none";

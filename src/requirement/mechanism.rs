@@ -6,41 +6,25 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::read::{MotionReader, repeat_every};
+use super::driven::Driven;
+use super::motions::{MotionReader, REPEAT_EVERY, Scale, repeat_every};
 use super::robot::Joint;
-use crate::input::{InputError, Problem, Range, Section, Source};
+use crate::input::{InputError, Key, Problem, Range, Section, Source, key};
 use crate::mechanism::torques::{self, Carried, Torques};
 use crate::mechanism::trajectory::{self, Trajectory};
 use crate::mechanism::{Mechanism, Payload, Place};
 use crate::motion::Motion;
 use crate::units;
 
-/// What the description says of the robot's joints.
-#[derive(Debug, Clone)]
-pub struct Driven {
-    /// The model's file as the requirement names it.
-    pub model: String,
-    /// What of the description was left aside, and where the trajectory leaves what it allows.
-    pub notes: Vec<String>,
-    /// How much the torque of one of the robot's joints rises per kilogram of another's actuator, over the
-    /// samples of their motions; joints by their place in the requirement. In a joint with `count`, of each.
-    pub carried: Vec<Carried>,
-    /// Whether the masses of the description leave the actuators out (`actuators = "separate"`), so that
-    /// the actuator that is chosen loads the joints that carry it.
-    pub separate: bool,
-}
-
-impl Driven {
-    /// Lets the joints carry what the description says that they carry, where it leaves the actuators out.
-    pub(super) fn load(&self, joints: &mut [Joint]) {
-        let size = self.carried.iter().map(|c| c.largest().abs()).fold(0.0, f64::max);
-        // What only rounding says is nothing: the joint would be solved anew for each mass that it does not feel.
-        let felt = |c: &&Carried| self.separate && c.largest().abs() > 1e-12 * size;
-        for Carried { carrying, actuator, coefficients } in self.carried.iter().filter(felt) {
-            let Joint { motion, carries, .. } = &mut joints[*carrying];
-            let (torque_per_mass, rate) = motion.at_every_sample(coefficients);
-            carries.push(super::robot::Carried { joint: *actuator, torque_per_mass, rate, constant: false });
-        }
+/// Lets the joints carry what the description says that they carry, where it leaves the actuators out.
+pub(super) fn load(driven: &Driven, joints: &mut [Joint]) {
+    let size = driven.carried.iter().map(|c| c.largest().abs()).fold(0.0, f64::max);
+    // What only rounding says is nothing: the joint would be solved anew for each mass that it does not feel.
+    let felt = |c: &&Carried| driven.separate && c.largest().abs() > 1e-12 * size;
+    for Carried { carrying, actuator, coefficients } in driven.carried.iter().filter(felt) {
+        let Joint { motion, carries, .. } = &mut joints[*carrying];
+        let (torque_per_mass, rate) = motion.at_every_sample(coefficients);
+        carries.push(super::robot::Carried { joint: *actuator, torque_per_mass, rate, constant: false });
     }
 }
 
@@ -78,7 +62,8 @@ pub(super) struct Use {
 
 /// Reads `[mechanism]`, its files, and computes the torques.
 pub(super) fn read(root: &Section, motions: &mut MotionReader) -> Model {
-    let Some(section) = root.section("mechanism") else {
+    let about = "a description of the robot that torques are computed from";
+    let Some(section) = root.section(key("mechanism", about)) else {
         return if root.has("mechanism") { Model::Broken } else { Model::Absent };
     };
     let known = read_section(&section, motions);
@@ -87,26 +72,36 @@ pub(super) fn read(root: &Section, motions: &mut MotionReader) -> Model {
 }
 
 fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> {
-    let model = section.required_text("model", "\"robots/arm.urdf\"");
-    let path = section.required_text("trajectory", "\"robots/arm_pick.csv\"");
-    let periodic = section.boolean("periodic").unwrap_or(true);
-    let period = section.quantity("period", &units::TIME, Range::Positive);
-    let every = section.quantity("repeat_every", &units::TIME, Range::Positive);
-    let friction = section.boolean("joint_friction").unwrap_or(true);
-    let actuators =
-        section.has("actuators").then(|| section.choice("actuators", &[("included", false), ("separate", true)]));
-    let gravity = section.vector("gravity", &units::LINEAR_ACCELERATION);
+    let model = section.required_text(key("model", "URDF or MJCF").value("file"), "\"robots/arm.urdf\"");
+    let path = section
+        .required_text(key("trajectory", "CSV, a column for each joint").value("file"), "\"robots/arm_pick.csv\"");
+    let periodic = section.boolean(key("periodic", "whether the trajectory repeats").default("true")).unwrap_or(true);
+    let period = section.quantity(
+        key("period", "of a trajectory whose last row does not repeat the first"),
+        &units::TIME,
+        Range::Positive,
+    );
+    let every = section.quantity(REPEAT_EVERY, &units::TIME, Range::Positive);
+    let friction = section
+        .boolean(
+            key("joint_friction", "whether damping and dry friction of the model's joints count as load")
+                .default("true"),
+        )
+        .unwrap_or(true);
+    let actuators = read_separate(section);
+    let gravity =
+        section.vector(key("gravity", "in the world").default("that of the model"), &units::LINEAR_ACCELERATION);
     let mut complete = true;
     let mut payloads = Vec::new();
     let tables = if section.is_list("payload") {
-        section.sections("payload")
+        section.sections(PAYLOAD)
     } else {
-        section.section("payload").into_iter().collect()
+        section.section(PAYLOAD).into_iter().collect()
     };
     for table in tables {
-        let link = table.required_text("link", "\"tool0\"");
-        let mass = table.required_quantity("mass", &units::MASS, Range::Positive);
-        let at = table.vector("at", &units::LENGTH).unwrap_or([0.0; 3]);
+        let link = table.required_text(key("link", "the link that carries it"), "\"tool0\"");
+        let mass = table.required_quantity(key("mass", "of the payload"), &units::MASS, Range::Positive);
+        let at = table.vector(key("at", "where on the link").default("its origin"), &units::LENGTH).unwrap_or([0.0; 3]);
         table.finish();
         match (link, mass) {
             (Some(link), Some(mass)) => payloads.push((link.span(), Payload { link: link.into_inner(), mass, at })),
@@ -136,6 +131,25 @@ fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> 
     Some(Known { model: model.into_inner(), mechanism, trajectory, torques, separate, repeat_every })
 }
 
+const PAYLOAD: Key = key("payload", "masses that a link carries").value("table or list of tables");
+
+const ACTUATOR_AT: Key = key("actuator_at", "with `mechanism_joint`: where the actuator sits").default("at the joint");
+
+/// The place of an actuator.
+fn read_place(table: &Section) -> (Option<toml::Spanned<String>>, [f64; 3]) {
+    let link = table.required_text(key("link", "the link that it is mounted on"), "\"base_link\"");
+    let at = table.vector(key("at", "where on the link").default("its origin"), &units::LENGTH);
+    (link, at.unwrap_or([0.0; 3]))
+}
+
+/// Whether the description leaves the actuators out; inside, `None` where what stands there is wrong.
+fn read_separate(section: &Section) -> Option<Option<bool>> {
+    let about = "whether the masses of the model contain the actuators";
+    let choices = [("included", false), ("separate", true)];
+    let choice = section.choice(key("actuators", about).default("`included`"), &choices);
+    section.has("actuators").then_some(choice)
+}
+
 /// Opens a file that a key names; what is wrong in it is its own report.
 fn open<T>(
     section: &Section,
@@ -158,16 +172,22 @@ fn open<T>(
 }
 
 /// Reads what `mechanism_joint` and its companions of a joint say, and gives the joint's motion.
-pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Use)> {
-    let name = section.required_text("mechanism_joint", "\"elbow_joint\"")?;
-    let lead = section.quantity("lead", &units::LENGTH, Range::Positive);
+pub(super) fn read_joint(section: &Section, scale: Option<Scale>, model: &Model) -> Option<(Motion, Use)> {
+    let name = section.required_text(
+        key("mechanism_joint", "a joint of `[mechanism]`").value("name").or("motion"),
+        "\"elbow_joint\"",
+    )?;
+    let lead = section.quantity(
+        key("lead", "with `mechanism_joint`, where that slides: travel per turn of the gear's output"),
+        &units::LENGTH,
+        Range::Positive,
+    );
     for key in ["periodic", "period", "repeat_every", "motion", "points"] {
         if section.has(key) {
             let message = format!("`{key}` does not go with `mechanism_joint`");
-            let help = if key.starts_with("period") || key == "repeat_every" {
-                "write it in [mechanism]"
-            } else {
-                "remove one of the two"
+            let help = match key {
+                "motion" | "points" => "remove one of the two",
+                _ => "write it in [mechanism]",
             };
             section.note(Problem::at(section.span_of(key), message, "the motion is the trajectory's").help(help));
         }
@@ -175,7 +195,10 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
     let known = match model {
         Model::Read(known) => known,
         Model::Broken => {
-            let _ = section.section("actuator_at").map(|table| (table.has("link"), table.has("at")));
+            if let Some(table) = section.section(ACTUATOR_AT) {
+                read_place(&table);
+                table.finish();
+            }
             return None;
         }
         Model::Absent => {
@@ -203,11 +226,10 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
         return None;
     }
     let said = if section.has("actuator_at") { section.span_of("actuator_at") } else { name.span() };
-    let place = match section.section("actuator_at") {
+    let place = match section.section(ACTUATOR_AT) {
         None => mechanism.actuator_place(joint),
         Some(table) => {
-            let link = table.required_text("link", "\"base_link\"");
-            let at = table.vector("at", &units::LENGTH).unwrap_or([0.0; 3]);
+            let (link, at) = read_place(&table);
             table.finish();
             let link = link?;
             let Some(body) = mechanism.body(link.get_ref()) else {
@@ -228,9 +250,25 @@ pub(super) fn read_joint(section: &Section, model: &Model) -> Option<(Motion, Us
         }
     };
     let travel = lead.filter(|_| !turns).map(|lead| lead / std::f64::consts::TAU);
-    let mut motion = known.torques.motion_at_every_instant(&known.trajectory, joint);
+    let motion = known.torques.motion_at_every_instant(&known.trajectory, joint);
+    let motion = travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r));
+    Some((again(section, known, scale, motion)?, Use { joint, place, said, travel }))
+}
+
+/// The motion as the joint scales it, made again after the time that the mechanism says.
+fn again(section: &Section, known: &Known, scale: Option<Scale>, motion: Motion) -> Option<Motion> {
+    let mut motion = match scale {
+        Some(scale) => motion.scaled(scale.torque, scale.speed),
+        None => motion,
+    };
     motion.repeat_every = known.repeat_every;
-    Some((travel.map_or_else(|| motion.clone(), |r| through_screw(&motion, r)), Use { joint, place, said, travel }))
+    let Some((every, lasts)) = motion.repeat_every.zip(motion.duration()).filter(|(every, lasts)| every < lasts) else {
+        return Some(motion);
+    };
+    let message = format!("the scaled motion lasts {lasts} s, but is to be made again after {every} s");
+    let problem = Problem::at(section.span_of("scale"), message, "before it ends");
+    section.note(problem.help("give a longer `repeat_every` in [mechanism]"));
+    None
 }
 
 /// The motion of the screw that moves a sliding joint by `travel` \[m\] per radian.

@@ -3,14 +3,26 @@
 //! The one idea of this room: a requirement is data with the place it was read from; what a motion asks for is in
 //! [`crate::motion`].
 
+mod bus;
 mod carried;
 pub mod design_file;
+mod driven;
+mod gear;
+mod joint;
+mod limits;
 pub mod mechanism;
+mod motions;
+mod objective;
 mod read;
 mod robot;
 
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
+pub use bus::{Bus, Regeneration};
 pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, Reduction};
-pub use mechanism::Driven;
-pub use read::{FromDisk, Motions, read, read_changed, read_source, read_without_springs};
-pub use robot::*;
+pub use driven::Driven;
+pub use gear::{EfficiencyCovers, GearModel, RatioChoice, backdrive_efficiency, stages};
+pub use limits::{Limits, Spring, TorqueBandwidth};
+pub use motions::{FromDisk, Motions};
+pub use objective::{Objective, Quantity};
+pub use read::{describe, read, read_changed, read_source, read_without_springs};
+pub use robot::{Budget, Carried, Joint, Robot};

@@ -8,7 +8,7 @@ use super::measure::{Measure, measure, measures};
 use super::registry::{RULES, rule};
 use super::rule::{Rule, Severity, Test};
 use crate::catalog::matches_pattern;
-use crate::input::{Form, InputError, Problem, Range, Section, Source};
+use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
 
 /// A rules file.
 #[derive(Debug, Clone, Default)]
@@ -112,53 +112,71 @@ pub fn read(path: &Path) -> Result<RulesFile, InputError> {
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<RulesFile, InputError> {
-    Form::read(source, |root| {
-        let mut file = RulesFile { source: Some(source.clone()), ..RulesFile::default() };
-        for section in root.sections("rule") {
-            match (section.has("rule"), section.has("measure")) {
-                (true, false) => file.tunings.extend(read_tuning(&section)),
-                (false, true) => {
-                    let own = read_own(&section);
-                    if let Some(own) = &own
-                        && file.own.iter().any(|o| o.name == own.name)
-                    {
-                        let message = format!("two rules are called `{}`", own.name);
-                        section.note(Problem::at(section.span_of("name"), message, "second time"));
-                    }
-                    file.own.extend(own);
+    Form::read(source, read_root)
+}
+
+fn read_root(root: &Section) -> Option<RulesFile> {
+    let mut file = RulesFile { source: Some(root.source().clone()), ..RulesFile::default() };
+    for section in root.sections(key("rule", "rules that are moved, and rules of your own")) {
+        match (section.has(RULE), section.has(MEASURE)) {
+            (true, false) => file.tunings.extend(read_tuning(&section)),
+            (false, true) => {
+                let own = read_own(&section);
+                if let Some(own) = &own
+                    && file.own.iter().any(|o| o.name == own.name)
+                {
+                    let message = format!("two rules are called `{}`", own.name);
+                    section.note(Problem::at(section.span_of("name"), message, "second time"));
                 }
-                (true, true) => section.note(Problem::at(
-                    section.span_of("measure"),
-                    "a [[rule]] has `rule` (one of gearwise, moved) or `measure` (one of your own), not both",
-                    "remove one of the two",
-                )),
-                (false, false) => {
-                    section.missing("rule", "\"voltage-headroom\", or measure = \"loss\" for a rule of your own");
-                    // The other keys are not the mistake.
-                    for key in ["name", "min", "max", "severity", "joints", "reason"] {
-                        section.has(key);
-                    }
+                file.own.extend(own);
+            }
+            (true, true) => section.note(Problem::at(
+                section.span_of("measure"),
+                "a [[rule]] has `rule` (one of gearwise, moved) or `measure` (one of your own), not both",
+                "remove one of the two",
+            )),
+            (false, false) => {
+                section.missing("rule", "\"voltage-headroom\", or measure = \"loss\" for a rule of your own");
+                // The other keys are not the mistake.
+                for key in ["name", "min", "max", "severity", "joints", "reason"] {
+                    section.has(key);
                 }
             }
-            section.finish();
         }
-        for section in root.sections("allow") {
-            file.allows.extend(read_allow(&section, &file.own));
-            section.finish();
-        }
-        Some(file)
-    })
+        section.finish();
+    }
+    for section in root.sections(key("allow", "findings that are all right")) {
+        file.allows.extend(read_allow(&section, &file.own));
+        section.finish();
+    }
+    Some(file)
+}
+
+const RULE: Key = key("rule", "a rule of the [list](rules.md) to be moved").value("code or name").or("measure");
+const MEASURE: Key =
+    key("measure", "what a rule of your own bounds; see [measures](rules.md#measures)").value("name").or("rule");
+const JOINTS: Key = key("joints", "at which joints").value("list of patterns").default("all");
+const SEVERITY: Key = key("severity", "how much it weighs");
+const MIN: Key = key("min", "least value").value("number or quantity");
+const MAX: Key = key("max", "largest value").value("number or quantity");
+
+/// What the reader asks for.
+pub fn describe() -> Description {
+    let skeleton = "[[rule]]\nname = 'a'\nmeasure = 'loss'\njoints = []\n[[rule]]\nrule = 'voltage-headroom'\n[[allow]]\njoints = []\n";
+    Form::describe(skeleton, read_root)
 }
 
 fn reason(section: &Section) -> Option<String> {
-    section.required_text("reason", "\"why, for whoever reads it next\"").map(|r| r.into_inner())
+    section
+        .required_text(key("reason", "why, for whoever reads it next"), "\"why, for whoever reads it next\"")
+        .map(|r| r.into_inner())
 }
 
 fn joints(section: &Section) -> Selection {
-    if !section.has("joints") {
+    if !section.has(JOINTS) {
         return Selection::default();
     }
-    let texts = section.texts("joints").unwrap_or_default();
+    let texts = section.texts(JOINTS).unwrap_or_default();
     Selection { patterns: texts.into_iter().map(|t| (t.get_ref().clone(), t.span())).collect() }
 }
 
@@ -182,7 +200,7 @@ fn read_tuning(section: &Section) -> Option<Tuning> {
         }
         found
     });
-    let severity = section.choice("severity", Severity::NAMES);
+    let severity = section.choice(SEVERITY, Severity::NAMES);
     let (joints, reason) = (joints(section), reason(section));
     // A rule that nobody knows has bounds that nobody can judge.
     let Some(rule) = found else {
@@ -235,24 +253,30 @@ fn read_tuning(section: &Section) -> Option<Tuning> {
 }
 
 fn read_own(section: &Section) -> Option<OwnRule> {
-    let name = section.required_text("name", "\"battery-life\"").filter(|name| {
-        let text = name.get_ref();
-        let odd = |c: char| !(c.is_alphanumeric() || matches!(c, '-' | '_' | '.'));
-        if text.contains(odd) {
-            let message = format!("`{text}` is not a name for a rule");
-            section.note(Problem::at(name.span(), message, "expected letters, digits, `-`, `_` and `.`"));
-            return false;
-        }
-        if let Some(taken) = rule(text) {
-            let message = format!("`{text}` is already the name of a rule, {}", taken.code);
-            section.note(
-                Problem::at(name.span(), message, "choose another name")
-                    .help(format!("to change that rule write rule = \"{}\" in place of name and measure", taken.name)),
-            );
-            return false;
-        }
-        true
-    });
+    let name =
+        section
+            .required_text(
+                key("name", "of a rule of your own; with `measure`").value("text").or("rule"),
+                "\"battery-life\"",
+            )
+            .filter(|name| {
+                let text = name.get_ref();
+                let odd = |c: char| !(c.is_alphanumeric() || matches!(c, '-' | '_' | '.'));
+                if text.contains(odd) {
+                    let message = format!("`{text}` is not a name for a rule");
+                    section.note(Problem::at(name.span(), message, "expected letters, digits, `-`, `_` and `.`"));
+                    return false;
+                }
+                if let Some(taken) = rule(text) {
+                    let message = format!("`{text}` is already the name of a rule, {}", taken.code);
+                    section.note(Problem::at(name.span(), message, "choose another name").help(format!(
+                        "to change that rule write rule = \"{}\" in place of name and measure",
+                        taken.name
+                    )));
+                    return false;
+                }
+                true
+            });
     let measured = section.required_text("measure", "\"loss\"").and_then(|text| {
         let found = measure(text.get_ref());
         if found.is_none() {
@@ -266,7 +290,7 @@ fn read_own(section: &Section) -> Option<OwnRule> {
         }
         found
     });
-    let severity = section.choice("severity", Severity::NAMES);
+    let severity = section.choice(SEVERITY, Severity::NAMES);
     let (joints, reason) = (joints(section), reason(section));
     let Some(measure) = measured else {
         section.has("min");
@@ -279,7 +303,7 @@ fn read_own(section: &Section) -> Option<OwnRule> {
     }
     let (min, max) = bounds(section, measure)?;
     if min.is_none() && max.is_none() && !section.has("min") && !section.has("max") {
-        section.missing("max", &format!("{}  (or min)", example(measure)));
+        section.missing("max", &format!("{} (or min)", example(measure)));
         return None;
     }
     let severity = severity.unwrap_or(Severity::Error);
@@ -301,12 +325,12 @@ fn example(measure: &Measure) -> String {
 
 /// `min` and `max` in SI; `None` where they are the wrong way round.
 fn bounds(section: &Section, measure: &Measure) -> Option<(Option<f64>, Option<f64>)> {
-    let read = |key| match measure.kind {
+    let read = |key: Key| match measure.kind {
         Some(kind) => section.quantity(key, kind, Range::Any),
         // A bare number is in the measure's unit.
         None => section.number(key, Range::Any).map(|x| if measure.unit == "1" { x } else { measure.to_si(x) }),
     };
-    let (min, max) = (read("min"), read("max"));
+    let (min, max) = (read(MIN), read(MAX));
     if let (Some(least), Some(most)) = (min, max)
         && least > most
     {
@@ -318,9 +342,10 @@ fn bounds(section: &Section, measure: &Measure) -> Option<(Option<f64>, Option<f
 }
 
 fn read_allow(section: &Section, own: &[OwnRule]) -> Option<Allow> {
-    let name = section.required_text("rule", "\"voltage-headroom\"");
+    let name = section.required_text(key("rule", "what may be broken").value("code or name"), "\"voltage-headroom\"");
     let (joints, reason) = (joints(section), reason(section));
-    let subject = section.text("subject").map(|s| s.into_inner());
+    let subject =
+        section.text(key("subject", "only this limit, measure or finding").default("all")).map(|s| s.into_inner());
     let name = name?;
     let found = match rule(name.get_ref()) {
         Some(rule) => Some((rule.code.to_string(), rule.name.to_string())),

@@ -138,7 +138,7 @@ impl Row {
     /// Every value of a gear's row.
     pub fn of_gear(gear: &Gear) -> Row {
         let stages = gear.stages.map(|stages| ("stages".to_string(), stages.to_string()));
-        let number = |f: &GearField| Some((f.name.to_string(), with_unit((f.get)(gear)?, f.kind.si)));
+        let number = |f: &GearField| Some((f.name.to_string(), with_unit((f.get)(gear)?.value, f.kind.si)));
         let texts = [
             ("manufacturer", gear.manufacturer.clone()),
             ("model", gear.model.clone()),
@@ -201,7 +201,7 @@ impl Lock {
                 let message = "the lock was written by another version of gearwise";
                 root.note(
                     Problem::at(root.span_of("version"), message, format!("expected {VERSION}"))
-                        .help("write it anew with --update-lock"),
+                        .help("write it again with --update-lock"),
                 );
             }
             let robot = root.required_text("robot", "\"quadruped\"");
@@ -212,7 +212,7 @@ impl Lock {
                     let message = format!("this is the lock of another {what}: `{}`", locked.get_ref());
                     root.note(
                         Problem::at(locked.span(), message, format!("the {what} checked is `{now}`"))
-                            .help("if it was renamed, write the lock anew with --update-lock"),
+                            .help("if it was renamed, write the lock again with --update-lock"),
                     );
                 }
             }
@@ -290,7 +290,7 @@ fn read_row(section: Section, kind: RowKind) -> Option<Row> {
         let message = format!("the values of {} {} do not belong to this hash", kind.name(), row.id);
         section.note(
             Problem::at(sha256.span(), message, "the lock was changed by hand, or merged badly")
-                .help("write it anew with --update-lock"),
+                .help("write it again with --update-lock"),
         );
     }
     section.finish();

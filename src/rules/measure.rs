@@ -9,6 +9,7 @@ use crate::actuator::limits::LIMITS;
 use crate::actuator::metrics::METRICS;
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::Examined;
+use crate::design::figures::{FIGURES, Figure};
 use crate::units::{self, Kind};
 
 /// Something about a design that has a number.
@@ -29,6 +30,8 @@ pub struct Measure {
 /// How a measure is read.
 #[derive(Clone, Copy)]
 pub enum Value {
+    /// A figure of a joint's design.
+    Figure(&'static Figure),
     /// Of a joint's evaluated design, SI.
     Design(fn(&JointFacts, &Examined) -> Option<f64>),
     /// Margin of a limit.
@@ -44,6 +47,7 @@ pub enum Value {
 impl std::fmt::Debug for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
+            Value::Figure(_) => "Figure",
             Value::Design(_) => "Design",
             Value::Margin(_) => "Margin",
             Value::Reserve(_) => "Reserve",
@@ -66,6 +70,7 @@ impl Measure {
         }
         let examined = facts.examined.as_ref().ok()?;
         match self.value {
+            Value::Figure(figure) => figure.value(&examined.facts(&facts.choice)),
             Value::Design(read) => read(facts, examined),
             Value::Margin(limit) => examined.margin(limit),
             Value::Reserve(limit) => examined.reserve(facts.choice.joint, limit),
@@ -114,53 +119,9 @@ impl Measure {
 
 type Own = (&'static str, Option<&'static Kind>, &'static str, &'static str, Value);
 
-/// Figures of a design.
+/// What rules measure beside the figures of a design.
 const OWN: &[Own] = &[
     ("ratio", None, "1", "ratio N", Value::Design(|_, e| Some(e.evaluation.ratio))),
-    ("loss", Some(&units::POWER), "W", "mean copper loss", Value::Design(|_, e| Some(e.evaluation.loss))),
-    (
-        "energy",
-        Some(&units::ENERGY),
-        "J",
-        "energy drawn from the bus per cycle",
-        Value::Design(|_, e| e.evaluation.energy),
-    ),
-    (
-        "peak_power",
-        Some(&units::POWER),
-        "W",
-        "largest electrical power drawn from the bus",
-        Value::Design(|_, e| e.evaluation.peak_power),
-    ),
-    (
-        "peak_current",
-        Some(&units::CURRENT),
-        "A",
-        "largest q-axis current",
-        Value::Design(|_, e| Some(e.evaluation.peak_current)),
-    ),
-    (
-        "rms_current",
-        Some(&units::CURRENT),
-        "A",
-        "root mean square of the q-axis current",
-        Value::Design(|_, e| Some(e.evaluation.rms_current)),
-    ),
-    (
-        "reflected_inertia",
-        Some(&units::INERTIA),
-        "kg*m^2",
-        "inertia of rotor and gear at the output, N² (J_m + J_g)",
-        Value::Design(|_, e| Some(e.evaluation.reflected_inertia)),
-    ),
-    ("mass", Some(&units::MASS), "kg", "mass of motor and gear", Value::Design(|_, e| e.evaluation.mass)),
-    (
-        "winding_temperature",
-        Some(&units::TEMPERATURE),
-        "degC",
-        "steady winding temperature",
-        Value::Design(|_, e| e.winding_temperature.map(|t| t.unwrap_or(f64::INFINITY))),
-    ),
     (
         "temperature_reserve",
         None,
@@ -174,13 +135,6 @@ const OWN: &[Own] = &[
         "1",
         "inertia of the load (`load_inertia` of the design, else as the motion shows it) over the reflected inertia",
         Value::Design(|_, e| Some(e.load_inertia? / e.evaluation.reflected_inertia)),
-    ),
-    (
-        "reversal_time",
-        Some(&units::TIME),
-        "ms",
-        "longest time the current needs for its jump where the motion reverses, L Δi/(V − R i)",
-        Value::Design(|_, e| e.reversal_time),
     ),
     (
         "objective_excess",
@@ -217,10 +171,8 @@ const OWN: &[Own] = &[
 
 /// The steady state and the peak over the motion are both below the limit by this \[K\].
 fn temperature_reserve(_: &JointFacts, examined: &Examined) -> Option<f64> {
-    let steady = examined.hottest.zip(examined.winding_temperature).map(|(limit, steady)| {
-        let steady = steady.unwrap_or(f64::INFINITY);
-        limit - steady
-    });
+    let steady = examined.hottest.zip(examined.winding_temperature.kelvin_or_infinite());
+    let steady = steady.map(|(limit, steady)| limit - steady);
     let over_motion =
         examined.evaluation.margins.iter().find(|m| m.limit == "winding_peak_temperature").map(|m| m.bound - m.demand);
     match (steady, over_motion) {
@@ -238,6 +190,13 @@ pub fn measures() -> &'static [Measure] {
             unit,
             meaning: (*meaning).into(),
             value: *value,
+        });
+        let figures = FIGURES.iter().map(|figure| Measure {
+            name: figure.name.into(),
+            kind: Some(figure.kind),
+            unit: figure.unit,
+            meaning: figure.meaning.into(),
+            value: Value::Figure(figure),
         });
         let margins = LIMITS.iter().map(|limit| Measure {
             name: format!("{}_margin", limit.name),
@@ -259,7 +218,7 @@ pub fn measures() -> &'static [Measure] {
         });
         let metrics = METRICS.iter().map(|metric| Measure {
             // A figure of the whole design has the plain name; that of the bare motor says so.
-            name: if OWN.iter().any(|o| o.0 == metric.name) {
+            name: if FIGURES.iter().any(|figure| figure.name == metric.name) {
                 format!("motor_{}", metric.name)
             } else {
                 metric.name.into()
@@ -269,7 +228,7 @@ pub fn measures() -> &'static [Measure] {
             meaning: format!("the motor's {}", metric.meaning),
             value: Value::Metric(metric.name),
         });
-        own.chain(margins).chain(reserves).chain(metrics).collect()
+        figures.chain(own).chain(margins).chain(reserves).chain(metrics).collect()
     });
     &ALL
 }

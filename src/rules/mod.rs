@@ -363,10 +363,7 @@ fn applied(rule: &Rule) -> Applied {
         code: rule.code.into(),
         name: rule.name.into(),
         summary: rule.summary.into(),
-        help: format!(
-            "{}\n\nWhy: {}\n\nExample: {}\n\nHow to mend it: {}",
-            rule.what, rule.why, rule.example, rule.mend
-        ),
+        help: format!("{}\n\nWhy: {}\n\nExample: {}\n\nHow to fix it: {}", rule.what, rule.why, rule.example, rule.fix),
         severity: rule.severity,
     }
 }

@@ -4,6 +4,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::actuator::limits::{Key, asked_by};
 use crate::input::{Source, Step, locate};
 use crate::requirement::{DesignFile, JointDesign};
 
@@ -112,26 +113,9 @@ impl Places<'_> {
 
 /// Where the requirement asks for a limit, by the limit's name and owner; `None` where a data sheet does.
 pub fn asked_for(limit: &str, owner: &str) -> Option<Place> {
-    Some(match (limit, owner) {
-        ("peak_current" | "torque_bandwidth_current", "drive") => Place::RobotKey(&["bus", "drive_current"]),
-        ("gear_peak_torque", _) => Place::JointKey(&["gear", "peak_torque"]),
-        ("gear_continuous_torque", _) => Place::JointKey(&["gear", "continuous_torque"]),
-        ("gear_input_speed", _) => Place::JointKey(&["gear", "max_input_speed"]),
-        ("voltage", _) => Place::RobotKey(&["bus", "voltage"]),
-        ("bus_power", _) => Place::RobotKey(&["bus", "power"]),
-        ("bus_current", _) => Place::RobotKey(&["bus", "current"]),
-        ("regeneration", _) => Place::RobotKey(&["bus", "regeneration"]),
-        ("torque_bandwidth_voltage" | "torque_bandwidth_current", _) => {
-            Place::JointKey(&["limits", "torque_bandwidth"])
-        }
-        ("reflected_inertia", _) => Place::JointKey(&["limits", "reflected_inertia"]),
-        ("gear_inertia", "requirement") => Place::JointKey(&["limits", "reflected_inertia"]),
-        ("mass_budget", _) => Place::RobotKey(&["budget", "actuator_mass"]),
-        ("actuator_mass", _) => Place::JointKey(&["limits", "actuator_mass"]),
-        ("winding_temperature" | "winding_peak_temperature" | "standstill_holding", "requirement") => {
-            Place::JointKey(&["limits", "winding_temperature"])
-        }
-        _ => return None,
+    asked_by(limit, owner).map(|key| match key {
+        Key::Robot(keys) => Place::RobotKey(keys),
+        Key::Joint(keys) => Place::JointKey(keys),
     })
 }
 

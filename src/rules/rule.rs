@@ -43,8 +43,8 @@ pub struct Rule {
     pub why: &'static str,
     /// A design that breaks it.
     pub example: &'static str,
-    /// How to mend that.
-    pub mend: &'static str,
+    /// How to fix that.
+    pub fix: &'static str,
     /// What it looks at.
     pub test: Test,
 }

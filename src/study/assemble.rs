@@ -39,10 +39,7 @@ impl Shards {
             let name = folder.display();
             // The same folder twice would wait for itself.
             if let Some((journal, _)) = found.iter().find(|(_, f)| *f == folder) {
-                return Err(StudyError::Argument(format!(
-                    "shard {} is there twice: `{name}` and `{name}`",
-                    journal.shard
-                )));
+                return Err(StudyError::Argument(format!("duplicate shard {}: `{name}` and `{name}`", journal.shard)));
             }
             if !Journal::is_in(folder) {
                 let finished = folder.join(MANIFEST).is_file();
@@ -69,7 +66,7 @@ impl Shards {
             }
             if let Some((_, twin)) = found.iter().find(|(j, _)| j.shard == journal.shard) {
                 return Err(StudyError::Argument(format!(
-                    "shard {} is there twice: `{}` and `{name}`",
+                    "duplicate shard {}: `{}` and `{name}`",
                     journal.shard,
                     twin.display()
                 )));
@@ -247,7 +244,7 @@ impl InputsOf {
             }
             if self.noted.iter().any(|(f, h)| f == file && h != hash) {
                 return Err(StudyError::Argument(format!(
-                    "`{file}` was changed while the study ran; begin anew with `--force`"
+                    "`{file}` was changed while the study ran; start again with `--force`"
                 )));
             }
             crate::words::csv::csv_row(table, [requirement, file.as_str(), hash.as_str()])

@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::grid::{Grid, Parameter};
-use crate::input::{Change, Form, InputError, Problem, Section, Source};
+use crate::input::{Change, Description, Form, InputError, Key, Problem, Section, Source, key};
 use crate::units;
 use crate::words::nearest;
 
@@ -42,28 +42,45 @@ pub fn is_study_file(source: &Source) -> bool {
 /// Every mistake of the file. Whether the grid's keys and values fit the requirements is seen only where
 /// those are read.
 pub fn read(source: &Arc<Source>) -> Result<StudyFile, InputError> {
-    Form::read(source, |root| {
-        let one = root.text("requirement").map(|t| vec![t.into_inner()]);
-        let many = root.texts("requirements").map(|t| t.into_iter().map(Spanned::into_inner).collect());
-        let requirements: Option<Vec<String>> = match (one, many) {
-            (Some(_), Some(_)) => {
-                let span = root.span_of("requirements");
-                root.note(Problem::at(span, "a study has `requirement` or `requirements`, not both", "remove one"));
-                None
+    Form::read(source, read_root)
+}
+
+const REQUIREMENT: Key = key("requirement", "the requirement, next to this file").value("file").or("requirements");
+const REQUIREMENTS: Key = key("requirements", "requirement files, folders and patterns such as `robots/*.toml`")
+    .value("list of paths")
+    .or("requirement");
+const CATALOG: Key =
+    key("catalog", "files and folders, next to this file").value("list of paths").default("the built-in catalogue");
+const GRID: Key =
+    key("grid", "the values of each parameter; every combination is computed").default("the requirements as they are");
+
+/// What the reader asks for; the keys of the grid are paths into the requirement.
+pub fn describe() -> Description {
+    Form::describe("", read_root)
+}
+
+fn read_root(root: &Section) -> Option<StudyFile> {
+    let source = root.source();
+    let one = root.text(REQUIREMENT).map(|t| vec![t.into_inner()]);
+    let many = root.texts(REQUIREMENTS).map(|t| t.into_iter().map(Spanned::into_inner).collect());
+    let requirements: Option<Vec<String>> = match (one, many) {
+        (Some(_), Some(_)) => {
+            let span = root.span_of("requirements");
+            root.note(Problem::at(span, "a study has `requirement` or `requirements`, not both", "remove one"));
+            None
+        }
+        (None, None) => {
+            if !root.has("requirement") && !root.has("requirements") {
+                root.missing("requirement", "\"base.toml\", or requirements = [\"robots/*.toml\"]");
             }
-            (None, None) => {
-                if !root.has("requirement") && !root.has("requirements") {
-                    root.missing("requirement", "\"base.toml\", or requirements = [\"robots/*.toml\"]");
-                }
-                None
-            }
-            (one, many) => one.or(many),
-        };
-        let catalog = root.texts("catalog").unwrap_or_default();
-        let catalog = catalog.into_iter().map(|path| source.folder().join(path.into_inner())).collect();
-        let grid = root.section("grid").map_or_else(|| Some(Grid::default()), |section| read_grid(&section));
-        Some(StudyFile { source: source.clone(), requirements: requirements?, catalog, grid: grid? })
-    })
+            None
+        }
+        (one, many) => one.or(many),
+    };
+    let catalog = root.texts(CATALOG).unwrap_or_default();
+    let catalog = catalog.into_iter().map(|path| source.folder().join(path.into_inner())).collect();
+    let grid = root.section(GRID).map_or_else(|| Some(Grid::default()), |section| read_grid(&section));
+    Some(StudyFile { source: source.clone(), requirements: requirements?, catalog, grid: grid? })
 }
 
 fn read_grid(section: &Section) -> Option<Grid> {
@@ -141,7 +158,7 @@ fn gather(
     }
     for (k, (text, span)) in values.iter().enumerate() {
         if values[..k].iter().any(|(t, _)| t == text) {
-            section.note(Problem::at(span.clone(), format!("`{text}` stands twice in `{key}` of [grid]"), "again"));
+            section.note(Problem::at(span.clone(), format!("duplicate `{text}` in `{key}` of [grid]"), "again"));
             return;
         }
         if scale && !text.parse::<f64>().is_ok_and(|v| v.is_finite() && (1e-6..=1e6).contains(&v)) {

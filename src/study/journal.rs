@@ -10,7 +10,7 @@ use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use sha2::{Digest, Sha256};
+use hmac_sha256::Hash as Sha256;
 
 use super::plan::{BLOCK, Plan, Shard};
 use super::worker::Record;
@@ -187,7 +187,7 @@ impl Journal {
                     if now.as_deref() != Some(hash) {
                         let what = if now.is_some() { "has changed" } else { "cannot be read any more" };
                         return Err(StudyError::Argument(format!(
-                            "`{file}` {what} since robot {} was finished with it; put it back, or begin anew with `--force`",
+                            "`{file}` {what} since robot {} was finished with it; put it back, or start again with `--force`",
                             record.robot
                         )));
                     }

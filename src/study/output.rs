@@ -6,8 +6,8 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use hmac_sha256::Hash as Sha256;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::StudyError;
 use super::plan::{Hashed, Plan};
@@ -77,7 +77,7 @@ pub fn inputs_unchanged(out: &Path, base: &Path) -> Result<(), StudyError> {
         let read = || Source::read(&base.join(file)).ok().map(|s| s.sha256());
         if hashes.entry(file.to_string()).or_insert_with(read).as_deref() != Some(hash) {
             return Err(StudyError::Argument(format!(
-                "the results are finished, but `{file}` has changed since; begin anew with `--force`"
+                "the results are finished, but `{file}` has changed since; start again with `--force`"
             )));
         }
     }
@@ -102,7 +102,6 @@ pub fn remove(out: &Path) -> Result<(), StudyError> {
 }
 
 /// A file beside its place. Unless it is [placed](place), it goes.
-#[derive(Debug)]
 pub struct Part {
     name: &'static str,
     temporary: PathBuf,
@@ -162,7 +161,7 @@ pub fn seal(parts: &mut [Part]) -> Result<Vec<Hashed>, StudyError> {
     for part in parts {
         let done = part.file.flush().and_then(|()| part.file.get_ref().sync_all());
         done.map_err(|e| part.fail(reason(&e)))?;
-        sealed.push(Hashed { file: part.name.into(), sha256: hex(&part.hash.clone().finalize()) });
+        sealed.push(Hashed { file: part.name.into(), sha256: hex(&part.hash.finalize()) });
     }
     Ok(sealed)
 }

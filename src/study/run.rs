@@ -12,6 +12,7 @@ use super::plan::{Hashed, Inputs, Plan, Settings, Shard, path_name};
 use super::worker::{Broken, Record, Store, Worker};
 use super::{StudyError, output};
 use crate::catalog::Catalog;
+use crate::design::options::Stopped;
 use crate::input::{InputError, Source, limits};
 
 /// Everything that a study needs.
@@ -44,7 +45,7 @@ pub enum Existing {
 
 /// What a run is told, and what it tells.
 pub struct Watch<'w> {
-    /// Set when the run is to stop after the robots at hand.
+    /// Set when the run is to stop; the robots at hand are done again when it goes on.
     pub stop: &'w AtomicBool,
     /// Called once with the robots done before and all robots.
     pub begin: &'w (dyn Fn(u64, u64) + Sync),
@@ -80,7 +81,7 @@ fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal
     if existing == Existing::Refuse {
         if there {
             return Err(StudyError::Argument(format!(
-                "`{}` has a study that is not finished: `--resume` goes on with it, `--force` begins anew",
+                "`{}` has a study that is not finished: `--resume` goes on with it, `--force` starts again",
                 out.display()
             )));
         }
@@ -111,7 +112,7 @@ fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal
         )?,
     };
     let other = |why: String| {
-        StudyError::Argument(format!("the study in `{}` is another: {why}; `--force` begins anew", out.display()))
+        StudyError::Argument(format!("the study in `{}` is another: {why}; `--force` starts again", out.display()))
     };
     if existing == Existing::Resume {
         if there {
@@ -213,7 +214,9 @@ pub fn run(study: &Study, journal: &Journal, watch: &Watch) -> Result<u64, Study
             if watch.stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
-            let record = unharmed(&worker, *robot, requirement, robot % points);
+            // A robot that was stopped is done again when the study goes on.
+            let stop = || watch.stop.load(Ordering::Relaxed);
+            let Ok(record) = unharmed(&worker, *robot, requirement, robot % points, &stop) else { return Ok(()) };
             file.add(&record)?;
             done.fetch_add(1, Ordering::Relaxed);
             if let Some(why) = &record.broken {
@@ -233,12 +236,18 @@ pub fn run(study: &Study, journal: &Journal, watch: &Watch) -> Result<u64, Study
 
 /// Does the work of one robot. A fault of the program is told like a mistake of the robot's: it must not
 /// take the others with it, now or at every attempt to go on.
-fn unharmed(worker: &Worker, robot: u64, requirement: &str, point: u64) -> Record {
-    catch_unwind(AssertUnwindSafe(|| worker.work(robot, requirement, point))).unwrap_or_else(|panic| {
+fn unharmed(
+    worker: &Worker,
+    robot: u64,
+    requirement: &str,
+    point: u64,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Record, Stopped> {
+    catch_unwind(AssertUnwindSafe(|| worker.work(robot, requirement, point, stop))).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
         let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
         let first = format!("{requirement}: a fault of the program, please report it: {said}");
         let broken = Broken { report: format!("error: {first}\n"), first, mistakes: 1 };
-        Record { robot, name: String::new(), inputs: Vec::new(), joints: Vec::new(), broken: Some(broken) }
+        Ok(Record { robot, name: String::new(), inputs: Vec::new(), joints: Vec::new(), broken: Some(broken) })
     })
 }

@@ -106,5 +106,5 @@ fn effects_text(effects: &[Effect]) -> String {
 
 /// For programs.
 pub fn json_text(summary: &Summary) -> String {
-    crate::report::json_text(&serde_json::to_value(summary).unwrap_or_default())
+    crate::report::json_text(&crate::report::json::document("study", summary))
 }

@@ -176,8 +176,8 @@ fn names(folder: &Path) -> Result<Vec<String>, StudyError> {
 fn shown(path: &Path) -> Result<String, StudyError> {
     match path.to_str() {
         Some(text) if !text.contains(['\n', '\r']) => Ok(text.to_string()),
-        _ => Err(StudyError::Argument(format!(
-            "the file name {path:?} cannot stand in a list: it is not one line of text"
-        ))),
+        _ => {
+            Err(StudyError::Argument(format!("the file name {path:?} cannot be in a list: it is not one line of text")))
+        }
     }
 }

@@ -10,7 +10,10 @@ use super::columns;
 use super::grid::Grid;
 use super::plan::Settings;
 use crate::catalog::Catalog;
-use crate::design::optimize::{JointResult, Options, optimize_with};
+use crate::design::answer::JointResult;
+use crate::design::optimize::optimize_with;
+use crate::design::options::Options;
+use crate::design::options::Stopped;
 use crate::input::{Change, InputError, Problem, Source};
 use crate::motion::CarriedColumn;
 use crate::requirement::{self, Motion, Motions, Robot};
@@ -214,8 +217,17 @@ impl Worker<'_> {
         (scaled, inputs)
     }
 
-    /// Does the work of one robot.
-    pub fn work(&self, robot: u64, requirement: &str, point: u64) -> Record {
+    /// Does the work of one robot; `stop` as that of [`Options`].
+    ///
+    /// # Errors
+    /// It was stopped.
+    pub fn work(
+        &self,
+        robot: u64,
+        requirement: &str,
+        point: u64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Record, Stopped> {
         let (read, inputs) = self.read(requirement, point);
         let broken = |name: String, broken| Record {
             robot,
@@ -226,22 +238,23 @@ impl Worker<'_> {
         };
         let read = match read {
             Ok(read) => read,
-            Err(errors) => return broken(String::new(), Broken::of(&errors)),
+            Err(errors) => return Ok(broken(String::new(), Broken::of(&errors))),
         };
         if let Err(message) = crate::design::check_gears(&read, self.catalog) {
             let source = Arc::new(Source::new(requirement, ""));
             let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
-            return broken(read.name.clone(), Broken::of(&errors));
+            return Ok(broken(read.name.clone(), Broken::of(&errors)));
         }
         let keep = self.settings.top.map(|k| k as usize);
-        let options = Options { only_checked: self.settings.only_checked, keep, reasons: false, tick: &|| {} };
-        let result = optimize_with(&read, self.catalog, options);
+        let options =
+            Options { only_checked: self.settings.only_checked, keep, reasons: false, stop, ..Options::default() };
+        let result = optimize_with(&read, self.catalog, options)?;
         let joints = result.joints.iter().map(|joint| JointRecord {
             name: joint.joint.name.clone(),
             motors: standings(joint, self.catalog),
             rows: columns::rows(joint),
         });
-        Record { robot, name: read.name.clone(), inputs, joints: joints.collect(), broken: None }
+        Ok(Record { robot, name: read.name.clone(), inputs, joints: joints.collect(), broken: None })
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use gearwise::actuator::Load;
 use gearwise::catalog::convention::Modulation;
 use gearwise::catalog::{Catalog, Motor};
-use gearwise::design::{Evaluation, Prepared, continuous_candidate};
+use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::{
     Budget, Bus, GearModel, Joint, Limits, Motion, Objective, Point, Quantity, RatioChoice, Regeneration, Robot,
@@ -82,7 +82,7 @@ pub fn gear(efficiency: f64) -> GearModel {
 pub fn evaluate(robot: &Robot, motor: &Motor, ratio: f64) -> Evaluation {
     let joint = &robot.joints[0];
     let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
-    Prepared::new(continuous_candidate(robot, joint, &load, motor).expect("a candidate")).at(ratio)
+    Prepared::new(Mount::new(robot, joint, &load, motor).candidate().expect("a candidate")).at(ratio)
 }
 
 /// The demand of one limit.

@@ -82,7 +82,7 @@ def model_torque(folder, load, speed, accel):
     robot = folder / "point.toml"
     robot.write_text(ROBOT.format(torque=load, speed=speed, acceleration=accel))
     story = json.loads(gearwise("explain", f"m@{RATIO}", robot, "--catalog", folder / "motors.csv", "--json"))
-    return story["peak_current_q_a"] * KT
+    return story["joints"][0]["design"]["peak_current_q_a"] * KT
 
 
 def main():

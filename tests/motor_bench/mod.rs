@@ -3,14 +3,13 @@
 //! have noise, an encoder of finite resolution and a late channel.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-#[path = "../simulator/random.rs"]
-mod random;
-
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use gearwise::measured::bench::{BenchKind, Channel, KnownLoad, Log, Use};
 pub use random::Random;
+
+use crate::simulator::random;
 
 /// A log of a kind with these channels.
 pub fn log(kind: BenchKind, time: Vec<f64>, channels: Vec<(Channel, Vec<f64>)>) -> Log {
@@ -25,6 +24,7 @@ pub fn log(kind: BenchKind, time: Vec<f64>, channels: Vec<(Channel, Vec<f64>)>) 
         difference: None,
         gains: BTreeMap::new(),
         held: std::collections::BTreeSet::new(),
+        from_motor: std::collections::BTreeSet::new(),
         time,
         channels: channels.into_iter().collect::<BTreeMap<_, _>>(),
         remarks: Vec::new(),

@@ -21,10 +21,11 @@ from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-# Tests as a user would see the crate, next to those inside of it. Each costs a link, and no more.
-SUITES = ["worked_examples", "properties", "optimality", "second_formulation", "effects_in_design", "extremes", "cords",
+# Tests as a user would see the crate, next to those inside of it: modules of two of the programs in tests/.
+PROGRAMS = ["library", "program"]
+SUITES = {"worked_examples", "properties", "optimality", "second_formulation", "effects_in_design", "extremes", "cords",
           "spring", "robust", "identification", "brute_force", "plots", "model_on_paper", "identification_numbers",
-          "program_on_paper", "robot_enumeration"]
+          "program_on_paper", "robot_enumeration"}
 # Pictures against pictures of before: they would notice any change, and say of none what is right.
 LEFT_OUT = ["every_command_draws_its_picture", "the_committed_pictures_are_what_the_program_draws"]
 # What a mutant may cost all in all [s of processor], and what a test may take longer than without a mutant.
@@ -56,11 +57,17 @@ def execute(test, tree, seconds, **variables):
     return process.returncode, usage.ru_utime + usage.ru_stime
 
 
-def build(tree, suites):
+def is_asked(binary, name):
+    """Whether a test is among those that are run: all that are inside of the crate, and those of SUITES."""
+    *modules, test = name.split("::")
+    return test not in LEFT_OUT and (binary not in PROGRAMS or not SUITES.isdisjoint(modules))
+
+
+def build(tree, programs):
     """The test programs of the woven tree: name and path."""
     arguments = ["cargo", "test", "--no-run", "--message-format=json", "--lib"]
-    for suite in suites:
-        arguments += ["--test", suite]
+    for program in programs:
+        arguments += ["--test", program]
     run = subprocess.run(arguments, cwd=tree, capture_output=True, text=True)
     if run.returncode != 0:
         sys.exit(run.stderr[-4000:])
@@ -75,7 +82,7 @@ def record(tree, programs):
     for binary, path in programs:
         listed = subprocess.run([path, "--list", "--format", "terse"], cwd=tree, capture_output=True, text=True)
         names = [line[:-6] for line in listed.stdout.splitlines() if line.endswith(": test")]
-        for name in (n for n in names if n not in LEFT_OUT):
+        for name in (n for n in names if is_asked(binary, n)):
             test = {"binary": binary, "path": path, "name": name}
             with tempfile.TemporaryDirectory() as folder:
                 reached = Path(folder, "reached")
@@ -130,8 +137,8 @@ def rooms(mutants):
 
 def main():
     tree = Path(sys.argv[1]).resolve()
-    if len(sys.argv) == 2 or sys.argv[2] == "--suites":
-        return record(tree, build(tree, sys.argv[3:] or SUITES))
+    if len(sys.argv) == 2:
+        return record(tree, build(tree, PROGRAMS))
     if sys.argv[2] == "--programs":
         return record(tree, [p.split("=", 1) for p in sys.argv[3:]])
     room, seed = sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else "1"

@@ -534,7 +534,7 @@ pub fn draw(index: u64, convex: bool) -> Case {
         time.push(t);
     }
     let course = if form < 0.55 { Course::Periodic(period) } else { Course::Once(time[count - 1] - time[0]) };
-    // What stands at two neighbouring samples has no acceleration (tests/instants.rs looks at holds that begin with some).
+    // What stands at two neighbouring samples has no acceleration (tests/library/proof/instants.rs looks at holds that begin with some).
     let around_the_end = matches!(course, Course::Periodic(_));
     let stands: Vec<bool> = raw.iter().map(|p: &Point| p.velocity == 0.0).collect();
     let beside = |k: usize, other: usize| (around_the_end || k.abs_diff(other) == 1) && stands[other];

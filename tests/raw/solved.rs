@@ -2,9 +2,9 @@
 
 use gearwise::actuator::Load;
 use gearwise::catalog::Motor;
-use gearwise::design::optimize::Reason;
-use gearwise::design::program::{Optimum, Outcome, RatioProgram};
-use gearwise::design::{Evaluation, Prepared, continuous_candidate};
+use gearwise::design::answer::Reason;
+use gearwise::design::program::{Optimum, RatioProgram};
+use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::requirement::{RatioChoice, Robot};
 
 /// What the ratio program says of a motor at the first joint, whatever can or cannot be judged of it.
@@ -19,15 +19,9 @@ pub fn solve(motor: &Motor, robot: &Robot) -> Result<Solved, Reason> {
     let joint = &robot.joints[0];
     let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!("gears have no program") };
     let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
-    let prepared = Prepared::new(continuous_candidate(robot, joint, &load, motor).map_err(Reason::Unusable)?);
-    match RatioProgram::new(&prepared, &joint.objective, min, max).solve() {
-        Outcome::Optimal(optimum) => {
-            let evaluation = prepared.at_in_full(optimum.ratio);
-            assert!(evaluation.feasible, "the best design keeps its limits");
-            Ok(Solved { optimum, evaluation })
-        }
-        Outcome::Infeasible(why) => Err(Reason::Infeasible(why)),
-        Outcome::Unbounded => Err(Reason::Unbounded),
-        Outcome::NotSolved(why) => Err(Reason::NotSolved(why)),
-    }
+    let prepared = Prepared::new(Mount::new(robot, joint, &load, motor).candidate().map_err(Reason::Unusable)?);
+    let optimum = RatioProgram::new(&prepared, &joint.objective, min, max).solve()?;
+    let evaluation = prepared.at_in_full(optimum.ratio);
+    assert!(evaluation.feasible, "the best design keeps its limits");
+    Ok(Solved { optimum, evaluation })
 }

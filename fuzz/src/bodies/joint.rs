@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use arbitrary::Unstructured;
 use gearwise::catalog::{Catalog, Gear, Motor};
-use gearwise::design::optimize::{Design, Reason, optimize as solve_all};
+use gearwise::design::answer::{Design, Reason};
+use gearwise::design::optimize::optimize as solve_all;
 use gearwise::design::program::Certificate;
 use gearwise::input::Source;
 use gearwise::requirement::{
@@ -402,7 +403,7 @@ fn case_of(robot: &Robot, motor: &Motor, gear: GearModel, range: (f64, f64)) -> 
     (joint.gear, joint.ratio) = (gear, RatioChoice::Continuous { min: range.0, max: range.1 });
     let motion = &joint.motion;
     let raw = points(motion);
-    // Between given samples there are instants with weights of their own (tests/instants.rs looks at those).
+    // Between given samples there are instants with weights of their own (tests/library/proof/instants.rs looks at those).
     let own = (motion.given.len() < motion.len())
         .then(|| motion.weight.iter().zip(&motion.dwell).map(|(all, rest)| [*all, *rest]).collect());
     let mut case = Case::new(motor.clone(), robot, raw);

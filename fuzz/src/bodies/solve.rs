@@ -3,9 +3,10 @@
 use std::sync::{Arc, OnceLock};
 
 use gearwise::catalog::Catalog;
-use gearwise::design::optimize::{Design, JointResult, optimize};
+use gearwise::design::answer::{Design, JointResult};
+use gearwise::design::optimize::optimize;
 use gearwise::design::program::{Certificate, GAP_TOLERANCE};
-use gearwise::design::{JointDemand, Prepared, continuous_candidate, geared_candidate, sweep};
+use gearwise::design::{JointDemand, Mount, Prepared, grid};
 use gearwise::input::Source;
 use gearwise::requirement::{self, Joint, RatioChoice, Robot};
 
@@ -81,7 +82,7 @@ pub fn numbers(design: &Design) {
         assert!(!margin.demand.is_nan() && !margin.bound.is_nan() && !margin.margin.is_nan(), "{margin:?}");
     }
     assert!(!design.reversal_time.is_some_and(f64::is_nan));
-    assert!(!design.winding_temperature.flatten().is_some_and(f64::is_nan));
+    assert!(!design.winding_temperature.kelvin().is_some_and(f64::is_nan));
     assert!(!optimum.windows.is_empty());
     for window in &optimum.windows {
         assert!(window.min <= window.max * (1.0 + 1e-9), "{window:?}");
@@ -112,17 +113,20 @@ fn nothing_better(robot: &Robot, joint: &Joint, design: &Design) {
     };
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => {
-            let candidate = continuous_candidate(robot, joint, &demand.load, design.motor).expect("a candidate");
+            let candidate = Mount::new(robot, joint, &demand.load, design.motor).candidate().expect("a candidate");
             let prepared = Prepared::new(candidate);
             let middle = prepared.at_in_full((min * max).sqrt()).objective(&joint.objective).unwrap_or(0.0);
             let size = design.optimum.objective.abs().max(1e-6 * middle.abs()).max(1e-300);
-            for ratio in sweep::grid(*min, *max, RATIOS) {
+            for ratio in grid(*min, *max, RATIOS) {
                 better(&prepared, ratio, size);
             }
         }
         RatioChoice::Catalog { .. } => {
             for (gear, load) in demand.gears_for(design.motor) {
-                let Ok(candidate) = geared_candidate(robot, joint, load, design.motor, gear) else { continue };
+                let Ok(candidate) = Mount::new(robot, joint, load, design.motor).with_gear(Some(gear)).candidate()
+                else {
+                    continue;
+                };
                 better(&Prepared::new(candidate), gear.ratio, design.optimum.objective.abs());
             }
         }

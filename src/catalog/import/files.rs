@@ -8,12 +8,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Import, MotorSheet};
-use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, word};
-use crate::catalog::{Catalog, FIELDS, GEAR_FIELDS, Gear, GearKind, SourceKind};
+use super::Import;
+use crate::catalog::row::{MotorRow, csv_text};
+use crate::catalog::{Catalog, Gear};
 use crate::input::{InputError, Source};
 use crate::output::{Beside, Place};
-use crate::units;
 use crate::words::reason;
 
 /// A catalogue file to be written.
@@ -34,14 +33,14 @@ impl Import {
     /// What the catalogue's reader would not accept: a mistake of the importer, found before the user's
     /// next command finds it.
     pub fn catalog_files(&self) -> Result<Vec<CatalogFile>, Vec<InputError>> {
-        let mut motors: BTreeMap<String, Vec<&MotorSheet>> = BTreeMap::new();
+        let mut motors: BTreeMap<String, Vec<MotorRow>> = BTreeMap::new();
         for row in &self.motors {
-            motors.entry(file_name(&row.item.identity.manufacturer)).or_default().push(&row.item);
+            motors.entry(file_name(&row.item.manufacturer)).or_default().push(safe_motor(&row.item));
         }
-        let mut gears: BTreeMap<String, Vec<&Gear>> = BTreeMap::new();
+        let mut gears: BTreeMap<String, Vec<Gear>> = BTreeMap::new();
         for row in &self.gears {
             let maker = if row.place.is_none() { &row.item.id } else { &row.item.manufacturer };
-            gears.entry(file_name(maker)).or_default().push(&row.item);
+            gears.entry(file_name(maker)).or_default().push(safe_gear(&row.item));
         }
         let database = self.database.to_lowercase();
         let path = |folder: &str, maker: &str| Path::new(folder).join(format!("{database}-{maker}.csv"));
@@ -50,12 +49,12 @@ impl Import {
         };
         let mut files = Vec::new();
         for (maker, rows) in motors {
-            let text = heading("Motors") + &motor_text(&rows);
+            let text = heading("Motors") + &csv_text(&rows, &["back_emf_convention", "note"]);
             files.push(CatalogFile { path: path("motors", &maker), text, rows: rows.len() });
         }
         for (maker, rows) in gears {
-            let fits = "# In fits, mm-14* stands for every imported motor whose id begins so.\n";
-            let text = heading("Gears") + fits + &gear_text(&rows);
+            let fits = "# In fits, mm-14* means every imported motor whose id begins so.\n";
+            let text = heading("Gears") + fits + &csv_text(&rows, &["stages", "fits", "note"]);
             files.push(CatalogFile { path: path("gears", &maker), text, rows: rows.len() });
         }
         let source = |f: &CatalogFile| Arc::new(Source::new(f.path.display().to_string(), f.text.clone()));
@@ -71,86 +70,29 @@ fn file_name(maker: &str) -> String {
     if name.is_empty() { "other".into() } else { name.into() }
 }
 
-/// The shortest text that reads back as the same number.
-pub(crate) fn cell(value: Option<f64>) -> String {
-    match value {
-        Some(v) if v != 0.0 && !(1e-4..1e7).contains(&v.abs()) => format!("{v:e}"),
-        Some(v) => v.to_string(),
-        None => String::new(),
-    }
-}
-
 /// Text as one line. That no spreadsheet runs it is seen to where CSV is written.
 pub(crate) fn safe(text: &str) -> String {
     text.replace(|c: char| c.is_control(), " ").trim().into()
 }
 
-pub(crate) fn head(name: &str, kind: &units::Kind) -> String {
-    if kind.needs_unit() { format!("{name} [{}]", kind.si) } else { name.into() }
-}
-
-fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> String {
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    crate::words::csv::csv_text(&header, rows)
-}
-
-fn motor_text(motors: &[&MotorSheet]) -> String {
-    let fields: Vec<_> = FIELDS.iter().filter(|f| motors.iter().any(|m| (f.get)(&m.sheet).is_some())).collect();
-    let texts = ["id", "manufacturer", "model", "commutation", "terminals", "current", "back_emf_convention"];
-    let mut header: Vec<String> = texts.map(String::from).to_vec();
-    header.extend(fields.iter().map(|f| head(f.name, f.kind)));
-    // The reader wants the column even where no row has the number.
-    if !fields.iter().any(|f| f.name == "resistance") {
-        header.push("resistance [ohm]".into());
+fn safe_motor(row: &MotorRow) -> MotorRow {
+    MotorRow {
+        manufacturer: safe(&row.manufacturer),
+        model: safe(&row.model),
+        source: safe(&row.source),
+        note: safe(&row.note),
+        ..row.clone()
     }
-    let width = header.len();
-    header.extend(["source", "source_kind", "note"].map(String::from));
-    let rows = motors.iter().map(|motor| {
-        let (identity, conventions) = (&motor.identity, &motor.conventions);
-        let mut row = vec![
-            identity.id.clone(),
-            safe(&identity.manufacturer),
-            safe(&identity.model),
-            word(Commutation::NAMES, &conventions.commutation).into(),
-            word(Terminals::NAMES, &conventions.terminals).into(),
-            word(CurrentConvention::NAMES, &conventions.current).into(),
-            conventions.back_emf.map_or("", |c| word(BackEmfConvention::NAMES, &c)).into(),
-        ];
-        row.extend(fields.iter().map(|f| cell((f.get)(&motor.sheet).map(|p| p.value))));
-        row.resize(width, String::new());
-        row.extend([
-            safe(&identity.source),
-            word(SourceKind::NAMES, &identity.source_kind).into(),
-            safe(&identity.note),
-        ]);
-        row
-    });
-    csv(&header, rows)
 }
 
-fn gear_text(gears: &[&Gear]) -> String {
-    let columns: Vec<_> = GEAR_FIELDS.iter().filter(|f| gears.iter().any(|g| (f.get)(g).is_some())).collect();
-    let mut header: Vec<String> = ["id", "manufacturer", "model", "kind", "stages"].map(String::from).to_vec();
-    header.extend(columns.iter().map(|f| head(f.name, f.kind)));
-    header.extend(["fits", "source", "source_kind", "note"].map(String::from));
-    let rows = gears.iter().map(|gear| {
-        let mut row = vec![
-            gear.id.clone(),
-            safe(&gear.manufacturer),
-            safe(&gear.model),
-            word(GearKind::NAMES, &gear.kind).into(),
-            gear.stages.map_or_else(String::new, |s| s.to_string()),
-        ];
-        row.extend(columns.iter().map(|f| cell((f.get)(gear))));
-        row.extend([
-            gear.fits.join(";"),
-            safe(&gear.source),
-            word(SourceKind::NAMES, &gear.source_kind).into(),
-            safe(&gear.note),
-        ]);
-        row
-    });
-    csv(&header, rows)
+fn safe_gear(gear: &Gear) -> Gear {
+    Gear {
+        manufacturer: safe(&gear.manufacturer),
+        model: safe(&gear.model),
+        source: safe(&gear.source),
+        note: safe(&gear.note),
+        ..gear.clone()
+    }
 }
 
 /// Why files were not written. None of them was.
@@ -288,11 +230,8 @@ mod tests {
     #[test]
     fn cells_and_names_are_safe() {
         assert_eq!(safe("=1+1\n"), "=1+1");
-        assert_eq!(csv(&["model".into()], [vec![safe("=1+1\n")]]), "model\n'=1+1\n");
+        assert_eq!(crate::words::csv::csv_text(&["model"], [vec![safe("=1+1\n")]]), "model\n'=1+1\n");
         assert_eq!(safe("EC-4pole 22"), "EC-4pole 22");
         assert_eq!((file_name("Allied Motion").as_str(), file_name("../..").as_str()), ("allied-motion", "other"));
-        for value in [0.28, 3e-10, 2.0000000000000003e-6, 1e17, 0.0, 65.7222222222222] {
-            assert_eq!(cell(Some(value)).parse::<f64>(), Ok(value));
-        }
     }
 }

@@ -258,7 +258,7 @@ impl Reader {
         match (sheet, cells.finish(&mut self.import.remarks, &key)) {
             (Some(mut item), true) => {
                 let place = cells.place();
-                item.identity.id = self.motor_ids.give(&key, &place, &mut self.import.remarks);
+                item.id = self.motor_ids.give(&key, &place, &mut self.import.remarks);
                 self.import.motors.push(Row { key, place: Some(place), item });
                 true
             }

@@ -6,12 +6,14 @@
 //! one line in [`IMPORTERS`].
 
 pub mod files;
-pub(crate) use files::{cell, head, safe};
+#[cfg(feature = "report")]
+pub(crate) use files::safe;
 pub mod mgdb;
 
 use std::path::Path;
 
-use super::{Conventions, Gear, Identity, Sheet};
+use super::Gear;
+use super::row::MotorRow;
 use crate::input::{InputError, Problem, Source};
 
 /// A foreign format that can be read.
@@ -42,7 +44,7 @@ pub struct Import {
     /// The files that were read, in their order.
     pub files: Vec<FileRead>,
     /// The motors that were taken.
-    pub motors: Vec<Row<MotorSheet>>,
+    pub motors: Vec<Row<MotorRow>>,
     /// The gears that were taken.
     pub gears: Vec<Row<Gear>>,
     /// How many pairs of motor and gear the database calls compatible.
@@ -104,17 +106,6 @@ pub struct Row<T> {
     pub place: Option<Place>,
     /// What it says.
     pub item: T,
-}
-
-/// A motor as a catalogue row, before its conversion.
-#[derive(Debug, Clone)]
-pub struct MotorSheet {
-    /// Name and provenance.
-    pub identity: Identity,
-    /// What its numbers refer to.
-    pub conventions: Conventions,
-    /// Its numbers, SI.
-    pub sheet: Sheet,
 }
 
 /// A place in a file of the database.

@@ -9,7 +9,7 @@ use super::branch::{Underestimator, worst_row};
 use super::objective::Goal;
 use super::{Demand, Limited, RatioProgram, scan};
 use crate::actuator::Laurent;
-use crate::design::sweep::grid;
+use crate::numerics::grid::grid;
 use crate::requirement::{Objective, Quantity};
 
 /// Pieces of the range, evenly spaced in ln N.

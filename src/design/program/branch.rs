@@ -10,7 +10,8 @@ use std::collections::BinaryHeap;
 
 use super::objective::Goal;
 use super::{
-    Certificate, Class, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, prices, scan,
+    Certificate, Class, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Refusal,
+    Unsolved, prices, scan,
 };
 use crate::actuator::Laurent;
 use crate::actuator::limits::Demand;
@@ -139,7 +140,7 @@ struct Search<'a> {
 pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let (low, high) = match program.ends() {
         Ok(ends) => ends,
-        Err(infeasible) => return Outcome::Infeasible(infeasible),
+        Err(infeasible) => return Err(Refusal::Infeasible(infeasible)),
     };
     let (min, max) = (low.ratio, high.ratio);
     let goal = Goal::new(program);
@@ -148,12 +149,11 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let (bound, finished) = search.run(min, max);
     let Some((ratio, value)) = search.best else {
         return match found.nearest {
-            _ if finished => Outcome::Infeasible(found.nearest),
-            Infeasible::Nowhere { bind, least, ratio, .. } => Outcome::NotSolved(format!(
-                "no feasible ratio was found, but {} comes within {least} of its limit at {ratio}",
-                bind.limit
-            )),
-            _ => Outcome::NotSolved("no feasible ratio was found, and none was ruled out".into()),
+            _ if finished => Err(Refusal::Infeasible(found.nearest)),
+            Infeasible::Nowhere { bind, least, ratio, .. } => {
+                Err(Refusal::NotSolved(Unsolved::Nearly { limit: bind.limit, least, ratio }))
+            }
+            _ => Err(Refusal::NotSolved(Unsolved::NothingRuledOut)),
         };
     };
     let mut windows = found.windows;
@@ -175,7 +175,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         windows,
         certificate,
     };
-    Outcome::Optimal(optimum)
+    Ok(optimum)
 }
 
 /// Whether the search has proved its best: it looked at everything, and what it left open is not better by more than the
@@ -199,6 +199,9 @@ impl Search<'_> {
             start = end;
         }
         for _ in 0..MAX_INTERVALS {
+            if self.program.prepared.stop.now() {
+                break;
+            }
             let Some(interval) = heap.pop() else {
                 // Where nothing feasible was found, everything must have been ruled out.
                 return (settled, self.best.is_some() || settled == f64::INFINITY);

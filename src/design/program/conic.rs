@@ -7,7 +7,8 @@ use super::certificate::{balancing_multiplier, lower_bound};
 use super::objective::Goal;
 use super::window::minimise;
 use super::{
-    Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Row, Window, prices, value,
+    Certificate, End, GAP_TOLERANCE, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Refusal, Row, Unsolved, Window,
+    prices, value,
 };
 use crate::numerics::line_search::{FULLY, golden_section, least_in_range};
 
@@ -52,16 +53,16 @@ pub(super) fn solve(program: &RatioProgram, window: &Window, mut rows: Vec<Row>,
         }
         if !added {
             if let Ok(optimum) = finish(program, window, &goal, &cuts, &rows, Some(&proposal), low, high) {
-                return Outcome::Optimal(optimum);
+                return Ok(optimum);
             }
             break;
         }
     }
     match finish(program, window, &goal, &cuts, &rows, None, low, high) {
-        Ok(optimum) => Outcome::Optimal(optimum),
+        Ok(optimum) => Ok(optimum),
         // The branch and bound needs no multipliers at all.
         Err(why) => match super::branch::solve(program, "the bounds did not meet") {
-            Outcome::NotSolved(_) => Outcome::NotSolved(why),
+            Err(Refusal::NotSolved(_)) => Err(Refusal::NotSolved(why)),
             other => other,
         },
     }
@@ -168,7 +169,7 @@ fn finish(
     proposal: Option<&Proposal>,
     low: &End,
     high: &End,
-) -> Result<Optimum, String> {
+) -> Result<Optimum, Unsolved> {
     let (start, end) = (window.min * window.min, window.max * window.max);
     // The window is exact and the objective convex: the proposal is sharpened within it.
     let u = match (cuts, proposal) {
@@ -199,10 +200,10 @@ fn finish(
         bound = bound.max(balanced_bound(&combination, rows, u, low.u(), high.u()));
     }
     if !(u.is_finite() && best.is_finite() && bound.is_finite()) {
-        return Err("the solution is not a finite number".into());
+        return Err(Unsolved::NotFinite);
     }
     if program.worst_row(u).is_some_and(|row| row.excess(u) > 1e-8) {
-        return Err("the solution breaks a limit".into());
+        return Err(Unsolved::BreaksLimit);
     }
     // An objective that vanishes because its terms cancel has no relative gap: it is measured against
     // its terms.
@@ -210,7 +211,7 @@ fn finish(
     let reference = best.abs().max(1e-6 * size).max(f64::MIN_POSITIVE);
     let gap = if best <= bound { 0.0 } else { (best - bound) / reference };
     if gap > GAP_TOLERANCE {
-        return Err(format!("the duality gap is {gap:.1e}"));
+        return Err(Unsolved::Gap(gap));
     }
     let windows = vec![window.clone()];
     Ok(Optimum {

@@ -5,7 +5,7 @@
 //! reason. Prices are differences of evaluations.
 
 use super::objective::Goal;
-use super::{Certificate, End, Optimum, Outcome, RatioProgram, ShadowPrice, Window, scan};
+use super::{Certificate, End, Optimum, Outcome, RatioProgram, Refusal, ShadowPrice, Window, scan};
 use crate::actuator::fitted::why_evaluated;
 
 /// Relative step of the differences.
@@ -14,13 +14,13 @@ const STEP: f64 = 1e-6;
 pub(super) fn solve(program: &RatioProgram) -> Outcome {
     let (low, high) = match program.ends() {
         Ok(ends) => ends,
-        Err(infeasible) => return Outcome::Infeasible(infeasible),
+        Err(infeasible) => return Err(Refusal::Infeasible(infeasible)),
     };
     let goal = Goal::new(program);
     let found = scan::scan(program, &goal, &low, &high);
-    let Some(ratio) = found.best else { return Outcome::Infeasible(found.nearest) };
+    let Some(ratio) = found.best else { return Err(Refusal::Infeasible(found.nearest)) };
     let objective = goal.natural(goal.value(ratio));
-    Outcome::Optimal(Optimum {
+    Ok(Optimum {
         ratio,
         objective,
         shadow_prices: prices(program, &goal, &found.windows, ratio, &low, &high),

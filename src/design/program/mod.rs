@@ -7,6 +7,8 @@
 //! without the solver (`certificate`). Where convexity ends, interval branch and bound in N goes on until
 //! its bounds meet (`branch`), from the best ratio of a refined grid (`scan`).
 
+mod answer;
+mod bind;
 mod bound;
 mod branch;
 mod certificate;
@@ -14,11 +16,10 @@ mod conic;
 mod evaluated;
 mod objective;
 mod prices;
+mod refusal;
 mod scan;
 pub mod spring;
 mod window;
-
-use std::borrow::Cow;
 
 use crate::actuator::Laurent;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
@@ -27,156 +28,15 @@ use crate::requirement::{Objective, Quantity};
 
 use super::evaluate::{Prepared, violation};
 
+pub use answer::{Certificate, Optimum, Outcome, ShadowPrice, Window};
+pub use bind::Bind;
+pub use refusal::{Infeasible, Refusal, Unsolved};
 pub(in crate::design) use window::minimise;
 
 /// Rows are met to this relative accuracy in the functional.
 const ROW_TOLERANCE: f64 = 1e-10;
 /// A certificate with a larger relative gap is no proof.
 pub const GAP_TOLERANCE: f64 = 1e-6;
-
-/// What came of a ratio program.
-#[derive(Debug, Clone)]
-pub enum Outcome {
-    /// The best ratio.
-    Optimal(Optimum),
-    /// No ratio keeps all limits; why.
-    Infeasible(Infeasible),
-    /// The objective has no lower bound over the feasible ratios.
-    Unbounded,
-    /// The solver gave no answer that could be verified; why.
-    NotSolved(String),
-}
-
-/// The best ratio and its proof.
-#[derive(Debug, Clone)]
-pub struct Optimum {
-    /// N*.
-    pub ratio: f64,
-    /// The objective there.
-    pub objective: f64,
-    /// Feasible ratios: one interval where the program is convex.
-    pub windows: Vec<Window>,
-    /// The proof, or why there is none.
-    pub certificate: Certificate,
-    /// `∂objective/∂limit` of the limits that bind at N*, in SI.
-    pub shadow_prices: Vec<ShadowPrice>,
-}
-
-impl Optimum {
-    /// The same optimum of the objective times a weight above zero.
-    fn times(mut self, weight: f64) -> Optimum {
-        self.objective *= weight;
-        if let Certificate::Certified { lower_bound, .. } = &mut self.certificate {
-            *lower_bound *= weight;
-        }
-        for price in &mut self.shadow_prices {
-            price.price *= weight;
-        }
-        self
-    }
-
-    /// The window that N* lies in.
-    pub fn window(&self) -> &Window {
-        let inside = |w: &&Window| w.min <= self.ratio * (1.0 + 1e-9) && self.ratio <= w.max * (1.0 + 1e-9);
-        self.windows.iter().find(inside).unwrap_or(&self.windows[0])
-    }
-}
-
-/// An interval of feasible ratios and what ends it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Window {
-    /// Smallest ratio.
-    pub min: f64,
-    /// Largest ratio.
-    pub max: f64,
-    /// What forbids a smaller one.
-    pub low: Bind,
-    /// What forbids a larger one.
-    pub high: Bind,
-}
-
-/// What ends a window.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bind {
-    /// Name of the limit; `ratio_min` and `ratio_max` are the requirement's own.
-    pub limit: &'static str,
-    /// The sample at which it binds.
-    pub sample: Option<usize>,
-    /// Why what lies beyond cannot be judged by this limit; `None` where what lies beyond exceeds it.
-    pub unjudged: Option<&'static str>,
-}
-
-impl Bind {
-    /// A limit that is exceeded beyond, at a sample.
-    pub fn of(limit: &'static str, sample: Option<usize>) -> Bind {
-        Bind { limit, sample, unjudged: None }
-    }
-}
-
-/// How sure the optimum is.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Certificate {
-    /// No ratio is better than `lower_bound`; `gap` is relative.
-    Certified {
-        /// Lower bound of the objective.
-        lower_bound: f64,
-        /// `(objective − lower_bound)/|objective|`.
-        gap: f64,
-        /// How the bound was found.
-        method: &'static str,
-    },
-    /// The best that was found; why there is no proof.
-    NotCertified(Cow<'static, str>),
-}
-
-/// What one more unit of a limit is worth.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShadowPrice {
-    /// Name of the limit.
-    pub limit: &'static str,
-    /// Change of the objective per unit of the limit, SI.
-    pub price: f64,
-    /// Per cent of the objective per per cent of the limit.
-    pub elasticity: f64,
-}
-
-/// Why no ratio keeps all limits.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Infeasible {
-    /// One limit is exceeded at every ratio: by how much at its best ratio.
-    Never {
-        /// The limit, with its sample.
-        bind: Bind,
-        /// Least demand over the limit, at the ratio where it is least.
-        least: f64,
-        /// The limit, in its natural unit; of one of zero there are no multiples.
-        allowed: f64,
-        /// That ratio.
-        ratio: f64,
-    },
-    /// One limit needs at least a ratio, another allows only a smaller one.
-    Contradiction {
-        /// Needs `N ≥ at_least`.
-        low: Bind,
-        /// The smallest ratio it allows.
-        at_least: f64,
-        /// Needs `N ≤ at_most`.
-        high: Bind,
-        /// The largest ratio it allows.
-        at_most: f64,
-    },
-    /// No ratio of the grid keeps all limits; the best one breaks this limit.
-    Nowhere {
-        /// The limit, with its sample.
-        bind: Bind,
-        /// Demand over limit there.
-        least: f64,
-        /// The limit, in its natural unit; of one of zero there are no multiples.
-        allowed: f64,
-        /// That ratio.
-        ratio: f64,
-    },
-}
 
 /// One row of the program: `polynomial(N) ≤ bound`.
 #[derive(Debug, Clone, Copy)]
@@ -278,12 +138,12 @@ impl<'a> RatioProgram<'a> {
             let single = Objective::single(quantity);
             let program = RatioProgram { objective: &single, limits: self.limits.clone(), ..*self };
             return match program.solve() {
-                Outcome::Optimal(optimum) => Outcome::Optimal(optimum.times(weight)),
+                Ok(optimum) => Ok(optimum.times(weight)),
                 other => other,
             };
         }
         if let Some(infeasible) = self.fixed_limits() {
-            return Outcome::Infeasible(infeasible);
+            return Err(Refusal::Infeasible(infeasible));
         }
         if self.objective.sole() == Some(Quantity::Mass) {
             return self.least_mass();
@@ -455,12 +315,9 @@ impl<'a> RatioProgram<'a> {
     fn solve_convex(&self) -> Outcome {
         let (low, high) = match self.ends() {
             Ok(ends) => ends,
-            Err(infeasible) => return Outcome::Infeasible(infeasible),
+            Err(infeasible) => return Err(Refusal::Infeasible(infeasible)),
         };
-        let (window, rows) = match window::find(self, &low, &high) {
-            Ok(found) => found,
-            Err(outcome) => return outcome,
-        };
+        let (window, rows) = window::find(self, &low, &high)?;
         conic::solve(self, &window, rows, &low, &high)
     }
 
@@ -477,12 +334,12 @@ impl<'a> RatioProgram<'a> {
         let inertia = Objective::single(Quantity::ReflectedInertia);
         let smallest = RatioProgram { objective: &inertia, limits: self.limits.clone(), ..*self };
         let smallest = match smallest.solve() {
-            Outcome::Optimal(optimum) => optimum,
+            Ok(optimum) => optimum,
             other => return other,
         };
         let candidate = &self.prepared.candidate;
         let Some(mass) = candidate.mass_at(smallest.ratio) else {
-            return Outcome::NotSolved("the mass of motor or gear is not known".into());
+            return Err(Refusal::NotSolved(Unsolved::NoMass));
         };
         let same_mass = candidate.gear.mass_per_stage.map_or(f64::INFINITY, |(_, stage_ratio)| {
             stage_ratio.powi(crate::requirement::stages(smallest.ratio, stage_ratio) as i32).max(1.0)
@@ -490,7 +347,7 @@ impl<'a> RatioProgram<'a> {
         let loss = Objective::single(Quantity::Loss);
         let range = (self.range.0, self.range.1.min(same_mass.max(smallest.ratio)));
         match (RatioProgram { objective: &loss, range, limits: self.limits.clone(), ..*self }.solve()) {
-            Outcome::Optimal(optimum) => {
+            Ok(optimum) => {
                 let certificate = match smallest.certificate {
                     Certificate::Certified { .. } => Certificate::Certified {
                         lower_bound: mass,
@@ -499,7 +356,7 @@ impl<'a> RatioProgram<'a> {
                     },
                     not => not,
                 };
-                Outcome::Optimal(Optimum {
+                Ok(Optimum {
                     objective: mass,
                     windows: smallest.windows,
                     certificate,

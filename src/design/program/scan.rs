@@ -40,7 +40,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     let (min, max) = (low.ratio, high.ratio);
     let excess = |n: f64| worst(program, n).0;
     let count = count(program);
-    let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::design::sweep::grid(min, max, count) };
+    let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::numerics::grid::grid(min, max, count) };
     let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
     // A window, or a gap in one, that is narrower than the grid shows as a valley, or a hill, of the
     // excess: look at its bottom, or its top.
@@ -190,7 +190,7 @@ pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count
         }
     };
     for (min, max) in intervals {
-        let grid = crate::design::sweep::grid(*min, *max, if max > min { count } else { 1 });
+        let grid = crate::numerics::grid::grid(*min, *max, if max > min { count } else { 1 });
         let values: Vec<f64> = grid.iter().map(|n| value(*n)).collect();
         for i in 0..grid.len() {
             offer(grid[i], values[i]);

@@ -5,13 +5,13 @@
 //! from above. Where a jump leads backwards, or a row leaves nothing, two rows (or one) prove that
 //! no ratio is feasible.
 
-use super::{Bind, End, Infeasible, Outcome, ROW_TOLERANCE, RatioProgram, Row, Window, slope};
+use super::{Bind, End, Infeasible, ROW_TOLERANCE, RatioProgram, Refusal, Row, Unsolved, Window, slope};
 
 /// More jumps than any set of rows has been seen to need.
 const MAX_JUMPS: usize = 500;
 
 /// Finds the window, and the rows met on the way.
-pub(super) fn find(program: &RatioProgram, low: &End, high: &End) -> Result<(Window, Vec<Row>), Outcome> {
+pub(super) fn find(program: &RatioProgram, low: &End, high: &End) -> Result<(Window, Vec<Row>), Refusal> {
     let mut rows: Vec<Row> = Vec::new();
     let start = walk(program, low, high, true, &mut rows)?;
     let end = walk(program, low, high, false, &mut rows)?;
@@ -26,12 +26,12 @@ fn walk(
     high: &End,
     upwards: bool,
     rows: &mut Vec<Row>,
-) -> Result<(f64, Bind), Outcome> {
+) -> Result<(f64, Bind), Refusal> {
     // What a row leaves is judged over the requirement's whole range, so that a row is blamed alone
     // only where no ratio at all would keep it.
     let (first, last) = (program.range.0.powi(2), program.range.1.powi(2));
     let contradiction = |low: Bind, at_least: f64, high: Bind, at_most: f64| {
-        Outcome::Infeasible(Infeasible::Contradiction { low, at_least: at_least.sqrt(), high, at_most: at_most.sqrt() })
+        Refusal::Infeasible(Infeasible::Contradiction { low, at_least: at_least.sqrt(), high, at_most: at_most.sqrt() })
     };
     let from = if upwards { low } else { high };
     let (mut u, mut bind) = (from.u(), from.bind.clone());
@@ -43,7 +43,7 @@ fn walk(
         }
         let here = program.bind(&row);
         let Some((start, end)) = interval(&row, first, last) else {
-            return Err(Outcome::Infeasible(program.never(row.asked)));
+            return Err(Refusal::Infeasible(program.never(row.asked)));
         };
         // A row that is violated here and lies behind us contradicts the one that brought us here.
         if upwards && end <= u {
@@ -62,7 +62,7 @@ fn walk(
         bind = here;
     }
     if program.worst_row(u).is_some_and(|row| row.excess(u) > 100.0 * ROW_TOLERANCE) {
-        return Err(Outcome::NotSolved(format!("the window was not found in {MAX_JUMPS} steps")));
+        return Err(Refusal::NotSolved(Unsolved::NoWindow(MAX_JUMPS)));
     }
     Ok((u.clamp(low.u(), high.u()), bind))
 }

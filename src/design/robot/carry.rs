@@ -11,9 +11,10 @@ use rayon::prelude::*;
 use super::convex::under;
 use super::menu::Needs;
 use crate::catalog::{Catalog, Motor};
+use crate::design::mount::{JointDemand, Site};
 use crate::design::program::{minimise, value};
-use crate::design::sweep::grid;
-use crate::design::{Candidate, JointDemand, Prepared, continuous_candidate, geared_candidate};
+use crate::design::{Candidate, Prepared};
+use crate::numerics::grid::grid;
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
 
 /// How many boxes a joint's load is divided into at most.
@@ -255,25 +256,25 @@ fn bound(robot: &Robot, joint: &Joint, center: &Joint, catalog: &Catalog, radius
     };
     let steepest = |efficiency: f64, back: f64| (1.0 / efficiency).max(back.abs());
     let speed = joint.motion.velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let of_motor = |motor: &Motor| match &joint.ratio {
-        RatioChoice::Continuous { min, max } => {
-            let Ok(candidate) = continuous_candidate(robot, center, &demand.load, motor) else { return f64::INFINITY };
-            let max = &max.min(highest(&candidate, speed) * (1.0 + 1e-6));
-            if max < min || too_heavy(joint, motor, *min, needs) {
-                return f64::INFINITY;
+    let site = Site::new(robot, center, &demand);
+    let of_mount = |motor: &Motor, candidate: Candidate| {
+        let steepest = steepest(candidate.gear.efficiency, candidate.gear.backdrive_efficiency);
+        let ratios = match (candidate.catalog_gear, &joint.ratio) {
+            (Some(gear), _) => vec![gear.ratio, gear.ratio],
+            (None, RatioChoice::Continuous { min, max }) => {
+                let max = &max.min(highest(&candidate, speed) * (1.0 + 1e-6));
+                if max < min || too_heavy(joint, motor, *min, needs) {
+                    return f64::INFINITY;
+                }
+                if max > min { grid(*min, *max, PIECES + 1) } else { vec![*min, *min] }
             }
-            let ratios = if max > min { grid(*min, *max, PIECES + 1) } else { vec![*min, *min] };
-            let gear = candidate.gear;
-            of(&Prepared::new(candidate), &ratios, steepest(gear.efficiency, gear.backdrive_efficiency))
-        }
-        RatioChoice::Catalog { .. } => demand
-            .gears_for(motor)
-            .filter_map(|(gear, load)| geared_candidate(robot, center, load, motor, gear).ok().map(|c| (gear.ratio, c)))
-            .map(|(ratio, candidate)| {
-                let gear = candidate.gear;
-                of(&Prepared::new(candidate), &[ratio, ratio], steepest(gear.efficiency, gear.backdrive_efficiency))
-            })
-            .fold(f64::INFINITY, f64::min),
+            (None, RatioChoice::Catalog { .. }) => return f64::INFINITY,
+        };
+        of(&Prepared::new(candidate), &ratios, steepest)
+    };
+    let of_motor = |motor: &Motor| {
+        let candidates = site.mounts(motor).filter_map(|mount| mount.candidate().ok());
+        candidates.map(|candidate| of_mount(motor, candidate)).fold(f64::INFINITY, f64::min)
     };
     weight * catalog.motors.iter().map(of_motor).fold(f64::INFINITY, f64::min)
 }

@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use rayon::prelude::*;
 
+use super::answer::{Combination, Options};
 use super::carry::{self, Boxes};
 use super::convex::{Convex, add, under};
 use super::menu::{Item, Menu, Needs, menu, own};
@@ -12,12 +13,14 @@ use super::power::{Profile, Schedule};
 use super::search::{Completed, Found, Joints, Rules, Table};
 use super::shared::{self, Outcome, Part, Price};
 use super::total::Total;
-use super::{Combination, Options};
 use crate::actuator::Load;
 use crate::catalog::Catalog;
-use crate::design::optimize::{Design, design};
+use crate::design::Prepared;
+use crate::design::answer::Design;
+use crate::design::mount::{Mount, covered_inertia, load_covering, load_through};
+use crate::design::options::Stop;
 use crate::design::program::{RatioProgram, minimise, value};
-use crate::design::{Prepared, continuous_candidate, geared_candidate, load_through};
+use crate::design::solved::design;
 use crate::numerics::line_search::least_in_range;
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -37,6 +40,8 @@ pub(super) struct Context<'a> {
     pub catalog: &'a Catalog,
     pub order: Vec<usize>,
     pub needs: Vec<Needs>,
+    /// Whether the search is to stop.
+    pub stop: Stop<'a>,
     pub certain: Vec<Option<Rc<Menu<'a>>>>,
     made: HashMap<(usize, Vec<u64>), Rc<Menu<'a>>>,
     /// Lightest and heaviest actuator of each joint.
@@ -50,8 +55,8 @@ pub(super) struct Context<'a> {
     pub least_power: f64,
 }
 
-/// Motor, gear and load of one joint of a combination.
-struct Mount {
+/// A joint of a combination under the load that it has there.
+struct Loaded {
     joint: Joint,
     load: Load,
 }
@@ -59,6 +64,7 @@ struct Mount {
 impl<'a> Context<'a> {
     pub(super) fn new(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) -> Result<Context<'a>, String> {
         let n = robot.joints.len();
+        let stop = Stop::when(options.stop);
         let power = robot.shared_power();
         let carried = |j: usize| robot.joints.iter().any(|k| k.carries.iter().any(|c| c.joint == j));
         let needs: Vec<Needs> = (0..n)
@@ -79,7 +85,7 @@ impl<'a> Context<'a> {
             };
             certain[j] = match (0..j).find(same) {
                 Some(i) => certain[i].clone(),
-                None => Some(Rc::new(menu(robot, joint, catalog, needs[j]))),
+                None => Some(Rc::new(menu(robot, joint, catalog, needs[j], stop))),
             };
             (options.tick)();
         }
@@ -94,7 +100,7 @@ impl<'a> Context<'a> {
         let least = |menu: &Menu| menu.items.iter().map(|i| i.design.optimum.objective).fold(f64::INFINITY, f64::min);
         let alone = |j: usize| match &certain[j] {
             Some(menu) => least(menu),
-            None => least(&menu(robot, &robot.joints[j], catalog, needs[j])),
+            None => least(&menu(robot, &robot.joints[j], catalog, needs[j], stop)),
         };
         let differ = robot.joints.iter().any(|j| j.objective != robot.joints[0].objective);
         let best: Vec<f64> = if differ { (0..n).map(alone).collect() } else { vec![1.0; n] };
@@ -107,6 +113,7 @@ impl<'a> Context<'a> {
             robot,
             catalog,
             needs,
+            stop,
             certain,
             reach,
             boxes,
@@ -125,32 +132,31 @@ impl<'a> Context<'a> {
         masses[joint].map_or(self.reach[joint], |m| (m, m))
     }
 
-    fn mounts(&self, items: &[&Item<'a>], coordinates: &[Vec<f64>]) -> Vec<Mount> {
+    fn loaded(&self, items: &[&Item<'a>], coordinates: &[Vec<f64>]) -> Vec<Loaded> {
         let mount = |(j, item): (usize, &&Item)| {
             let joint = carry::loaded(&self.robot.joints[j], &coordinates[j]);
             let gear = item.design.gear.and_then(|id| self.catalog.gears.iter().find(|g| g.id == id));
-            let through = gear.and_then(|gear| load_through(&joint, gear));
-            let load = through.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
+            let load = load_through(&joint, gear);
             // A spring that was chosen takes its part of the load.
             match item.design.spring.and_then(|s| joint.motion.with_spring(s.stiffness, s.rest_angle.unwrap_or(0.0))) {
                 Some(motion) => {
                     let load = Load::new(&motion, joint.limits.torque_bandwidth);
-                    Mount { joint: Joint { motion, ..joint }, load }
+                    Loaded { joint: Joint { motion, ..joint }, load }
                 }
-                None => Mount { joint, load },
+                None => Loaded { joint, load },
             }
         };
         items.iter().enumerate().map(mount).collect()
     }
 
-    fn prepare<'m>(&'m self, mount: &'m Mount, item: &Item<'a>) -> Prepared<'m> {
+    fn mount<'m>(&'m self, loaded: &'m Loaded, item: &Item<'a>) -> Mount<'m, 'm> {
         let motor = &self.catalog.motors[item.motor];
         let gear = item.design.gear.and_then(|id| self.catalog.gears.iter().find(|g| g.id == id));
-        let candidate = match gear {
-            Some(gear) => geared_candidate(self.robot, &mount.joint, &mount.load, motor, gear),
-            None => continuous_candidate(self.robot, &mount.joint, &mount.load, motor),
-        };
-        Prepared::new(candidate.expect("an item of a menu is a candidate"))
+        Mount::new(self.robot, &loaded.joint, &loaded.load, motor).with_gear(gear)
+    }
+
+    fn prepare<'m>(&'m self, loaded: &'m Loaded, item: &Item<'a>) -> Prepared<'m> {
+        self.mount(loaded, item).prepared().expect("an item of a menu is a candidate")
     }
 
     fn profile(&self, prepared: &Prepared, ratio: f64) -> Profile {
@@ -159,7 +165,7 @@ impl<'a> Context<'a> {
 
     /// Calls `look` with the parts of a combination.
     fn with_parts<T>(&self, items: &[&Item<'a>], coordinates: &[Vec<f64>], look: impl FnOnce(&mut [Part]) -> T) -> T {
-        let mounts = self.mounts(items, coordinates);
+        let mounts = self.loaded(items, coordinates);
         let prepared: Vec<Prepared> = mounts.iter().zip(items).map(|(m, item)| self.prepare(m, item)).collect();
         let mut parts: Vec<Part> = (0..items.len())
             .map(|j| Part {
@@ -338,7 +344,7 @@ impl<'a> Context<'a> {
             Outcome::Solved(solved) => -solved.price.rows.iter().map(|r| r.1).sum::<f64>(),
             Outcome::TooMuch { .. } => 0.0,
         });
-        let mounts = self.mounts(&items, &found.coordinates);
+        let mounts = self.loaded(&items, &found.coordinates);
         let designs: Vec<Design> = (0..items.len())
             .map(|j| {
                 let mut design_of = items[j].design.clone();
@@ -351,8 +357,8 @@ impl<'a> Context<'a> {
                         shadow_prices: Vec::new(),
                         ..design_of.optimum
                     };
-                    let motor = &self.catalog.motors[items[j].motor];
-                    design_of = own(design(&prepared, motor, design_of.gear, optimum), self.catalog, items[j].motor);
+                    let mount = self.mount(&mounts[j], items[j]);
+                    design_of = own(design(&mount, &prepared, optimum), self.catalog, items[j].motor);
                 }
                 design_of
             })
@@ -419,16 +425,12 @@ fn priced(
 ) -> f64 {
     let motor = &catalog.motors[item.motor];
     let gear = item.design.gear.and_then(|id| catalog.gears.iter().find(|g| g.id == id));
-    let through = gear.and_then(|gear| load_through(joint, gear));
+    let through = gear.and_then(|gear| covered_inertia(joint, gear)).map(|inertia| load_covering(joint, Some(inertia)));
     let sprung = item.design.spring.and_then(|s| joint.motion.with_spring(s.stiffness, s.rest_angle.unwrap_or(0.0)));
     let sprung = sprung.map(|motion| Load::new(&motion, joint.limits.torque_bandwidth));
     let load = sprung.as_ref().or(through.as_ref()).unwrap_or(load);
-    let candidate = match gear {
-        Some(gear) => geared_candidate(robot, joint, load, motor, gear),
-        None => continuous_candidate(robot, joint, load, motor),
-    };
-    let Ok(candidate) = candidate else { return f64::INFINITY };
-    let prepared = Prepared::new(candidate);
+    let mount = Mount::new(robot, joint, load, motor).with_gear(gear);
+    let Ok(prepared) = mount.prepared() else { return f64::INFINITY };
     let own = item.design.evaluation.ratio;
     let profile = Profile::of(&prepared, robot.bus.drive_efficiency, own);
     let power = |n: f64| weights.iter().map(|(k, w)| w * profile.at(*k, n).0).sum::<f64>();
@@ -475,7 +477,7 @@ impl<'a> Joints<'a> for Context<'a> {
             return None;
         }
         let loaded = carry::loaded(&self.robot.joints[joint], coordinates);
-        let made = Rc::new(menu(self.robot, &loaded, self.catalog, self.needs[joint]));
+        let made = Rc::new(menu(self.robot, &loaded, self.catalog, self.needs[joint], self.stop));
         self.made.insert(key, made.clone());
         Some(made)
     }
@@ -488,6 +490,10 @@ impl<'a> Joints<'a> for Context<'a> {
         let Some(boxes) = &self.boxes[joint] else { return (0.0, 0.0) };
         let part = carry::reach(&self.robot.joints[joint], |i| self.masses(masses, i));
         (boxes.least(&part), self.reach[joint].0)
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.now()
     }
 
     fn is_costly(&self) -> bool {

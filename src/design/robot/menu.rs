@@ -5,10 +5,13 @@ use rayon::prelude::*;
 
 use crate::actuator::limits::Remark;
 use crate::catalog::Catalog;
-use crate::design::judge::{self, Refused};
-use crate::design::optimize::{Design, Reason, best_design, design, one_gear};
+use crate::design::answer::{Design, Reason, Refused};
+use crate::design::best::best_design;
+use crate::design::judge;
+use crate::design::mount::{JointDemand, Site};
+use crate::design::options::Stop;
 use crate::design::program::Certificate;
-use crate::design::{JointDemand, Prepared, geared_candidate};
+use crate::design::solved::{design, one_gear};
 use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
 
 /// One way to build a joint.
@@ -48,14 +51,17 @@ pub(super) struct Needs {
 }
 
 /// The menu of a joint; `carrying` is the joint with the torque of what it carries.
-pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog, needs: Needs) -> Menu<'a> {
+pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog, needs: Needs, stop: Stop) -> Menu<'a> {
     let demand = JointDemand::new(carrying, catalog);
+    let site = Site::new(robot, carrying, &demand).stopping(stop);
     let pieces = pieces(carrying, needs);
     let found: Vec<Made> = (0..catalog.motors.len())
         .into_par_iter()
         .map(|motor| match &carrying.ratio {
-            RatioChoice::Continuous { .. } => continuous(robot, &pieces, &demand, catalog, motor, needs),
-            RatioChoice::Catalog { .. } => geared(robot, carrying, &demand, catalog, motor, needs),
+            // What is found is no answer any more.
+            _ if stop.now() => Made::default(),
+            RatioChoice::Continuous { .. } => continuous(site, &pieces, catalog, motor, needs),
+            RatioChoice::Catalog { .. } => geared(site, catalog, motor, needs),
         })
         .collect();
     let mut menu = Menu::default();
@@ -95,17 +101,10 @@ fn pieces(joint: &Joint, needs: Needs) -> Vec<Joint> {
     ends.windows(2).map(piece).collect()
 }
 
-fn continuous<'a>(
-    robot: &Robot,
-    pieces: &[Joint],
-    demand: &JointDemand,
-    catalog: &'a Catalog,
-    motor: usize,
-    needs: Needs,
-) -> Made<'a> {
+fn continuous<'a>(site: Site, pieces: &[Joint], catalog: &'a Catalog, motor: usize, needs: Needs) -> Made<'a> {
     let mut made = Made::default();
     for piece in pieces {
-        match best_design(robot, piece, demand, &catalog.motors[motor], needs.only_checked) {
+        match best_design(Site { joint: piece, ..site }, &catalog.motors[motor], needs.only_checked) {
             Ok(found) => {
                 let RatioChoice::Continuous { max, .. } = piece.ratio else { continue };
                 let window = found.optimum.window().clone();
@@ -124,18 +123,12 @@ fn continuous<'a>(
     made
 }
 
-fn geared<'a>(
-    robot: &Robot,
-    joint: &Joint,
-    demand: &JointDemand<'a>,
-    catalog: &'a Catalog,
-    motor: usize,
-    needs: Needs,
-) -> Made<'a> {
+fn geared<'a>(site: Site, catalog: &'a Catalog, motor: usize, needs: Needs) -> Made<'a> {
+    let Site { robot, joint, .. } = site;
     let mut made = Made::default();
     if joint.limits.spring.is_some() {
         // The spring is chosen for each gear: only the best of them is known.
-        match best_design(robot, joint, demand, &catalog.motors[motor], needs.only_checked) {
+        match best_design(site, &catalog.motors[motor], needs.only_checked) {
             Ok(found) => {
                 let (mass, ratio) = (found.evaluation.mass, found.evaluation.ratio);
                 made.take(found, catalog, motor, mass, (ratio, ratio), needs);
@@ -147,13 +140,11 @@ fn geared<'a>(
         }
         return made;
     }
-    for (gear, load) in demand.gears_for(&catalog.motors[motor]) {
-        let Ok(candidate) = geared_candidate(robot, joint, load, &catalog.motors[motor], gear) else { continue };
-        let prepared = Prepared::new(candidate);
+    for mount in site.mounts(&catalog.motors[motor]) {
+        let (Some(gear), Ok(prepared)) = (mount.gear, mount.prepared()) else { continue };
         let evaluation = prepared.at(gear.ratio);
         let Some(objective) = evaluation.objective(&joint.objective).filter(|_| evaluation.feasible) else { continue };
-        let optimum = one_gear(gear.ratio, objective);
-        let found = design(&prepared, &catalog.motors[motor], Some(&gear.id), optimum);
+        let found = design(&mount, &prepared, one_gear(gear.ratio, objective));
         match judge::judged(robot, joint, found, needs.only_checked) {
             Ok(found) => made.take(found, catalog, motor, evaluation.mass, (gear.ratio, gear.ratio), needs),
             Err(why) => made.refuse(why),

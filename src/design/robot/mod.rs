@@ -7,6 +7,7 @@
 //! (`carry`). Nothing is called the best that was not proved: a search that gave up, or a motor that could not
 //! be certified, is said with what is left of the gap.
 
+mod answer;
 mod carry;
 mod context;
 mod convex;
@@ -19,139 +20,24 @@ mod total;
 use std::collections::BTreeMap;
 
 use crate::actuator::limits::Remark;
-use crate::catalog::{Catalog, Motor};
+use crate::catalog::Catalog;
 use crate::design::Prepared;
-use crate::design::optimize::Design;
+use crate::design::options::Stop;
 use crate::design::program::GAP_TOLERANCE;
 use crate::requirement::{Course, Joint, Robot};
+pub use answer::{Apart, Change, Choice, Combination, NoChoice, Options, Proof, Wanting};
 use context::Context;
 use search::{Answer, Rules};
 pub use total::Total;
-
-/// How a robot's choice is made.
-#[derive(Clone, Copy)]
-pub struct Options<'p> {
-    /// Only designs of which every limit could be checked.
-    pub only_checked: bool,
-    /// How many further combinations are wanted, each different in a motor.
-    pub runner_ups: usize,
-    /// Whether it is also told what the budgets cost.
-    pub budgets: bool,
-    /// Called once for each joint that is done.
-    pub tick: &'p (dyn Fn() + Sync),
-}
-
-impl Default for Options<'_> {
-    fn default() -> Self {
-        Options { only_checked: false, runner_ups: 3, budgets: true, tick: &|| {} }
-    }
-}
-
-/// One design for each joint.
-#[derive(Debug, Clone)]
-pub struct Combination<'a> {
-    /// In the order of the requirement. Where power is shared the ratio may not be the joint's own best.
-    pub joints: Vec<Design<'a>>,
-    /// The total that is minimised.
-    pub objective: f64,
-    /// The total of these motors is nowhere below this.
-    pub lower_bound: f64,
-    /// Mass of all actuators \[kg\].
-    pub mass: Option<f64>,
-    /// Largest power that all joints draw together \[W\]: at one instant where they share a time base, else
-    /// the sum of their peaks.
-    pub peak_power: f64,
-    /// Change of the total per watt more of shared power, where that is limited.
-    pub power_price: Option<f64>,
-    /// Number of different motors.
-    pub distinct_motors: usize,
-    /// What carried actuators add to each joint's load: for constant torques per mass the torque \[N·m\], for
-    /// others the mass \[kg\].
-    pub carried: Vec<Vec<f64>>,
-}
-
-/// How sure the best combination is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Proof {
-    /// No combination is better than this; `None` where nothing is known.
-    pub lower_bound: Option<f64>,
-    /// `(objective − lower bound)/|objective|`.
-    pub gap: Option<f64>,
-    /// Why it is not proved; empty where it is.
-    pub not_proved: Vec<String>,
-    /// Branches looked at.
-    pub branches: usize,
-}
-
-impl Proof {
-    /// Whether no combination can be better.
-    pub fn certified(&self) -> bool {
-        self.not_proved.is_empty()
-    }
-}
-
-/// What another budget would give.
-#[derive(Debug, Clone)]
-pub struct Change<'a> {
-    /// Name of the budget.
-    pub budget: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
-    /// What it would be.
-    pub value: f64,
-    /// The best combination then; `None` where there is none.
-    pub best: Option<Combination<'a>>,
-    /// Whether that was proved.
-    pub certified: bool,
-}
-
-/// What stands in the way where no combination keeps the budgets.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Wanting {
-    /// No motor can do these joints, whatever the budgets.
-    Joints(Vec<String>),
-    /// The least mass of all actuators with which it can be done \[kg\].
-    Mass(f64),
-    /// The least number of different motors with which it can be done.
-    Motors(usize),
-    /// The least power at the worst instant with which a combination that was tried can do \[W\], and what the
-    /// best draws that is not limited \[W\].
-    Power(f64, f64),
-}
-
-/// The choice for a whole robot.
-#[derive(Debug)]
-pub struct Choice<'a> {
-    /// The robot.
-    pub robot: &'a Robot,
-    /// What is minimised.
-    pub total: Total,
-    /// Best first; each differs from those before it in a motor.
-    pub combinations: Vec<Combination<'a>>,
-    /// How sure the first is.
-    pub proof: Proof,
-    /// What is wanting where there is none: any of these alone, the others as they are.
-    pub wanting: Vec<Wanting>,
-    /// What other budgets would give.
-    pub changes: Vec<Change<'a>>,
-    /// Whether other budgets were not looked at, because this one took long or was not settled.
-    pub others_left_out: bool,
-    /// The best total for less and less mass.
-    pub front: Vec<Combination<'a>>,
-    /// Motors left out because they cannot be judged, with the joint where that is so, what and why.
-    pub unjudged: Vec<Apart<'a>>,
-    /// Names of joints that share a time base, for each time base.
-    pub time_bases: Vec<Vec<String>>,
-    /// Whether power was added up instant by instant over all joints.
-    pub instant_by_instant: bool,
-}
 
 /// Finds the best combination for a robot.
 ///
 /// # Errors
 /// Where the joints' objectives cannot be summed up.
-pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) -> Result<Choice<'a>, String> {
-    let mut context = Context::new(robot, catalog, options)?;
+pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) -> Result<Choice<'a>, NoChoice> {
+    let stop = Stop::when(options.stop);
+    let mut context = Context::new(robot, catalog, options).map_err(NoChoice::Cannot)?;
+    stop.unless(())?;
     let budget = &robot.budget;
     let rules = Rules {
         mass: budget.actuator_mass,
@@ -187,7 +73,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     let name = |j: &usize| robot.joints[*j].name.clone();
     let groups = &context.schedule.groups;
     let timed = |g: &power::Group| !matches!(robot.joints[g.joints[0]].motion.course, Course::Points(_));
-    Ok(Choice {
+    Ok(stop.unless(Choice {
         robot,
         combinations,
         proof,
@@ -199,18 +85,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         time_bases: groups.iter().map(|g| g.joints.iter().map(name).collect()).collect(),
         instant_by_instant: groups.len() == 1 && (timed(&groups[0]) || robot.joints.iter().all(|j| j.count == 1)),
         total: context.total,
-    })
-}
-
-/// A motor that is left out at a joint because it cannot be judged there.
-#[derive(Debug, Clone)]
-pub struct Apart<'a> {
-    /// The joint.
-    pub joint: &'a Joint,
-    /// The motor.
-    pub motor: &'a Motor,
-    /// What cannot be judged, and why.
-    pub because: Vec<Remark>,
+    })?)
 }
 
 /// Every motor that a joint's menus leave out because it cannot be judged there: by joint.

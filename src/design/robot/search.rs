@@ -86,6 +86,8 @@ pub(super) trait Joints<'a> {
     fn certain(&self, joint: usize) -> Option<Rc<Menu<'a>>>;
     /// A lower bound of a joint's objective and of its mass for the masses chosen so far.
     fn bound(&self, joint: usize, masses: &[Option<f64>]) -> (f64, f64);
+    /// Whether the search is to stop.
+    fn is_stopped(&self) -> bool;
     /// Whether a complete combination takes a program of its own.
     fn is_costly(&self) -> bool;
     /// Best ratios, value and bound of a complete combination; `None` where it cannot be.
@@ -323,7 +325,7 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
             if new && self.rules.motors.is_some_and(|k| state.used.len() >= k) {
                 continue;
             }
-            if self.ended || self.answer.nodes >= self.most_nodes {
+            if self.ended || self.answer.nodes >= self.most_nodes || self.joints.is_stopped() {
                 self.give_up(depth, state);
                 return;
             }

@@ -1,6 +1,6 @@
 //! Friction: drag torque on speed, by a torque sensor or by the current that keeps the motor turning.
 //!
-//! Coulomb and viscous are always fitted together: a viscous part that cannot be told from zero is still no zero, and
+//! Coulomb and viscous are always fitted together: a viscous part that cannot be separated from zero is still no zero, and
 //! left out it would pass for Coulomb friction. A drag that flattens at a knee (eddy currents) is taken only where it is
 //! better beyond chance. A row has room for Coulomb and viscous; where the drag flattens, it gets their best line over
 //! the speeds that were measured, and that is said.
@@ -242,7 +242,7 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
                     "friction_form",
                     Weight::Note,
                     format!(
-                        "drag does not change with speed beyond chance: a viscous part of {} ± {} N*m*s/rad cannot be told \
+                        "drag does not change with speed beyond chance: a viscous part of {} ± {} N*m*s/rad cannot be separated \
                          from zero{}; more speeds, or longer steps, would show it",
                         number(b.value),
                         number(b.half_width()),
@@ -254,7 +254,7 @@ fn fit(outcome: &mut Outcome, mut all: Vec<Point>, logs: usize, by_current: bool
         None => outcome.findings.push(Finding::new(
             "friction_form",
             Weight::Note,
-            "one speed does not tell Coulomb from viscous friction: all of it counts as Coulomb's",
+            "one speed does not separate Coulomb from viscous friction: all of it counts as Coulomb's",
         )),
     }
     let mut zeroed: Vec<(f64, f64)> = Vec::new();

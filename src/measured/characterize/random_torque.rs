@@ -13,16 +13,17 @@
 //! equation `T = J Ω̇ + B Ω` over windows of time with instruments, which gives the number and its interval: windows
 //! are the independent pieces.
 
+mod in_time;
 mod spectra;
 
 use nalgebra::{DMatrix, DVector};
 
+use self::in_time::{refine, vaf};
 use self::spectra::{Record, Spectra, band, gain_fit, response};
 use super::estimate::{Combination, Estimate, bracket, combine, pool, rotor_inertia};
 use super::stall::between_logs;
 use super::{Chart, Curve, Finding, Outcome, PerLog, Quantity, Role, Test, Weight, calibrated, calibration, logs_of};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
-use crate::measured::simulate::{Unknown, minimise};
 use crate::words::number;
 
 pub use self::spectra::Band;
@@ -249,7 +250,7 @@ fn solve(s: &Spectra, band: &Band, instrument: Instrument, j: f64, b: f64, free:
         parts.push((a, y));
     }
     // Rows and columns of very different size: scaled, or the inverse is of noise.
-    let inverse = inverse(slope).ok_or("inertia, damping and lag cannot be told apart in this band")?;
+    let inverse = inverse(slope).ok_or("inertia, damping and lag cannot be separated in this band")?;
     let x = &inverse * right;
     let mut scatter = DMatrix::<f64>::zeros(unknowns, unknowns);
     for (a, y) in &parts {
@@ -286,73 +287,6 @@ fn inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
 
 fn num(re: f64, im: f64) -> spectra::Complex {
     spectra::Complex::new(re, im)
-}
-
-/// Speed of a first-order machine under a torque that runs straight between samples, exactly.
-fn simulate(torque: &[f64], step: f64, j: f64, b: f64, zero: f64, start: f64) -> Vec<f64> {
-    let x = b * step / j;
-    // Integrals of the exponential over a step, with their series where it is short.
-    let decay = (-x).exp();
-    let (one, two) = if x.abs() < 1e-4 {
-        (1.0 - x / 2.0 + x * x / 6.0, 0.5 - x / 6.0 + x * x / 24.0)
-    } else {
-        let one = (1.0 - decay) / x;
-        (one, (1.0 - one) / x)
-    };
-    let gain = step / j;
-    let mut speed = start;
-    let mut out = Vec::with_capacity(torque.len());
-    out.push(speed);
-    for w in torque.windows(2) {
-        speed = decay * speed + gain * ((one - two) * (w[0] - zero) + two * (w[1] - zero));
-        out.push(speed);
-    }
-    out
-}
-
-/// Variance accounted for \[%\].
-fn accounted(measured: &[f64], left: &[f64]) -> f64 {
-    let variance = |values: &[f64]| {
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
-    };
-    100.0 * (1.0 - variance(left) / variance(measured))
-}
-
-/// J and B with the largest variance accounted for, with a free zero of the torque and initial speed; and that
-/// variance.
-fn refine(record: &Record, start: (f64, f64)) -> ((f64, f64), f64) {
-    let size = record.torque.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let speed = record.velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let (j, b) = start;
-    let unknown = |start: f64, scale: f64, lower: f64, upper: f64| Unknown { start, scale, lower, upper };
-    let unknowns = [
-        unknown(j, j, 0.1 * j, 10.0 * j),
-        unknown(b, b.max(1e-3 * j), 0.0, f64::INFINITY),
-        unknown(0.0, 0.01 * size, -size, size),
-        unknown(record.velocity[0], 0.1 * speed, -3.0 * speed, 3.0 * speed),
-    ];
-    let left = |_: usize, p: &[f64]| -> Vec<f64> {
-        let model = simulate(&record.torque, record.step, p[0], p[1], p[2], p[3]);
-        model.iter().zip(&record.velocity).map(|(a, b)| a - b).collect()
-    };
-    let fitted = minimise(1, &left, &unknowns, 25, 1e-8);
-    let vaf = accounted(&record.velocity, &left(0, &fitted.values));
-    ((fitted.values[0], fitted.values[1]), vaf)
-}
-
-/// Variance accounted for with J and B held, zero and initial speed free.
-fn vaf(record: &Record, j: f64, b: f64) -> f64 {
-    // Both enter linearly: three runs and a line.
-    let zeros = vec![0.0; record.torque.len()];
-    let forced = simulate(&record.torque, record.step, j, b, 0.0, 0.0);
-    let by_zero = simulate(&zeros, record.step, j, b, -1.0, 0.0);
-    let by_start = simulate(&zeros, record.step, j, b, 0.0, 1.0);
-    let left: Vec<f64> = record.velocity.iter().zip(&forced).map(|(v, f)| v - f).collect();
-    match super::estimate::least_squares(&[by_zero, by_start], &left) {
-        Some(fit) => accounted(&record.velocity, &fit.residuals),
-        None => accounted(&record.velocity, &left),
-    }
 }
 
 impl Test for RandomTorque {
@@ -467,7 +401,7 @@ fn rotor(outcome: &mut Outcome, bench: &Bench, with: Estimate, without: Option<E
         outcome.findings.push(Finding::new(
             "rotor_inertia",
             Weight::Warning,
-            "the rotor's inertia cannot be told from zero: a lighter fixture, or a gear, would show it; it is not in the row",
+            "the rotor's inertia cannot be separated from zero: a lighter fixture, or a gear, would show it; it is not in the row",
         ));
         return;
     }
@@ -529,12 +463,12 @@ const LOG_CHECKS: &[LogCheck] = &[
             Averaging::Fitted if square > half => (
                 Weight::Note,
                 format!(
-                    "the velocity reads low at high frequency, as a difference over {ms} ms does: taken out, and what that                      leaves is in the ±; `difference = \"…\"` in its column says it and narrows the ±"
+                    "the velocity reads low at high frequency, as a difference over {ms} ms does: taken out, and what that leaves is in the ±; `difference = \"…\"` in its column says it and narrows the ±"
                 ),
             ),
             Averaging::Fitted if square < -half => (
                 Weight::Note,
-                "speed on torque falls slower than 1/f: a resonance above the band (compliance between sensor and rotor), or                  a torque that is filtered; it is taken out to second order, and what that leaves is in the ±"
+                "speed on torque falls slower than 1/f: a resonance above the band (compliance between sensor and rotor), or a torque that is filtered; it is taken out to second order, and what that leaves is in the ±"
                     .into(),
             ),
             Averaging::Fitted => (
@@ -563,7 +497,7 @@ const LOG_CHECKS: &[LogCheck] = &[
         let ratio = i.band.high / i.band.low;
         let text = format!("the band spans a factor of {} in frequency", number(ratio.round()));
         if ratio < 5.0 {
-            (Weight::Warning, format!("{text}: too narrow to tell inertia from damping; excite over a decade"))
+            (Weight::Warning, format!("{text}: too narrow to separate inertia from damping; excite over a decade"))
         } else {
             (Weight::Good, text)
         }
@@ -572,7 +506,7 @@ const LOG_CHECKS: &[LogCheck] = &[
         let corner = i.result.damping.value / (std::f64::consts::TAU * i.result.inertia.value);
         let text = format!("the corner B/(2π J) is at {} Hz", number(corner));
         if i.result.damping.value <= i.result.damping.half_width() {
-            (Weight::Note, "the damping cannot be told from zero here; a drag test shows friction better".into())
+            (Weight::Note, "the damping cannot be separated from zero here; a drag test shows friction better".into())
         } else if corner > i.band.high {
             (
                 Weight::Warning,
@@ -588,7 +522,7 @@ const LOG_CHECKS: &[LogCheck] = &[
         let text = format!("variance accounted for {} %", number((10.0 * i.vaf.1).round() / 10.0));
         let weight = if i.vaf.1 < 80.0 { Weight::Warning } else { Weight::Good };
         let why = if i.vaf.1 < 80.0 {
-            ": first order does not tell it (friction, compliance, drift of the zero)"
+            ": first order does not explain it (friction, compliance, drift of the zero)"
         } else {
             ""
         };

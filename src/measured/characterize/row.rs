@@ -6,6 +6,7 @@
 use super::{Outcome, find};
 use crate::catalog::convention::{Commutation, Winding};
 use crate::catalog::{FIELDS, Printed, Sheet};
+use crate::effects::of_column;
 use crate::measured::bench::Bench;
 use crate::words::number;
 
@@ -104,7 +105,7 @@ pub fn row(bench: &Bench, outcomes: &[Outcome]) -> Row {
             taken.push((field.name, "given in the bench file".to_string()));
         } else if let Some(printed) = of_declared(bench, field.name) {
             // Half of what a drag test found is not to be mixed with half of another's.
-            if friction && matches!(field.name, "coulomb_friction" | "viscous_friction") {
+            if friction && of_column(field.name).is_some() {
                 continue;
             }
             (field.set)(&mut sheet, printed);

@@ -134,7 +134,7 @@ impl Test for Stall {
         warmth(&mut outcome, &lines);
         outcome.findings.push(between_logs(pooled.count, pooled.between, k.value));
         // A torque that was measured at the motor has no gear in it.
-        let at_motor = |log: &&Log| log.remarks.iter().any(|r| r.starts_with("`torque` was measured at the motor"));
+        let at_motor = |log: &&Log| log.from_motor.contains(&Channel::Torque);
         if bench.declared.ratio != 1.0 && !logs_of(bench, BenchKind::Stall).iter().all(at_motor) {
             outcome.findings.push(Finding::new(
                 "gear",
@@ -283,7 +283,7 @@ fn zeros(outcome: &mut Outcome, used: &[(f64, &Line)], slope: f64) {
             "zero_drift",
             Weight::Note,
             format!(
-                "whether a zero drifts cannot be told from the slope ({}): the current \
+                "a drift of the zero cannot be separated from the slope ({}): the current \
                  goes in order, and a drift passes for slope or bend; steps in random order keep that out",
                 if blind < 1.0 {
                     format!("to {} % of the largest torque only", number((100.0 * blind).round()))

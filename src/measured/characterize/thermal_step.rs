@@ -13,7 +13,7 @@ use crate::actuator::thermal::resistance_factor;
 use crate::catalog::REFERENCE_TEMPERATURE;
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::signals;
-use crate::measured::simulate::{Unknown, minimise};
+use crate::numerics::least_squares::{Unknown, minimise};
 use crate::words::number;
 
 /// The test.
@@ -236,7 +236,7 @@ impl Test for ThermalStep {
         let Some((values, estimates, rmse)) = heating.fit(copper, ambient) else {
             entry.used = false;
             let why = if heating.winding.is_none() {
-                "no winding temperature: the two nodes cannot be told apart"
+                "no winding temperature: the two nodes cannot be separated"
             } else {
                 "the winding warms by less than 2 K: nothing can be fitted"
             };
@@ -334,7 +334,7 @@ fn checks(outcome: &mut Outcome, heating: &Heating, values: &[f64], ambient: f64
     });
     let text = format!("two nodes leave {} K of {} K", number(rmse), number(rise.round()));
     outcome.findings.push(if rmse > 0.05 * rise {
-        Finding::new("two_nodes", Weight::Warning, format!("{text}: more happens than two nodes tell"))
+        Finding::new("two_nodes", Weight::Warning, format!("{text}: more happens than two nodes explain"))
     } else {
         Finding::new("two_nodes", Weight::Good, text)
     });

@@ -2,10 +2,9 @@
 
 use crate::catalog::Motor;
 use crate::catalog::fitted::parameter_name;
-use crate::effects::{Effect, Equation, Shape, effect};
+use crate::effects::{Effect, Equation, Shape, effect, of_damping};
+use crate::measured::answer::{Parameter, Report, Target};
 use crate::measured::bench::Bench;
-use crate::measured::identify::balance::declared_effects;
-use crate::measured::identify::{Parameter, Report, Target};
 use crate::words::handy::with_error;
 
 /// A number, SI, and how it follows from fitted ones.
@@ -102,9 +101,9 @@ impl<'a> Fits<'a> {
         let report = &self.reports[report];
         let own = report.parameters.iter().find(|p| p.name == name);
         own.or_else(|| {
-            let found = |e: &&crate::measured::identify::Found| name.starts_with(e.name);
+            let found = |e: &&crate::measured::answer::Found| name.starts_with(e.name());
             report.effects.iter().filter(found).find_map(|e| {
-                let rest = name.strip_prefix(e.name)?.strip_prefix('.')?;
+                let rest = name.strip_prefix(e.name())?.strip_prefix('.')?;
                 e.parameters.iter().find(|p| p.name == rest)
             })
         })
@@ -192,17 +191,19 @@ impl<'a> Fits<'a> {
     }
 
     /// The first value of an effect that the bench file declares beyond the row.
-    pub fn declared_effect(&self, name: &str) -> Option<f64> {
-        self.bench.declared.effects.iter().find(|(n, _)| n == name)?.1.first().copied()
+    pub fn declared_effect(&self, effect: &dyn Effect) -> Option<f64> {
+        self.bench.declared.effects.iter().find(|e| e.effect == effect)?.values.first().copied()
     }
 
     /// What opposes motion in proportion to speed where a voltage drives, and K_T/R of the same fit: by the surest
     /// equation.
     pub fn damping(&self, motor: &Motor) -> Option<(Number, Number)> {
-        let declared = declared_effects(&self.bench.declared);
-        let viscous = declared.iter().find(|(e, _)| e.name() == "viscous_friction").map_or(0.0, |(_, v)| v[0]);
+        let effect = of_damping()?;
+        let declared = self.bench.declared.all_effects();
+        let viscous = declared.iter().find(|e| e.effect == effect).map_or(0.0, |e| e.values[0]);
+        let coefficient = coefficient(effect);
         let of = |r: usize| {
-            let (own, term) = (self.seen(r, "damping"), self.seen(r, "viscous_friction.coefficient"));
+            let (own, term) = (self.seen(r, "damping"), self.seen(r, &coefficient));
             if !self.sight[r].sees_quotient || (own.is_none() && term.is_none()) {
                 return None;
             }
@@ -219,8 +220,8 @@ impl<'a> Fits<'a> {
 
     /// Instances of an effect, declared or found, each once: of several orders, each order.
     pub fn instances(&self, effect: &dyn Effect) -> Vec<Vec<f64>> {
-        let declared = self.bench.declared.effects.iter().filter(|(name, _)| name == effect.name()).map(|(_, v)| v);
-        let found = self.reports.iter().flat_map(|r| &r.effects).filter(|e| e.name == effect.name());
+        let declared = self.bench.declared.effects.iter().filter(|e| e.effect == effect).map(|e| &e.values);
+        let found = self.reports.iter().flat_map(|r| &r.effects).filter(|e| e.effect == effect);
         let mut list: Vec<Vec<f64>> = Vec::new();
         for instance in declared.chain(found.flat_map(|e| &e.instances)) {
             let same = |other: &Vec<f64>| is_same(effect, other, instance);
@@ -246,7 +247,7 @@ impl<'a> Fits<'a> {
         self.used.borrow_mut().push((name(effect.parameters()[0].name), report));
         if effect.shape() != Shape::None {
             // A shape belongs to the fit that its size is of.
-            let found = self.reports[report].effects.iter().filter(|e| e.name == effect.name());
+            let found = self.reports[report].effects.iter().filter(|e| e.effect == effect);
             let own =
                 found.flat_map(|e| &e.instances).find(|i| is_same(effect, i, instance)).map_or(instance, Vec::as_slice);
             let index = effect.linear();
@@ -284,6 +285,11 @@ impl<'a> Fits<'a> {
         }
         notes
     }
+}
+
+/// The name of an effect's first parameter, as a report has it.
+pub(super) fn coefficient(effect: &dyn Effect) -> String {
+    parameter_name(effect, &[], effect.parameters()[0].name)
 }
 
 /// Whether two sets of values are one instance: of effects with orders, by their order.

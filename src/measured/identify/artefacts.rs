@@ -3,25 +3,14 @@
 //! The one idea: they are looked for with a generous model (the declared one plus plain friction), so that
 //! an effect that the model lacks does not pass for a lag, and again at the end with what was found.
 
-use super::balance::{Balance, Corrections, Setting, Target};
-use super::regression::{Blocks, covariance, paired, solve, squares};
-use super::{Kind, Work};
+use super::balance::{Balance, Corrections, Setting};
+use super::regression::{Blocks, covariance, solve, squares};
+use super::work::{Kind, Work};
 use crate::effects::Variable;
+use crate::measured::answer::{Artefact, ArtefactKind, Target};
 use crate::measured::{Bench, BenchKind, signals};
 use crate::numerics::line_search::golden_section;
-
-/// An artefact of the measurement.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Artefact {
-    /// `lag`, `gain`, `sign` or `zero`.
-    pub kind: &'static str,
-    /// The channel, and the log where it is one log's.
-    pub channel: String,
-    /// How much.
-    pub value: f64,
-    /// Unit.
-    pub unit: &'static str,
-}
+use crate::numerics::sums::paired;
 
 /// Gains that differ by less from the other logs' are taken for scatter.
 const GAIN: f64 = 0.12;
@@ -168,15 +157,15 @@ pub fn list(work: &Work, corrections: &Corrections) -> Vec<Artefact> {
             format!("{channel} of {}", balance.names[log])
         };
         if *gain < 0.0 {
-            found.push(Artefact { kind: "sign", channel: place.clone(), value: -1.0, unit: "1" });
+            found.push(Artefact { kind: ArtefactKind::Sign, channel: place.clone(), value: -1.0, unit: "1" });
         }
         if (gain.abs() - 1.0).abs() > 1e-9 {
-            found.push(Artefact { kind: "gain", channel: place, value: 1.0 / gain.abs(), unit: "1" });
+            found.push(Artefact { kind: ArtefactKind::Gain, channel: place, value: 1.0 / gain.abs(), unit: "1" });
         }
     }
     for (name, lag) in [(channel, corrections.target_lag), ("velocity", corrections.motion_lag)] {
         if lag != 0.0 {
-            found.push(Artefact { kind: "lag", channel: name.into(), value: lag, unit: "s" });
+            found.push(Artefact { kind: ArtefactKind::Lag, channel: name.into(), value: lag, unit: "s" });
         }
     }
     found
@@ -210,8 +199,8 @@ pub fn zeros(work: &Work) -> Vec<Artefact> {
             }
         }
     }
-    for (effect, values) in &work.fixed {
-        subtract(1.0, balance.effect_with_zero(*effect, values));
+    for fixed in &work.fixed {
+        subtract(1.0, balance.effect_with_zero(fixed.effect, &fixed.values));
     }
     // What was held stays as declared.
     for (index, base) in balance.base.iter().enumerate().filter(|(i, _)| !fitted[*i]) {
@@ -228,7 +217,7 @@ pub fn zeros(work: &Work) -> Vec<Artefact> {
         .zip(&balance.names)
         .filter(|((_, n), _)| *n > 0.0)
         .map(|((sum, n), name)| Artefact {
-            kind: "zero",
+            kind: ArtefactKind::Zero,
             channel: format!("{} of {name}", balance.target.name()),
             value: sum / n,
             unit: balance.unit,

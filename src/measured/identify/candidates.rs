@@ -7,31 +7,28 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 use super::balance::visible;
-use super::evidence::{Asked, Gain};
-use super::regression::{Blocks, finite_sum, paired, solve};
-use super::structure;
-use super::verdict::Refused;
-use super::{CHANCE, Fit, Kind, SURE, Term, WORTH, Work, projection};
-use crate::effects::{EFFECTS, Effect, Operating, Shape};
+use super::flexible::{drift, order_scores};
+use super::regression::{Blocks, projection, solve, squares};
+use super::work::{Fit, Kind, Term, Work};
+use crate::effects::{EFFECTS, Effect, Shape};
+use crate::measured::answer::evidence::{Asked, Gain};
+use crate::measured::answer::{Ground, Refused};
+use crate::measured::select::CHANCE;
+use crate::numerics::sums::{finite_sum, paired};
 
-/// Highest order that is searched.
-const ORDERS: usize = 120;
+/// Least share of the left-out squared error that an effect must take away to be worth a name: 3 % of the
+/// error itself.
+pub const WORTH: f64 = 0.06;
+/// A gain must be this many standard errors above zero between blocks.
+pub const SURE: f64 = 2.5;
 /// Repetitions with random signs.
 const REPETITIONS: usize = 400;
 /// Share of its gain that a candidate must keep beside a free drift in time.
 const BESIDE_DRIFT: f64 = 0.4;
 
-/// The plainest effects.
-const BASICS: [&str; 3] = ["torque_offset", "viscous_friction", "coulomb_friction"];
-
-/// Effects that are defined beyond another.
-const BEYOND: [(&str, &str); 2] = [("direction_asymmetry", "torque_offset"), ("stribeck_friction", "coulomb_friction")];
-
 /// Whether an effect in the model is defined beyond this one, which therefore stays.
 fn carries_another(work: &Work, effect: &dyn Effect) -> bool {
-    BEYOND.iter().any(|(name, first)| {
-        *first == effect.name() && work.terms.iter().any(|t| t.effect().is_some_and(|(e, _)| e.name() == *name))
-    })
+    work.terms.iter().filter_map(Term::effect).any(|(e, _)| e.beyond().is_some_and(|first| first == effect))
 }
 
 /// A candidate at its best shape.
@@ -55,6 +52,13 @@ pub struct Candidate {
     columns: Vec<Vec<f64>>,
 }
 
+/// A term that can be spared.
+pub struct Superfluous {
+    term: usize,
+    /// Share of the left-out squared error that it takes away.
+    gain: f64,
+}
+
 /// The state of the selection: what was refused and why.
 pub struct Selection {
     /// Every refusal, the last word for each effect.
@@ -68,10 +72,11 @@ impl Selection {
     pub fn new(work: &Work) -> Selection {
         let mut selection = Selection { refused: Vec::new(), open: Vec::new() };
         for effect in EFFECTS {
-            let declared =
-                work.terms.iter().any(|t| {
-                    t.effect().is_some_and(|(e, _)| e.name() == effect.name()) && effect.shape() != Shape::Order
-                }) || work.fixed.iter().any(|(e, _)| e.name() == effect.name());
+            let declared = work
+                .terms
+                .iter()
+                .any(|t| t.effect().is_some_and(|(e, _)| e == *effect) && effect.shape() != Shape::Order)
+                || work.fixed.iter().any(|f| f.effect == *effect);
             if declared {
                 continue;
             }
@@ -84,8 +89,12 @@ impl Selection {
     }
 
     fn refuse(&mut self, name: &'static str, reason: String) {
+        self.refuse_on(Ground::Judged, name, reason);
+    }
+
+    fn refuse_on(&mut self, ground: Ground, name: &'static str, reason: String) {
         self.refused.retain(|r| r.name != name);
-        self.refused.push(Refused::new(name, reason));
+        self.refused.push(Refused { ground, ..Refused::new(name, reason) });
     }
 
     /// What every effect that could be asked and is not in the model would still take away, the strongest first, and
@@ -95,9 +104,9 @@ impl Selection {
         let open: Vec<&'static dyn Effect> = self.open.iter().copied().filter(out).collect();
         let candidates = evaluate_all(work, fit, &open);
         for effect in open.iter().filter(|e| !work.terms.iter().any(|t| is(t, **e))) {
-            let asked = candidates.iter().any(|c| c.effect.name() == effect.name());
+            let asked = candidates.iter().any(|c| c.effect == *effect);
             if !asked && !self.refused.iter().any(|r| r.name == effect.name()) {
-                self.refuse(effect.name(), "on these logs it cannot be told from what the model has".into());
+                self.refuse(effect.name(), "these logs cannot separate it from what the model has".into());
             }
         }
         let mut columns = work.columns();
@@ -115,7 +124,7 @@ impl Selection {
         let mut candidates = evaluate_all(work, &fit, &self.open);
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let threshold = chance_threshold(work, &candidates);
-        let drift = structure::drift(work);
+        let drift = drift(work);
         let drift_gain = gain_of(work, &fit, &drift);
         let basics = self.basics_suffice(work, &fit, &candidates);
         let mut accepted: Option<Candidate> = None;
@@ -125,37 +134,40 @@ impl Selection {
                 continue;
             }
             let already = work.terms.iter().any(|t| is(t, candidate.effect));
-            if basics && !BASICS.contains(&name) {
+            if basics && !candidate.effect.is_basic() {
                 continue;
             }
             if let Some(first) = self.comes_after(work, &fit, candidate.effect) {
                 self.refuse(name, format!("`{first}` comes first"));
                 continue;
             }
-            let mut refuse = |reason: String| {
+            let mut refuse = |ground: Ground, reason: String| {
                 if !already {
-                    self.refuse(name, reason);
+                    self.refuse_on(ground, name, reason);
                 }
             };
             if let Some(reason) = lacks(candidate.gain, candidate.sure, statistic(&candidate.scores), threshold) {
-                refuse(reason);
+                refuse(Ground::Judged, reason);
                 continue;
             }
-            if let Err(reason) = candidate.effect.plausible(&candidate.values, &work.balance.scale) {
-                refuse(reason);
+            if let Err(doubt) = candidate.effect.plausible(&candidate.values, &work.balance.scale) {
+                refuse(Ground::Judged, doubt.to_string());
                 continue;
             }
             if let Some(best) = accepted.as_ref().filter(|best| !is_told_instead(&candidate, best)) {
-                refuse(format!("`{}` explains more", best.effect.name()));
+                refuse(Ground::Judged, format!("`{}` explains more", best.effect.name()));
                 continue;
             }
             let beside = gain_beside(work, &candidate, &drift);
             if drift_gain > 1.15 * candidate.gain && beside < BESIDE_DRIFT * candidate.gain {
-                refuse("a drift in time explains it as well".into());
+                refuse(Ground::Drift, "a drift in time explains it as well".into());
                 continue;
             }
             if let Some(log) = log_that_objects(work, &candidate) {
-                refuse(format!("fitted on the other logs it makes `{}` worse", work.balance.names[log]));
+                refuse(
+                    Ground::Judged,
+                    format!("fitted on the other logs it makes `{}` worse", work.balance.names[log]),
+                );
                 continue;
             }
             accepted = Some(candidate);
@@ -168,12 +180,12 @@ impl Selection {
     /// What an effect is defined beyond, where that is not in the model yet and worth it: asymmetry is what
     /// differs between directions beyond a constant.
     fn comes_after(&self, work: &Work, fit: &Fit, effect: &dyn Effect) -> Option<&'static str> {
-        let first = BEYOND.iter().find(|(name, _)| *name == effect.name())?.1;
-        let open = self.open.iter().find(|e| e.name() == first)?;
+        let first = effect.beyond()?;
+        let open = self.open.iter().find(|e| **e == first)?;
         if work.terms.iter().any(|t| is(t, *open)) {
             return None;
         }
-        (gain_of(work, fit, &work.balance.effect_columns(*open, 0.0)) > WORTH).then_some(first)
+        (gain_of(work, fit, &work.balance.effect_columns(*open, 0.0)) > WORTH).then(|| first.name())
     }
 
     /// Whether plain friction and a constant together explain as much as the best single effect: then they
@@ -181,12 +193,12 @@ impl Selection {
     fn basics_suffice(&self, work: &Work, fit: &Fit, candidates: &[Candidate]) -> bool {
         let Some(best) = candidates
             .iter()
-            .find(|c| !BASICS.contains(&c.effect.name()) && c.effect.plausible(&c.values, &work.balance.scale).is_ok())
+            .find(|c| !c.effect.is_basic() && c.effect.plausible(&c.values, &work.balance.scale).is_ok())
         else {
             return false;
         };
         let left: Vec<&&'static dyn Effect> =
-            self.open.iter().filter(|e| BASICS.contains(&e.name()) && !work.terms.iter().any(|t| is(t, **e))).collect();
+            self.open.iter().filter(|e| e.is_basic() && !work.terms.iter().any(|t| is(t, **e))).collect();
         if left.is_empty() {
             return false;
         }
@@ -198,32 +210,33 @@ impl Selection {
         gain > WORTH && paired(&together, &best.left_out) < 2.0
     }
 
-    /// Takes out what later effects made superfluous.
-    pub fn drop_superfluous(&mut self, work: &mut Work) {
-        loop {
-            let fit = work.fit();
-            let least = (0..work.terms.len())
-                .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
-                .filter(|t| !work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e)))
-                .map(|t| {
-                    let without = work.left_out_without(t);
-                    let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);
-                    (t, gain, paired(&without, &fit.left_out))
-                })
-                .filter(|(t, gain, sure)| {
-                    *gain < 0.5 * WORTH || *sure < SURE - 0.5 || !self.still_plausible(work, &fit, *t)
-                })
-                .min_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((t, gain, _)) = least else { return };
-            let term = work.terms.remove(t);
-            if let Some((effect, _)) = term.effect() {
-                let reason = if gain < 0.5 * WORTH {
-                    "what was found later made it superfluous".to_string()
-                } else {
-                    "with all that was found its value is not plausible".to_string()
-                };
-                self.refuse(effect.name(), reason);
-            }
+    /// What later effects made superfluous: the term that takes away least, of those that take away too little, not surely,
+    /// or with a value that is not plausible.
+    pub fn superfluous(&self, work: &Work) -> Option<Superfluous> {
+        let fit = work.fit();
+        (0..work.terms.len())
+            .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
+            .filter(|t| !work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e)))
+            .map(|t| {
+                let without = work.left_out_without(t);
+                let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);
+                (Superfluous { term: t, gain }, paired(&without, &fit.left_out))
+            })
+            .filter(|(s, sure)| s.gain < 0.5 * WORTH || *sure < SURE - 0.5 || !self.still_plausible(work, &fit, s.term))
+            .min_by(|a, b| a.0.gain.total_cmp(&b.0.gain))
+            .map(|(superfluous, _)| superfluous)
+    }
+
+    /// Takes it out, with its reason.
+    pub fn remove(&mut self, work: &mut Work, superfluous: Superfluous) {
+        let term = work.terms.remove(superfluous.term);
+        if let Some((effect, _)) = term.effect() {
+            let reason = if superfluous.gain < 0.5 * WORTH {
+                "what was found later made it superfluous".to_string()
+            } else {
+                "with all that was found its value is not plausible".to_string()
+            };
+            self.refuse(effect.name(), reason);
         }
     }
 
@@ -235,7 +248,7 @@ impl Selection {
     }
 
     /// Effects that explain a term's part about as well: not significantly worse, and plausible.
-    pub fn look_alikes(&self, work: &Work, term: usize) -> Vec<&'static str> {
+    pub fn look_alikes(&self, work: &Work, term: usize) -> Vec<&'static dyn Effect> {
         let Some((own, _)) = work.terms[term].effect() else { return Vec::new() };
         let fit = work.fit();
         let mut without = Work {
@@ -249,12 +262,8 @@ impl Selection {
         without.terms.remove(term);
         let base = without.fit();
         let lost = finite_sum(&base.left_out) - finite_sum(&fit.left_out);
-        let rivals: Vec<&'static dyn Effect> = self
-            .open
-            .iter()
-            .copied()
-            .filter(|e| e.name() != own.name() && !without.terms.iter().any(|t| is(t, *e)))
-            .collect();
+        let rivals: Vec<&'static dyn Effect> =
+            self.open.iter().copied().filter(|e| *e != own && !without.terms.iter().any(|t| is(t, *e))).collect();
         evaluate_all(&without, &base, &rivals)
             .into_iter()
             .filter(|c| {
@@ -262,7 +271,7 @@ impl Selection {
                 let worse = paired(&c.left_out, &fit.left_out);
                 c.effect.plausible(&c.values, &work.balance.scale).is_ok() && worse < 2.0 && recovered > 0.7 * lost
             })
-            .map(|c| c.effect.name())
+            .map(|c| c.effect)
             .collect()
     }
 }
@@ -295,11 +304,11 @@ fn is_told_instead(candidate: &Candidate, best: &Candidate) -> bool {
 }
 
 fn is(term: &Term, effect: &dyn Effect) -> bool {
-    matches!(term.kind, Kind::Effect(e, _) if e.name() == effect.name())
+    matches!(term.kind, Kind::Effect(e, _) if *e == *effect)
 }
 
 fn rank(effect: &dyn Effect) -> usize {
-    EFFECTS.iter().position(|e| e.name() == effect.name()).unwrap_or(usize::MAX)
+    EFFECTS.iter().position(|e| *e == effect).unwrap_or(usize::MAX)
 }
 
 fn values_of(effect: &dyn Effect, shape: f64, linear: impl Iterator<Item = f64>) -> Vec<f64> {
@@ -318,58 +327,17 @@ fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
     };
     match effect.shape() {
         Shape::None => vec![0.0],
-        Shape::Speed if effect.name() == "stribeck_friction" => spaced(0.008 * scale.speed, 0.24 * scale.speed, 8),
-        Shape::Speed => spaced(0.2 * scale.speed, 1.2 * scale.speed, 8),
-        Shape::Current if effect.name() == "inverter_dead_time" => {
-            spaced(0.003 * scale.current, 0.3 * scale.current, 8)
-        }
-        Shape::Current => spaced(0.25 * scale.current, 4.0 * scale.current, 8),
+        Shape::Speed(search) => spaced(search.from * scale.speed, search.to * scale.speed, 8),
+        Shape::Current(search) => spaced(search.from * scale.current, search.to * scale.current, 8),
         Shape::Order => {
             let mut orders = order_scores(work, fit, effect);
             orders.retain(|(order, _)| {
-                !work
-                    .terms
-                    .iter()
-                    .any(|t| matches!(t.kind, Kind::Effect(e, s) if e.name() == effect.name() && s == *order))
+                !work.terms.iter().any(|t| matches!(t.kind, Kind::Effect(e, s) if e == effect && s == *order))
             });
             orders.sort_by(|a, b| b.1.total_cmp(&a.1));
             orders.into_iter().take(3).map(|(order, _)| order).collect()
         }
     }
-}
-
-/// Share of the residual that each order explains, roughly: without the filter, where it is slow enough to
-/// pass it.
-pub fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(f64, f64)> {
-    let residual = work.residual(fit);
-    let balance = &work.balance;
-    let probes = [0.0_f64, 1.0].map(|shape| {
-        // At order zero the cosine is one: what the harmonics are multiplied with.
-        balance.variable(false, |at: &Operating| if shape == 0.0 { effect.basis(0.0, at)[0] } else { 0.0 })
-    });
-    let output = effect.name() == "gear_ripple";
-    let angle = balance.variable(false, |at| if output { at.output_angle } else { at.angle });
-    let ratio = if output { 1.0 / work.bench.declared.ratio } else { 1.0 };
-    let speed = balance.variable(false, |at| at.speed * ratio);
-    let band = balance.band.unwrap_or(f64::INFINITY) * std::f64::consts::TAU;
-    let fits: Vec<bool> = balance.rows.block.iter().map(|b| work.fits(*b)).collect();
-    (1..=ORDERS)
-        .into_par_iter()
-        .map(|order| {
-            let h = order as f64;
-            let (mut a, mut b, mut norm) = (0.0, 0.0, 0.0);
-            for k in 0..residual.len() {
-                if !fits[k] || (h * speed[k]).abs() > 0.8 * band {
-                    continue;
-                }
-                let (sine, cosine) = (h * angle[k]).sin_cos();
-                a += residual[k] * probes[0][k] * cosine;
-                b += residual[k] * probes[0][k] * sine;
-                norm += probes[0][k] * probes[0][k];
-            }
-            (h, if norm > 0.0 { (a * a + b * b) / norm } else { 0.0 })
-        })
-        .collect()
 }
 
 /// Every effect at its best shape.
@@ -380,7 +348,7 @@ pub fn evaluate_all(work: &Work, fit: &Fit, effects: &[&'static dyn Effect]) -> 
     let mut best: Vec<Candidate> = Vec::new();
     for candidate in all.into_iter().flatten() {
         let judged = |c: &Candidate| (c.effect.plausible(&c.values, &work.balance.scale).is_ok(), c.gain);
-        match best.iter_mut().find(|b| b.effect.name() == candidate.effect.name()) {
+        match best.iter_mut().find(|b| b.effect == candidate.effect) {
             Some(b) => {
                 if is_preferred(judged(&candidate), judged(b)) {
                     *b = candidate;
@@ -537,9 +505,9 @@ fn log_that_objects(work: &Work, candidate: &Candidate) -> Option<usize> {
         let added: Vec<f64> = (0..candidate.columns.len()).map(|j| with[p + j]).collect();
         // Refits the model's own parameters on the log with the candidate's values given.
         let own_total = blocks.total(own);
-        let before = super::regression::squares(&model.total(own), &base);
+        let before = squares(&model.total(own), &base);
         let after = squares_given(&own_total, p, &added);
-        let own_fit = super::regression::squares(&model.total(own), &solve(&model.total(own)).coefficients);
+        let own_fit = squares(&model.total(own), &solve(&model.total(own)).coefficients);
         after > 1.1 * own_fit && after > before
     })
 }
@@ -556,7 +524,7 @@ fn squares_given(total: &DMatrix<f64>, p: usize, given: &[f64]) -> f64 {
     }
     map[(total.nrows() - 1, p)] = 1.0;
     let small = map.transpose() * total * map;
-    super::regression::squares(&small, &solve(&small).coefficients)
+    squares(&small, &solve(&small).coefficients)
 }
 
 #[cfg(test)]

@@ -5,12 +5,10 @@
 //! nothing. Each way has a condition under which it holds; where it does not hold, it does not count. Two that agree within
 //! a factor of two are believed, and then the smaller one; anything less is not known.
 
-use super::Work;
 use super::regression::{Blocks, Rows, solve, squares};
+use crate::measured::answer::noise::{Estimate, Method, Noise};
 use crate::measured::signals::{self, LowPass};
 
-/// How far apart two estimates may be.
-const APART: f64 = 2.0;
 /// From here on, in bands, nothing of the filter's own edge is left.
 const ABOVE: f64 = 1.3;
 /// Share of the sampling rate up to which a spectrum is read.
@@ -25,77 +23,6 @@ const FLAT: f64 = 0.75;
 const LINES: (f64, f64) = (5.0, 25.0);
 /// Length of a window of standstill, in periods of the band's end.
 const STILL: f64 = 20.0;
-
-/// A way to find the noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// What a standing machine's target does in the band.
-    Standstill,
-    /// The spectrum from the end of the band to three times that, taken into the band.
-    AboveTheBand,
-    /// Second differences from sample to sample, taken into the band.
-    SecondDifferences,
-}
-
-impl Method {
-    /// Its name, also in JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Method::Standstill => "standstill",
-            Method::AboveTheBand => "above_the_band",
-            Method::SecondDifferences => "second_differences",
-        }
-    }
-
-    /// In words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Method::Standstill => "standstill",
-            Method::AboveTheBand => "spectrum above the band",
-            Method::SecondDifferences => "second differences",
-        }
-    }
-}
-
-/// What one way says: noise in the band \[unit of the target\], or why it says nothing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// The way.
-    pub method: Method,
-    /// Root mean square in the band, or why not.
-    pub value: Result<f64, &'static str>,
-}
-
-/// The instrument's own noise.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Noise {
-    /// All ways.
-    pub estimates: Vec<Estimate>,
-    /// Frequency of a line that stands out above the band \[Hz\].
-    pub line: Option<f64>,
-}
-
-impl Noise {
-    /// The smallest of two or more estimates that agree; `None` where the noise cannot be told.
-    pub fn floor(&self) -> Option<f64> {
-        self.told().ok()
-    }
-
-    /// The noise, or why it cannot be told.
-    ///
-    /// # Errors
-    /// In words.
-    pub fn told(&self) -> Result<f64, &'static str> {
-        let values: Vec<f64> = self.estimates.iter().filter_map(|e| e.value.ok()).collect();
-        let (low, high) = values.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), v| (l.min(*v), h.max(*v)));
-        match values.len() {
-            0 => Err("nothing in these logs shows it"),
-            1 => Err("only one way to find it holds here"),
-            _ if high > APART * low => Err("the ways to find it are more than a factor of two apart"),
-            _ => Ok(low),
-        }
-    }
-}
 
 /// How a channel was read: its step of quantisation in the unit of the target, and the time between fresh values \[s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,10 +74,11 @@ pub struct Unfiltered {
     pub reading: Reading,
 }
 
-/// The noise of the response within the band of a model that was fitted.
-pub fn noise(work: &Work, coefficients: &[f64]) -> Noise {
-    match work.balance.band {
-        Some(band) => of_stretches(&work.unfiltered(coefficients), band),
+/// The noise of the response within the band, from what a model leaves of each stretch; without a band there is no time
+/// axis.
+pub fn noise(stretches: &[Unfiltered], band: Option<f64>) -> Noise {
+    match band {
+        Some(band) => of_stretches(stretches, band),
         None => {
             let why = "these are steady points, without a time axis";
             let none = |method| Estimate { method, value: Err(why) };
@@ -248,7 +176,7 @@ impl Spectrum<'_> {
             return Err("the logs are too short");
         }
         if line_in(&bins, LINES.0).is_some() {
-            return Err("a line stands in the spectrum");
+            return Err("there is a line in the spectrum");
         }
         let (slope, error) = slope(&bins, self.windows);
         let rises_or_falls = slope.abs() + 1.645 * error > FLAT;
@@ -327,7 +255,7 @@ fn standstill(stretches: &[Unfiltered], band: f64) -> Result<f64, &'static str> 
         }
     }
     if levels.len() < WINDOWS.1 {
-        return Err("the machine does not stand long enough");
+        return Err("the machine is not at rest long enough");
     }
     Ok(signals::median(levels).unwrap_or(0.0).sqrt())
 }

@@ -3,8 +3,9 @@
 
 use std::fmt::Write;
 
-use super::balance::{Balance, Corrections, Setting, Target};
-use super::{ROWS, Term, Work};
+use super::balance::{Balance, Corrections, Setting};
+use super::work::{Kind, Term, Work};
+use super::{ROWS, Target};
 use crate::effects::effect;
 use crate::measured::{Bench, read};
 
@@ -114,5 +115,5 @@ pub fn work_on(bench: &Bench, target: Target) -> Work<'_> {
 pub fn add(work: &mut Work, name: &str, shape: f64) {
     let effect = effect(name).expect("an effect");
     let columns = work.balance.effect_columns(effect, shape);
-    work.terms.push(Term { kind: super::Kind::Effect(effect, shape), columns, declared: None });
+    work.terms.push(Term { kind: Kind::Effect(effect, shape), columns, declared: None });
 }

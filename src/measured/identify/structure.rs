@@ -4,15 +4,13 @@
 //! function; where one lowers the left-out error beyond chance, something is left, and it is said on what
 //! it depends.
 
-use super::balance::Target;
-use super::candidates::order_scores;
-use super::regression::{finite_sum, paired};
-use super::{Fit, Work};
-use crate::effects::{Cogging, GearRipple, Operating, Variable};
+use super::flexible::{drift, hats, order_scores};
+use super::work::{Fit, Work};
+use crate::effects::{EFFECTS, Equation, Operating, Shape, Variable};
+use crate::measured::answer::{On, Target};
 use crate::measured::signals;
+use crate::numerics::sums::{finite_sum, paired};
 
-/// Knots of a flexible function.
-const KNOTS: usize = 9;
 /// Share of the left-out squared error that a flexible function must take away to be worth saying.
 const SAID: f64 = 0.08;
 /// In standard errors between blocks.
@@ -21,101 +19,48 @@ const SURE: f64 = 3.0;
 /// What the residual depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dependence {
-    /// The variable.
-    pub on: String,
+    /// On what.
+    pub on: On,
     /// Share of the left-out squared error that a flexible function of it takes away.
     pub share: f64,
     /// In words.
     pub detail: String,
 }
 
-/// Piecewise linear functions over knots at the quantiles of a variable.
-fn hats(values: &[f64]) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
-    let mut knots: Vec<f64> =
-        (0..KNOTS).filter_map(|k| signals::quantile(values.to_vec(), k as f64 / (KNOTS - 1) as f64)).collect();
-    knots.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * b.abs().max(1e-300));
-    if knots.len() < 3 {
-        return Vec::new();
-    }
-    (0..knots.len())
-        .map(|k| {
-            let middle = knots[k];
-            let left = (k > 0).then(|| knots[k - 1]);
-            let right = knots.get(k + 1).copied();
-            let hat = move |x: f64| {
-                if x <= middle {
-                    left.map_or(1.0, |l| ((x - l) / (middle - l)).max(0.0))
-                } else {
-                    right.map_or(1.0, |r| ((r - x) / (r - middle)).max(0.0))
-                }
-            };
-            Box::new(hat) as Box<dyn Fn(f64) -> f64 + Sync>
-        })
-        .collect()
-}
-
-/// Columns of a free drift: a piecewise linear function of time in each log.
-pub fn drift(work: &Work) -> Vec<Vec<f64>> {
-    let rows = &work.balance.rows;
-    let mut columns = Vec::new();
-    for log in 0..rows.logs() {
-        let times: Vec<f64> = (0..rows.len()).filter(|k| rows.log[*k] == log).map(|k| rows.time[k]).collect();
-        for hat in hats(&times).into_iter().skip(1) {
-            let mut column: Vec<f64> =
-                (0..rows.len()).map(|k| if rows.log[k] == log { hat(rows.time[k]) } else { 0.0 }).collect();
-            rows.without_means(&mut column);
-            columns.push(column);
-        }
-    }
-    columns
-}
-
-/// Columns of any function of speed.
-pub fn of_speed(work: &Work) -> Vec<Vec<f64>> {
-    if !work.balance.variables.contains(&Variable::Speed) {
-        return Vec::new();
-    }
-    let values = work.balance.variable(false, |at| at.speed);
-    let mut columns: Vec<Vec<f64>> =
-        hats(&values).iter().map(|hat| work.balance.function(|at| hat(at.speed))).collect();
-    columns.push(work.balance.function(|at| at.direction));
-    columns
-}
-
-/// A flexible function that is offered: variable, what it is called, columns.
-type Offer = (Option<Variable>, &'static str, Vec<Vec<f64>>);
+/// A flexible function that is offered: of what, and its columns.
+type Offer = (On, Vec<Vec<f64>>);
 
 /// The flexible functions that are offered.
 fn offers(work: &Work) -> Vec<Offer> {
     let balance = &work.balance;
-    let mut offers: Vec<Offer> = vec![(None, "time", drift(work))];
-    let mut offer = |variable: Option<Variable>, name: &'static str, f: &(dyn Fn(&Operating) -> f64 + Sync)| {
+    let mut offers: Vec<Offer> = vec![(On::Time, drift(work))];
+    let mut offer = |variable: Variable, f: &(dyn Fn(&Operating) -> f64 + Sync)| {
         let values = balance.variable(false, f);
         if values.iter().any(|v| !v.is_finite()) {
             return;
         }
         let columns = hats(&values).iter().map(|hat| balance.function(|at| hat(f(at)))).collect();
-        offers.push((variable, name, columns));
+        offers.push((On::Variable(variable), columns));
     };
     let has = |v: Variable| balance.variables.contains(&v);
     if has(Variable::Speed) {
-        offer(Some(Variable::Speed), "speed", &|at| at.speed);
+        offer(Variable::Speed, &|at| at.speed);
     }
     // Where the target is made of the current, a free function of it would explain its noise.
     if has(Variable::Current) && !balance.is_response(Variable::Current) {
-        offer(Some(Variable::Current), "current", &|at| at.current);
+        offer(Variable::Current, &|at| at.current);
     }
     // The same with the transmitted torque: where a sensor has it, current stands for it.
     if balance.is_response(Variable::Torque) {
         // As above.
     } else if has(Variable::Torque) && balance.target == Target::Torque && has(Variable::Current) {
         let constant = balance.scale.torque_constant;
-        offer(Some(Variable::Torque), "transmitted torque", &|at| constant * at.current * at.direction);
+        offer(Variable::Torque, &|at| constant * at.current * at.direction);
     } else if has(Variable::Torque) && balance.target != Target::Torque {
-        offer(Some(Variable::Torque), "transmitted torque", &|at| at.torque * at.direction);
+        offer(Variable::Torque, &|at| at.torque * at.direction);
     }
     if has(Variable::WindingTemperature) {
-        offer(Some(Variable::WindingTemperature), "winding temperature", &|at| at.winding_rise);
+        offer(Variable::WindingTemperature, &|at| at.winding_rise);
     }
     // Friction that changes with time.
     if has(Variable::Speed) && balance.step() > 0.0 {
@@ -131,7 +76,7 @@ fn offers(work: &Work) -> Vec<Offer> {
                 product
             })
             .collect();
-        offers.push((None, "time and direction", columns));
+        offers.push((On::TimeAndDirection, columns));
     }
     let acceleration = balance.acceleration();
     if acceleration.iter().any(|a| *a != 0.0) {
@@ -143,27 +88,28 @@ fn offers(work: &Work) -> Vec<Offer> {
                 column
             })
             .collect();
-        offers.push((None, "acceleration", columns));
+        offers.push((On::Acceleration, columns));
     }
     offers
 }
 
 /// What flexible functions find in what the model leaves, the strongest first, and the error that they
 /// would leave together.
-pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(Option<Variable>, f64)>) {
+pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(On, f64)>) {
     let before = finite_sum(&fit.left_out);
     let mut found = Vec::new();
     let mut shares = Vec::new();
-    for (variable, name, extra) in offers(work) {
+    for (on, extra) in offers(work) {
         let mut columns = work.columns();
         columns.extend(extra.iter().map(Vec::as_slice));
         let with = work.fit_columns(&columns);
         let share = 1.0 - finite_sum(&with.left_out) / before;
         let sure = paired(&fit.left_out, &with.left_out);
         if share > SAID && sure > SURE {
-            shares.push((variable, share));
+            shares.push((on, share));
+            let name = on.name();
             found.push(Dependence {
-                on: name.into(),
+                on,
                 share,
                 detail: format!(
                     "a free function of {name} would lower the left-out error by {:.0} %",
@@ -172,13 +118,14 @@ pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(Option<Variable>, 
             });
         }
     }
-    for (variable, name, effect) in [
-        (Variable::Angle, "motor position", &Cogging as &dyn crate::effects::Effect),
-        (Variable::OutputAngle, "output position", &GearRipple),
-    ] {
+    // Harmonics of an angle alone, whatever they are called.
+    let of_an_angle = EFFECTS.iter().filter(|e| e.shape() == Shape::Order && e.acts_on() == Equation::Torque);
+    for effect in of_an_angle.copied() {
+        let &[variable] = effect.needs() else { continue };
         if !work.balance.variables.contains(&variable) {
             continue;
         }
+        let name = variable.name();
         let mut scores = order_scores(work, fit, effect);
         scores.sort_by(|a, b| b.1.total_cmp(&a.1));
         let orders: Vec<f64> = scores.iter().take(4).map(|s| s.0).collect();
@@ -188,18 +135,18 @@ pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(Option<Variable>, 
         let with = work.fit_columns(&columns);
         let share = 1.0 - finite_sum(&with.left_out) / before;
         if share > SAID && paired(&fit.left_out, &with.left_out) > SURE {
-            shares.push((Some(variable), share));
+            shares.push((On::Variable(variable), share));
             let list: Vec<String> = orders.iter().map(f64::to_string).collect();
             found.push(Dependence {
-                on: name.into(),
+                on: On::Variable(variable),
                 share,
-                detail: format!("orders {} of the {name} stand out", list.join(", ")),
+                detail: format!("orders {} of the {name} are above the rest", list.join(", ")),
             });
         }
     }
     if let Some((frequency, share)) = hum(work, fit) {
         found.push(Dependence {
-            on: "time".into(),
+            on: On::Time,
             share,
             detail: format!("a line at {frequency:.2} Hz that no speed explains holds {:.0} % of it", 100.0 * share),
         });

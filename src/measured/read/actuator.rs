@@ -4,8 +4,8 @@ use toml::Spanned;
 
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Catalog, Gear, Motor};
-use crate::effects::{EFFECTS, Effect};
-use crate::input::{Problem, Range, Section};
+use crate::effects::{EFFECTS, Effect, FittedEffect};
+use crate::input::{Key, Problem, Range, Section, key};
 use crate::measured::bench::Declared;
 use crate::requirement::{GearModel, backdrive_efficiency};
 use crate::units::{self, Kind};
@@ -63,9 +63,22 @@ pub enum Purpose {
     Characterize(Commutation),
 }
 
+const MASS: Key = key("mass", "of a linear axis, with which it is one");
+const FORCE_GAIN: Key = key(
+    "force_gain",
+    "of a linear axis: drive force per unit of the column that drives it; without it the column is the force",
+)
+.value("force per voltage, per current or per duty, as `\"35.15 N/V\"`");
+const MOTOR: Key = key("motor", "of the catalogue; not of a linear axis").value("id");
+const GEAR: Key = key("gear", "of the catalogue; or its numbers").value("id or table");
+const BACKDRIVE: Key =
+    key("backdrive_efficiency", "when the load drives; at most 1").default("that of the gear, or 2 − 1/η");
+const EFFECTS_KEY: Key =
+    key("effects", "what is declared beyond the row; see [effects](effects.md)").value("table, or list of names");
+
 /// Reads the table `actuator`.
 pub fn read(section: Section, catalog: Option<&Catalog>, linear: bool, purpose: Purpose) -> Option<(Declared, Frame)> {
-    let linear = linear || section.has("mass") || section.has("force_gain");
+    let linear = linear || section.has(MASS.value("mass, as `\"95 kg\"`")) || section.has(FORCE_GAIN);
     let read = if linear { read_linear(&section) } else { read_rotary(&section, catalog, purpose) };
     section.finish();
     read
@@ -78,7 +91,7 @@ fn read_linear(section: &Section) -> Option<(Declared, Frame)> {
                 .help("its drive is `force_gain`, newtons per unit of the column that drives it"),
         );
     }
-    let mass = section.required_quantity("mass", &units::MASS, Range::Positive);
+    let mass = section.required_quantity(MASS, &units::MASS, Range::Positive);
     let (drive, gain) = read_force_gain(section)?;
     let declared = Declared {
         motor: None,
@@ -86,8 +99,16 @@ fn read_linear(section: &Section) -> Option<(Declared, Frame)> {
         gear: GearModel::IDEAL,
         mass,
         force_gain: gain,
-        viscous_friction: section.quantity("viscous_friction", &units::LINEAR_VISCOUS_FRICTION, Range::NonNegative),
-        coulomb_friction: section.quantity("coulomb_friction", &units::FORCE, Range::NonNegative),
+        viscous_friction: section.quantity(
+            key("viscous_friction", "of a linear axis"),
+            &units::LINEAR_VISCOUS_FRICTION,
+            Range::NonNegative,
+        ),
+        coulomb_friction: section.quantity(
+            key("coulomb_friction", "of a linear axis"),
+            &units::FORCE,
+            Range::NonNegative,
+        ),
         fixture_inertia: 0.0,
         effects: Vec::new(),
     };
@@ -104,7 +125,7 @@ fn read_force_gain(section: &Section) -> Option<(Drive, f64)> {
     if !section.has("force_gain") {
         return Some((Drive::Force, 1.0));
     }
-    let text = section.text("force_gain")?;
+    let text = section.text(FORCE_GAIN)?;
     for (drive, kind) in KINDS {
         match units::quantity(text.get_ref(), kind) {
             Ok(gain) if gain > 0.0 => return Some((drive, gain)),
@@ -150,23 +171,25 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>, purpose: Purpose) -
     let motor = if nameless {
         None
     } else {
-        section.required_text("motor", "\"t-motor-ri50\"").and_then(|id| find_motor(section, &id, catalog))
+        section.required_text(MOTOR, "\"t-motor-ri50\"").and_then(|id| find_motor(section, &id, catalog))
     };
     // `gear` is the id of a gear of the catalogue, or a table of its numbers.
-    let table = if section.is_table("gear") { section.section("gear") } else { None };
-    let gear = if table.is_none() { section.text("gear").map(|id| find_gear(section, &id, catalog)) } else { None };
+    let table = if section.is_table("gear") { section.section(GEAR) } else { None };
+    let gear = if table.is_none() { section.text(GEAR).map(|id| find_gear(section, &id, catalog)) } else { None };
     let listed = gear.flatten();
-    let ratio = section.number("ratio", Range::Positive).or(listed.map(|g| g.ratio));
+    let ratio = section
+        .number(key("ratio", "of the gear; that of the `gear` of the catalogue, else required"), Range::Positive)
+        .or(listed.map(|g| g.ratio));
     if !section.has("ratio") && (!section.has("gear") || table.is_some()) {
         section.missing("ratio", "7.5  # 1 for direct drive");
     }
     let of_table = |key, range| table.as_ref().and_then(|t| t.number(key, range));
     let efficiency = section
-        .number("efficiency", Range::Fraction)
+        .number(key("efficiency", "when the motor drives").default("that of the gear, or 1"), Range::Fraction)
         .or(of_table("efficiency", Range::Fraction))
         .or(listed.and_then(|g| g.efficiency))
         .unwrap_or(1.0);
-    let backdrive = section.number("backdrive_efficiency", Range::Any).or(of_table("backdrive_efficiency", Range::Any));
+    let backdrive = section.number(BACKDRIVE, Range::Any).or(of_table("backdrive_efficiency", Range::Any));
     if backdrive.is_some_and(|b| b > 1.0) {
         section.note(Problem::at(
             section.span_of("backdrive_efficiency"),
@@ -183,7 +206,7 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>, purpose: Purpose) -
         mass: listed.map_or(GearModel::IDEAL.mass, |g| g.mass),
         mass_per_stage: None,
         inertia: section
-            .quantity("gear_inertia", &units::INERTIA, Range::NonNegative)
+            .quantity(key("gear_inertia", "of the gear, at the input"), &units::INERTIA, Range::NonNegative)
             .or(table.as_ref().and_then(|t| t.quantity("inertia", &units::INERTIA, Range::NonNegative)))
             .or(listed.and_then(|g| g.inertia))
             .unwrap_or(0.0),
@@ -194,12 +217,18 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>, purpose: Purpose) -
     if let Some(table) = table {
         table.finish();
     }
-    let fixture_inertia = section.quantity("fixture_inertia", &units::INERTIA, Range::NonNegative).unwrap_or(0.0);
+    let fixture_inertia = section
+        .quantity(
+            key("fixture_inertia", "of what is between gear and torque sensor, at the output").default("none"),
+            &units::INERTIA,
+            Range::NonNegative,
+        )
+        .unwrap_or(0.0);
     let mut effects = read_effects(section, motor);
     // A fitted actuator brings its effects along.
-    let given: Vec<String> = effects.iter().map(|(name, _)| name.clone()).collect();
-    let own = motor.iter().flat_map(|m| &m.effects).filter(|e| !given.iter().any(|name| name == e.name()));
-    effects.extend(own.map(|e| (e.name().to_string(), e.values.clone())));
+    let given: Vec<&'static dyn Effect> = effects.iter().map(|e| e.effect).collect();
+    let own = motor.iter().flat_map(|m| &m.effects).filter(|e| !given.contains(&e.effect));
+    effects.extend(own.cloned());
     let ratio = ratio?;
     if motor.is_none() && !nameless {
         return None;
@@ -250,9 +279,9 @@ fn unknown_id(what: &str, id: &Spanned<String>, near: Option<&str>) -> Problem {
 
 /// Effects that the model has already: a list of names, whose values the motor's row declares, or a
 /// table of names with their parameters.
-fn read_effects(section: &Section, motor: Option<&Motor>) -> Vec<(String, Vec<f64>)> {
+fn read_effects(section: &Section, motor: Option<&Motor>) -> Vec<FittedEffect> {
     let mut effects = Vec::new();
-    if section.is_list("effects") {
+    if section.has(EFFECTS_KEY) && section.is_list("effects") {
         for name in section.texts("effects").unwrap_or_default() {
             match EFFECTS.iter().find(|e| e.name() == name.get_ref()) {
                 None => section.note(
@@ -282,7 +311,7 @@ fn read_effects(section: &Section, motor: Option<&Motor>) -> Vec<(String, Vec<f6
                 .collect();
             parameters.finish();
             if let Some(values) = values.into_iter().collect() {
-                effects.push((effect.name().to_string(), values));
+                effects.push(FittedEffect { effect: *effect, values });
             }
         }
         table.finish();
@@ -292,10 +321,10 @@ fn read_effects(section: &Section, motor: Option<&Motor>) -> Vec<(String, Vec<f6
 
 fn declared_by_row(
     section: &Section,
-    effect: &dyn Effect,
+    effect: &'static dyn Effect,
     name: &Spanned<String>,
     motor: Option<&Motor>,
-) -> Option<(String, Vec<f64>)> {
+) -> Option<FittedEffect> {
     let motor = motor?;
     let values = motor.declared(effect);
     if values.is_none() {
@@ -314,5 +343,5 @@ fn declared_by_row(
             )),
         );
     }
-    Some((effect.name().to_string(), values?))
+    Some(FittedEffect { effect, values: values? })
 }

@@ -4,8 +4,9 @@
 use std::ops::Range as Span;
 
 use super::actuator::{Drive, Frame};
+use super::remark::Remark;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, word};
-use crate::input::{Problem, Range, Section};
+use crate::input::{Key, Problem, Range, Section, key as about};
 use crate::measured::bench::Channel;
 use crate::units::{self, Kind};
 
@@ -44,7 +45,7 @@ pub struct Column {
     /// Whether a row's value holds until the next row, of what drives the machine.
     pub held: bool,
     /// What was assumed.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
 }
 
 impl Column {
@@ -132,6 +133,27 @@ impl Quantity {
         }
     }
 
+    /// What its column is, in a few words.
+    fn about(self) -> &'static str {
+        match self {
+            Quantity::Time => "time",
+            Quantity::Current => "current of the motor; with `convention`",
+            Quantity::Voltage => "voltage of the motor; with `convention`",
+            Quantity::Position => "angle; its `side` is in the key, or said",
+            Quantity::Velocity => "speed; its `side` is in the key, or said",
+            Quantity::Acceleration => "acceleration; with `side`",
+            Quantity::Torque => "torque sensor; with `side`",
+            Quantity::Force => "force sensor of a linear axis",
+            Quantity::Duty => "duty cycle, −1 to 1",
+            Quantity::Supply => "bus voltage",
+            Quantity::BusCurrent => "current drawn from the bus",
+            Quantity::Goal => "goal of a servo",
+            Quantity::Command => "what was asked of the driving machine, of kind `random_torque`",
+            Quantity::WindingTemperature => "temperature of the winding",
+            Quantity::HousingTemperature => "temperature of housing or magnets",
+        }
+    }
+
     fn has_side(self) -> bool {
         matches!(
             self,
@@ -146,8 +168,10 @@ pub fn read(section: Section, frame: &Frame) -> (Vec<Column>, bool) {
     let mut columns: Vec<Column> = Vec::new();
     let mut complete = true;
     for (key, quantity, side) in KEYS {
+        let asked = about(key, quantity.about()).value("column");
+        let asked = if *quantity == Quantity::Time { asked.required() } else { asked };
         let entries =
-            if section.is_list(key) { section.sections(key) } else { section.section(key).into_iter().collect() };
+            if section.is_list(key) { section.sections(asked) } else { section.section(asked).into_iter().collect() };
         for entry in entries {
             let span = entry.span();
             let Some(column) = read_column(entry, key, *quantity, *side, frame) else {
@@ -187,17 +211,17 @@ fn read_column(
 ) -> Option<Column> {
     let linear = frame.linear.is_some();
     let kind = quantity.kind(linear);
-    let name = section.required_text("name", &format!("\"{key}\""));
+    let name = section.required_text(about("name", "in the header of the log"), &format!("\"{key}\""));
     let unit =
         if quantity == Quantity::Command { read_command_unit(&section, key) } else { read_unit(&section, key, kind) };
-    let sign = section.number("sign", Range::Any).unwrap_or(1.0);
+    let sign = section.number(about("sign", "of the column").value("1, -1").default("1"), Range::Any).unwrap_or(1.0);
     if sign.abs() != 1.0 {
         section.note(
             Problem::at(section.span_of("sign"), format!("`sign` of `{key}` cannot be {sign}"), "expected 1 or -1")
                 .help("what a cell has to be multiplied with is `scale`"),
         );
     }
-    let scale = section.number("scale", Range::Any).unwrap_or(1.0);
+    let scale = section.number(about("scale", "factor on the column").default("1"), Range::Any).unwrap_or(1.0);
     if scale == 0.0 {
         section.note(Problem::at(
             section.span_of("scale"),
@@ -205,7 +229,7 @@ fn read_column(
             "expected a number other than 0",
         ));
     }
-    let bits = section.count("bits");
+    let bits = section.count(about("bits", "width of a counter that wraps"));
     if bits.is_some_and(|b| !(2..=32).contains(&b)) {
         section.note(Problem::at(
             section.span_of("bits"),
@@ -214,14 +238,23 @@ fn read_column(
         ));
     }
     let difference = if quantity == Quantity::Velocity {
-        section.quantity("difference", &units::TIME, Range::NonNegative)
+        section.quantity(
+            about("difference", "over how long it is a difference of positions, or a mean; 0 s: that of an instant"),
+            &units::TIME,
+            Range::NonNegative,
+        )
     } else {
         None
     };
     let gain_tolerance = if quantity == Quantity::Time {
         None
     } else {
-        section.quantity("gain_tolerance", &units::RATIO, Range::NonNegative)
+        section.quantity(
+            about("gain_tolerance", "± (95 %) of the instrument's gain, for `characterize`")
+                .value("share, as `\"1 %\"`"),
+            &units::RATIO,
+            Range::NonNegative,
+        )
     };
     let mut remarks = Vec::new();
     let placed = place(&section, key, quantity, side, frame, &mut remarks);
@@ -257,12 +290,25 @@ fn read_column(
     })
 }
 
+const HELD: &str = "whether a row's value holds until the next row, as a digital drive holds a command: a current or force that was \
+                    commanded has `true`, a duty of a loop much faster than the log `false`";
+
+const UNIT: Key = about("unit", "of the cells").value("unit");
+
 /// Whether a row's value holds until the next, of what drives the machine. A digital drive holds what it is told: a duty
 /// cycle and a goal. A current or force is what an instrument read of something that goes on between the rows; where it
 /// is a command, the file has to say so.
 fn read_held(section: &Section, quantity: Quantity, target: Option<Target>) -> bool {
     let drives = |t| matches!(t, Target::Channel(Channel::Duty | Channel::Goal | Channel::Current));
-    let said = if target.is_none_or(drives) { section.boolean("held") } else { None };
+    let said = if target.is_none_or(drives) {
+        section.boolean(about("held", HELD).default(if matches!(quantity, Quantity::Duty | Quantity::Goal) {
+            "true"
+        } else {
+            "false"
+        }))
+    } else {
+        None
+    };
     said.unwrap_or(matches!(quantity, Quantity::Duty | Quantity::Goal))
 }
 
@@ -292,7 +338,7 @@ fn read_command_unit(section: &Section, key: &str) -> Option<units::Unit> {
 
 fn read_unit(section: &Section, key: &str, kind: &'static Kind) -> Option<units::Unit> {
     let example = kind.example.split_once(' ').map_or("1", |(_, unit)| unit);
-    if !section.has("unit") {
+    if !section.has(if kind.needs_unit() { UNIT.required() } else { UNIT.default("a pure number") }) {
         if kind.needs_unit() {
             section.note(
                 Problem::at(section.span(), format!("the column of `{key}` has no unit"), "`unit` is missing")
@@ -302,7 +348,7 @@ fn read_unit(section: &Section, key: &str, kind: &'static Kind) -> Option<units:
         }
         return units::unit_of("1", kind).ok();
     }
-    let text = section.text("unit")?;
+    let text = section.text(UNIT)?;
     match units::unit_of(text.get_ref(), kind) {
         Ok(unit) => Some(unit),
         Err(error) => {
@@ -326,15 +372,15 @@ fn place(
     quantity: Quantity,
     side: Option<Side>,
     frame: &Frame,
-    remarks: &mut Vec<String>,
+    remarks: &mut Vec<Remark>,
 ) -> Option<(Target, f64)> {
     let side = read_side(section, key, quantity, side, frame, remarks)?;
     let motor = side == Side::Motor;
     let channel = |channel| Some((Target::Channel(channel), 1.0));
     // Torque grows by the ratio on its way to the output, motion shrinks.
-    let moved = |channel, factor: f64, remarks: &mut Vec<String>| {
+    let moved = |channel, factor: f64, remarks: &mut Vec<Remark>| {
         if motor && frame.ratio != 1.0 {
-            remarks.push(format!("`{key}` was measured at the motor and is brought to the output by the ratio"));
+            remarks.push(Remark::FromMotor(key));
         }
         Some((Target::Channel(channel), if motor { factor } else { 1.0 }))
     };
@@ -419,7 +465,7 @@ fn read_side(
     quantity: Quantity,
     side: Option<Side>,
     frame: &Frame,
-    remarks: &mut Vec<String>,
+    remarks: &mut Vec<Remark>,
 ) -> Option<Side> {
     let said = match side {
         Some(own) => {
@@ -439,7 +485,7 @@ fn read_side(
             Some(own)
         }
         None if quantity.has_side() => {
-            let said = section.choice("side", SIDES);
+            let said = section.choice(about("side", "where it was measured").default("the output"), SIDES);
             if said.is_none() && section.has("side") {
                 return None;
             }
@@ -456,13 +502,14 @@ fn read_side(
         return None;
     }
     if said.is_none() && frame.linear.is_none() && frame.ratio != 1.0 {
-        remarks.push(format!("`{key}` names no side and is taken at the output"));
+        remarks.push(Remark::NoSide(key));
     }
     Some(said.unwrap_or(Side::Output))
 }
 
-fn current_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> Option<f64> {
-    let said = section.choice("convention", CurrentConvention::NAMES);
+fn current_factor(section: &Section, frame: &Frame, remarks: &mut Vec<Remark>) -> Option<f64> {
+    let said = section
+        .choice(about("convention", "what ampere means").default("that of the motor's row"), CurrentConvention::NAMES);
     if frame.commutation == Commutation::Brushed {
         return Some(1.0);
     }
@@ -472,19 +519,22 @@ fn current_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -
     };
     if said.is_none() {
         let word = word(CurrentConvention::NAMES, &convention);
-        remarks.push(format!("`current` names no convention and is taken as that of the motor's row, {word}"));
+        remarks.push(Remark::CurrentConvention(word));
     }
     Some(convention.torque_current(frame.commutation))
 }
 
-fn voltage_factor(section: &Section, frame: &Frame, remarks: &mut Vec<String>) -> Option<f64> {
-    let said = section.choice("convention", BackEmfConvention::NAMES);
+fn voltage_factor(section: &Section, frame: &Frame, remarks: &mut Vec<Remark>) -> Option<f64> {
+    let said = section.choice(
+        about("convention", "what the voltage is measured between").default("the q axis"),
+        BackEmfConvention::NAMES,
+    );
     if said.is_none() && frame.commutation == Commutation::Brushless {
         if frame.characterize {
             unsaid(section, "voltage", BackEmfConvention::NAMES.iter().map(|(name, _)| *name));
             return None;
         }
-        remarks.push("`voltage` names no convention and is taken on the q axis".to_string());
+        remarks.push(Remark::VoltageConvention);
     }
     Some(said.unwrap_or(BackEmfConvention::QAxis).back_emf_constant(frame.commutation))
 }

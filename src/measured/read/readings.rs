@@ -3,7 +3,7 @@
 use crate::catalog::FIELDS;
 use crate::catalog::convention::{Commutation, CurrentConvention, Winding};
 use crate::catalog::{Printed, Sheet};
-use crate::input::{Problem, Range, Section};
+use crate::input::{Key, Problem, Range, Section, key};
 use crate::measured::bench::{KnownMotor, Readings, RotorReadings, TerminalReadings};
 use crate::units::{self, Kind};
 
@@ -30,13 +30,22 @@ const GIVEN: &[(&str, &str)] = &[
     ("viscous_friction", "viscous_friction_tolerance"),
 ];
 
+const MOTOR: Key =
+    key("motor", "for `characterize`: `id` and any column of a motor catalogue, `…_tolerance` too, that no test gives");
+const RESISTANCE: Key = key("resistance", "of each pair of terminals")
+    .value("three of resistance, as `\"1.41 ohm\"`; one of a motor with two terminals");
+const INDUCTANCE: Key = key("inductance", "of each pair of terminals")
+    .value("three of inductance, as `\"1.2 mH\"`; one of a motor with two terminals");
+
 /// Reads the three tables, and the ambient temperature.
 pub fn read(root: &Section) -> Readings {
     Readings {
-        motor: root.section("motor").map(read_motor).unwrap_or_default(),
-        terminals: root.section("terminals").map(read_terminals),
-        rotor: root.section("rotor").and_then(read_rotor),
-        ambient: root.quantity("ambient", &units::TEMPERATURE, Range::Positive),
+        motor: root.section(MOTOR).map(read_motor).unwrap_or_default(),
+        terminals: root
+            .section(key("terminals", "for `characterize`: readings between the terminals"))
+            .map(read_terminals),
+        rotor: root.section(key("rotor", "for `characterize`: the rotor as a thin ring")).and_then(read_rotor),
+        ambient: root.quantity(key("ambient", "around the bench"), &units::TEMPERATURE, Range::Positive),
     }
 }
 
@@ -88,28 +97,28 @@ fn read_motor(table: Section) -> KnownMotor {
 }
 
 /// A ± in the unit of its quantity, or in percent of it.
-fn read_tolerance(table: &Section, key: &'static str, kind: &'static Kind, value: Option<f64>) -> Option<f64> {
-    if !table.has(key) {
+fn read_tolerance(table: &Section, name: &'static str, kind: &'static Kind, value: Option<f64>) -> Option<f64> {
+    if !table.has(key(name, "± (95 %)").value("the same unit, or `%` of the value")) {
         return None;
     }
     let relative = table
-        .text(key)
+        .text(name)
         .filter(|t| t.get_ref().trim_end().ends_with('%'))
         .and_then(|t| units::quantity(t.get_ref(), &units::RATIO).ok());
     match relative {
         Some(share) if share >= 0.0 => value.map(|v| share * v.abs()),
         _ if *kind == units::TEMPERATURE => {
-            table.note(Problem::at(table.span_of(key), format!("`{key}` cannot be read"), "expected percent"));
+            table.note(Problem::at(table.span_of(name), format!("`{name}` cannot be read"), "expected percent"));
             None
         }
-        _ => table.quantity(key, kind, Range::NonNegative),
+        _ => table.quantity(name, kind, Range::NonNegative),
     }
 }
 
 fn read_terminals(table: Section) -> TerminalReadings {
-    let winding = table.choice("winding", Winding::NAMES);
-    let resistance = readings(&table, "resistance", &units::RESISTANCE);
-    let inductance = readings(&table, "inductance", &units::INDUCTANCE);
+    let winding = table.choice(key("winding", "how the windings are connected"), Winding::NAMES);
+    let resistance = readings(&table, RESISTANCE, &units::RESISTANCE);
+    let inductance = readings(&table, INDUCTANCE, &units::INDUCTANCE);
     if !table.has("resistance") && !table.has("inductance") {
         table.missing(
             "resistance",
@@ -119,14 +128,15 @@ fn read_terminals(table: Section) -> TerminalReadings {
     let mean = |values: &[f64]| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
     let resistance_tolerance = read_tolerance(&table, "resistance_tolerance", &units::RESISTANCE, mean(&resistance));
     let inductance_tolerance = read_tolerance(&table, "inductance_tolerance", &units::INDUCTANCE, mean(&inductance));
-    let temperature = table.quantity("temperature", &units::TEMPERATURE, Range::Positive);
+    let temperature = table.quantity(key("temperature", "of the winding then"), &units::TEMPERATURE, Range::Positive);
     table.finish();
     TerminalReadings { winding, resistance, resistance_tolerance, inductance, inductance_tolerance, temperature }
 }
 
 /// Three readings, one for each pair of terminals, or the single one of a motor with two.
-fn readings(table: &Section, key: &'static str, kind: &'static Kind) -> Vec<f64> {
-    if !table.has(key) {
+fn readings(table: &Section, asked: Key, kind: &'static Kind) -> Vec<f64> {
+    let key = asked.name();
+    if !table.has(asked) {
         return Vec::new();
     }
     if !table.is_list(key) {
@@ -162,8 +172,8 @@ fn readings(table: &Section, key: &'static str, kind: &'static Kind) -> Vec<f64>
 }
 
 fn read_rotor(table: Section) -> Option<RotorReadings> {
-    let mass = table.required_quantity("mass", &units::MASS, Range::Positive);
-    let radius = table.required_quantity("radius", &units::LENGTH, Range::Positive);
+    let mass = table.required_quantity(key("mass", "of the rotor"), &units::MASS, Range::Positive);
+    let radius = table.required_quantity(key("radius", "of the ring"), &units::LENGTH, Range::Positive);
     let mass_tolerance = read_tolerance(&table, "mass_tolerance", &units::MASS, mass);
     let radius_tolerance = read_tolerance(&table, "radius_tolerance", &units::LENGTH, radius);
     for (key, there, example) in [

@@ -9,9 +9,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use csv::{ByteRecord, Position};
-use sha2::{Digest, Sha256};
+use hmac_sha256::Hash as Sha256;
 
 use super::columns::{Column, Target};
+use super::remark::Remark;
 use crate::input::csv::other_separator;
 use crate::input::{InputError, Opened, Problem, Source, limits, utf_16};
 use crate::measured::bench::Channel;
@@ -65,7 +66,7 @@ pub struct Rows {
     /// The channels.
     pub channels: BTreeMap<Channel, Vec<f64>>,
     /// What was left out, counted.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Remark>,
 }
 
 /// Feeds all bytes that are read through the hash.
@@ -289,7 +290,7 @@ impl<'a> Gather<'a> {
             let mut places = header.iter().enumerate().filter(|(_, cell)| *cell == name).map(|(at, _)| at);
             let first = places.next();
             if let Some(second) = places.next() {
-                let message = format!("column `{name}` stands twice in the header");
+                let message = format!("duplicate column `{name}` in the header");
                 mistakes.add(record, Some(second), message, "second time", "rename one of the two");
                 return None;
             }
@@ -379,7 +380,7 @@ impl<'a> Gather<'a> {
                     let position = self.time.as_ref().map(|c| c.position);
                     let message = format!("time goes backwards here, from {last} s to {time} s");
                     let help =
-                        "several runs in one file are told apart by select = { column = \"run\", equals = \"…\" }";
+                        "several runs in one file are separated by select = { column = \"run\", equals = \"…\" }";
                     mistakes.add(record, position, message, "earlier than in the row before", help);
                     self.backwards = true;
                 }
@@ -426,25 +427,21 @@ impl<'a> Gather<'a> {
         }
         let mut rows = Rows { time: self.times, ..Rows::default() };
         rows.time.shrink_to_fit();
-        let counted = |count: usize, what: &str| match count {
-            1 => format!("1 row {what} was left out"),
-            count => format!("{count} rows {what} were left out"),
-        };
         if self.repeated > 0 {
-            rows.remarks.push(counted(self.repeated, "with a repeated time"));
+            rows.remarks.push(Remark::Repeated(self.repeated));
         }
         if self.timeless > 0 {
-            rows.remarks.push(counted(self.timeless, "without time"));
+            rows.remarks.push(Remark::Timeless(self.timeless));
         }
         for mut cell in self.cells {
             let Target::Channel(channel) = cell.column.target else { continue };
-            let (key, of) = (cell.column.key, cell.values.len());
-            if cell.missing == of {
-                rows.remarks.push(format!("`{key}` was left out: none of its {of} cells holds a number"));
+            let (key, cells) = (cell.column.key, cell.values.len());
+            if cell.missing == cells {
+                rows.remarks.push(Remark::Empty { key, cells });
                 continue;
             }
             if cell.missing > 0 {
-                rows.remarks.push(format!("{} of {of} cells of `{key}` are missing", cell.missing));
+                rows.remarks.push(Remark::Missing { key, missing: cell.missing, cells });
             }
             cell.values.shrink_to_fit();
             rows.channels.insert(channel, cell.values);

@@ -3,8 +3,9 @@
 use super::machine::{Machine, Term};
 use super::model::{Counted, Model, Slot, declared_machine, error, scale};
 use super::track::{Input, Track};
-use crate::effects::{Equation, effect};
-use crate::measured::identify::{Report, Target};
+use crate::effects::Equation;
+use crate::measured::answer::{ArtefactKind, Report, Target};
+use crate::measured::select::{self, Pruner};
 use crate::measured::{Bench, BenchKind};
 
 /// Root mean square error of the simulated position.
@@ -67,19 +68,14 @@ pub(super) fn fitted_machine(bench: &Bench, report: &Report, is_voltage: bool) -
     }
     let mut not_simulated = Vec::new();
     for found in &report.effects {
-        let Some(effect) = effect(found.name) else { continue };
-        let shown = match effect.acts_on() {
-            Equation::Torque => effect.name() != "gear_compliance",
-            Equation::Voltage => is_voltage,
-            Equation::Angle => false,
-        };
-        if shown {
+        let effect = found.effect;
+        if !effect.winds_up() && (effect.acts_on() == Equation::Torque || is_voltage) {
             machine.terms.extend(found.instances.iter().map(|v| Term::new(effect, v.clone())));
         } else {
-            not_simulated.push(found.name);
+            not_simulated.push(found.name());
         }
     }
-    for a in report.artefacts.iter().filter(|a| !of_balance && a.kind == "lag") {
+    for a in report.artefacts.iter().filter(|a| !of_balance && a.kind == ArtefactKind::Lag) {
         machine.lag = a.value;
     }
     (machine, not_simulated)
@@ -125,7 +121,7 @@ pub fn forward_check(bench: &Bench, report: &Report) -> Option<ForwardCheck> {
     let without = prune(&mut model, &all, bench);
     let fit: Vec<&Track> = all.iter().filter(|t| t.fits).collect();
     model.fit(&fit, &Counted::new(), 40, 1e-6);
-    let refitted_parameters = model.slots.iter().map(|s| (name(&model, *s), model.get(*s))).collect();
+    let refitted_parameters = model.slots.iter().map(|s| (model.name(*s), model.get(*s))).collect();
     Some(ForwardCheck {
         unit: if bench.declared.motor.is_some() { "rad" } else { "m" },
         before,
@@ -160,41 +156,45 @@ fn slots(machine: &Machine, report: &Report) -> Vec<Slot> {
     slots
 }
 
-pub(super) fn name(model: &Model, slot: Slot) -> String {
-    match slot {
-        Slot::TorqueConstant => "torque_constant".into(),
-        Slot::Damping => "damping".into(),
-        Slot::Inertia => "inertia".into(),
-        Slot::LoadScale => "load_scale".into(),
-        Slot::Lag => "lag".into(),
-        Slot::Value(term, index) => {
-            let effect = model.machine.terms[term].effect;
-            format!("{}.{}", effect.name(), effect.parameters()[index].name)
-        }
-    }
-}
-
 /// Leaves out effects that do not help on parts that were left out. The parts start from their measured
 /// state.
 fn prune(model: &mut Model, all: &[Track], bench: &Bench) -> Vec<&'static str> {
-    let mut without = Vec::new();
     let parts: Vec<Track> = all.iter().filter(|t| t.fits).flat_map(|t| t.parts(PARTS)).collect();
     let declared = declared_machine(&bench.declared, false).terms.len();
-    let mut now = left_out(model, &parts);
-    while model.machine.terms.len() > declared {
-        let trial = (declared..model.machine.terms.len())
-            .map(|t| {
-                let mut trial = model.clone();
-                trial.remove(t);
-                (t, left_out(&trial, &parts))
-            })
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((t, error)) = trial.filter(|(_, e)| *e * (1.0 - KEPT) < now) else { break };
-        without.push(model.machine.terms[t].effect.name());
-        model.remove(t);
-        now = error;
+    let now = left_out(model, &parts);
+    let mut on_parts = OnParts { model, parts, declared, now, without: Vec::new() };
+    select::backward(&mut on_parts);
+    on_parts.without
+}
+
+/// Parts of the logs judge.
+struct OnParts<'a> {
+    model: &'a mut Model,
+    parts: Vec<Track>,
+    /// Terms that the declared model has.
+    declared: usize,
+    now: f64,
+    without: Vec<&'static str>,
+}
+
+impl Pruner for OnParts<'_> {
+    /// A term, and the error without it.
+    type Term = (usize, f64);
+
+    fn superfluous(&mut self) -> Option<(usize, f64)> {
+        let trials = (self.declared..self.model.machine.terms.len()).map(|t| {
+            let mut trial = self.model.clone();
+            trial.remove(t);
+            (t, left_out(&trial, &self.parts))
+        });
+        trials.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, error)| *error * (1.0 - KEPT) < self.now)
     }
-    without
+
+    fn remove(&mut self, (term, error): (usize, f64)) {
+        self.without.push(self.model.machine.terms[term].effect.name());
+        self.model.remove(term);
+        self.now = error;
+    }
 }
 
 /// Root mean square error of the parts, each simulated with what the others say.

@@ -2,11 +2,11 @@
 //! simulation then follows the logs.
 
 use super::machine::{Machine, Term};
-use super::minimise::{Fitted, Unknown, derivatives, minimise, residuals};
 use super::track::{Input, Track};
 use crate::effects::{Effect, Equation, Operating, Scale, Shape};
-use crate::measured::identify::balance::declared_effects;
+use crate::measured::answer::Base;
 use crate::measured::{Declared, signals};
+use crate::numerics::least_squares::{Fitted, Unknown, derivatives, minimise, residuals};
 
 /// The longest lag that is looked for \[s\].
 pub(super) const LONGEST_LAG: f64 = 0.05;
@@ -34,10 +34,11 @@ pub(super) struct Model {
 
 /// The machine as declared.
 pub(super) fn declared_machine(declared: &Declared, is_voltage: bool) -> Machine {
-    let terms = declared_effects(declared)
+    let terms = declared
+        .all_effects()
         .into_iter()
-        .filter(|(effect, _)| effect.acts_on() != Equation::Angle)
-        .map(|(effect, values)| Term::new(effect, values))
+        .filter(|e| e.effect.acts_on() != Equation::Angle)
+        .map(|e| Term::new(e.effect, e.values))
         .collect();
     let mut machine = Machine {
         ratio: declared.ratio,
@@ -100,7 +101,7 @@ pub(super) fn scale(tracks: &[Track], machine: &Machine) -> Scale {
 /// What a linear value of an effect is measured in: a tenth of the largest torque, or voltage.
 fn size(effect: &dyn Effect, index: usize, shape: f64, scale: &Scale) -> f64 {
     // What depends on a speed is largest about there.
-    let speed = if effect.shape() == Shape::Speed { shape } else { 0.5 * scale.speed };
+    let speed = if matches!(effect.shape(), Shape::Speed(_)) { shape } else { 0.5 * scale.speed };
     let at = Operating {
         speed,
         direction: 1.0,
@@ -140,6 +141,21 @@ fn bounds(effect: &dyn Effect, values: &[f64], index: usize, size: f64, scale: &
 pub(super) type Counted = Vec<Vec<bool>>;
 
 impl Model {
+    /// The name of an unknown, also in JSON.
+    pub fn name(&self, slot: Slot) -> String {
+        match slot {
+            Slot::TorqueConstant => Base::TorqueConstant.name().into(),
+            Slot::Damping => Base::Damping.name().into(),
+            Slot::Inertia => Base::Inertia.name().into(),
+            Slot::LoadScale => Base::LoadScale.name().into(),
+            Slot::Lag => "lag".into(),
+            Slot::Value(term, index) => {
+                let effect = self.machine.terms[term].effect;
+                format!("{}.{}", effect.name(), effect.parameters()[index].name)
+            }
+        }
+    }
+
     pub fn get(&self, slot: Slot) -> f64 {
         match slot {
             Slot::TorqueConstant => self.machine.torque_constant,
@@ -220,8 +236,11 @@ impl Model {
                             let (lower, upper) = bounds(*effect, values, index, size, &self.scale);
                             within(value, size.max(value.abs()), lower, upper)
                         } else {
-                            let whole =
-                                if effect.shape() == Shape::Current { self.scale.current } else { self.scale.speed };
+                            let whole = if matches!(effect.shape(), Shape::Current(_)) {
+                                self.scale.current
+                            } else {
+                                self.scale.speed
+                            };
                             within(value, value.abs(), 5e-3 * whole, 1.3 * whole)
                         }
                     }

@@ -1,7 +1,7 @@
 //! A log made ready for simulation: what goes in, what position comes out, where it starts.
 
 use super::machine::{Machine, Sample, State};
-use crate::measured::identify::balance::volts_per_duty;
+use crate::measured::bench::volts_per_duty;
 use crate::measured::{Channel, Declared, Log, Use, signals};
 
 /// Longest internal step \[s\].

@@ -7,6 +7,8 @@ use serde_json::{Value, json};
 
 use super::{github, relative, sarif};
 use crate::input::{InputError, Problem};
+use crate::report::json::check::{Mistake, WrongInput};
+use crate::report::json::document;
 use crate::rules::{Location, clean};
 use crate::words::xml::escape;
 
@@ -58,7 +60,7 @@ pub fn sarif(errors: &[InputError], root: &Path) -> Value {
     };
     let rule = json!({
         "id": RULE, "name": RULE, "shortDescription": { "text": SUMMARY }, "fullDescription": { "text": SUMMARY },
-        "help": { "text": "Correct the file where the finding stands." },
+        "help": { "text": "Correct the file at the place of the finding." },
         "defaultConfiguration": { "level": "error", "enabled": true },
     });
     sarif::log(json!([rule]), mistakes(errors).map(result).collect(), Some(false))
@@ -84,11 +86,17 @@ pub fn junit(errors: &[InputError]) -> String {
 
 /// The same for programs.
 pub fn json(errors: &[InputError]) -> Value {
-    let one = |(file, place, problem): (String, Option<Location>, &Problem)| {
-        json!({
-            "file": file, "line": place.as_ref().map(|p| p.line), "column": place.as_ref().map(|p| p.column),
-            "message": problem.message, "expected": problem.label, "help": problem.help,
-        })
-    };
-    json!({ "passes": false, "input_errors": mistakes(errors).map(one).collect::<Vec<_>>() })
+    let input_errors = mistakes(errors).map(|(file, place, problem)| mistake(file, place.as_ref(), problem)).collect();
+    document("check", WrongInput { passes: false, input_errors })
+}
+
+fn mistake<'a>(file: String, place: Option<&Location>, problem: &'a Problem) -> Mistake<'a> {
+    Mistake {
+        file,
+        line: place.map(|p| p.line),
+        column: place.map(|p| p.column),
+        message: &problem.message,
+        expected: &problem.label,
+        help: problem.help.as_deref(),
+    }
 }

@@ -22,11 +22,11 @@ pub fn text(report: &Report, strict: bool) -> String {
     let design = report.facts.design;
     let actuators: u32 = design.robot.joints.iter().map(|j| j.count).sum();
     let heading = format!(
-        "{}: {}, {}, {} rules",
+        "{}: {}, {}, {}",
         printable(&design.robot.name),
         counted(design.joints.len(), "joint"),
         counted(actuators as usize, "actuator"),
-        report.rules.iter().filter(|r| r.severity != Severity::Off).count()
+        counted(report.rules.iter().filter(|r| r.severity != Severity::Off).count(), "rule")
     );
     let mut out = format!("{}\n", paragraph(&heading, 0, 2));
     out.push_str(&joints(report));
@@ -130,9 +130,9 @@ fn story(report: &Report, finding: &Finding, joints: &str) -> String {
     if let Some(reason) = &finding.reason {
         out.push_str(&paragraph(&format!("reason of the rules file: {}", printable(reason)), 2, 2));
     }
-    let mend = finding.help.clone().or_else(|| crate::rules::rule(&rule.code).map(|r| r.mend.to_string()));
-    if let Some(mend) = mend {
-        out.push_str(&paragraph(&format!("→ {}", printable(&mend)), 2, 4));
+    let fix = finding.help.clone().or_else(|| crate::rules::rule(&rule.code).map(|r| r.fix.to_string()));
+    if let Some(fix) = fix {
+        out.push_str(&paragraph(&format!("→ {}", printable(&fix)), 2, 4));
     }
     out
 }

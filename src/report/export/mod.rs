@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 use crate::actuator::limits::Remark;
 use crate::catalog::{Gear, Motor};
 use crate::design::simulated::SimulatedJoint;
-use crate::report::unjudged::{list, sentence};
+use crate::report::json::{design::not_checked, value};
+use crate::report::unjudged::sentence;
 use crate::words::xml::{escape, is_xml};
 
 /// A design of one joint, with where it comes from.
@@ -97,7 +98,7 @@ pub fn json(origin: &Origin, joints: &[Exported]) -> Value {
             "broken": e.broken,
             "unchecked": e.unchecked,
             "judged": e.unjudged.is_empty(),
-            "unjudged": list(&e.unjudged),
+            "unjudged": value(not_checked(&e.unjudged)),
             "rotor_inertia_kgm2": s.rotor_inertia,
             "gear_inertia_kgm2": s.gear_inertia,
             "armature_kgm2": s.armature,

@@ -28,10 +28,18 @@ pub fn page(catalog: &Catalog, findings: &[Finding]) -> Page {
     let checks = CHECKS.iter().map(|c| vec![c.code.to_string(), c.compares.to_string()]);
     Page {
         command: "audit",
-        title: format!("{} motors, {} gears", catalog.motors.len(), catalog.gears.len()),
+        title: format!(
+            "{}, {}",
+            crate::words::counted(catalog.motors.len(), "motor"),
+            crate::words::counted(catalog.gears.len(), "gear")
+        ),
         verdict: Verdict::from(errors == 0),
         headline,
-        summary: vec![Part::Text(format!("{errors} errors, {accepted} explained by the row's note, {notes} notes."))],
+        summary: vec![Part::Text(format!(
+            "{}, {accepted} explained by the row's note, {}.",
+            crate::words::counted(errors, "error"),
+            crate::words::counted(notes, "note")
+        ))],
         sections: vec![
             Section::new("Findings", parts),
             Section::new(

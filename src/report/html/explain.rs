@@ -70,7 +70,8 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
             vec![s.parameter.to_string(), percent(s.change), change]
         });
         let goal = format!("change of {}", joint.objective.name());
-        let table = Table::new("The ratio chosen anew each time", &["parameter", ">its change", &format!(">{goal}")]);
+        let table =
+            Table::new("The ratio is chosen again each time", &["parameter", ">its change", &format!(">{goal}")]);
         sections.push(Section::new("If the motor were better", vec![Part::Table(table.rows(rows))]));
     }
     let row = format!("{}; {}", conventions_line(motor), motor.source);
@@ -97,7 +98,7 @@ fn needs(story: &Explanation) -> Table {
 
 fn warnings(story: &Explanation) -> Vec<String> {
     let mut all = Vec::new();
-    if story.winding_temperature == Some(None) {
+    if story.winding_temperature.runs_away() {
         all.push(RUNAWAY.to_string());
     }
     all.extend(crate::report::between::words(story.joint));

@@ -59,7 +59,7 @@ pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, r
 fn warnings(bench: &Bench, reports: &[Report]) -> Vec<String> {
     let mut all = Vec::new();
     for left in reports.iter().flat_map(|r| &r.unexplained) {
-        all.push(format!("left unexplained, depends on {}: {}", left.depends_on, left.detail));
+        all.push(format!("left unexplained, depends on {}: {}", left.depends_on.name(), left.detail));
     }
     for log in &bench.logs {
         all.extend(log.remarks.iter().map(|remark| format!("{}: {remark}", log.name)));
@@ -90,7 +90,7 @@ fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
     let rows = report.artefacts.iter().map(|a| {
         let (value, unit) = handy(a.value, unit_on(bench, a.unit));
         vec![
-            a.kind.to_string(),
+            a.kind.name().into(),
             a.channel.clone(),
             number(value),
             if unit == "1" { String::new() } else { unit.into() },

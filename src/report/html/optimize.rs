@@ -3,7 +3,7 @@
 use super::{Page, Part, Section, Table, Verdict, group_of};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Catalog;
-use crate::design::optimize::{Design, JointResult, RobotResult};
+use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
@@ -11,7 +11,7 @@ use crate::report::optimize::{
     without_choice,
 };
 use crate::report::plot::design as plot;
-use crate::report::{currents, different_motors, number, optional, robot as robot_report, spring};
+use crate::report::{columns, different_motors, number, optional, robot as robot_report, spring};
 use crate::requirement::{Course, Joint, RatioChoice};
 
 /// The page.
@@ -153,7 +153,7 @@ fn budget(result: &RobotResult) -> Vec<String> {
             format!("Actuator mass {} kg, {verdict} the budget of {} kg.", number(mass), number(limit))
         }
         (Some(mass), None) => format!("Actuator mass {} kg.", number(mass)),
-        (None, _) => "The actuator mass cannot be told: a mass is not known, or a joint has no choice.".into(),
+        (None, _) => "The actuator mass is not known: a mass is missing, or a joint has no choice.".into(),
     });
     if let Some(limit) = budget.max_distinct_motors {
         let motors = result.distinct_motors();
@@ -252,22 +252,14 @@ fn candidates(result: &JointResult, names: &str) -> Table {
     if !geared {
         header.push(">N to");
     }
-    let own_column = joint.objective.name() != "loss";
+    // A single quantity is a figure like any other.
+    let own_column = joint.objective.sole().is_none();
     if own_column {
         header.push(&goal);
     }
-    header.extend([
-        ">loss [W]",
-        ">I peak, phase [A]",
-        ">I peak, q axis [A]",
-        ">J [kg*m^2]",
-        ">mass [kg]",
-        ">S_M [ms]",
-        "tightest",
-        ">margin [%]",
-        "proof",
-        ">not checked",
-    ]);
+    let figures = columns::of_pages();
+    header.extend(figures.iter().map(String::as_str));
+    header.extend(["tightest", ">margin [%]", "proof", ">not checked"]);
     if !geared {
         header.push("what ends the ratios");
     }
@@ -287,9 +279,7 @@ fn candidates(result: &JointResult, names: &str) -> Table {
         if own_column {
             cells.push(number(design.optimum.objective));
         }
-        let [phase, q_axis, ..] = currents::values(design.motor, e);
-        cells.extend([e.loss, phase, q_axis, e.reflected_inertia].map(number));
-        cells.extend([optional(e.mass), optional(METRICS[0].value(design.motor).map(|s| s * 1e3))]);
+        cells.extend(columns::cells_of_pages(&design.facts()));
         let tightest = e.tightest();
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
         cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)));

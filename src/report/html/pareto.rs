@@ -73,7 +73,8 @@ fn section(front: &Front, figure: &Figure, k: usize) -> Section {
     let [a, b] = front.quantities;
     let apart = unjudged::counted(front.unjudged.len());
     let points = front.points.len();
-    let text = format!("{} motors have a feasible design{apart}, {points} points on the front.", front.motors);
+    let (motors, points) = (crate::words::counted(front.motors, "motor"), crate::words::counted(points, "point"));
+    let text = format!("{motors} with a feasible design{apart}, {points} on the front.");
     let mut parts = vec![Part::Text(text)];
     parts.extend(super::panel_of(figure, 0, k));
     let header = [

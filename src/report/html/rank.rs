@@ -14,10 +14,10 @@ pub fn page(ranking: &Ranking, marked: &[&Motor]) -> Page {
     let headline = match ranking.ranked.as_slice() {
         [] => format!("No motor can be ranked by {}: a number is missing in every row.", metric.symbol),
         [(first, estimate), ..] => format!(
-            "{} has the best {} of {} motors: {} {}.",
+            "{} has the best {} of {}: {} {}.",
             first.id,
             metric.symbol,
-            ranking.ranked.len(),
+            crate::words::counted(ranking.ranked.len(), "motor"),
             number(in_unit(estimate.value, metric.unit)),
             metric.unit
         ),

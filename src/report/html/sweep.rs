@@ -1,13 +1,11 @@
 //! The page of a sweep.
 
 use super::{Page, Part, Row, Section, Table, Verdict, group_of};
-use crate::actuator::metrics::METRICS;
-use crate::design::sweep::{JointSweep, SweptDesign};
+use crate::design::answer::{JointSweep, SweptDesign};
 use crate::report::plot::sweep as plot;
 use crate::report::sweep::{Order, because, ordered, remarks};
-use crate::report::{currents, number, optional};
+use crate::report::{columns, number, optional};
 use crate::requirement::Robot;
-use crate::units::in_unit;
 
 /// The page.
 pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
@@ -86,22 +84,15 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
         "1" => format!(">{}", joint.objective.name()),
         unit => format!(">{} [{unit}]", joint.objective.name()),
     };
-    let own_column = joint.objective.name() != "loss";
+    // A single quantity is a figure like any other.
+    let own_column = joint.objective.sole().is_none();
     let mut header = vec!["motor"];
     header.extend(geared.then_some("gear"));
     header.extend([">N", "feasible"]);
     header.extend(own_column.then_some(goal.as_str()));
-    header.extend([
-        ">loss [W]",
-        ">I peak, phase [A]",
-        ">I peak, q axis [A]",
-        ">J [kg*m^2]",
-        ">mass [kg]",
-        ">S_M [ms]",
-        "tightest",
-        ">margin [%]",
-        "because",
-    ]);
+    let figures = columns::of_pages();
+    header.extend(figures.iter().map(String::as_str));
+    header.extend(["tightest", ">margin [%]", "because"]);
     let mut table = Table::new(format!("{}: every design", joint.name), &header);
     for design in ordered(sweep, order) {
         let e = &design.evaluation;
@@ -109,9 +100,7 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
         cells.extend(geared.then(|| design.gear.unwrap_or("").to_string()));
         cells.extend([number(e.ratio), state(design).into()]);
         cells.extend(own_column.then(|| optional(e.objective(&joint.objective))));
-        let [phase, q_axis, ..] = currents::values(design.motor, e);
-        cells.extend([e.loss, phase, q_axis, e.reflected_inertia].map(number));
-        cells.extend([e.mass, METRICS[0].value(design.motor).map(|v| in_unit(v, METRICS[0].unit))].map(optional));
+        cells.extend(columns::cells_of_pages(&design.facts(joint)));
         let tightest = e.tightest();
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
         cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin).round() / 10.0)));

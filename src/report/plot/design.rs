@@ -3,13 +3,12 @@
 use super::{
     Axis, Dash, Figure, Group, Label, Mark, Panel, Series, Stripe, Tone, over_ratio, temperature, torque_speed,
 };
-use crate::actuator::Load;
 use crate::catalog::{Catalog, Gear, Motor};
+use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::explain::Explanation;
-use crate::design::optimize::{Design, JointResult, RobotResult};
 use crate::design::program::Optimum;
-use crate::design::sweep::grid;
-use crate::design::{Prepared, continuous_candidate, geared_candidate, load_through};
+use crate::design::{Mount, Prepared, load_through};
+use crate::numerics::grid::grid;
 use crate::report::number;
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -24,13 +23,8 @@ fn with_prepared<T>(
     gear: Option<&Gear>,
     look: impl FnOnce(&Prepared) -> T,
 ) -> Option<T> {
-    let own = gear.and_then(|g| load_through(joint, g));
-    let load = own.unwrap_or_else(|| Load::new(&joint.motion, joint.limits.torque_bandwidth));
-    let candidate = match gear {
-        Some(gear) => geared_candidate(robot, joint, &load, motor, gear),
-        None => continuous_candidate(robot, joint, &load, motor),
-    };
-    candidate.ok().map(|c| look(&Prepared::new(c)))
+    let load = load_through(joint, gear);
+    Mount::new(robot, joint, &load, motor).with_gear(gear).prepared().ok().map(|prepared| look(&prepared))
 }
 
 /// The joint with the spring that was chosen in its motion.

@@ -14,6 +14,8 @@ mod labels;
 pub mod over_ratio;
 pub mod pareto;
 mod pen;
+#[cfg(feature = "png")]
+mod png;
 pub mod rank;
 pub mod residual;
 pub mod step;
@@ -22,20 +24,17 @@ pub mod temperature;
 pub mod torque_speed;
 
 use std::path::Path;
-use std::sync::Arc;
 
 pub use axis::{Axis, Scale, Ticks, ticks};
 pub use draw::{Layout, svg, svg_and_layout};
 pub(crate) use draw::{described, ranges};
 pub use labels::{Placed, Rect, Wanted, overlap, place};
 pub use pen::{escaped, text_width};
+#[cfg(feature = "png")]
+pub use png::png;
 
-use crate::input::limits::PIXELS;
 use crate::output;
 use crate::requirement::Objective;
-
-/// Pixels of a PNG for each pixel of the SVG.
-const PNG_SCALE: f32 = 1.5;
 
 /// The colours, of the palette of Okabe and Ito: the colour-blind can tell them apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -434,7 +433,8 @@ pub fn thinned(count: usize, most: usize) -> impl Iterator<Item = usize> {
 pub enum Format {
     /// Lines and text.
     Svg,
-    /// Pixels.
+    /// Pixels: only where the feature `png` is on.
+    #[cfg(feature = "png")]
     Png,
 }
 
@@ -442,11 +442,17 @@ impl Format {
     /// From the name's ending.
     ///
     /// # Errors
-    /// An ending that is neither.
+    /// An ending that is neither, or that of a format which this program was built without.
     pub fn of(path: &Path) -> Result<Format, String> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Format::Svg),
+            #[cfg(feature = "png")]
             Some("png") => Ok(Format::Png),
+            #[cfg(not(feature = "png"))]
+            Some("png") => Err(format!(
+                "`{}`: this gearwise was built without PNG (its feature `png`); draw an .svg",
+                path.display()
+            )),
             _ => Err(format!("`{}`: a picture's name ends in .svg or .png", path.display())),
         }
     }
@@ -459,32 +465,8 @@ impl Format {
 pub fn write(figure: &Figure, path: &Path) -> Result<(), String> {
     let bytes = match Format::of(path)? {
         Format::Svg => svg(figure).into_bytes(),
+        #[cfg(feature = "png")]
         Format::Png => png(figure)?,
     };
     output::write_whole(path, &bytes)
-}
-
-/// A figure as PNG.
-///
-/// # Errors
-/// In words, where it cannot be drawn.
-pub fn png(figure: &Figure) -> Result<Vec<u8>, String> {
-    use resvg::{tiny_skia, usvg};
-    let cannot = |error: &dyn std::fmt::Display| format!("cannot draw the picture: {error}");
-    let text = svg(figure);
-    let mut fonts = usvg::fontdb::Database::new();
-    fonts.load_font_data(pen::FONT.to_vec());
-    fonts.set_sans_serif_family("DejaVu Sans");
-    let options = usvg::Options { fontdb: Arc::new(fonts), font_family: "DejaVu Sans".into(), ..Default::default() };
-    let tree = usvg::Tree::from_str(&text, &options).map_err(|e| cannot(&e))?;
-    let size = tree.size().to_int_size().scale_by(PNG_SCALE).ok_or("the picture has no size")?;
-    let (width, height) = (size.width(), size.height());
-    if u64::from(width) * u64::from(height) > PIXELS {
-        return Err(format!(
-            "cannot draw the picture: {width} x {height} pixels are more than {PIXELS}; draw an .svg, or fewer joints"
-        ));
-    }
-    let mut pixels = tiny_skia::Pixmap::new(width, height).ok_or("the picture is too large")?;
-    resvg::render(&tree, tiny_skia::Transform::from_scale(PNG_SCALE, PNG_SCALE), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|e| cannot(&e))
 }

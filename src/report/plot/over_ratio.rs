@@ -2,8 +2,8 @@
 
 use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Stripe, Tone};
 use crate::design::program::Optimum;
-use crate::design::sweep::grid;
 use crate::design::{Evaluation, Prepared};
+use crate::numerics::grid::grid;
 use crate::report::number;
 
 /// Ratios along the axis.

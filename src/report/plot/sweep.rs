@@ -1,7 +1,7 @@
 //! Which motor is feasible at which ratio, and what that costs.
 
 use super::{Axis, Dash, Figure, Group, Label, Mark, Panel, Scale, Series, Shape, Tone};
-use crate::design::sweep::{JointSweep, SweptDesign};
+use crate::design::answer::{JointSweep, SweptDesign};
 use crate::report::{number, unjudged};
 
 /// Motors in the map.

@@ -8,7 +8,7 @@ use crate::rules::place::{Place, asked_for};
 use crate::rules::rule::{Remark, Rule, Severity, Test};
 
 macro_rules! limits {
-    ($($code:literal $name:literal $limit:literal, $summary:literal, why $why:literal, example $example:literal, mend $mend:literal;)*) => {
+    ($($code:literal $name:literal $limit:literal, $summary:literal, why $why:literal, example $example:literal, fix $fix:literal;)*) => {
         /// One rule for each limit, in the order of their codes.
         pub(super) const OF_LIMITS: &[Rule] = &[$(Rule {
             code: $code,
@@ -18,7 +18,7 @@ macro_rules! limits {
             what: concat!("Compares the design with the limit `", $limit, "`, the same that `optimize` and `sweep` keep. It is broken where the demand is more than the limit; where data are missing to compute it, GW031 or GW033 says so."),
             why: $why,
             example: $example,
-            mend: $mend,
+            fix: $fix,
             test: Test::Limit($limit),
         }),*];
     };
@@ -29,97 +29,97 @@ limits! {
         "the largest current stays within that of motor and drive",
         why "The drive cuts off or limits the current, so the torque is not delivered at the very moment it is needed; above the motor's own limit magnets demagnetise.",
         example "A knee that needs 52 A at touch-down from a drive of 40 A.",
-        mend "A larger ratio, a motor with a larger torque constant, or a larger drive.";
+        fix "A larger ratio, a motor with a larger torque constant, or a larger drive.";
     "GW002" "peak-torque" "peak_torque",
         "the largest shaft torque stays within the motor's peak torque",
         why "Beyond its peak torque a motor saturates: more current gives heat, not torque, and the row's torque constant no longer holds.",
         example "A landing that asks 3.1 N*m of a motor with a peak torque of 2.7 N*m.",
-        mend "A larger ratio or a larger motor.";
+        fix "A larger ratio or a larger motor.";
     "GW003" "continuous-current" "continuous_current",
         "the rms current stays within the motor's continuous current",
-        why "The continuous current is what the maker warrants for ever; above it the winding ends hotter than its class.",
+        why "The continuous current is what the maker warrants without a limit in time; above it the winding ends hotter than its class.",
         example "A hip with 9 A rms on a motor of 7.2 A.",
-        mend "A larger ratio (less current, more speed), a motor with a higher K_M, or pauses in the motion.";
+        fix "A larger ratio (less current, more speed), a motor with a higher K_M, or pauses in the motion.";
     "GW004" "continuous-torque" "continuous_torque",
         "the rms shaft torque stays within the motor's continuous torque",
-        why "As for the continuous current: it is the torque that the maker warrants for ever.",
+        why "As for the continuous current: it is the torque that the maker warrants without a limit in time.",
         example "0.9 N*m rms at the shaft of a motor rated 0.7 N*m.",
-        mend "A larger ratio, or a motor with a higher continuous torque.";
+        fix "A larger ratio, or a motor with a higher continuous torque.";
     "GW005" "winding-temperature" "winding_temperature",
         "in steady state the winding stays below its highest temperature",
         why "Copper loss is computed with hot copper, whose resistance is higher: near the limit the temperature runs away from what a cold calculation says. Insulation that is too hot fails early.",
         example "A shoulder that holds a load and settles at 138 degC with a limit of 100 degC.",
-        mend "A larger ratio, a motor with a higher K_M or a lower thermal resistance, or better cooling (measured, and in the row).";
+        fix "A larger ratio, a motor with a higher K_M or a lower thermal resistance, or better cooling (measured, and in the row).";
     "GW006" "winding-peak-temperature" "winding_peak_temperature",
         "over the motion the winding stays below its highest temperature",
         why "The winding is light and follows single pushes within seconds: the mean may be cool while each jump is too hot.",
         example "A jump that takes the winding from 60 degC to 130 degC in two seconds.",
-        mend "A motor with a larger winding, a larger ratio, or longer pauses.";
+        fix "A motor with a larger winding, a larger ratio, or longer pauses.";
     "GW007" "standstill-holding" "standstill_holding",
         "holding at standstill stays within what the hottest phase can carry",
         why "At standstill one phase carries up to two thirds of the heat (2 R i_phase² of 3/2 R î²), so a motor holds less than its continuous torque.",
         example "An arm that holds its payload for minutes at 90 % of the continuous current.",
-        mend "A brake, a counterbalance or spring, a larger ratio, or a larger motor.";
+        fix "A brake, a counterbalance or spring, a larger ratio, or a larger motor.";
     "GW008" "voltage" "voltage",
         "the voltage for speed, current and its changes is there",
         why "Where the voltage circle is left the current controller saturates: the joint lags and torque ripple rises, first when the battery is low.",
         example "A swing phase at 40 rad/s whose back-EMF leaves nothing for the current.",
-        mend "A smaller ratio, a winding with a smaller K_T, or a higher bus voltage.";
+        fix "A smaller ratio, a winding with a smaller K_T, or a higher bus voltage.";
     "GW009" "max-speed" "max_speed",
         "the motor stays below its largest speed",
         why "Bearings, magnets and rotor bandage are made for it.",
         example "A ratio of 20 that takes the rotor to 9000 rpm with 8000 rpm allowed.",
-        mend "A smaller ratio.";
+        fix "A smaller ratio.";
     "GW010" "gear-input-speed" "gear_input_speed",
         "the gear's input stays below its largest speed",
         why "Lubrication and wear are rated up to it; a strain-wave gear heats up quickly above.",
         example "A strain-wave gear at 7000 rpm with 5600 rpm allowed.",
-        mend "A smaller ratio, or a gear made for the speed.";
+        fix "A smaller ratio, or a gear made for the speed.";
     "GW011" "gear-peak-torque" "gear_peak_torque",
         "the largest torque stays within the gear's peak torque",
         why "Above it teeth skip or break; the ratio does not help, because the torque is that of the output.",
         example "A 17 N*m landing through a gear of 12 N*m.",
-        mend "A stronger gear, or a slip clutch or compliance that takes the peak.";
+        fix "A stronger gear, or a slip clutch or compliance that takes the peak.";
     "GW012" "gear-continuous-torque" "gear_continuous_torque",
         "the rms torque stays within the gear's continuous torque",
         why "The gear's life is rated at it, and falls with about the third power of the torque (rolling bearings, ISO 281).",
         example "An rms of 9 N*m through a gear rated 6 N*m.",
-        mend "A stronger gear.";
+        fix "A stronger gear.";
     "GW013" "reflected-inertia" "reflected_inertia",
         "rotor and gear, seen at the output, stay within the allowed inertia",
         why "Reflected inertia is what hits the ground with the foot and what a person feels at an exoskeleton; it cannot be controlled away above the bandwidth.",
         example "A ratio of 20 that makes 0.02 kg*m^2 of a small rotor where 0.01 are allowed.",
-        mend "A smaller ratio, or a motor with a lower S_M.";
+        fix "A smaller ratio, or a motor with a lower S_M.";
     "GW014" "torque-bandwidth-current" "torque_bandwidth_current",
         "the current for the asked torque bandwidth is there",
         why "The torque that was asked for on top of the motion is needed to balance or to feel; without current it is not there.",
         example "2 N*m at 30 Hz on top of a motion that uses all of the drive's current.",
-        mend "A larger drive, or a motor with more torque per ampere.";
+        fix "A larger drive, or a motor with more torque per ampere.";
     "GW015" "torque-bandwidth-voltage" "torque_bandwidth_voltage",
         "the voltage for the asked torque bandwidth is there",
         why "Current through an inductance needs L di/dt: at speed little of the bus is left for it. A motor with a good S_M and a large inductance fails here.",
         example "5 N*m at 60 Hz with a winding of 2.6 mH on 48 V.",
-        mend "A winding with fewer turns (the same motor at a smaller K_T), a higher bus voltage, or a smaller ratio.";
+        fix "A winding with fewer turns (the same motor at a smaller K_T), a higher bus voltage, or a smaller ratio.";
     "GW016" "bus-power" "bus_power",
         "the joint's largest electrical power stays within the bus's",
         why "The bus sags or its protection trips.",
         example "A push-off of 620 W on a bus that gives one joint 500 W.",
-        mend "A motor with less loss, or a stronger supply.";
+        fix "A motor with less loss, or a stronger supply.";
     "GW017" "bus-current" "bus_current",
         "the joint's largest bus current stays within the bus's",
         why "Wires, connectors and fuses are made for it.",
         example "31 A through a connector of 30 A.",
-        mend "A higher bus voltage, or a motor with less loss.";
+        fix "A higher bus voltage, or a motor with less loss.";
     "GW018" "regeneration" "regeneration",
         "what the joint gives back stays within what the bus takes",
         why "Power that the supply does not take raises the bus voltage until a drive shuts down, often in a landing.",
         example "180 W of braking on a bench supply, which takes none.",
-        mend "A brake resistor or a battery on the bus, or a gear that wastes more of it.";
+        fix "A brake resistor or a battery on the bus, or a gear that wastes more of it.";
     "GW019" "actuator-mass" "actuator_mass",
         "motor and gear stay within the joint's mass",
         why "Mass at a joint is carried by all joints before it.",
         example "A 720 g actuator at a knee that may have 550 g.",
-        mend "A lighter motor or gear; `optimize --pareto loss,mass` shows what it costs.";
+        fix "A lighter motor or gear; `optimize --pareto loss,mass` shows what it costs.";
 }
 
 /// A motor and gear that cannot be evaluated at all.
@@ -131,7 +131,7 @@ pub const NOT_EVALUATED: Rule = Rule {
     what: "Reports a joint whose motor or gear lacks what every equation needs: the rotor's inertia, or the gear's efficiency. No other rule can judge such a joint.",
     why: "A design that nobody can evaluate is not shown to keep anything.",
     example: "A motor whose row has no `rotor_inertia`.",
-    mend: "Complete the row: from the maker, from the rotor's mass and radius, or measured (`gearwise characterize`).",
+    fix: "Complete the row: from the maker, from the rotor's mass and radius, or measured (`gearwise characterize`).",
     test: Test::Joint(|facts| match &facts.examined {
         Ok(_) => Vec::new(),
         Err(why) => {
@@ -150,7 +150,7 @@ pub const UNCHECKED_LIMIT: Rule = Rule {
     what: "Reports each limit that should be checked but cannot be, because the row of motor or gear or the requirement does not say enough: an unknown inductance, pole pairs, continuous current, a gear's rating. What the requirement itself states is GW033.",
     why: "What is not checked is not kept. A blank cell is unknown, not zero: without its inductance a motor seems to have any torque bandwidth.",
     example: "A motor without `inductance`: its voltage limit is checked as if the current could jump.",
-    mend: "Find or measure the number and fill the cell; or accept the gap in the rules file with [[allow]] and a reason.",
+    fix: "Find or measure the number and fill the cell; or accept the gap in the rules file with [[allow]] and a reason.",
     test: Test::Joint(|facts| match &facts.examined {
         Ok(examined) => {
             let stated = unjudged(facts.robot, facts.choice.joint, &examined.unchecked);
@@ -175,7 +175,7 @@ pub const UNJUDGED_LIMIT: Rule = Rule {
     what: "Reports each limit that the requirement itself states and that cannot be judged of this design: a mass or an inertia where motor or gear do not say theirs, a winding temperature without thermal resistances, a torque bandwidth without inductance or without any largest current, heat where the operating points have no durations.",
     why: "Whoever writes a limit wants it kept. A design of which nobody knows whether it keeps the limit is not shown to be a choice, and `optimize` does not choose it.",
     example: "actuator_mass = \"600 g\" and a motor whose row has no `mass`.",
-    mend: "Find or measure the number and fill the cell; take a motor that can be judged; or take the limit out of the requirement.",
+    fix: "Find or measure the number and fill the cell; take a motor that can be judged; or take the limit out of the requirement.",
     test: Test::Joint(|facts| match &facts.examined {
         Ok(examined) => {
             let stated = unjudged(facts.robot, facts.choice.joint, &examined.unchecked);
@@ -198,7 +198,7 @@ pub const FRICTION_UNKNOWN: Rule = Rule {
     what: "Notes a motor whose row gives neither Coulomb nor viscous friction: the evaluation leaves both out.",
     why: "Friction and iron loss of a high-pole motor can be as large as the copper loss at speed (a drag of a few hundredths of N*m, times the ratio). All margins shown are then too good.",
     example: "A gimbal motor whose data sheet gives no no-load current.",
-    mend: "Take the no-load current from the sheet (`no_load_current`, then K_T I_0), or fit it from logs: `gearwise identify --write`.",
+    fix: "Take the no-load current from the sheet (`no_load_current`, then K_T I_0), or fit it from logs: `gearwise identify --write`.",
     test: Test::Joint(friction),
 };
 

@@ -14,7 +14,7 @@ pub(super) const MASS_BUDGET: Rule = Rule {
     what: "Adds up the mass of motor and gear over all joints, each as often as the robot has it, and compares it with `actuator_mass` of the requirement's [budget].",
     why: "The motions were computed with a robot of a certain mass; heavier actuators make every torque too small.",
     example: "Twelve actuators of 520 g with a budget of 6 kg.",
-    mend: "Lighter actuators where loss costs least (`optimize --pareto loss,mass`), or a new budget and new motions.",
+    fix: "Lighter actuators where loss costs least (`optimize --pareto loss,mass`), or a new budget and new motions.",
     test: Test::Robot(mass_budget),
 };
 
@@ -43,7 +43,7 @@ pub(super) const DISTINCT_MOTORS: Rule = Rule {
     what: "Counts the different motors of the design and compares with `max_distinct_motors` of the requirement's [budget].",
     why: "Each further type is a further part to buy, to stock, to wind and to tune.",
     example: "Three motors where two are allowed.",
-    mend: "Use one of the others again: `optimize` lists what each would cost at the joint.",
+    fix: "Use one of the others again: `optimize` lists what each would cost at the joint.",
     test: Test::Robot(|facts| {
         let Some(most) = facts.design.robot.budget.max_distinct_motors else { return Vec::new() };
         let motors = facts.motors();
@@ -65,7 +65,7 @@ pub(super) const POWER_BUDGET: Rule = Rule {
     what: "Adds up the power that the joints draw, instant by instant where their motions share a period (phases included), and compares the largest sum with `power` and `current` of the requirement's [budget]. Joints without a common time base count with their peaks.",
     why: "The bus is one: a battery or supply that is asked for more sags or shuts down, and every joint with it.",
     example: "Four knees that all push at the same instant, on a bus that feeds two.",
-    mend: "`optimize` finds the combination that keeps the budget; or shift the phases, or a larger supply.",
+    fix: "`optimize` finds the combination that keeps the budget; or shift the phases, or a larger supply.",
     test: Test::Robot(power_budget),
 };
 
@@ -98,7 +98,7 @@ pub const UNUSED_ALLOW: Rule = Rule {
     what: "Reports an [[allow]] of the rules file that met no finding.",
     why: "An exception that outlives its reason hides the next finding of that rule.",
     example: "[[allow]] of voltage-headroom at the knee after the bus went from 24 V to 48 V.",
-    mend: "Remove it, or correct its `joints` or `subject`.",
+    fix: "Remove it, or correct its `joints` or `subject`.",
     test: Test::RulesFile,
 };
 
@@ -111,6 +111,6 @@ pub const SELECTS_NOTHING: Rule = Rule {
     what: "Reports a pattern in `joints` of the rules file that matches no joint of the robot.",
     why: "A rule for a joint that is not there (a typo, a joint renamed) checks nothing, silently.",
     example: "joints = [\"kneee*\"] for a robot whose joint is called `knee`.",
-    mend: "Correct the pattern; `*` stands for any run of characters.",
+    fix: "Correct the pattern; `*` matches any run of characters.",
     test: Test::RulesFile,
 };

@@ -15,7 +15,7 @@ pub(super) const GEAR_FIT: Rule = Rule {
     what: "Compares the motor with the patterns in `fits` of a gear of the catalogue. A gear that says nothing is taken to fit.",
     why: "Pinion, flange and input speed belong together; a gear of another frame size cannot be mounted.",
     example: "A gearhead of 22 mm that fits `maxon-*-22-*` on a motor of 52 mm.",
-    mend: "A gear whose `fits` names the motor, or a requirement whose `gears` only match those.",
+    fix: "A gear whose `fits` names the motor, or a requirement whose `gears` only match those.",
     test: Test::Joint(|facts| match facts.choice.gear {
         Some(gear) if gear.fits(&facts.choice.motor.id) == Some(false) => {
             let message = format!("{} is not made for {}", gear.id, facts.choice.motor.id);
@@ -35,7 +35,7 @@ pub(super) const ROW_AUDIT: Rule = Rule {
     what: "Runs `gearwise audit` on the row of the chosen motor and reports each error that the row's note does not explain.",
     why: "A row whose redundant numbers contradict each other is read in a wrong convention or misprinted: K_T off by the root of three spoils torque, loss and voltage at once, and every margin with them.",
     example: "K_T = 0.1 N*m/A with 240 rpm/V, which would be 0.0398 N*m/A.",
-    mend: "Correct the row or its convention columns; where the sheet really is inconsistent, say so in `note` and list the code in `audit_accept`.",
+    fix: "Correct the row or its convention columns; where the sheet really is inconsistent, say so in `note` and list the code in `audit_accept`.",
     test: Test::Joint(row_audit),
 };
 
@@ -60,7 +60,7 @@ pub(super) const ROW_SECONDARY: Rule = Rule {
     what: "Notes a motor or gear whose row is quoted at second hand (`source_kind = secondary`).",
     why: "Numbers that were copied lose their conventions and conditions on the way (line or phase, amplitude or rms, with or without a heat sink).",
     example: "A row from a table in a paper about another robot.",
-    mend: "Compare with the maker's data sheet, or measure, and set `source_kind`.",
+    fix: "Compare with the maker's data sheet, or measure, and set `source_kind`.",
     test: Test::Joint(|facts| {
         let motor = facts.choice.motor;
         let secondary = |kind| kind == SourceKind::Secondary;
@@ -83,10 +83,10 @@ pub const LOCK_MISMATCH: Rule = Rule {
     name: "lock-mismatch",
     summary: "the rows are those that were locked",
     severity: Severity::Error,
-    what: "Compares the catalogue rows that the design uses with its lock file (`design.lock` beside `design.toml`), value by value. Rows that the lock lacks, and locked rows that the design no longer uses, are reported too.",
+    what: "Compares the catalogue rows that the design uses with its lock file (`design.lock` next to `design.toml`), value by value. Rows that the lock lacks, and locked rows that the design no longer uses, are reported too.",
     why: "A catalogue that changes under a design changes the design: the torque constant that was corrected last week may have been the one the ratio was chosen for. A lock makes that a decision instead of an accident.",
     example: "torque_constant of t-motor-ri50: was 0.105 N*m/A, is 0.098 N*m/A.",
-    mend: "See whether the design still passes with the new row, then `gearwise check design.toml --update-lock` and commit the lock.",
+    fix: "See whether the design still passes with the new row, then `gearwise check design.toml --update-lock` and commit the lock.",
     test: Test::Robot(|facts| match &facts.lock {
         LockState::Compared { differences, .. } => {
             let each = differences.iter().map(|difference| {
@@ -110,10 +110,10 @@ pub(super) const LOCK_MISSING: Rule = Rule {
     name: "lock-missing",
     summary: "the design has a lock",
     severity: Severity::Off,
-    what: "Reports a design without a lock file beside it. Off unless a rules file gives it a severity.",
+    what: "Reports a design without a lock file next to it. Off by default; a rules file gives it a severity.",
     why: "Without a lock nobody sees that a row of the catalogue has changed.",
     example: "design.toml without design.lock in the same folder.",
-    mend: "`gearwise check design.toml --lock`, and commit the file.",
+    fix: "`gearwise check design.toml --lock`, and commit the file.",
     test: Test::Robot(lock_missing),
 };
 

@@ -37,7 +37,7 @@ function hostileCatalogue() {
 const catalogue = hostileCatalogue();
 commands.hostile_rank = ["rank", catalogue];
 commands.hostile_compare = ["compare", "motor-0", "motor-1", "--catalog", catalogue];
-// Ids of catalogues have letters only; a page of things with hostile ids is left here by tests/html.rs.
+// Ids of catalogues have letters only; a page of things with hostile ids is left here by tests/program/cli/html.rs.
 const hostileIds = third;
 
 function make(name) {

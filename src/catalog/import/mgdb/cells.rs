@@ -42,7 +42,7 @@ impl<'t> Cells<'t> {
             self.refuse("key", "key-too-long", message);
         }
         if let Some(first) = ids.by_key.get(key) {
-            let message = format!("the key stands before, in {}:{}; the first row is kept", first.file, first.line);
+            let message = format!("duplicate key, first in {}:{}; the first row is kept", first.file, first.line);
             self.refuse("key", "duplicate-key", message);
         }
         key.to_string()

@@ -82,7 +82,7 @@ pub fn apply(import: &mut Import, refused: &Refused, sources: &[Arc<Source>]) {
             );
         }
     }
-    let ids: Vec<String> = import.motors.iter().map(|m| m.item.identity.id.clone()).collect();
+    let ids: Vec<String> = import.motors.iter().map(|m| m.item.id.clone()).collect();
     let mut sorted: Vec<&str> = ids.iter().map(String::as_str).collect();
     sorted.sort_unstable();
     let mut known: HashMap<BTreeSet<usize>, Vec<String>> = HashMap::new();

@@ -1,9 +1,9 @@
 //! A motor of MGDB as the catalogue's.
 
-use super::super::MotorSheet;
 use super::cells::Cells;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
-use crate::catalog::{Conventions, FIELDS, Identity, Printed, Sheet, SourceKind};
+use crate::catalog::row::MotorRow;
+use crate::catalog::{Conventions, FIELDS, Identity, OwnConventions, Printed, Sheet, SourceKind};
 use crate::input::Source;
 use crate::words::number;
 
@@ -86,7 +86,7 @@ pub fn friction(
 }
 
 /// Reads a row; `None` where it is refused. The id is left to the caller.
-pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<MotorSheet> {
+pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<MotorRow> {
     let kind = cells.text("type");
     let machine = match kind.to_ascii_lowercase().as_str() {
         "dc" => Some(Machine::Dc),
@@ -125,6 +125,7 @@ pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<MotorSheet>
         current: CurrentConvention::Dc,
         back_emf: sheet.back_emf_constant.map(|_| BackEmfConvention::Dc),
         speed_constant: None,
+        own: OwnConventions::default(),
     };
     let kind = if machine == Machine::Bldc { "A BLDC motor" } else { "A DC motor" };
     let identity = Identity {
@@ -139,7 +140,7 @@ pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<MotorSheet>
         model,
         accepted_findings: Vec::new(),
     };
-    Some(MotorSheet { identity, conventions, sheet })
+    Some(MotorRow::new(identity, conventions, sheet, None))
 }
 
 fn printed(value: f64) -> Printed {

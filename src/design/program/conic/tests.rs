@@ -2,7 +2,7 @@ use super::*;
 use crate::actuator::Load;
 use crate::catalog::Catalog;
 use crate::design::program::certificate::lower_bound;
-use crate::design::{Prepared, continuous_candidate};
+use crate::design::{Mount, Prepared};
 use crate::requirement::{self, Objective, Quantity, RatioChoice};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -102,7 +102,7 @@ fn the_valley_of_an_objective_is_found_and_proved_without_the_solver() {
         for id in ["t-motor-ri50", "t-motor-u8"] {
             let motor = catalog.motor(id).unwrap();
             let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
-            let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).unwrap());
+            let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().unwrap());
             let RatioChoice::Continuous { .. } = joint.ratio else { continue };
             for quantity in [Quantity::Loss, Quantity::PeakCurrent, Quantity::Energy, Quantity::PeakPower] {
                 let objective = Objective::single(quantity);

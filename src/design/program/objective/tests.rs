@@ -1,7 +1,7 @@
 use super::*;
 use crate::actuator::Load;
 use crate::catalog::Catalog;
-use crate::design::{Prepared, continuous_candidate};
+use crate::design::{Mount, Prepared};
 use crate::requirement::{self, Objective};
 
 /// In sums over joints every objective is in its own unit, that of an evaluation; its cuts touch it and are nowhere above
@@ -26,7 +26,7 @@ fn cuts_for_sums_touch_the_objective_and_are_below_it() {
     for joint in &robot.joints {
         let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
         let motor = catalog.motor("t-motor-ri50").unwrap();
-        let prepared = Prepared::new(continuous_candidate(&robot, joint, &load, motor).unwrap());
+        let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().unwrap());
         for objective in [
             Objective::single(Quantity::Loss),
             Objective::single(Quantity::PeakCurrent),

@@ -16,7 +16,7 @@ mod region;
 mod search;
 
 use super::Bind;
-use super::{Certificate, GAP_TOLERANCE, Infeasible, Optimum, Outcome, RatioProgram, Window};
+use super::{Certificate, GAP_TOLERANCE, Infeasible, Optimum, RatioProgram, Refusal, Unsolved, Window};
 use crate::actuator::Load;
 use crate::design::Candidate;
 use crate::design::evaluate::Prepared;
@@ -78,7 +78,7 @@ pub fn solve(
     spring: &Spring,
     (min, max): (f64, f64),
     covered: f64,
-) -> Result<SpringOptimum, Outcome> {
+) -> Result<SpringOptimum, Refusal> {
     if let Some((quantity, weight)) = objective.weighed() {
         let found = solve(prepared, &Objective::single(quantity), spring, (min, max), covered)?;
         return Ok(SpringOptimum {
@@ -136,29 +136,26 @@ struct Solver<'a> {
 
 impl Solver<'_> {
     /// The best ratio at a spring.
-    fn at(&self, stiffness: f64, rest_angle: f64, min: f64, max: f64) -> Result<Optimum, Outcome> {
+    fn at(&self, stiffness: f64, rest_angle: f64, min: f64, max: f64) -> Result<Optimum, Refusal> {
         let candidate = &self.prepared.candidate;
-        let no_position = || Outcome::NotSolved("a spring needs a motion with a position".into());
+        let no_position = || Refusal::NotSolved(Unsolved::NoPosition);
         let sprung = Sprung::new(candidate.joint, stiffness, rest_angle, self.covered).ok_or_else(no_position)?;
         let prepared = self.prepared.with_candidate(sprung.candidate(candidate));
         if candidate.catalog_gear.is_some() {
-            return fixed_ratio(&prepared, self.objective, min).map_err(Outcome::Infeasible);
+            return fixed_ratio(&prepared, self.objective, min).map_err(Refusal::Infeasible);
         }
-        match RatioProgram::new(&prepared, self.objective, min, max).solve() {
-            Outcome::Optimal(optimum) => Ok(optimum),
-            other => Err(other),
-        }
+        RatioProgram::new(&prepared, self.objective, min, max).solve()
     }
 
-    fn free(&self, min: f64, max: f64) -> Result<SpringOptimum, Outcome> {
+    fn free(&self, min: f64, max: f64) -> Result<SpringOptimum, Refusal> {
         let Some(problem) = Problem::new(self.prepared, self.objective, self.covered) else {
-            return Err(Outcome::NotSolved("a spring needs a motion with a position".into()));
+            return Err(Refusal::NotSolved(Unsolved::NoPosition));
         };
         let (low, high) = if min == max {
             (min, max)
         } else {
             let program = RatioProgram::new(self.prepared, self.objective, min, max);
-            let (low, high) = program.ends().map_err(Outcome::Infeasible)?;
+            let (low, high) = program.ends().map_err(Refusal::Infeasible)?;
             (low.ratio, high.ratio)
         };
         let program = RatioProgram::new(self.prepared, self.objective, low, high);
@@ -173,8 +170,8 @@ impl Solver<'_> {
         let Some((value, z)) = verdict.best else {
             let (k, q) = problem.spring(self.spring, verdict.nearest);
             return Err(match self.at(k, q, min, max) {
-                Err(Outcome::Infeasible(why)) if verdict.impossible => Outcome::Infeasible(why),
-                _ => Outcome::NotSolved("no feasible ratio and spring was found, and none was ruled out".into()),
+                Err(Refusal::Infeasible(why)) if verdict.impossible => Refusal::Infeasible(why),
+                _ => Refusal::NotSolved(Unsolved::NothingRuledOutWithSpring),
             });
         };
         let (mut stiffness, mut rest_angle) = problem.spring(self.spring, z);
@@ -246,13 +243,13 @@ impl Solver<'_> {
 
     /// Mass does not depend on the spring, and does not fall with the ratio: it is least at the smallest
     /// feasible one; among the ratios of that mass the ratio and spring of least loss are taken.
-    fn least_mass(&self, min: f64, max: f64) -> Result<SpringOptimum, Outcome> {
+    fn least_mass(&self, min: f64, max: f64) -> Result<SpringOptimum, Refusal> {
         let inertia = Objective::single(Quantity::ReflectedInertia);
         let candidate = &self.prepared.candidate;
         let smallest = solve(self.prepared, &inertia, self.spring, (min, max), self.covered)?;
         let ratio = smallest.optimum.ratio;
         let Some(mass) = candidate.mass_at(ratio) else {
-            return Err(Outcome::NotSolved("the mass of motor or gear is not known".into()));
+            return Err(Refusal::NotSolved(Unsolved::NoMass));
         };
         let same_mass = candidate.gear.mass_per_stage.map_or(f64::INFINITY, |(_, stage_ratio)| {
             stage_ratio.powi(crate::requirement::stages(ratio, stage_ratio) as i32).max(1.0)

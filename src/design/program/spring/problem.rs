@@ -178,6 +178,11 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Whether the search is to stop.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.prepared.stop.now()
+    }
+
     fn actuator(&self) -> &Actuator {
         &self.prepared.candidate.actuator
     }
@@ -233,8 +238,7 @@ impl<'a> Problem<'a> {
 
     fn heat_row(&self, asked: &Asked, k: usize) -> f64 {
         let candidate = &self.prepared.candidate;
-        let standing = if asked.limit.name == "standstill_holding" { candidate.standing_share() } else { 0.0 };
-        candidate.load.share_of_time * (self.motion.weight[k] + standing * self.motion.dwell[k])
+        candidate.load.share_of_time * (self.motion.weight[k] + asked.standing * self.motion.dwell[k])
     }
 
     /// The point as the model sees it.
@@ -266,7 +270,8 @@ impl<'a> Problem<'a> {
                 Demand::Polynomial(..) if asked.limit.class == Class::Convex => {
                     (squares.iter().enumerate().map(|(k, t)| self.heat_row(asked, k) * t).sum(), 0)
                 }
-                Demand::Fixed(..) if asked.limit.name == "gear_continuous_torque" => {
+                // No sample has it: it is a mean over all.
+                Demand::Fixed(_, None) => {
                     let square = |(k, e): (usize, &Affine)| self.motion.weight[k] * at(e, z[1], z[2]).powi(2);
                     (self.output.iter().enumerate().map(square).sum::<f64>().sqrt(), 0)
                 }
@@ -433,10 +438,10 @@ impl<'a> Problem<'a> {
                 }
                 Some(Row { form, bound })
             }
-            Demand::Fixed(..) => {
+            Demand::Fixed(_, sample) => {
                 let mut form = Form::default();
                 let mut add = |weight, e: &Affine| form.add_square(weight, &[e[0], e[1], e[2], 0.0]);
-                if asked.limit.name == "gear_continuous_torque" {
+                if sample.is_none() {
                     self.output.iter().zip(&self.motion.weight).for_each(|(e, w)| add(*w, e));
                 } else {
                     add(1.0, &self.output[key.sample]);

@@ -121,6 +121,9 @@ impl Search<'_, '_> {
         }
         let mut next_refinement = 8;
         for count in 0..MAX_REGIONS {
+            if self.problem.is_stopped() {
+                break;
+            }
             let Some(node) = heap.pop() else {
                 return (settled, settled == f64::INFINITY);
             };

@@ -2,7 +2,7 @@
 
 use crate::measured::bench::{Channel, Log};
 use crate::measured::signals;
-use crate::measured::simulate::{Unknown, minimise};
+use crate::numerics::least_squares::{Unknown, minimise};
 use crate::words::number;
 
 /// Complex numbers of the transform.

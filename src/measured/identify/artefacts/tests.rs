@@ -122,7 +122,7 @@ fn lags_are_looked_for_where_there_is_time() {
 fn artefacts_are_told_with_their_channels() {
     let told = |work: &Work, corrections: &Corrections| -> Vec<(String, String, f64, String)> {
         let found = list(work, corrections);
-        found.into_iter().map(|a| (a.kind.into(), a.channel, a.value, a.unit.into())).collect()
+        found.into_iter().map(|a| (a.kind.name().into(), a.channel, a.value, a.unit.into())).collect()
     };
     let entry = |kind: &str, channel: &str, value: f64, unit: &str| (kind.into(), channel.into(), value, unit.into());
     let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), noise(k + 900)]).collect();

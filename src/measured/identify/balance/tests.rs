@@ -1,8 +1,12 @@
 use super::super::noise::Reading;
+use super::super::origin::Channels;
 use super::super::steady::noise;
 use super::*;
 use crate::effects::{EFFECTS, Operating};
+use crate::effects::{FittedEffect, Variable};
+use crate::measured::answer::{Hidden, Target};
 use crate::measured::read;
+use crate::measured::{Bench, Channel};
 
 /// Columns of a log, in the order of their values.
 const COLUMNS: [(&str, Channel); 11] = [
@@ -138,7 +142,7 @@ fn no_effect_is_asked_whose_regressor_is_made_of_the_response() {
             let found = match visible(*effect, &balance, &bench.declared) {
                 Ok(()) => 'o',
                 Err(Hidden::Elsewhere) => 'e',
-                Err(Hidden::Bench(_)) => 'b',
+                Err(Hidden::Lacks(_) | Hidden::Bench(_)) => 'b',
                 Err(Hidden::Response(by)) => {
                     assert!(!by.is_empty());
                     if effect.needs().iter().any(|v| shares_the_response(&balance, *v)) { 'r' } else { 'l' }
@@ -253,7 +257,7 @@ fn what_is_declared_of_the_response_stays_as_declared() {
     let (_, undeclared, target) = benches().swap_remove(2);
     let plain = Work::new(&undeclared, balance(&undeclared, target));
     let mut bench = undeclared.clone();
-    bench.declared.effects.push(("torque_constant_saturation".into(), vec![0.05, 4.0]));
+    bench.declared.effects.push(FittedEffect::new("torque_constant_saturation", vec![0.05, 4.0]).unwrap());
     let with = Work::new(&bench, balance(&bench, target));
     assert_eq!((with.terms.len(), with.fixed.len(), plain.fixed.len()), (plain.terms.len(), 1, 0));
     let effect = crate::effects::effect("torque_constant_saturation").unwrap();

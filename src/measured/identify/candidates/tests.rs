@@ -3,6 +3,13 @@ use super::*;
 use crate::effects::effect;
 use crate::measured::Bench;
 
+/// Takes out what can be spared, one after the other.
+fn drop_superfluous(selection: &mut Selection, work: &mut Work) {
+    while let Some(superfluous) = selection.superfluous(work) {
+        selection.remove(work, superfluous);
+    }
+}
+
 const RATIO: f64 = 6.0;
 
 fn scores(values: &[&[f64]]) -> Vec<DVector<f64>> {
@@ -231,7 +238,7 @@ fn superfluous_effects_are_dropped() {
             add(&mut work, name, *shape);
         }
         let mut selection = Selection { refused: Vec::new(), open: Vec::new() };
-        selection.drop_superfluous(&mut work);
+        drop_superfluous(&mut selection, &mut work);
         let left: Vec<&str> = work.terms.iter().filter_map(|t| t.effect().map(|(e, _)| e.name())).collect();
         (left, selection.refused)
     };
@@ -249,7 +256,7 @@ fn superfluous_effects_are_dropped() {
     let mut declared = work_with(&one, "viscous_friction");
     declared.terms[1].declared = Some(vec![1e-4]);
     declared.terms[0].declared = None;
-    Selection { refused: Vec::new(), open: Vec::new() }.drop_superfluous(&mut declared);
+    drop_superfluous(&mut Selection { refused: Vec::new(), open: Vec::new() }, &mut declared);
     assert_eq!(declared.terms.len(), 2);
     let absurd = plain(|_, w| -2e-4 * w + 0.05 * w.signum());
     let (left, refused) = dropped(&absurd, &[("viscous_friction", 0.0), ("coulomb_friction", 0.0)]);
@@ -271,8 +278,8 @@ fn look_alikes_are_named() {
     add(&mut work, "coulomb_friction", 0.0);
     let selection = Selection::new(&work);
     // Over these speeds a Stribeck curve or a saturating drag comes close, but not close enough; none recovers it.
-    assert!(!selection.look_alikes(&work, 1).contains(&"coulomb_friction"));
-    assert!(!selection.look_alikes(&work, 1).contains(&"viscous_friction"));
+    assert!(!selection.look_alikes(&work, 1).contains(&effect("coulomb_friction").unwrap()));
+    assert!(!selection.look_alikes(&work, 1).contains(&effect("viscous_friction").unwrap()));
     assert!(selection.look_alikes(&work, 0).is_empty());
     // Two speeds only, one each way: viscous and Coulomb friction are the same.
     let logs: Vec<Vec<[f64; 3]>> = (0..3)
@@ -289,7 +296,7 @@ fn look_alikes_are_named() {
     let mut work = super::super::steady::work(&bench);
     add(&mut work, "coulomb_friction", 0.0);
     let alike = Selection::new(&work).look_alikes(&work, 1);
-    assert!(alike.contains(&"viscous_friction"), "{alike:?}");
+    assert!(alike.contains(&effect("viscous_friction").unwrap()), "{alike:?}");
 }
 
 /// A plausible shape is preferred where it does nearly as well, which is four fifths; else the larger gain, and of
@@ -439,7 +446,7 @@ fn a_drift_has_to_do_clearly_better() {
             let bench = rising(scatter, |part, w| 1.5e-3 * w + size * drift(part));
             let work = over_time(&bench);
             let fit = work.fit();
-            let drift = structure::drift(&work);
+            let drift = super::drift(&work);
             let viscous = evaluate(&work, &fit, effect("viscous_friction").unwrap(), 0.0).unwrap();
             let better = gain_of(&work, &fit, &drift) > 1.15 * viscous.gain;
             let little = gain_beside(&work, &viscous, &drift) < BESIDE_DRIFT * viscous.gain;
@@ -501,7 +508,7 @@ fn how_little_makes_an_effect_superfluous() {
         let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);
         let sure = paired(&without, &fit.left_out);
         let mut selection = Selection { refused: Vec::new(), open: Vec::new() };
-        selection.drop_superfluous(&mut work);
+        drop_superfluous(&mut selection, &mut work);
         let stays = work.terms.len() == 3;
         assert_eq!(stays, gain >= 0.5 * WORTH && sure >= SURE - 0.5, "{size}: {gain} {sure}");
         // Steps from one to the next are small: both sides of the threshold are looked at.
@@ -638,7 +645,7 @@ fn weak_effects_are_refused_for_what_they_lack() {
             let name = candidate.effect.name();
             let refused = selection.refused.iter().find(|r| r.name == name).map(|r| r.reason.as_str());
             let waits = refused.is_some_and(|r| r.contains("comes first"));
-            if waits || basics && !BASICS.contains(&name) {
+            if waits || basics && !candidate.effect.is_basic() {
                 continue;
             }
             match lacks(candidate.gain, candidate.sure, statistic(&candidate.scores), threshold) {
@@ -673,7 +680,7 @@ fn what_is_not_sure_is_dropped() {
             continue;
         }
         let mut selection = Selection { refused: Vec::new(), open: Vec::new() };
-        selection.drop_superfluous(&mut work);
+        drop_superfluous(&mut selection, &mut work);
         assert_eq!(work.terms.len() == 2, sure >= SURE - 0.5, "{seed}: {gain} {sure}");
         outcomes[usize::from(work.terms.len() == 2)] += 1;
         near += usize::from((sure - SURE).abs() < 0.5);

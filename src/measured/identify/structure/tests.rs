@@ -1,4 +1,4 @@
-use super::super::balance::Target;
+use super::super::flexible::{KNOTS, of_speed};
 use super::super::steady::{OVER_TIME, bench, bench_of, moving, moving_at, noise, work, work_on};
 use super::*;
 
@@ -7,7 +7,7 @@ use super::*;
 fn hats_are_a_partition_of_unity() {
     let values: Vec<f64> = (0..=80).map(|k| (f64::from(k) / 10.0).powi(2)).collect();
     let knots: Vec<f64> = (0..KNOTS).map(|k| (k as f64).powi(2)).collect();
-    let hats = hats(&values);
+    let hats = super::hats(&values);
     assert_eq!(hats.len(), KNOTS);
     for (i, hat) in hats.iter().enumerate() {
         for (j, knot) in knots.iter().enumerate() {
@@ -29,9 +29,17 @@ fn hats_are_a_partition_of_unity() {
     assert_eq!(super::hats(&[1.0, 2.0, 3.0]).len(), 3);
 }
 
+/// The variable of the operating point, where it is one.
+fn variable(on: On) -> Option<Variable> {
+    match on {
+        On::Variable(variable) => Some(variable),
+        _ => None,
+    }
+}
+
 #[test]
 fn what_a_bench_shows_is_offered() {
-    let names = |work: &Work| offers(work).into_iter().map(|(v, name, _)| (v, name)).collect::<Vec<_>>();
+    let names = |work: &Work| offers(work).into_iter().map(|(on, _)| (variable(on), on.name())).collect::<Vec<_>>();
     let plain = moving(4000, false);
     let with_current = [
         (None, "time"),
@@ -100,12 +108,13 @@ fn what_is_left_is_traced_to_its_variable() {
     for (name, variable, values) in &variables {
         work.target = kinked(values);
         let (found, shares) = left(&work, &work.fit());
-        assert_eq!(found.first().map(|d| d.on.as_str()), Some(*name), "{found:?}");
+        assert_eq!(found.first().map(|d| d.on.name()), Some(*name), "{found:?}");
         assert!(found[0].share > 0.8 && found[0].share <= 1.0, "{name}: {}", found[0].share);
         assert!(found.windows(2).all(|pair| pair[0].share >= pair[1].share), "the strongest first");
         let percent = 100.0 * (1.0 - (1.0 - found[0].share).sqrt());
         assert!(found[0].detail.ends_with(&format!("of {name} would lower the left-out error by {percent:.0} %")));
-        assert!(shares.contains(&(*variable, found[0].share)), "{shares:?}");
+        assert!(shares.contains(&(found[0].on, found[0].share)), "{shares:?}");
+        assert_eq!(super::tests::variable(found[0].on), *variable);
     }
     // Noise depends on nothing.
     work.target = (0..balance.rows.len()).map(noise).collect();
@@ -125,8 +134,8 @@ fn friction_that_changes_is_told() {
     work.target = target;
     super::super::steady::add(&mut work, "coulomb_friction", 0.0);
     let (found, shares) = left(&work, &work.fit());
-    assert_eq!(found[0].on, "time and direction", "{found:?}");
-    assert!(found[0].share > 0.8 && shares.contains(&(None, found[0].share)), "{found:?}");
+    assert_eq!(found[0].on, On::TimeAndDirection, "{found:?}");
+    assert!(found[0].share > 0.8 && shares.contains(&(On::TimeAndDirection, found[0].share)), "{found:?}");
 }
 
 /// A drift is free in each log, and has no mean there: hats over its own times, all but the first.
@@ -252,29 +261,33 @@ fn orders_of_a_position_stand_out() {
     let bench = bench_of("steady_table", 6.0, &columns, &[(0..2000).map(row).collect()], 0);
     let mut work = work(&bench);
     let angle = work.balance.variable(false, |at| at.angle);
+    let cogging = crate::effects::effect("cogging").unwrap();
     let mut outcomes = [0; 2];
     for step in 0..30 {
         let size = 0.02 * f64::from(step);
         work.target = (0..angle.len()).map(|k| size * (7.0 * angle[k] + 0.3).cos() + noise(k + 3000)).collect();
         work.balance.rows.without_means(&mut work.target);
         let fit = work.fit();
-        let mut scores = order_scores(&work, &fit, &Cogging);
+        let mut scores = order_scores(&work, &fit, cogging);
         scores.sort_by(|a, b| b.1.total_cmp(&a.1));
         let first: Vec<f64> = scores[..4].iter().map(|s| s.0).collect();
-        let extra: Vec<Vec<f64>> = first.iter().flat_map(|h| work.balance.effect_columns(&Cogging, *h)).collect();
+        let extra: Vec<Vec<f64>> = first.iter().flat_map(|h| work.balance.effect_columns(cogging, *h)).collect();
         let mut all = work.columns();
         all.extend(extra.iter().map(Vec::as_slice));
         let with = work.fit_columns(&all).left_out;
         let share = 1.0 - finite_sum(&with) / finite_sum(&fit.left_out);
         let stands_out = share > SAID && paired(&fit.left_out, &with) > SURE;
         let (found, shares) = left(&work, &fit);
-        let told = found.iter().find(|d| d.on == "motor position");
+        let told = found.iter().find(|d| d.on == On::Variable(Variable::Angle));
         assert_eq!(told.is_some(), stands_out, "{size} {share}");
-        assert_eq!(shares.iter().any(|s| s.0 == Some(Variable::Angle)), stands_out);
+        assert_eq!(shares.iter().any(|s| s.0 == On::Variable(Variable::Angle)), stands_out);
         outcomes[usize::from(stands_out)] += 1;
         if let Some(told) = told {
             assert_eq!(first[0], 7.0);
-            assert!(told.detail.starts_with("orders 7, ") && told.detail.ends_with("of the motor position stand out"));
+            assert!(
+                told.detail.starts_with("orders 7, ")
+                    && told.detail.ends_with("of the motor position are above the rest")
+            );
             assert!((told.share - share).abs() < 1e-12);
         }
     }

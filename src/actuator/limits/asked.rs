@@ -1,0 +1,103 @@
+//! How a candidate stands against a limit that applies to it.
+
+use super::limit::{Asked, Check, Demand};
+use crate::actuator::candidate::Candidate;
+use crate::actuator::waveform::Waveform;
+use crate::numerics::laurent::Laurent;
+
+/// What a demand may be of the terms whose sum it is and still count as nothing.
+const ROUNDING: f64 = 1e-9;
+
+impl Asked {
+    /// The functional's value that the bound corresponds to.
+    pub fn raw_bound(&self) -> f64 {
+        let raw = self.bound / self.factor;
+        if self.squared { raw.powi(2).copysign(raw) } else { raw }
+    }
+
+    /// The demand in its natural unit for a value of the functional.
+    pub fn natural(&self, raw: f64) -> f64 {
+        self.factor * if self.squared { raw.max(0.0).sqrt() } else { raw }
+    }
+
+    /// The functional's value at a ratio, and the sample of the motion that has it.
+    pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
+        if candidate.is_evaluated() {
+            return candidate.at_ratio(ratio, |here| match self.limit.check(here) {
+                Check::Asked(asked) => asked.raw_demand(here, ratio),
+                _ => (0.0, None),
+            });
+        }
+        let over = |waveform: &Waveform, functional| {
+            let largest = waveform.largest(functional, &candidate.actuator, ratio);
+            (largest.value, Some(waveform.origin(largest.index)))
+        };
+        match self.demand {
+            Demand::Fixed(value, sample) => (value, sample),
+            Demand::Polynomial(polynomial, sample) => (polynomial.at(ratio), sample),
+            Demand::Samples(functional) => over(&candidate.load.waveform, functional),
+            Demand::Bandwidth(functional) => match &candidate.load.bandwidth {
+                Some(waveform) => over(waveform, functional),
+                None => (0.0, None),
+            },
+            Demand::Mass => (candidate.known_mass_at(ratio), None),
+            Demand::WindingPeak(node) => candidate.load.winding_peak(&candidate.actuator, &node, ratio),
+            Demand::MeanCurrentSquared(standing) => {
+                let Candidate { load, actuator, .. } = candidate;
+                (load.share_of_time * load.mean_current_squared(actuator, standing, ratio), None)
+            }
+        }
+    }
+
+    /// Whether the limit is certainly kept at a ratio, where that is seen without computing the demand.
+    pub fn is_certainly_kept(&self, candidate: &Candidate, ratio: f64) -> bool {
+        match self.demand {
+            Demand::WindingPeak(node) if !candidate.is_evaluated() => {
+                candidate.load.winding_peak_is_within(&candidate.actuator, &node, ratio, self.bound)
+            }
+            _ => false,
+        }
+    }
+
+    /// The polynomial of the ratio that is the demand's functional at a ratio (of a limit over samples: that of the
+    /// sample that has it), and its sample. It is nowhere above the functional. `None` for limits that are no
+    /// polynomial, or certainly kept.
+    pub fn polynomial_at(&self, candidate: &Candidate, ratio: f64) -> Option<(Laurent, Option<usize>)> {
+        match self.demand {
+            Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
+            Demand::Samples(functional) | Demand::Bandwidth(functional) => {
+                let bandwidth = matches!(self.demand, Demand::Bandwidth(_));
+                let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
+                let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
+                Some((functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin)))
+            }
+            Demand::WindingPeak(_) if self.is_certainly_kept(candidate, ratio) => None,
+            Demand::WindingPeak(node) => {
+                let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, self.raw_bound());
+                Some((cut, self.raw_demand(candidate, ratio).1))
+            }
+            Demand::MeanCurrentSquared(standing) => {
+                let Candidate { load, actuator, .. } = candidate;
+                Some((load.mean_current_squared_cut(actuator, standing, ratio) * load.share_of_time, None))
+            }
+            Demand::Fixed(..) | Demand::Mass => None,
+        }
+    }
+
+    /// `1 − demand/limit` at a ratio, for the functional's value there. A limit of zero has margin 0 where it is kept
+    /// and −1 where it is not: what rounding leaves of terms that cancel does not break it. A demand without end has
+    /// −10⁶.
+    pub fn margin(&self, candidate: &Candidate, ratio: f64, raw: f64) -> f64 {
+        let demand = self.natural(raw);
+        // Thermal runaway is beyond any limit; a finite number is what programs can read.
+        if demand == f64::INFINITY {
+            return -1e6;
+        }
+        if self.bound == 0.0 {
+            let rounding =
+                || self.polynomial_at(candidate, ratio).is_some_and(|(terms, _)| raw <= ROUNDING * terms.size(ratio));
+            return if demand <= 0.0 || rounding() { 0.0 } else { -1.0 };
+        }
+        1.0 - demand.max(0.0) / self.bound
+    }
+}

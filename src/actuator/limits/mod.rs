@@ -1,0 +1,103 @@
+//! Every limit of the model, once: what is demanded, what may be had, and what kind of set of
+//! ratios that leaves. Sweep, ratio program and design rules all read [`LIMITS`].
+//!
+//! The one idea: a limit is an item of one of the lists below, by what it is about; all that is said of it stands there.
+
+mod asked;
+mod bus;
+mod gear;
+mod heat;
+mod joint;
+mod limit;
+mod mass;
+mod motor;
+mod needs;
+mod remarks;
+mod speed;
+
+pub use super::candidate::{Candidate, hot_winding, hottest};
+pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, Of, Remark, Verdict};
+pub use needs::{NEEDS, Need};
+
+use crate::requirement::{Joint, Robot};
+
+/// The limits by what they are about, in the order in which they are reported.
+const KINDS: &[&[Limit]] =
+    &[motor::LIMITS, heat::LIMITS, speed::LIMITS, gear::LIMITS, joint::LIMITS, bus::LIMITS, mass::LIMITS];
+
+const COUNT: usize = {
+    let (mut count, mut kind) = (0, 0);
+    while kind < KINDS.len() {
+        count += KINDS[kind].len();
+        kind += 1;
+    }
+    count
+};
+
+static ALL: [Limit; COUNT] = {
+    let mut all = [KINDS[0][0]; COUNT];
+    let (mut place, mut kind) = (0, 0);
+    while kind < KINDS.len() {
+        let mut item = 0;
+        while item < KINDS[kind].len() {
+            all[place] = KINDS[kind][item];
+            place += 1;
+            item += 1;
+        }
+        kind += 1;
+    }
+    all
+};
+
+/// Every limit.
+pub static LIMITS: &[Limit] = &ALL;
+
+impl Candidate<'_> {
+    /// What is needed beside the limits and not known: name and why.
+    pub fn lacking(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
+        NEEDS.iter().filter_map(|need| Some((need.name, (need.missing)(self)?)))
+    }
+
+    /// What is needed beside the limits and can be said only at a ratio.
+    pub fn told_at_a_ratio(&self) -> impl Iterator<Item = (&'static str, Judge)> + '_ {
+        NEEDS.iter().filter_map(|need| Some((need.name, (need.at_ratio)(self)?)))
+    }
+
+    /// All limits with what they say of this candidate.
+    pub fn checks(&self) -> impl Iterator<Item = (&'static Limit, Check)> + '_ {
+        LIMITS.iter().map(|limit| (limit, limit.check(self)))
+    }
+}
+
+/// Whether a limit or a need is about the gear, by its name.
+pub fn is_of_gear(name: &str) -> bool {
+    LIMITS.iter().any(|limit| limit.name == name && limit.of == Of::Gear)
+        || NEEDS.iter().any(|need| need.name == name && need.of == Of::Gear)
+}
+
+/// Whether the requirement itself asks for something, by the name of the limit or of the need.
+pub fn is_stated(name: &str, robot: &Robot, joint: &Joint) -> bool {
+    LIMITS.iter().any(|limit| limit.name == name && (limit.stated)(robot, joint))
+        || NEEDS.iter().any(|need| need.name == name && (need.stated)(robot, joint))
+}
+
+/// Where a requirement asks for a limit or a need, by its name and whose it is; `None` where a data sheet does.
+pub fn asked_by(name: &str, owner: &str) -> Option<Key> {
+    let limit = LIMITS.iter().filter(|limit| limit.name == name).find_map(|limit| (limit.key)(owner));
+    limit.or_else(|| NEEDS.iter().filter(|need| need.name == name).find_map(|need| (need.key)(owner)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn limits_have_unique_names_and_say_what_they_compare() {
+        let mut names = HashSet::new();
+        for limit in LIMITS {
+            assert!(names.insert(limit.name), "{} stands twice", limit.name);
+            assert!(limit.formula.contains('≤'), "{}", limit.name);
+        }
+    }
+}

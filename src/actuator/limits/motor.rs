@@ -1,0 +1,79 @@
+//! What motor and drive may carry: currents and torques.
+
+use super::limit::*;
+use crate::actuator::waveform::Functional;
+
+/// Limits, in the order in which they are reported.
+pub(super) const LIMITS: &[Limit] = &[
+    Limit {
+        name: "peak_current",
+        unit: "A",
+        formula: "safety · max |T|/K_T ≤ I_peak",
+        safety: true,
+        of: Of::QAxis,
+        class: Class::Convex,
+        depends: Depends::Current,
+        stated: |robot, joint| joint.drive_current.or(robot.bus.drive_current).is_some(),
+        key: by_drive,
+        prepare: |c| match c.peak_current() {
+            Some((bound, owner)) => peak(c, Demand::Samples(Functional::TorqueSquared), bound, owner),
+            None => Prepared::Unknown("neither motor nor drive says a largest current"),
+        },
+    },
+    Limit {
+        name: "peak_torque",
+        unit: "N*m",
+        formula: "safety · max |T| ≤ T_peak",
+        safety: true,
+        of: Of::Other,
+        class: Class::Convex,
+        depends: Depends::Torque,
+        stated: by_data_sheets,
+        key: by_nobody,
+        prepare: |c| match c.motor.peak_torque {
+            Some(bound) => {
+                let safety = c.joint.limits.safety;
+                let bound = c.actuator.shortfall.left_of_torque(bound, safety);
+                torque(Demand::Samples(Functional::TorqueSquared), safety, bound, "motor")
+            }
+            None => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "continuous_current",
+        unit: "A",
+        formula: "√mean(T²)/K_T ≤ I_continuous",
+        safety: false,
+        of: Of::QAxis,
+        class: Class::Convex,
+        depends: Depends::Current,
+        stated: by_data_sheets,
+        key: by_nobody,
+        prepare: |c| match c.motor.continuous_current {
+            _ if c.load.starts_cold() => Prepared::NotAsked,
+            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
+            Some(bound) => heating(c, 0.0, bound, "motor"),
+            None => Prepared::Unknown("the motor's continuous current is not known"),
+        },
+    },
+    Limit {
+        name: "continuous_torque",
+        unit: "N*m",
+        formula: "√mean(T²) ≤ T_continuous",
+        safety: false,
+        of: Of::Other,
+        class: Class::Convex,
+        depends: Depends::Torque,
+        stated: by_data_sheets,
+        key: by_nobody,
+        prepare: |c| match c.motor.continuous_torque {
+            None => Prepared::NotAsked,
+            _ if c.load.starts_cold() => Prepared::NotAsked,
+            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
+            Some(bound) => {
+                let mean = c.load.mean_torque_squared(&c.actuator) * c.load.share_of_time;
+                torque(Demand::Polynomial(mean, None), 1.0, bound, "motor")
+            }
+        },
+    },
+];

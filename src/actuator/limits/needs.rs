@@ -1,0 +1,117 @@
+//! What is needed beside the limits.
+
+use super::heat::{STANDSTILL, heat_at_standstill};
+use super::limit::*;
+use crate::actuator::candidate::Candidate;
+use crate::catalog::Motor;
+use crate::catalog::convention::Commutation;
+use crate::requirement::{Joint, Robot};
+
+/// Something that is asked of a candidate and that no limit of the model asks for: a number without which a limit
+/// says less, or one that the whole robot needs.
+pub struct Need {
+    /// Name, beside those of the limits.
+    pub name: &'static str,
+    /// What it is about.
+    pub of: Of,
+    /// Whether the requirement asks for what cannot be judged without it.
+    pub stated: fn(&Robot, &Joint) -> bool,
+    /// Where a requirement asks for it, by whose it is.
+    pub key: fn(&str) -> Option<Key>,
+    /// What is missing, if anything.
+    pub missing: fn(&Candidate) -> Option<&'static str>,
+    /// What can be said of it only at a ratio that was chosen; `None` of a candidate of which nothing can.
+    pub at_ratio: fn(&Candidate) -> Option<Judge>,
+}
+
+impl std::fmt::Debug for Need {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+fn no_mass(candidate: &Candidate) -> Option<&'static str> {
+    candidate.mass_at(1.0).is_none().then_some(NO_MASS)
+}
+
+/// Every need.
+pub const NEEDS: &[Need] = &[
+    Need {
+        name: "inductance",
+        of: Of::Other,
+        stated: the_supply,
+        key: by_nobody,
+        missing: |c| match (c.motor.inductance, c.motor.pole_pairs) {
+            (Some(_), Some(_)) => None,
+            (None, _) => Some("the motor's inductance is not known: voltage is checked without it"),
+            (Some(_), None) => Some(
+                "the motor's pole pairs are not known: voltage is checked with L di/dt, but without p N ω L i across it",
+            ),
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "demagnetisation",
+        of: Of::Other,
+        stated: by_data_sheets,
+        key: by_nobody,
+        missing: |c| {
+            let by_drive =
+                c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some();
+            by_drive.then_some(
+                "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less",
+            )
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "torque_bandwidth_voltage",
+        of: Of::Other,
+        stated: |_, joint| joint.limits.torque_bandwidth.is_some(),
+        key: |_| Some(Key::Joint(&["limits", "torque_bandwidth"])),
+        missing: |c| {
+            let Motor { inductance, pole_pairs, conventions, .. } = c.motor;
+            let brushless = conventions.commutation == Commutation::Brushless;
+            let lacks = c.load.bandwidth.is_some() && inductance.is_some() && pole_pairs.is_none() && brushless;
+            lacks.then_some(
+                "the motor's pole pairs are not known: torque_bandwidth_voltage is checked without p N ω L i",
+            )
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "gear_inertia",
+        of: Of::Gear,
+        stated: |_, joint| joint.limits.reflected_inertia.is_some(),
+        key: |owner| (owner == "requirement").then_some(Key::Joint(&["limits", "reflected_inertia"])),
+        missing: |c| {
+            let unknown = c.catalog_gear.is_some_and(|gear| gear.inertia.is_none());
+            unknown.then_some("the gear's inertia is not known: it is left out")
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: STANDSTILL,
+        of: Of::QAxis,
+        stated: a_temperature,
+        key: by_temperature,
+        missing: |_| None,
+        at_ratio: |c| (c.load.dwell > 0.0 && c.two_node().is_some()).then_some(heat_at_standstill as Judge),
+    },
+    Need {
+        name: "mass_budget",
+        of: Of::Other,
+        stated: |robot, _| robot.budget.actuator_mass.is_some(),
+        key: |_| Some(Key::Robot(&["budget", "actuator_mass"])),
+        missing: |c| c.robot.budget.actuator_mass.and_then(|_| no_mass(c)),
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "carried_mass",
+        of: Of::Other,
+        stated: |robot, joint| robot.carries(joint) || !joint.carries.is_empty(),
+        key: by_nobody,
+        missing: |c| if c.robot.carries(c.joint) { no_mass(c) } else { None },
+        at_ratio: |_| None,
+    },
+];

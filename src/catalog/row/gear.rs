@@ -1,0 +1,79 @@
+//! The row of a gear.
+
+use super::{Column, Field, Holds, Need, Row, Side, States, find, identity, listed};
+use crate::catalog::convention::word;
+use crate::catalog::gear::{GEAR_FIELDS, Gear, GearKind};
+use crate::catalog::sheet::{Printed, SourceKind};
+use crate::input::Stated;
+
+impl Row for Gear {
+    type Numbers = Gear;
+
+    const BEFORE: &'static [Column<Gear>] = &[
+        identity!(id),
+        identity!(manufacturer),
+        identity!(model),
+        Column {
+            name: "kind",
+            about: "how it reduces",
+            need: Need::Must("\"planetary\""),
+            holds: Holds::Choice(
+                GearKind::WORDS,
+                |r| Some(word(GearKind::NAMES, &r.kind)),
+                |r, text| r.kind = find(GearKind::NAMES, text).unwrap_or(r.kind),
+            ),
+        },
+        Column {
+            name: "stages",
+            about: "number of stages",
+            need: Need::May,
+            holds: Holds::Count(|r| r.stages, |r, count| r.stages = Some(count)),
+        },
+    ];
+
+    const AFTER: &'static [Column<Gear>] = &[
+        Column {
+            name: "fits",
+            about: "motor ids or patterns, separated by blanks or `;`; blank where nothing is said",
+            need: Need::May,
+            holds: Holds::Text(|r| r.fits.join(";"), |r, text| r.fits = listed(&text)),
+        },
+        identity!(source),
+        identity!(source_kind),
+        identity!(note),
+    ];
+
+    fn fields() -> &'static [Field<Gear>] {
+        GEAR_FIELDS
+    }
+
+    fn numbers(&self) -> &Gear {
+        self
+    }
+
+    fn numbers_mut(&mut self) -> &mut Gear {
+        self
+    }
+
+    fn take(&mut self, field: &Field<Gear>, stated: Stated, number: Printed) -> Result<Printed, (String, String)> {
+        let (States::Side { kept, power }, Some(side)) = (field.states, stated.side) else { return Ok(number) };
+        if side == kept.word() {
+            return Ok(number);
+        }
+        match power {
+            Some(power) => Ok(Printed { value: number.value * self.ratio.powi(power), ..number }),
+            None => Err((
+                format!("`{}` cannot be given at the side `{side}`", field.name),
+                match kept {
+                    Side::Output => "what arrives at the output depends on the loss in the gear: give it there",
+                    Side::Motor => "it is that at the input: give it there",
+                }
+                .into(),
+            )),
+        }
+    }
+
+    fn states(&self, _field: &Field<Gear>) -> Stated {
+        Stated::default()
+    }
+}

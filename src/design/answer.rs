@@ -1,0 +1,345 @@
+//! What is found, as facts: designs, and why a motor is none.
+//!
+//! The one idea: every search of this room and every reader of what it found speaks of the same facts, which know of no
+//! search. Words for them are made where they are printed.
+
+use super::Evaluation;
+use super::program::{Bind, Infeasible, Optimum, Refusal, Unsolved};
+use crate::actuator::limits::Remark;
+use crate::actuator::thermal::Winding;
+use crate::catalog::Motor;
+use crate::requirement::{Joint, Robot};
+
+/// What was found for a robot.
+#[derive(Debug)]
+pub struct RobotResult<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Each joint, in the order of the requirement.
+    pub joints: Vec<JointResult<'a>>,
+}
+
+impl RobotResult<'_> {
+    /// Mass of all actuators of the first choices \[kg\]; `None` where one has no choice or no mass.
+    pub fn actuator_mass(&self) -> Option<f64> {
+        self.joints.iter().map(|j| Some(j.candidates.first()?.evaluation.mass? * f64::from(j.joint.count))).sum()
+    }
+
+    /// Number of different motors among the first choices.
+    pub fn distinct_motors(&self) -> usize {
+        let mut ids: Vec<&str> =
+            self.joints.iter().filter_map(|j| j.candidates.first().map(|d| d.motor.id.as_str())).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids.len()
+    }
+
+    /// Whether every joint has a design and the budget is kept by the first choices.
+    pub fn satisfied(&self) -> bool {
+        let budget = &self.robot.budget;
+        let mass_kept = match (budget.actuator_mass, self.actuator_mass()) {
+            (Some(limit), Some(mass)) => mass <= limit,
+            (Some(_), None) => false,
+            (None, _) => true,
+        };
+        let motors_kept = budget.max_distinct_motors.is_none_or(|limit| self.distinct_motors() <= limit as usize);
+        self.joints.iter().all(|j| !j.candidates.is_empty()) && mass_kept && motors_kept
+    }
+}
+
+/// What was found for a joint.
+#[derive(Debug, Clone)]
+pub struct JointResult<'a> {
+    /// The joint.
+    pub joint: &'a Joint,
+    /// Feasible designs of which every limit that the requirement states could be judged, best first: one for each motor.
+    pub candidates: Vec<Design<'a>>,
+    /// Designs that keep all that could be judged, and of which a limit that the requirement states could not: in the
+    /// order that they would have. None of them is a choice.
+    pub unjudged: Vec<Unjudged<'a>>,
+    /// Motors that cannot do it, by id, with the reason.
+    pub rejected: Vec<Rejected<'a>>,
+    /// Rank correlation between each metric's ranking and the task's; empty where not all motors were solved.
+    pub agreement: Vec<Agreement>,
+    /// What was left out, where only the first designs were wanted.
+    pub pruned: Option<Pruned<'a>>,
+}
+
+impl JointResult<'_> {
+    /// The designs that keep all that could be judged: those that are a choice, then those that cannot be judged.
+    pub fn designs(&self) -> impl Iterator<Item = &Design<'_>> {
+        self.candidates.iter().chain(self.unjudged.iter().map(|u| &u.design))
+    }
+
+    /// Number of motors of the catalogue, solved or not.
+    pub fn motors(&self) -> usize {
+        let left_out = self.pruned.as_ref().map_or(0, |p| p.behind + p.impossible.len() + p.not_solved.len());
+        self.candidates.len() + self.unjudged.len() + self.rejected.len() + left_out
+    }
+}
+
+/// A feasible design.
+#[derive(Debug, Clone)]
+pub struct Design<'a> {
+    /// The motor.
+    pub motor: &'a Motor,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// The best ratio and its proof.
+    pub optimum: Optimum,
+    /// The design at that ratio.
+    pub evaluation: Evaluation,
+    /// Limits that could not be checked, and why.
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Remark>,
+    /// Winding temperature.
+    pub winding_temperature: Winding,
+    /// Time the current needs at a reversal \[s\].
+    pub reversal_time: Option<f64>,
+    /// The parallel spring, where the joint asks for one.
+    pub spring: Option<SpringChoice>,
+}
+
+/// A spring that was chosen, and the same joint without it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpringChoice {
+    /// Stiffness \[N·m/rad\].
+    pub stiffness: f64,
+    /// Rest angle \[rad\]; `None` without stiffness.
+    pub rest_angle: Option<f64>,
+    /// No ratio and spring are better than this, in the objective's unit; `None` where no bound was found.
+    pub lower_bound: Option<f64>,
+    /// Relative gap between objective and bound.
+    pub gap: Option<f64>,
+    /// Whether the objective leaves the spring free, so that the least stiffness was taken.
+    pub least_stiffness: bool,
+    /// The same motor (and gear) without a spring; `None` where no ratio keeps the limits then.
+    pub without: Option<WithoutSpring>,
+}
+
+/// The best a motor does without a spring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WithoutSpring {
+    /// Ratio, N.
+    pub ratio: f64,
+    /// Objective.
+    pub objective: f64,
+    /// Mean copper loss \[W\].
+    pub loss: f64,
+}
+
+impl SpringChoice {
+    /// Share of the loss without spring that the spring saves; `None` where there is nothing to compare
+    /// with.
+    pub fn saving(&self, loss: f64) -> Option<f64> {
+        self.without.filter(|w| w.loss > 0.0).map(|w| 1.0 - loss / w.loss)
+    }
+}
+
+/// A design that keeps every limit that could be judged, and of which a stated one could not.
+#[derive(Debug, Clone)]
+pub struct Unjudged<'a> {
+    /// The best design as far as is known.
+    pub design: Design<'a>,
+    /// What the requirement states and cannot be judged, and why; never empty.
+    pub because: Vec<Remark>,
+}
+
+/// A motor that cannot do it.
+#[derive(Debug, Clone)]
+pub struct Rejected<'a> {
+    /// The motor.
+    pub motor: &'a Motor,
+    /// The gear that came nearest, where gears are of the catalogue.
+    pub gear: Option<&'a str>,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why a motor is no candidate for the choice.
+#[derive(Debug, Clone)]
+pub enum Refused<'a> {
+    /// It cannot do it.
+    Rejected(Box<Rejected<'a>>),
+    /// Whether it can is not known.
+    Unjudged(Box<Unjudged<'a>>),
+}
+
+impl<'a> Refused<'a> {
+    /// A motor that cannot do it.
+    pub fn rejected(rejected: Rejected<'a>) -> Refused<'a> {
+        Refused::Rejected(Box::new(rejected))
+    }
+
+    /// Why.
+    pub fn reason(&self) -> Reason {
+        match self {
+            Refused::Rejected(rejected) => rejected.reason.clone(),
+            Refused::Unjudged(unjudged) => Reason::Unjudged(unjudged.because.clone()),
+        }
+    }
+}
+
+/// Why a motor was rejected.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reason {
+    /// It is no candidate.
+    Unusable(Unusable),
+    /// No ratio keeps all limits.
+    Infeasible(Infeasible),
+    /// A limit cannot be checked, and only designs with all limits checked were wanted.
+    Unchecked(&'static str, &'static str),
+    /// It keeps all that could be judged, but limits that the requirement states cannot be: which, and why.
+    Unjudged(Vec<Remark>),
+    /// No gear of the catalogue keeps all limits; at the nearest one this is exceeded.
+    Gears {
+        /// The limit, with its sample.
+        bind: Bind,
+        /// Demand over limit.
+        over: f64,
+        /// The limit, in its natural unit; of one of zero there are no multiples.
+        allowed: f64,
+        /// How many gears were tried.
+        tried: usize,
+    },
+    /// The objective has no lower bound.
+    Unbounded,
+    /// The program could not be solved.
+    NotSolved(Unsolved),
+}
+
+/// Why a motor, or a motor with a gear, is not a candidate at all.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Unusable {
+    /// The rotor inertia is not known: neither metric nor acceleration torque can be computed.
+    RotorInertia,
+    /// No gear of the catalogue that the joint allows fits the motor.
+    NoGearFits,
+    /// The gear's efficiency is not known.
+    GearEfficiency,
+    /// The objective needs a mass that is not known.
+    Mass,
+    /// Energy per cycle needs durations.
+    Durations,
+}
+
+impl Unusable {
+    /// In words.
+    pub fn reason(&self) -> &'static str {
+        match self {
+            Unusable::RotorInertia => "its rotor inertia is not known",
+            Unusable::NoGearFits => "no allowed gear of the catalogue fits it",
+            Unusable::GearEfficiency => "the gear's efficiency is not known",
+            Unusable::Mass => "the objective needs a mass that is not known",
+            Unusable::Durations => "energy needs operating points with durations",
+        }
+    }
+}
+
+/// What was not solved, because it cannot be among the first.
+#[derive(Debug, Clone)]
+pub struct Pruned<'a> {
+    /// How many designs were to be kept, k.
+    pub keep: usize,
+    /// Motors that were solved and can do it, but stand behind the first k.
+    pub behind: usize,
+    /// Motors that certainly cannot do it, where no reason was asked for.
+    pub impossible: Vec<&'a Motor>,
+    /// Motors that were not solved, each with its lower bound of the objective, by bound.
+    pub not_solved: Vec<(&'a Motor, f64)>,
+}
+
+impl From<Refusal> for Reason {
+    fn from(why: Refusal) -> Reason {
+        match why {
+            Refusal::Infeasible(why) => Reason::Infeasible(why),
+            Refusal::Unbounded => Reason::Unbounded,
+            Refusal::NotSolved(why) => Reason::NotSolved(why),
+        }
+    }
+}
+
+/// How well a metric's ranking of the feasible motors agrees with the task's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Agreement {
+    /// The metric.
+    pub metric: &'static str,
+    /// Kendall's τ_b; `None` where there are too few motors.
+    pub tau: Option<f64>,
+    /// Number of motors that have the metric.
+    pub motors: usize,
+}
+
+/// What was found at one joint.
+#[derive(Debug)]
+pub struct JointSweep<'a> {
+    /// The joint.
+    pub joint: &'a Joint,
+    /// Every design that was evaluated, in the order of motor and ratio.
+    pub designs: Vec<SweptDesign<'a>>,
+    /// Motors, or motors with a gear, that are no candidates.
+    pub unusable: Vec<(&'a Motor, Option<&'a str>, Unusable)>,
+}
+
+/// A motor at a ratio.
+#[derive(Debug)]
+pub struct SweptDesign<'a> {
+    /// The motor.
+    pub motor: &'a Motor,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// All about it.
+    pub evaluation: Evaluation,
+    /// Limits that could not be checked, and why.
+    pub unchecked: std::sync::Arc<[Remark]>,
+    /// Of those, what the requirement itself states: with any of them the design is no choice.
+    pub unjudged: std::sync::Arc<[Remark]>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: std::sync::Arc<[Remark]>,
+}
+
+impl SweptDesign<'_> {
+    /// Whether it keeps every limit, and every limit that the requirement states could be judged.
+    pub fn is_choice(&self) -> bool {
+        self.evaluation.feasible && self.unjudged.is_empty()
+    }
+
+    /// Whether it keeps all that could be judged, but not all that the requirement states could be.
+    pub fn is_unjudged(&self) -> bool {
+        self.evaluation.feasible && !self.unjudged.is_empty()
+    }
+}
+
+/// What came of motors, told apart: candidates and unjudged designs best first, what was rejected as it came.
+#[derive(Default)]
+pub(super) struct Sorted<'a> {
+    pub candidates: Vec<Design<'a>>,
+    pub unjudged: Vec<Unjudged<'a>>,
+    pub rejected: Vec<Rejected<'a>>,
+}
+
+impl<'a> Sorted<'a> {
+    pub(super) fn of(found: impl IntoIterator<Item = Result<Design<'a>, Refused<'a>>>) -> Sorted<'a> {
+        let mut sorted = Sorted::default();
+        for result in found {
+            match result {
+                Ok(design) => sorted.candidates.push(design),
+                Err(Refused::Unjudged(unjudged)) => sorted.unjudged.push(*unjudged),
+                Err(Refused::Rejected(why)) => sorted.rejected.push(*why),
+            }
+        }
+        sorted.candidates.sort_by(order);
+        sorted.unjudged.sort_by(|a, b| order(&a.design, &b.design));
+        sorted
+    }
+}
+
+/// Best first: by objective, then loss, then id.
+pub(super) fn order(a: &Design, b: &Design) -> std::cmp::Ordering {
+    a.optimum
+        .objective
+        .total_cmp(&b.optimum.objective)
+        .then(a.evaluation.loss.total_cmp(&b.evaluation.loss))
+        .then(a.motor.id.cmp(&b.motor.id))
+}

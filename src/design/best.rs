@@ -1,0 +1,91 @@
+//! The best design of one motor at one joint: of all ratios or of the gears of the catalogue, with a spring or without.
+
+use super::answer::{Design, Reason, Refused, Rejected, Unusable};
+use super::mount::{Mount, Site};
+use super::program::{Optimum, RatioProgram};
+use super::selection::Selection;
+use super::solved::{design, one_gear, solve};
+use super::{Prepared, judge, spring};
+use crate::catalog::Motor;
+use crate::requirement::Quantity;
+
+/// The best design of one motor at one joint.
+///
+/// # Errors
+/// Why the motor is no choice: it cannot do it, or that it can is not known.
+pub fn best_design<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
+    let Site { robot, joint, demand, .. } = site;
+    let refuse = |reason| Refused::rejected(Rejected { motor, gear: None, reason });
+    if let Some(why) = lacking(motor, demand.load.has_durations, |q| joint.objective.weight(q) > 0.0) {
+        return Err(refuse(Reason::Unusable(why)));
+    }
+    let found = match joint.limits.spring {
+        Some(_) if site.is_geared() => spring::best_gear(site, motor, only_checked)?,
+        None if site.is_geared() => best_gear(site, motor, only_checked)?,
+        _ => free_ratio(site.direct(motor), only_checked).map_err(refuse)?,
+    };
+    judge::judged(robot, joint, found, only_checked)
+}
+
+/// What a motor or a motion lacks for a quantity that is asked for.
+pub(super) fn lacking(motor: &Motor, has_durations: bool, counts: impl Fn(Quantity) -> bool) -> Option<Unusable> {
+    let mass = counts(Quantity::Mass) && motor.mass.is_none();
+    let durations = counts(Quantity::Energy) && !has_durations;
+    mass.then_some(Unusable::Mass).or(durations.then_some(Unusable::Durations))
+}
+
+/// The best design over the free ratio.
+fn free_ratio<'a>(mount: Mount<'a, '_>, only_checked: bool) -> Result<Design<'a>, Reason> {
+    let prepared = mount.prepared().map_err(Reason::Unusable)?;
+    let Some(range) = mount.range() else { return Err(Reason::Unusable(Unusable::NoGearFits)) };
+    if let Some((limit, why)) = judge::left_out(mount.robot, mount.joint, &prepared.unchecked, only_checked) {
+        return Err(Reason::Unchecked(limit, why));
+    }
+    if mount.joint.limits.spring.is_some() {
+        return spring::solve(&mount, &prepared, range);
+    }
+    let optimum = solve(&prepared, mount.joint, range)?;
+    Ok(design(&mount, &prepared, judge::judged_part(&prepared, optimum, only_checked)))
+}
+
+/// Whether it is certain, without solving, that [`best_design`] rejects a motor. `false` says nothing.
+pub(super) fn is_impossible(site: Site, motor: &Motor) -> bool {
+    let mount = site.direct(motor);
+    let Some((min, max)) = mount.range() else { return false };
+    if site.joint.limits.spring.is_some() {
+        return false;
+    }
+    mount.prepared().is_ok_and(|p| RatioProgram::new(&p, &site.joint.objective, min, max).is_impossible())
+}
+
+/// The best gear of the catalogue for one motor: all that fit are evaluated, which is the proof.
+fn best_gear<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
+    let Site { robot, joint, .. } = site;
+    let mut gears: Selection<(Mount, Prepared, Optimum)> = Selection::new();
+    for mount in site.mounts(motor) {
+        let Some(gear) = mount.gear else { continue };
+        let prepared = match mount.prepared() {
+            Ok(prepared) => prepared,
+            Err(why) => {
+                gears.unusable(why);
+                continue;
+            }
+        };
+        let here = prepared.unchecked_at(gear.ratio);
+        if let Some(what) = judge::left_out(robot, joint, &here, only_checked) {
+            gears.unchecked(&gear.id, what);
+            continue;
+        }
+        let evaluation = prepared.at(gear.ratio);
+        match evaluation.objective(&joint.objective) {
+            _ if !evaluation.feasible => gears.exceeds(&gear.id, evaluation.tightest()),
+            None => gears.unusable(Unusable::Mass),
+            Some(objective) => {
+                let apart = !judge::unjudged(robot, joint, &here).is_empty();
+                gears.take(apart, (objective, evaluation.loss), (mount, prepared, one_gear(gear.ratio, objective)));
+            }
+        }
+    }
+    let (mount, prepared, optimum) = gears.best_of(motor)?;
+    Ok(design(&mount, &prepared, optimum))
+}

@@ -1,0 +1,403 @@
+//! Figures of a design: every number that tables, JSON, CSV, studies, pages and rules show of one is declared here, once.
+//!
+//! The one idea: an answer says what it knows of a design as [`Facts`]; a figure is a name, a unit and how it is read from
+//! them. A new figure is one entry of [`FIGURES`].
+
+use super::answer::Design;
+use super::answer::SpringChoice;
+use super::answer::SweptDesign;
+use super::evaluate::Evaluation;
+use super::examine::Examined;
+use super::explain::Explanation;
+use super::pareto::FrontPoint;
+use super::program::Optimum;
+use super::robust::RobustDesign;
+use crate::actuator::limits::Remark;
+use crate::actuator::thermal::Winding;
+use crate::catalog::Motor;
+use crate::catalog::convention::{Commutation, CurrentConvention};
+use crate::requirement::{Choice, Joint};
+use crate::units::{self, Kind};
+
+/// What an answer knows of a design.
+#[derive(Debug, Clone, Copy)]
+pub struct Facts<'a> {
+    /// The motor.
+    pub motor: &'a Motor,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// The design at its ratio.
+    pub evaluation: &'a Evaluation,
+    /// The objective there, SI.
+    pub objective: Option<f64>,
+    /// The best ratio and its proof, where the ratio was solved for.
+    pub optimum: Option<&'a Optimum>,
+    /// Steady state of the winding, where it was worked out.
+    pub winding_temperature: Winding,
+    /// Longest time that the current needs at a reversal \[s\]; infinite where no voltage is left.
+    pub reversal_time: Option<f64>,
+    /// The parallel spring, where the joint asks for one.
+    pub spring: Option<&'a SpringChoice>,
+    /// Limits that could not be checked, and why.
+    pub unchecked: &'a [Remark],
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: &'a [Remark],
+}
+
+impl<'a> Design<'a> {
+    /// What is known of it.
+    pub fn facts(&self) -> Facts<'_> {
+        Facts {
+            motor: self.motor,
+            gear: self.gear,
+            evaluation: &self.evaluation,
+            objective: Some(self.optimum.objective),
+            optimum: Some(&self.optimum),
+            winding_temperature: self.winding_temperature,
+            reversal_time: self.reversal_time,
+            spring: self.spring.as_ref(),
+            unchecked: &self.unchecked,
+            assumed: &self.assumed,
+        }
+    }
+}
+
+impl SweptDesign<'_> {
+    /// What is known of it.
+    pub fn facts(&self, joint: &Joint) -> Facts<'_> {
+        Facts {
+            motor: self.motor,
+            gear: self.gear,
+            evaluation: &self.evaluation,
+            objective: self.evaluation.objective(&joint.objective),
+            optimum: None,
+            winding_temperature: Winding::NotAsked,
+            reversal_time: None,
+            spring: None,
+            unchecked: &self.unchecked,
+            assumed: &self.assumed,
+        }
+    }
+}
+
+impl FrontPoint<'_> {
+    /// What is known of it.
+    pub fn facts(&self, joint: &Joint) -> Facts<'_> {
+        Facts {
+            motor: self.motor,
+            gear: self.gear,
+            evaluation: &self.evaluation,
+            objective: self.evaluation.objective(&joint.objective),
+            optimum: None,
+            winding_temperature: Winding::NotAsked,
+            reversal_time: None,
+            spring: None,
+            unchecked: &self.unchecked,
+            assumed: &self.assumed,
+        }
+    }
+}
+
+impl RobustDesign<'_> {
+    /// What is known of it at its robust ratio, for the printed numbers.
+    pub fn facts(&self) -> Facts<'_> {
+        Facts {
+            motor: self.nominal.motor,
+            gear: self.gear,
+            evaluation: &self.evaluation,
+            objective: Some(self.optimum.objective),
+            optimum: Some(&self.optimum),
+            winding_temperature: Winding::NotAsked,
+            reversal_time: None,
+            spring: None,
+            unchecked: &self.unchecked,
+            assumed: &self.assumed,
+        }
+    }
+}
+
+impl Explanation<'_> {
+    /// What is known of the design that was asked about.
+    pub fn facts(&self) -> Facts<'_> {
+        Facts {
+            motor: self.motor,
+            gear: self.gear.map(|gear| gear.id.as_str()),
+            evaluation: &self.evaluation,
+            objective: self.evaluation.objective(&self.joint.objective),
+            optimum: None,
+            winding_temperature: self.winding_temperature,
+            reversal_time: self.reversal_time,
+            spring: self.spring.as_ref().and_then(|spring| spring.as_ref().ok()),
+            unchecked: &self.unchecked,
+            assumed: &self.assumed,
+        }
+    }
+}
+
+impl Examined {
+    /// What is known of a design that was examined.
+    pub fn facts<'a>(&'a self, choice: &'a Choice) -> Facts<'a> {
+        Facts {
+            motor: choice.motor,
+            gear: choice.gear.map(|gear| gear.id.as_str()),
+            evaluation: &self.evaluation,
+            objective: self.evaluation.objective(&choice.joint.objective),
+            optimum: None,
+            winding_temperature: self.winding_temperature,
+            reversal_time: self.reversal_time,
+            spring: None,
+            unchecked: &self.unchecked,
+            assumed: &self.assumed,
+        }
+    }
+}
+
+/// In which frame a current is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Frame {
+    /// As the drive is bought: amplitude of a phase, DC of a brushed motor.
+    Phase,
+    /// As the model, its limits and its objective count it: q axis, power invariant.
+    QAxis,
+}
+
+/// A number of a design.
+#[derive(Debug)]
+pub struct Figure {
+    /// Key in JSON, CSV and studies; the SI unit is in it.
+    pub key: &'static str,
+    /// Name of the measure in rules files.
+    pub name: &'static str,
+    /// Heading of a table.
+    pub heading: &'static str,
+    /// What it is, in a few words.
+    pub words: &'static str,
+    /// What it is, in full.
+    pub meaning: &'static str,
+    /// What it measures.
+    pub kind: &'static Kind,
+    /// Unit in which people read it.
+    pub unit: &'static str,
+    /// Frame of a current.
+    pub frame: Option<Frame>,
+    /// Where tables of a terminal show it: the place in which it gives way where there is no room, the least first.
+    /// `None`: pages and files show it, tables of a terminal do not.
+    pub in_tables: Option<u8>,
+    value: fn(&Facts) -> Option<f64>,
+}
+
+impl Figure {
+    /// Its value, SI: infinite where it grows without end, `None` where it is not known or was not worked out.
+    pub fn value(&self, facts: &Facts) -> Option<f64> {
+        (self.value)(facts)
+    }
+
+    /// Its value as a number for files, SI: `None` also where it grows without end.
+    pub fn finite(&self, facts: &Facts) -> Option<f64> {
+        self.value(facts).filter(|value| value.is_finite())
+    }
+
+    /// Its value in the unit that people read it in.
+    pub fn shown(&self, facts: &Facts) -> Option<f64> {
+        self.finite(facts).map(|value| units::in_unit(value, self.unit))
+    }
+
+    /// The unit that people read it in, with the frame of a current.
+    pub fn unit_of(&self, motor: &Motor) -> &'static str {
+        match (self.frame, motor.conventions.commutation) {
+            (None, _) => self.unit,
+            (Some(Frame::QAxis), _) => "A (q axis)",
+            (Some(Frame::Phase), Commutation::Brushless) => "A (phase amplitude)",
+            (Some(Frame::Phase), Commutation::Brushed) => "A (DC)",
+        }
+    }
+}
+
+/// What a q-axis current is on the drive: phase amplitude, or DC of a brushed motor \[A\].
+pub fn on_the_drive(motor: &Motor, q_axis: f64) -> f64 {
+    let commutation = motor.conventions.commutation;
+    let convention = match commutation {
+        Commutation::Brushless => CurrentConvention::PhaseAmplitude,
+        Commutation::Brushed => CurrentConvention::Dc,
+    };
+    q_axis / convention.torque_current(commutation)
+}
+
+/// Every figure.
+pub const FIGURES: &[Figure] = &[
+    Figure {
+        key: "loss_w",
+        name: "loss",
+        heading: "loss",
+        words: "copper loss",
+        meaning: "mean copper loss",
+        kind: &units::POWER,
+        unit: "W",
+        frame: None,
+        in_tables: Some(8),
+        value: |d| Some(d.evaluation.loss),
+    },
+    Figure {
+        key: "mean_electrical_power_w",
+        name: "mean_power",
+        heading: "P mean",
+        words: "mean electrical power",
+        meaning: "mean electrical power at the motor's terminals",
+        kind: &units::POWER,
+        unit: "W",
+        frame: None,
+        in_tables: None,
+        value: |d| Some(d.evaluation.mean_power),
+    },
+    Figure {
+        key: "energy_per_cycle_j",
+        name: "energy",
+        heading: "E",
+        words: "energy per cycle",
+        meaning: "energy drawn from the bus per cycle",
+        kind: &units::ENERGY,
+        unit: "J",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.energy,
+    },
+    Figure {
+        key: "peak_electrical_power_w",
+        name: "peak_power",
+        heading: "P peak",
+        words: "peak electrical power",
+        meaning: "largest electrical power drawn from the bus",
+        kind: &units::POWER,
+        unit: "W",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.peak_power,
+    },
+    Figure {
+        key: "rms_current_phase_a",
+        name: "rms_current_phase",
+        heading: "I rms",
+        words: "current, rms",
+        meaning: "root mean square of the current as the drive is bought: phase amplitude, DC of a brushed motor",
+        kind: &units::CURRENT,
+        unit: "A",
+        frame: Some(Frame::Phase),
+        in_tables: None,
+        value: |d| Some(on_the_drive(d.motor, d.evaluation.rms_current)),
+    },
+    Figure {
+        key: "rms_current_q_a",
+        name: "rms_current",
+        heading: "I rms, q axis",
+        words: "current, rms",
+        meaning: "root mean square of the q-axis current",
+        kind: &units::CURRENT,
+        unit: "A",
+        frame: Some(Frame::QAxis),
+        in_tables: None,
+        value: |d| Some(d.evaluation.rms_current),
+    },
+    Figure {
+        key: "peak_current_phase_a",
+        name: "peak_current_phase",
+        heading: "I peak",
+        words: "current, peak",
+        meaning: "largest current as the drive is bought: phase amplitude, DC of a brushed motor",
+        kind: &units::CURRENT,
+        unit: "A",
+        frame: Some(Frame::Phase),
+        in_tables: Some(6),
+        value: |d| Some(on_the_drive(d.motor, d.evaluation.peak_current)),
+    },
+    Figure {
+        key: "peak_current_q_a",
+        name: "peak_current",
+        heading: "I peak, q axis",
+        words: "current, peak",
+        meaning: "largest q-axis current",
+        kind: &units::CURRENT,
+        unit: "A",
+        frame: Some(Frame::QAxis),
+        in_tables: None,
+        value: |d| Some(d.evaluation.peak_current),
+    },
+    Figure {
+        key: "reflected_inertia_kgm2",
+        name: "reflected_inertia",
+        heading: "J",
+        words: "reflected inertia",
+        meaning: "inertia of rotor and gear at the output, N² (J_m + J_g)",
+        kind: &units::INERTIA,
+        unit: "kg*m^2",
+        frame: None,
+        in_tables: Some(5),
+        value: |d| Some(d.evaluation.reflected_inertia),
+    },
+    Figure {
+        key: "mass_kg",
+        name: "mass",
+        heading: "mass",
+        words: "mass",
+        meaning: "mass of motor and gear",
+        kind: &units::MASS,
+        unit: "kg",
+        frame: None,
+        in_tables: Some(7),
+        value: |d| d.evaluation.mass,
+    },
+    Figure {
+        key: "winding_temperature_k",
+        name: "winding_temperature",
+        heading: "winding",
+        words: "winding, steady state",
+        meaning: "steady winding temperature",
+        kind: &units::TEMPERATURE,
+        unit: "degC",
+        frame: None,
+        in_tables: None,
+        value: |d| d.winding_temperature.kelvin_or_infinite(),
+    },
+    Figure {
+        key: "reversal_time_s",
+        name: "reversal_time",
+        heading: "reversal",
+        words: "current's reversal",
+        meaning: "longest time the current needs for its jump where the motion reverses, L Δi/(V − R i)",
+        kind: &units::TIME,
+        unit: "ms",
+        frame: None,
+        in_tables: None,
+        value: |d| d.reversal_time,
+    },
+];
+
+/// The figure of a key.
+///
+/// # Panics
+/// There is none: the key is a literal of the program.
+pub fn figure(key: &str) -> &'static Figure {
+    FIGURES.iter().find(|f| f.key == key).expect("a figure")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::requirement::Quantity;
+
+    /// Keys, names and headings tell figures apart, and what can be minimised has a figure of its name.
+    #[test]
+    fn a_figure_has_its_own_key_name_and_heading_and_every_quantity_one_of_its_name() {
+        for of in [|f: &Figure| f.key, |f: &Figure| f.name, |f: &Figure| f.heading] {
+            assert_eq!(FIGURES.iter().map(of).collect::<BTreeSet<_>>().len(), FIGURES.len());
+        }
+        for (name, quantity) in Quantity::NAMES {
+            let figure = FIGURES.iter().find(|f| f.name == *name).unwrap_or_else(|| panic!("no figure `{name}`"));
+            assert_eq!(figure.kind.name, quantity.kind().name, "{name}");
+        }
+        for figure in FIGURES {
+            assert!(units::unit_of(figure.unit, figure.kind).is_ok(), "{}: {}", figure.key, figure.unit);
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! A motor mounted at a joint: the one place where a candidate is made.
+//!
+//! The one idea: a [`Mount`] says which motor drives which joint through which gear, and makes the candidate of it.
+//! A [`Site`] is a joint with its load made ready once, and goes through the mounts that the requirement allows a
+//! motor there: one with a ratio that is still free, or one for each gear of the catalogue.
+
+use super::Prepared;
+use super::answer::Unusable;
+use super::options::Stop;
+use crate::actuator::fitted::gear_with_fit;
+use crate::actuator::limits::{Candidate, hot_winding, hottest};
+use crate::actuator::{Actuator, Load};
+use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
+use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
+
+/// A motor at a joint, with a gear of the catalogue or with a ratio that is still free.
+#[derive(Debug, Clone, Copy)]
+pub struct Mount<'a, 'l> {
+    /// The robot, for bus and surroundings.
+    pub robot: &'a Robot,
+    /// The joint.
+    pub joint: &'a Joint,
+    /// The joint's load, as the gear passes it on.
+    pub load: &'l Load,
+    /// The motor.
+    pub motor: &'a Motor,
+    /// The gear of the catalogue; `None` where the ratio is free.
+    pub gear: Option<&'a Gear>,
+    /// Whether searches over it are to stop.
+    pub stop: Stop<'l>,
+}
+
+impl<'a: 'l, 'l> Mount<'a, 'l> {
+    /// A motor at a joint with a ratio that is still free.
+    pub fn new(robot: &'a Robot, joint: &'a Joint, load: &'l Load, motor: &'a Motor) -> Mount<'a, 'l> {
+        Mount { robot, joint, load, motor, gear: None, stop: Stop::NEVER }
+    }
+
+    /// The same with a gear of the catalogue, where one is given; `load` has to be as that gear passes it on
+    /// ([`load_through`]).
+    pub fn with_gear(self, gear: Option<&'a Gear>) -> Mount<'a, 'l> {
+        Mount { gear, ..self }
+    }
+
+    /// Id of the gear, where it is one of the catalogue.
+    pub fn gear_id(&self) -> Option<&'a str> {
+        self.gear.map(|gear| gear.id.as_str())
+    }
+
+    /// The ratios that are open: the gear's own, or those that the requirement allows. `None` where only a gear
+    /// could tell, and none is mounted.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        match (self.gear, &self.joint.ratio) {
+            (Some(gear), _) => Some((gear.ratio, gear.ratio)),
+            (None, RatioChoice::Continuous { min, max }) => Some((*min, *max)),
+            (None, RatioChoice::Catalog { .. }) => None,
+        }
+    }
+
+    /// The candidate.
+    ///
+    /// # Errors
+    /// Motor or gear lack a number that every evaluation needs.
+    pub fn candidate(self) -> Result<Candidate<'l>, Unusable> {
+        let Mount { robot, joint, load, motor, gear: catalog_gear, stop: _ } = self;
+        let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
+        let hottest = hottest(motor, joint).map(|t| t.0);
+        let (gear, actuator) = match catalog_gear {
+            None => {
+                let gear = gear_with_fit(motor, &joint.gear);
+                let actuator = Actuator::at_temperature(motor, rotor, &gear, hottest, true);
+                (gear, with_hot_winding(actuator, robot, joint, motor))
+            }
+            Some(printed) => {
+                let gear = gear_model(printed).ok_or(Unusable::GearEfficiency)?;
+                // Where the efficiency covers the gear's inertia, the load has it already.
+                let inertia = if covers_gear(joint) { 0.0 } else { gear.inertia };
+                let at_the_shaft = GearModel { inertia, ..gear };
+                let actuator = Actuator::at_temperature(motor, rotor, &at_the_shaft, hottest, false);
+                let mut actuator = with_hot_winding(actuator, robot, joint, motor);
+                actuator.inertia = rotor + gear.inertia;
+                (gear, actuator)
+            }
+        };
+        Ok(Candidate { robot, joint, load, motor, catalog_gear, gear, actuator, folded: false })
+    }
+
+    /// The candidate with its limits gathered.
+    ///
+    /// # Errors
+    /// As [`Mount::candidate`].
+    pub fn prepared(self) -> Result<Prepared<'l>, Unusable> {
+        let stop = self.stop;
+        self.candidate().map(|candidate| Prepared::new(candidate).stopping(stop))
+    }
+}
+
+/// The numbers of a gear of the catalogue; `None` where its efficiency is not known.
+fn gear_model(gear: &Gear) -> Option<GearModel> {
+    let efficiency = gear.efficiency?;
+    Some(GearModel {
+        efficiency,
+        backdrive_efficiency: gear.backdrive_efficiency.unwrap_or_else(|| backdrive_efficiency(efficiency)),
+        mass: gear.mass,
+        mass_per_stage: None,
+        inertia: gear.inertia.unwrap_or(0.0),
+        peak_torque: gear.peak_torque,
+        continuous_torque: gear.continuous_torque,
+        max_input_speed: gear.max_input_speed,
+    })
+}
+
+/// The actuator with the resistance of the hottest winding that may be in its voltage and power, where that is known.
+fn with_hot_winding(actuator: Actuator, robot: &Robot, joint: &Joint, motor: &Motor) -> Actuator {
+    match hot_winding(motor, joint, robot.ambient) {
+        Some(kelvin) => actuator.with_winding_at(kelvin, motor.reference_temperature),
+        None => actuator,
+    }
+}
+
+fn covers_gear(joint: &Joint) -> bool {
+    matches!(joint.ratio, RatioChoice::Catalog { efficiency_covers: EfficiencyCovers::LoadAndGear, .. })
+}
+
+/// Inertia at the output \[kg·m²\] that a gear's efficiency covers at a joint as it covers the load; `None` where it
+/// covers none, or the inertia is not known.
+pub fn covered_inertia(joint: &Joint, gear: &Gear) -> Option<f64> {
+    let inertia = gear.inertia.filter(|_| covers_gear(joint))?;
+    Some(inertia * gear.ratio * gear.ratio)
+}
+
+/// The load of a joint as a gear passes it on: with the torque that accelerates the gear's inertia, where its
+/// efficiency covers that too.
+pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
+    load_covering(joint, gear.and_then(|gear| covered_inertia(joint, gear)))
+}
+
+/// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
+pub fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
+    match covered {
+        Some(inertia) => Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia),
+        None => Load::new(&joint.motion, joint.limits.torque_bandwidth),
+    }
+}
+
+/// What a joint asks, made ready once for all motors: its load, and the gears it allows, each with the
+/// load as that gear passes it on.
+#[derive(Debug)]
+pub struct JointDemand<'a> {
+    /// The load at the joint.
+    pub load: Load,
+    /// The gears of the catalogue that the joint allows, in the order of their ids; a load of its own
+    /// where the gear's efficiency covers its inertia.
+    gears: Vec<(&'a Gear, Option<Load>)>,
+}
+
+impl<'a> JointDemand<'a> {
+    /// Prepares a joint.
+    pub fn new(joint: &Joint, catalog: &'a Catalog) -> JointDemand<'a> {
+        let gears = match &joint.ratio {
+            RatioChoice::Continuous { .. } => Vec::new(),
+            RatioChoice::Catalog { patterns, .. } => {
+                catalog.gears.iter().filter(|g| patterns.iter().any(|p| matches_pattern(p, &g.id))).collect()
+            }
+        };
+        let own = |gear| covered_inertia(joint, gear).map(|inertia| load_covering(joint, Some(inertia)));
+        let gears = gears.into_iter().map(|gear| (gear, own(gear))).collect();
+        JointDemand { load: load_covering(joint, None), gears }
+    }
+
+    /// The gears that may be mounted on a motor, each with its load.
+    pub fn gears_for<'d>(&'d self, motor: &Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
+        let fitting: Vec<_> = self.gears.iter().filter(|(gear, _)| gear.fits(&motor.id) != Some(false)).collect();
+        fitting.into_iter().map(|(gear, own)| (*gear, own.as_ref().unwrap_or(&self.load)))
+    }
+}
+
+/// A joint of a robot with what it asks made ready.
+#[derive(Debug, Clone, Copy)]
+pub struct Site<'a, 'd> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// The joint.
+    pub joint: &'a Joint,
+    /// What the joint asks.
+    pub demand: &'d JointDemand<'a>,
+    /// Whether searches here are to stop.
+    pub stop: Stop<'d>,
+}
+
+impl<'a: 'd, 'd> Site<'a, 'd> {
+    /// A joint of a robot with what it asks.
+    pub fn new(robot: &'a Robot, joint: &'a Joint, demand: &'d JointDemand<'a>) -> Site<'a, 'd> {
+        Site { robot, joint, demand, stop: Stop::NEVER }
+    }
+
+    /// The same for searches that may be stopped.
+    pub fn stopping(self, stop: Stop<'d>) -> Site<'a, 'd> {
+        Site { stop, ..self }
+    }
+
+    /// Whether gears of the catalogue are asked for, and the ratio is not free.
+    pub fn is_geared(&self) -> bool {
+        matches!(self.joint.ratio, RatioChoice::Catalog { .. })
+    }
+
+    /// A motor with a free ratio, whatever the joint asks for.
+    pub fn direct(self, motor: &'a Motor) -> Mount<'a, 'd> {
+        Mount { stop: self.stop, ..Mount::new(self.robot, self.joint, &self.demand.load, motor) }
+    }
+
+    /// All that the requirement lets a motor be here: with a free ratio, or with each gear that is allowed and fits.
+    pub fn mounts(self, motor: &'a Motor) -> impl Iterator<Item = Mount<'a, 'd>> {
+        let free = (!self.is_geared()).then(|| self.direct(motor));
+        let geared = self.demand.gears_for(motor).map(move |(gear, load)| Mount {
+            gear: Some(gear),
+            load,
+            ..self.direct(motor)
+        });
+        free.into_iter().chain(geared)
+    }
+
+    /// A motor with a gear of a name, or with a free ratio.
+    ///
+    /// # Errors
+    /// The gear is none that is allowed and fits.
+    pub fn mount(self, motor: &'a Motor, gear: Option<&str>) -> Result<Mount<'a, 'd>, Unusable> {
+        match gear {
+            None => Ok(self.direct(motor)),
+            Some(id) => self.mounts(motor).find(|m| m.gear_id() == Some(id)).ok_or(Unusable::NoGearFits),
+        }
+    }
+}

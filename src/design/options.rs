@@ -1,0 +1,65 @@
+//! How a search is run, and how it is stopped.
+
+use std::fmt;
+
+/// A search was stopped: there is no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stopped;
+
+/// Whether a search is to stop, as it is asked from within.
+#[derive(Clone, Copy)]
+pub struct Stop<'s>(&'s (dyn Fn() -> bool + Sync));
+
+impl<'s> Stop<'s> {
+    /// Never.
+    pub const NEVER: Stop<'static> = Stop(&|| false);
+
+    /// When somebody says so.
+    pub fn when(stop: &'s (dyn Fn() -> bool + Sync)) -> Stop<'s> {
+        Stop(stop)
+    }
+
+    /// Whether it is to stop now.
+    pub fn now(self) -> bool {
+        (self.0)()
+    }
+
+    /// What was found, if nobody stopped the search: what a stopped one leaves is no answer.
+    ///
+    /// # Errors
+    /// It was stopped.
+    pub(super) fn unless<T>(self, found: T) -> Result<T, Stopped> {
+        if self.now() { Err(Stopped) } else { Ok(found) }
+    }
+}
+
+impl fmt::Debug for Stop<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Stop")
+    }
+}
+
+/// How an optimisation is run.
+#[derive(Clone, Copy)]
+pub struct Options<'p> {
+    /// Reject designs with a limit that cannot be checked, because a number is not known.
+    pub only_checked: bool,
+    /// Only so many designs of each joint are wanted: motors whose lower bound shows that they are not
+    /// among them are not solved.
+    pub keep: Option<usize>,
+    /// Whether it is told of every motor why it cannot do it. Else, where only the first designs are wanted, it is
+    /// told of joints without a design alone: that a motor cannot is often quickly seen, and why it comes nowhere
+    /// takes long.
+    pub reasons: bool,
+    /// Called once for each motor and joint that is done.
+    pub tick: &'p (dyn Fn() + Sync),
+    /// Asked before each motor, at each node of a branch and bound and at each region of a search for a spring. Once it
+    /// says `true` it has to go on saying so; the search then ends with [`Stopped`].
+    pub stop: &'p (dyn Fn() -> bool + Sync),
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Options { only_checked: false, keep: None, reasons: true, tick: &|| {}, stop: &|| false }
+    }
+}

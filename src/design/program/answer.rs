@@ -1,0 +1,84 @@
+//! What a ratio program finds, as facts.
+
+use std::borrow::Cow;
+
+use super::bind::Bind;
+use super::refusal::Refusal;
+
+/// What came of a ratio program: the best ratio, or why there is none.
+pub type Outcome = Result<Optimum, Refusal>;
+
+/// The best ratio and its proof.
+#[derive(Debug, Clone)]
+pub struct Optimum {
+    /// N*.
+    pub ratio: f64,
+    /// The objective there.
+    pub objective: f64,
+    /// Feasible ratios: one interval where the program is convex.
+    pub windows: Vec<Window>,
+    /// The proof, or why there is none.
+    pub certificate: Certificate,
+    /// `∂objective/∂limit` of the limits that bind at N*, in SI.
+    pub shadow_prices: Vec<ShadowPrice>,
+}
+
+impl Optimum {
+    /// The same optimum of the objective times a weight above zero.
+    pub(super) fn times(mut self, weight: f64) -> Optimum {
+        self.objective *= weight;
+        if let Certificate::Certified { lower_bound, .. } = &mut self.certificate {
+            *lower_bound *= weight;
+        }
+        for price in &mut self.shadow_prices {
+            price.price *= weight;
+        }
+        self
+    }
+
+    /// The window that N* lies in.
+    pub fn window(&self) -> &Window {
+        let inside = |w: &&Window| w.min <= self.ratio * (1.0 + 1e-9) && self.ratio <= w.max * (1.0 + 1e-9);
+        self.windows.iter().find(inside).unwrap_or(&self.windows[0])
+    }
+}
+
+/// An interval of feasible ratios and what ends it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window {
+    /// Smallest ratio.
+    pub min: f64,
+    /// Largest ratio.
+    pub max: f64,
+    /// What forbids a smaller one.
+    pub low: Bind,
+    /// What forbids a larger one.
+    pub high: Bind,
+}
+
+/// How sure the optimum is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Certificate {
+    /// No ratio is better than `lower_bound`; `gap` is relative.
+    Certified {
+        /// Lower bound of the objective.
+        lower_bound: f64,
+        /// `(objective − lower_bound)/|objective|`.
+        gap: f64,
+        /// How the bound was found.
+        method: &'static str,
+    },
+    /// The best that was found; why there is no proof.
+    NotCertified(Cow<'static, str>),
+}
+
+/// What one more unit of a limit is worth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShadowPrice {
+    /// Name of the limit.
+    pub limit: &'static str,
+    /// Change of the objective per unit of the limit, SI.
+    pub price: f64,
+    /// Per cent of the objective per per cent of the limit.
+    pub elasticity: f64,
+}

@@ -1,0 +1,154 @@
+//! What is found for a whole robot, as facts.
+
+use super::total::Total;
+use crate::actuator::limits::Remark;
+use crate::catalog::Motor;
+use crate::design::answer::Design;
+use crate::design::options::Stopped;
+use crate::requirement::{Joint, Robot};
+
+/// How a robot's choice is made.
+#[derive(Clone, Copy)]
+pub struct Options<'p> {
+    /// Only designs of which every limit could be checked.
+    pub only_checked: bool,
+    /// How many further combinations are wanted, each different in a motor.
+    pub runner_ups: usize,
+    /// Whether it is also told what the budgets cost.
+    pub budgets: bool,
+    /// Called once for each joint that is done.
+    pub tick: &'p (dyn Fn() + Sync),
+    /// As [`stop`](crate::design::Options::stop) of a joint's search; also asked for each combination.
+    pub stop: &'p (dyn Fn() -> bool + Sync),
+}
+
+/// Why there is no choice.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoChoice {
+    /// It was stopped.
+    Stopped,
+    /// It is not asked for in a way that can be answered: in words.
+    Cannot(String),
+}
+
+impl From<Stopped> for NoChoice {
+    fn from(_: Stopped) -> NoChoice {
+        NoChoice::Stopped
+    }
+}
+
+impl Default for Options<'_> {
+    fn default() -> Self {
+        Options { only_checked: false, runner_ups: 3, budgets: true, tick: &|| {}, stop: &|| false }
+    }
+}
+
+/// One design for each joint.
+#[derive(Debug, Clone)]
+pub struct Combination<'a> {
+    /// In the order of the requirement. Where power is shared the ratio may not be the joint's own best.
+    pub joints: Vec<Design<'a>>,
+    /// The total that is minimised.
+    pub objective: f64,
+    /// The total of these motors is nowhere below this.
+    pub lower_bound: f64,
+    /// Mass of all actuators \[kg\].
+    pub mass: Option<f64>,
+    /// Largest power that all joints draw together \[W\]: at one instant where they share a time base, else
+    /// the sum of their peaks.
+    pub peak_power: f64,
+    /// Change of the total per watt more of shared power, where that is limited.
+    pub power_price: Option<f64>,
+    /// Number of different motors.
+    pub distinct_motors: usize,
+    /// What carried actuators add to each joint's load: for constant torques per mass the torque \[N·m\], for
+    /// others the mass \[kg\].
+    pub carried: Vec<Vec<f64>>,
+}
+
+/// How sure the best combination is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proof {
+    /// No combination is better than this; `None` where nothing is known.
+    pub lower_bound: Option<f64>,
+    /// `(objective − lower bound)/|objective|`.
+    pub gap: Option<f64>,
+    /// Why it is not proved; empty where it is.
+    pub not_proved: Vec<String>,
+    /// Branches looked at.
+    pub branches: usize,
+}
+
+impl Proof {
+    /// Whether no combination can be better.
+    pub fn certified(&self) -> bool {
+        self.not_proved.is_empty()
+    }
+}
+
+/// What another budget would give.
+#[derive(Debug, Clone)]
+pub struct Change<'a> {
+    /// Name of the budget.
+    pub budget: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it would be.
+    pub value: f64,
+    /// The best combination then; `None` where there is none.
+    pub best: Option<Combination<'a>>,
+    /// Whether that was proved.
+    pub certified: bool,
+}
+
+/// What stands in the way where no combination keeps the budgets.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wanting {
+    /// No motor can do these joints, whatever the budgets.
+    Joints(Vec<String>),
+    /// The least mass of all actuators with which it can be done \[kg\].
+    Mass(f64),
+    /// The least number of different motors with which it can be done.
+    Motors(usize),
+    /// The least power at the worst instant with which a combination that was tried can do \[W\], and what the
+    /// best draws that is not limited \[W\].
+    Power(f64, f64),
+}
+
+/// The choice for a whole robot.
+#[derive(Debug)]
+pub struct Choice<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// What is minimised.
+    pub total: Total,
+    /// Best first; each differs from those before it in a motor.
+    pub combinations: Vec<Combination<'a>>,
+    /// How sure the first is.
+    pub proof: Proof,
+    /// What is wanting where there is none: any of these alone, the others as they are.
+    pub wanting: Vec<Wanting>,
+    /// What other budgets would give.
+    pub changes: Vec<Change<'a>>,
+    /// Whether other budgets were not looked at, because this one took long or was not settled.
+    pub others_left_out: bool,
+    /// The best total for less and less mass.
+    pub front: Vec<Combination<'a>>,
+    /// Motors left out because they cannot be judged, with the joint where that is so, what and why.
+    pub unjudged: Vec<Apart<'a>>,
+    /// Names of joints that share a time base, for each time base.
+    pub time_bases: Vec<Vec<String>>,
+    /// Whether power was added up instant by instant over all joints.
+    pub instant_by_instant: bool,
+}
+
+/// A motor that is left out at a joint because it cannot be judged there.
+#[derive(Debug, Clone)]
+pub struct Apart<'a> {
+    /// The joint.
+    pub joint: &'a Joint,
+    /// The motor.
+    pub motor: &'a Motor,
+    /// What cannot be judged, and why.
+    pub because: Vec<Remark>,
+}

@@ -1,0 +1,120 @@
+//! Designs that keep their limits for every motor within its tolerances.
+//!
+//! The one idea: the worst motor within the box of tolerances stands at a corner of the box, for each limit
+//! at its own corner, so the robust program is the nominal objective under the rows of the corners.
+//! Why a corner, at any fixed ratio and sample:
+//!
+//! * Shaft torque T and its rate are affine in J, b, c. |T| and the mean of T² are convex in them, and fall
+//!   with K_T where they are currents: largest at a corner.
+//! * `v_q = (R T + L Ṫ)/K_T + K_B N ω` and `v_d = −p N ω L T/K_T` are affine in each of R, L, 1/K_T, K_B, J, b, c
+//!   alone, so `v_q² + v_d²` is convex in each alone: largest at a corner. Where K_B was taken from K_T (or K_T
+//!   from K_B) they are one number K, and `a²/K² + 2 a e + e² K² + d²/K²` is convex in K.
+//! * Bus power `R T²/K_T² + K_B N ω T/K_T` rises with R and is convex in each of the others alone.
+//! * Ratings, highest temperatures and thermal resistances (steady state) are monotone: the worse end.
+//!
+//! The largest over samples, phases and means of such functions are such functions. **Not proved** are two
+//! cases, and they are marked so: a regeneration limit, whose −P is concave in T (its largest may lie
+//! between the corners), and the winding's temperature over the motion in the time constants and in the
+//! resistance from winding to housing; there corners and the nominal motor are looked at. Efficiency,
+//! load and bus have no tolerances here.
+
+mod boxed;
+mod chance;
+mod corners;
+
+use rayon::prelude::*;
+
+use super::answer::{Design, JointResult, Reason, RobotResult};
+use super::evaluate::{Evaluation, Margin};
+use super::mount::{JointDemand, Site};
+use super::optimize::optimize_with;
+use super::options::{Options, Stop, Stopped};
+use super::program::Optimum;
+use crate::actuator::limits::Remark;
+use crate::catalog::Catalog;
+use crate::requirement::Robot;
+
+pub use boxed::best_robust;
+pub use chance::{CONTENDERS, Contender, SAMPLES, standard_error};
+pub use corners::{Corner, Toleranced, corners, toleranced};
+
+/// A design that keeps its limits over the whole box of tolerances.
+#[derive(Debug, Clone)]
+pub struct RobustDesign<'a> {
+    /// The design for the printed numbers.
+    pub nominal: Design<'a>,
+    /// The numbers that have a tolerance; none: the design is the nominal one.
+    pub toleranced: Vec<Toleranced>,
+    /// How many corners of the box were looked at.
+    pub corners: usize,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// The best ratio that keeps all limits at all corners: least objective for the printed numbers.
+    pub optimum: Optimum,
+    /// The printed numbers at that ratio.
+    pub evaluation: Evaluation,
+    /// The largest objective at a corner, at that ratio.
+    pub worst_objective: f64,
+    /// The smallest margin at a corner, at that ratio.
+    pub tightest: Option<Margin>,
+    /// Limits that could not be checked at that ratio, of the printed numbers or at a corner, and why.
+    pub unchecked: Vec<Remark>,
+    /// Limits that count as kept there, and as far as what holds.
+    pub assumed: Vec<Remark>,
+}
+
+/// A motor that can do it by its printed numbers, but not over its tolerances.
+#[derive(Debug, Clone)]
+pub struct Lost<'a> {
+    /// The nominal design.
+    pub nominal: Design<'a>,
+    /// Why no ratio keeps the limits at all corners.
+    pub reason: Reason,
+}
+
+/// What was found for a joint.
+#[derive(Debug)]
+pub struct RobustJoint<'a> {
+    /// The nominal result.
+    pub nominal: JointResult<'a>,
+    /// Robust designs, least nominal objective at their ratio first.
+    pub designs: Vec<RobustDesign<'a>>,
+    /// Motors that are lost to their tolerances, in the nominal order.
+    pub lost: Vec<Lost<'a>>,
+    /// The first motors of the nominal order among each other.
+    pub contenders: Vec<Contender<'a>>,
+}
+
+/// Robust designs for every joint of a robot.
+///
+/// # Errors
+/// It was stopped.
+pub fn robust<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options) -> Result<Vec<RobustJoint<'a>>, Stopped> {
+    let stop = Stop::when(options.stop);
+    let RobotResult { joints, .. } = optimize_with(robot, catalog, options)?;
+    let solve = |nominal: JointResult<'a>| {
+        let joint = nominal.joint;
+        let demand = JointDemand::new(joint, catalog);
+        let site = Site::new(robot, joint, &demand).stopping(stop);
+        let best = |design: &Design<'a>| stop.unless(best_robust(site, design, options.only_checked));
+        let found: Vec<Result<RobustDesign, Reason>> =
+            nominal.candidates.par_iter().map(best).collect::<Result<_, _>>()?;
+        let (mut designs, mut lost) = (Vec::new(), Vec::new());
+        for (design, result) in nominal.candidates.iter().zip(found) {
+            match result {
+                Ok(design) => designs.push(design),
+                Err(reason) => lost.push(Lost { nominal: design.clone(), reason }),
+            }
+        }
+        designs.sort_by(|a: &RobustDesign, b| {
+            a.optimum
+                .objective
+                .total_cmp(&b.optimum.objective)
+                .then(a.evaluation.loss.total_cmp(&b.evaluation.loss))
+                .then(a.nominal.motor.id.cmp(&b.nominal.motor.id))
+        });
+        let contenders = chance::contenders(site, &nominal.candidates, &designs, options.only_checked);
+        stop.unless(RobustJoint { nominal, designs, lost, contenders })
+    };
+    joints.into_iter().map(solve).collect()
+}

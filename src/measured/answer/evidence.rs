@@ -1,0 +1,192 @@
+//! What a verdict rests on, and the one place that makes a verdict of it.
+//!
+//! The one idea: a verdict says no more than was shown. That an effect is there is shown by its gain; that none of
+//! those asked is there, by a bound on what each and all together could still explain; that nothing at all is missing,
+//! only by the instrument's own noise, found without the model. What could not be bounded is not resolved.
+
+use super::noise::Noise;
+use crate::numerics::sums::finite_sum;
+
+/// Largest share of the error that refused effects may still explain (upper 95 % bound) to be called absent.
+pub const BOUND: f64 = 0.03;
+/// What is left is noise up to this many times the instrument's: twice would admit three quarters of the error's
+/// variance.
+pub const AT_THE_NOISE: f64 = 1.15;
+/// By how much the error must rise, beyond its scatter, to be called worse: fitted numbers always cost a little of what is
+/// left out.
+const WORSE: f64 = 0.01;
+/// Student's t of a one-sided 95 % bound at 16 degrees of freedom: the fewest blocks that fit.
+const STUDENT: f64 = 1.746;
+
+/// What the logs say of the declared model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// What is left is the instrument's own noise, and nothing that was asked could take a part of it away.
+    NothingMissing,
+    /// Every effect that could be asked is bounded, alone and together; whether more than noise is left is another
+    /// question.
+    NoneOfThese,
+    /// No effect could be named with certainty, and not all could be excluded.
+    NotResolved,
+    /// Effects of the library explain what the declared model left.
+    Explained,
+    /// Something is left that no effect of the library explains.
+    UnexplainedStructure,
+}
+
+impl Verdict {
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::NothingMissing => "nothing_missing",
+            Verdict::NoneOfThese => "none_of_these",
+            Verdict::NotResolved => "not_resolved",
+            Verdict::Explained => "explained",
+            Verdict::UnexplainedStructure => "unexplained_structure",
+        }
+    }
+
+    /// The verdict over several equations of one bench: the one that claims least of completeness.
+    pub fn over(verdicts: impl IntoIterator<Item = Verdict>) -> Verdict {
+        let rank = |v: &Verdict| match v {
+            Verdict::NothingMissing => 0,
+            Verdict::NoneOfThese => 1,
+            Verdict::NotResolved => 2,
+            Verdict::Explained => 3,
+            Verdict::UnexplainedStructure => 4,
+        };
+        verdicts.into_iter().max_by_key(rank).unwrap_or(Verdict::NotResolved)
+    }
+}
+
+/// The share of the left-out squared error that something takes away, with its standard error between blocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain {
+    /// Share of the squared error; negative where it does harm.
+    pub share: f64,
+    /// Its standard error; not finite where nothing was left or blocks are too few.
+    pub error: f64,
+}
+
+impl Gain {
+    /// From the left-out squared errors of the blocks without and with it.
+    pub fn new(before: &[f64], after: &[f64]) -> Gain {
+        let total = finite_sum(before);
+        let falls: Vec<f64> = before.iter().zip(after).map(|(a, b)| a - b).filter(|d| d.is_finite()).collect();
+        let n = falls.len() as f64;
+        if n < 4.0 || total.is_nan() || total <= 0.0 {
+            return Gain { share: 0.0, error: f64::INFINITY };
+        }
+        let mean = falls.iter().sum::<f64>() / n;
+        let variance = falls.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        Gain { share: n * mean / total, error: (n * variance).sqrt() / total }
+    }
+
+    /// By what share the error itself falls.
+    pub fn fall(self) -> f64 {
+        fall(self.share)
+    }
+
+    /// The most that it may be (95 %): by what share the error falls.
+    pub fn most(self) -> f64 {
+        fall((self.share + STUDENT * self.error).max(0.0))
+    }
+
+    /// Whether it does harm: the error rises, surely and by more than fitting costs.
+    pub fn is_harm(self) -> bool {
+        self.fall() < -WORSE && self.share + STUDENT * self.error < 0.0
+    }
+
+    /// How many standard errors it is from nothing.
+    pub fn sure(self) -> f64 {
+        if self.error > 0.0 { self.share / self.error } else { 0.0 }
+    }
+}
+
+/// By what share the error falls, from that of its square.
+fn fall(share: f64) -> f64 {
+    1.0 - (1.0 - share).max(0.0).sqrt()
+}
+
+/// An effect that was asked and is not in the model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    /// Name in the library.
+    pub name: &'static str,
+    /// What it would take away of what is left in the end.
+    pub gain: Gain,
+}
+
+/// What a verdict rests on.
+#[derive(Debug, Clone, Default)]
+pub struct Evidence {
+    /// Effects that were found.
+    pub found: usize,
+    /// Variables that what is left depends on, without a name.
+    pub unexplained: usize,
+    /// Root mean square of what the final model leaves, each block left out of the fit in turn \[unit\].
+    pub left: f64,
+    /// The same error of the final model on what was held out \[unit\].
+    pub held_out: Option<f64>,
+    /// The instrument's own noise in the band.
+    pub noise: Noise,
+    /// Effects that were asked and are not in the model, the strongest first.
+    pub asked: Vec<Asked>,
+    /// All of these together; `None` where that was not tried.
+    pub together: Option<Gain>,
+    /// Whether refitting the declared parameters made the left-out error worse.
+    pub worse_by_refitting: bool,
+}
+
+impl Evidence {
+    /// Of logs whose refusals were not bounded: nothing more is known than what is left.
+    pub fn unbounded(found: usize, unexplained: usize, left: f64) -> Evidence {
+        Evidence { found, unexplained, left, ..Evidence::default() }
+    }
+
+    /// The refused effect that would take away most.
+    pub fn strongest(&self) -> Option<&Asked> {
+        self.asked.first()
+    }
+
+    /// The most that refused effects could take away, alone or together (share of the error, 95 %); `None` where that
+    /// was not bounded.
+    pub fn most(&self) -> Option<f64> {
+        let together = self.together?.most();
+        Some(self.asked.iter().map(|a| a.gain.most()).fold(together, f64::max))
+    }
+
+    /// What is left, in times of the instrument's noise, where that can be told.
+    pub fn times_the_noise(&self) -> Option<f64> {
+        self.noise.floor().map(|floor| self.left / floor)
+    }
+
+    /// The same of what was held out, where that is more than the noise and more than what is left.
+    pub fn held_out_times_the_noise(&self) -> Option<f64> {
+        let times = self.held_out? / self.noise.floor()?;
+        (times > AT_THE_NOISE && self.times_the_noise().is_some_and(|left| times > left)).then_some(times)
+    }
+
+    /// Whether what is left is the instrument's noise, on what was held out too.
+    fn is_noise(&self) -> bool {
+        let within = |error: f64| self.noise.floor().is_some_and(|floor| error <= AT_THE_NOISE * floor);
+        within(self.left) && self.held_out.is_none_or(within)
+    }
+}
+
+/// The verdict.
+pub fn verdict(evidence: &Evidence) -> Verdict {
+    let bounded = evidence.most().is_some_and(|most| most <= BOUND);
+    match (evidence.unexplained, evidence.found) {
+        (1.., _) => Verdict::UnexplainedStructure,
+        (0, 1..) => Verdict::Explained,
+        _ if !bounded => Verdict::NotResolved,
+        _ if evidence.is_noise() && !evidence.worse_by_refitting && evidence.noise.line.is_none() => {
+            Verdict::NothingMissing
+        }
+        _ => Verdict::NoneOfThese,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,75 @@
+//! The channels of a stretch of a log on an even grid.
+
+use std::ops::Range;
+
+use crate::measured::identify::origin::Signal;
+use crate::measured::{Channel, Log, signals};
+
+/// The channels of one stretch on its grid.
+pub(super) struct Gridded<'a> {
+    pub log: &'a Log,
+    pub range: Range<usize>,
+    pub start: f64,
+    pub step: f64,
+    pub count: usize,
+    pub linear: bool,
+}
+
+impl Gridded<'_> {
+    /// A channel on the grid; `None` where the log does not have it.
+    pub fn get(&self, channel: Channel) -> Option<Signal> {
+        let values = self.log.channel(channel)?;
+        let wraps = matches!(channel, Channel::MotorPosition | Channel::OutputPosition | Channel::Goal) && !self.linear;
+        let opened;
+        let values = if wraps {
+            opened = signals::unwrapped(values);
+            &opened
+        } else {
+            values
+        };
+        if self.step == 0.0 {
+            return Some(Signal::of(channel, values[self.range.clone()].to_vec()));
+        }
+        signals::on_grid(
+            &self.log.time[self.range.clone()],
+            &values[self.range.clone()],
+            self.start,
+            self.step,
+            self.count,
+        )
+        .map(|values| Signal::of(channel, values))
+    }
+
+    /// A channel put right by its lag \[s\].
+    pub fn shifted(&self, channel: Channel, lag: f64) -> Option<Signal> {
+        self.get(channel).map(|signal| self.late(&signal, lag))
+    }
+
+    /// A signal put right by its lag \[s\].
+    pub fn late(&self, signal: &Signal, lag: f64) -> Signal {
+        if self.step > 0.0 { signal.through(|v| signals::shifted(v, lag / self.step)) } else { signal.clone() }
+    }
+
+    /// The derivative; zero where there is no time axis.
+    pub fn derivative(&self, signal: &Signal) -> Signal {
+        if self.step > 0.0 { signal.through(|v| signals::derivative(v, self.step)) } else { signal.map(|_| 0.0) }
+    }
+
+    /// The second derivative; zero where there is no time axis.
+    pub fn second_derivative(&self, signal: &Signal) -> Signal {
+        signal.through(|v| second_derivative(v, self.step))
+    }
+}
+
+fn second_derivative(values: &[f64], step: f64) -> Vec<f64> {
+    let n = values.len();
+    if step <= 0.0 || n < 3 {
+        return vec![0.0; n];
+    }
+    (0..n)
+        .map(|k| {
+            let k = k.clamp(1, n - 2);
+            (values[k - 1] - 2.0 * values[k] + values[k + 1]) / (step * step)
+        })
+        .collect()
+}

@@ -1,0 +1,36 @@
+//! Numbers of the declared model.
+
+use crate::measured::Declared;
+
+/// Numbers of the declared model that the balances use; the inductance is seen only with a time axis.
+pub(super) struct Model {
+    pub torque_constant: f64,
+    pub resistance: f64,
+    pub inductance: Option<f64>,
+    pub back_emf: f64,
+    pub inertia: Option<f64>,
+    pub reference: f64,
+}
+
+impl Model {
+    pub fn new(declared: &Declared) -> Model {
+        match &declared.motor {
+            Some(motor) => Model {
+                torque_constant: motor.torque_constant,
+                resistance: motor.resistance,
+                inductance: motor.inductance,
+                back_emf: motor.back_emf_constant,
+                inertia: motor.rotor_inertia.map(|j| j + declared.gear.inertia),
+                reference: motor.reference_temperature,
+            },
+            None => Model {
+                torque_constant: declared.force_gain,
+                resistance: f64::NAN,
+                inductance: None,
+                back_emf: 0.0,
+                inertia: declared.mass,
+                reference: crate::catalog::REFERENCE_TEMPERATURE,
+            },
+        }
+    }
+}

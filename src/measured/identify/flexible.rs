@@ -1,0 +1,98 @@
+//! Functions without a name: of time, of speed, and harmonics of an angle.
+
+use rayon::prelude::*;
+
+use super::work::{Fit, Work};
+use crate::effects::{Effect, Operating, Variable};
+use crate::measured::signals;
+
+/// Knots of a flexible function.
+pub(super) const KNOTS: usize = 9;
+/// Highest order that is searched.
+const ORDERS: usize = 120;
+/// Piecewise linear functions over knots at the quantiles of a variable.
+pub fn hats(values: &[f64]) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
+    let mut knots: Vec<f64> =
+        (0..KNOTS).filter_map(|k| signals::quantile(values.to_vec(), k as f64 / (KNOTS - 1) as f64)).collect();
+    knots.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * b.abs().max(1e-300));
+    if knots.len() < 3 {
+        return Vec::new();
+    }
+    (0..knots.len())
+        .map(|k| {
+            let middle = knots[k];
+            let left = (k > 0).then(|| knots[k - 1]);
+            let right = knots.get(k + 1).copied();
+            let hat = move |x: f64| {
+                if x <= middle {
+                    left.map_or(1.0, |l| ((x - l) / (middle - l)).max(0.0))
+                } else {
+                    right.map_or(1.0, |r| ((r - x) / (r - middle)).max(0.0))
+                }
+            };
+            Box::new(hat) as Box<dyn Fn(f64) -> f64 + Sync>
+        })
+        .collect()
+}
+
+/// Columns of a free drift: a piecewise linear function of time in each log.
+pub fn drift(work: &Work) -> Vec<Vec<f64>> {
+    let rows = &work.balance.rows;
+    let mut columns = Vec::new();
+    for log in 0..rows.logs() {
+        let times: Vec<f64> = (0..rows.len()).filter(|k| rows.log[*k] == log).map(|k| rows.time[k]).collect();
+        for hat in hats(&times).into_iter().skip(1) {
+            let mut column: Vec<f64> =
+                (0..rows.len()).map(|k| if rows.log[k] == log { hat(rows.time[k]) } else { 0.0 }).collect();
+            rows.without_means(&mut column);
+            columns.push(column);
+        }
+    }
+    columns
+}
+
+/// Columns of any function of speed.
+pub fn of_speed(work: &Work) -> Vec<Vec<f64>> {
+    if !work.balance.variables.contains(&Variable::Speed) {
+        return Vec::new();
+    }
+    let values = work.balance.variable(false, |at| at.speed);
+    let mut columns: Vec<Vec<f64>> =
+        hats(&values).iter().map(|hat| work.balance.function(|at| hat(at.speed))).collect();
+    columns.push(work.balance.function(|at| at.direction));
+    columns
+}
+
+/// Share of the residual that each order explains, roughly: without the filter, where it is slow enough to
+/// pass it.
+pub fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(f64, f64)> {
+    let residual = work.residual(fit);
+    let balance = &work.balance;
+    let probes = [0.0_f64, 1.0].map(|shape| {
+        // At order zero the cosine is one: what the harmonics are multiplied with.
+        balance.variable(false, |at: &Operating| if shape == 0.0 { effect.basis(0.0, at)[0] } else { 0.0 })
+    });
+    let output = effect.needs().contains(&Variable::OutputAngle);
+    let angle = balance.variable(false, |at| if output { at.output_angle } else { at.angle });
+    let ratio = if output { 1.0 / work.bench.declared.ratio } else { 1.0 };
+    let speed = balance.variable(false, |at| at.speed * ratio);
+    let band = balance.band.unwrap_or(f64::INFINITY) * std::f64::consts::TAU;
+    let fits: Vec<bool> = balance.rows.block.iter().map(|b| work.fits(*b)).collect();
+    (1..=ORDERS)
+        .into_par_iter()
+        .map(|order| {
+            let h = order as f64;
+            let (mut a, mut b, mut norm) = (0.0, 0.0, 0.0);
+            for k in 0..residual.len() {
+                if !fits[k] || (h * speed[k]).abs() > 0.8 * band {
+                    continue;
+                }
+                let (sine, cosine) = (h * angle[k]).sin_cos();
+                a += residual[k] * probes[0][k] * cosine;
+                b += residual[k] * probes[0][k] * sine;
+                norm += probes[0][k] * probes[0][k];
+            }
+            (h, if norm > 0.0 { (a * a + b * b) / norm } else { 0.0 })
+        })
+        .collect()
+}

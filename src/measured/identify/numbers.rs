@@ -1,0 +1,198 @@
+//! Every fitted number with its error.
+
+use super::candidates::Selection;
+use super::regression::{Blocks, Solution, covariance, solve};
+use super::work::{Kind, Term, Work};
+use crate::effects::{Effect, Shape};
+use crate::measured::answer::{Base, Found, Parameter};
+
+/// Names, covariance and values of every fitted number; shape parameters by their derivative.
+pub fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, Solution) {
+    let fit = work.fit();
+    let mut names = Vec::new();
+    let mut values: Vec<f64> = Vec::new();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for (t, term) in work.terms.iter().enumerate() {
+        let offset = work.offset(t);
+        let coefficients: Vec<f64> = (0..term.columns.len()).map(|j| fit.solution.coefficients[offset + j]).collect();
+        columns.extend(term.columns.iter().cloned());
+        values.extend(&coefficients);
+        match term.kind {
+            Kind::Base(index) => names.push(work.balance.base[index].which.name().to_string()),
+            Kind::Effect(effect, shape) => {
+                for parameter in &effect.parameters()[..effect.linear()] {
+                    names.push(number_name(effect, shape, parameter.name));
+                }
+                if effect.is_of_torque_constant() {
+                    // Slope and current are one number where saturation is weak: the current follows the slope.
+                    continue;
+                }
+                if !matches!(effect.shape(), Shape::None | Shape::Order) {
+                    let h = 1e-3 * shape;
+                    let (up, down) = (
+                        work.balance.effect_columns(effect, shape + h),
+                        work.balance.effect_columns(effect, shape - h),
+                    );
+                    let slope = (0..work.balance.rows.len())
+                        .map(|k| {
+                            coefficients.iter().enumerate().map(|(j, c)| c * (up[j][k] - down[j][k])).sum::<f64>()
+                                / (2.0 * h)
+                        })
+                        .collect();
+                    columns.push(slope);
+                    names.push(number_name(effect, shape, effect.parameters()[effect.linear()].name));
+                    values.push(shape);
+                }
+            }
+        }
+    }
+    // The residual is that of the fit: linearised at its values, the shape's own step is zero.
+    let residual = work.residual(&fit);
+    let references: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let blocks = Blocks::new(&work.balance.rows, &references, &residual);
+    let solution = solve(&blocks.total(|b| work.fits(b)));
+    let matrix = covariance(&blocks, &solution, |b| work.fits(b));
+    (names, matrix, values, solution)
+}
+
+pub(super) fn number_name(effect: &dyn Effect, shape: f64, parameter: &str) -> String {
+    match effect.shape() {
+        Shape::Order => format!("{}.{shape}.{parameter}", effect.name()),
+        _ => format!("{}.{parameter}", effect.name()),
+    }
+}
+
+/// The parameters of the declared model, fitted or held.
+pub fn parameters(
+    work: &Work,
+    names: &[String],
+    matrix: &nalgebra::DMatrix<f64>,
+    values: &[f64],
+    held: &[Base],
+) -> Vec<Parameter> {
+    let mut list = Vec::new();
+    let error = |name: &str| names.iter().position(|n| n == name).map(|i| (values[i], matrix[(i, i)].max(0.0).sqrt()));
+    for base in &work.balance.base {
+        match error(base.which.name()) {
+            // A load that seems scaled is a torque constant that is.
+            Some((value, error)) if base.which == Base::LoadScale => {
+                let constant = work.balance.scale.torque_constant;
+                list.push(Parameter {
+                    name: Base::TorqueConstant.name().into(),
+                    declared: Some(constant),
+                    fitted: constant / value,
+                    standard_error: Some(constant * error / (value * value)),
+                    unit: Base::TorqueConstant.unit(),
+                });
+            }
+            Some((value, error)) => list.push(Parameter {
+                name: base.which.name().into(),
+                declared: base.declared,
+                fitted: value,
+                standard_error: Some(error),
+                unit: base.which.unit(),
+            }),
+            None if held.contains(&base.which) => {
+                if let Some(declared) = base.declared {
+                    list.push(Parameter {
+                        name: base.which.name().into(),
+                        declared: base.declared,
+                        fitted: declared,
+                        standard_error: None,
+                        unit: base.which.unit(),
+                    });
+                }
+            }
+            None => {}
+        }
+    }
+    for term in work.terms.iter().filter(|t| t.declared.is_some()) {
+        let Some((effect, shape)) = term.effect() else { continue };
+        for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
+            let name = number_name(effect, shape, parameter.name);
+            if let Some((value, error)) = error(&name) {
+                list.push(Parameter {
+                    name,
+                    declared: term.declared.as_ref().map(|d| d[j]),
+                    fitted: value,
+                    standard_error: Some(error),
+                    unit: parameter.kind.si,
+                });
+            }
+        }
+    }
+    list
+}
+
+/// The effects that the declared model lacked.
+pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
+    let fit = work.fit();
+    let (names, matrix, values, _) = errors(work);
+    let mut list: Vec<Found> = Vec::new();
+    let missing = |t: &Term| t.declared.is_none() && t.effect().is_some();
+    for (t, term) in work.terms.iter().enumerate().filter(|(_, t)| missing(t)) {
+        let Some((effect, shape)) = term.effect() else { continue };
+        let offset = work.offset(t);
+        let mut instance: Vec<f64> = (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]).collect();
+        let mut parameters = Vec::new();
+        for (index, parameter) in effect.parameters().iter().enumerate() {
+            let name = number_name(effect, shape, parameter.name);
+            if effect.is_of_torque_constant() && index == effect.linear() {
+                // Its depth goes with slope over current squared.
+                let slope =
+                    parameters.first().map_or((1.0, 0.0), |p: &Parameter| (p.fitted, p.standard_error.unwrap_or(0.0)));
+                parameters.push(Parameter {
+                    name: parameter.name.into(),
+                    declared: None,
+                    fitted: shape,
+                    standard_error: Some(0.5 * shape * slope.1 / slope.0.abs().max(f64::MIN_POSITIVE)),
+                    unit: parameter.kind.si,
+                });
+            } else if let Some(i) = names.iter().position(|n| *n == name) {
+                parameters.push(Parameter {
+                    name: name.trim_start_matches(effect.name()).trim_start_matches('.').to_string(),
+                    declared: None,
+                    fitted: values[i],
+                    standard_error: Some(matrix[(i, i)].max(0.0).sqrt()),
+                    unit: parameter.kind.si,
+                });
+            }
+        }
+        if effect.shape() != Shape::None {
+            instance.push(shape);
+        }
+        let part: Vec<f64> = (0..work.balance.rows.len())
+            .map(|k| (0..effect.linear()).map(|j| instance[j] * term.columns[j][k]).sum())
+            .collect();
+        let square = part.iter().map(|v| v * v).sum::<f64>() / part.len().max(1) as f64;
+        match list.iter_mut().find(|f| f.effect == effect) {
+            Some(same) => {
+                same.parameters.extend(parameters);
+                same.instances.push(instance);
+                same.size = same.size.hypot(square.sqrt());
+            }
+            None => list.push(Found {
+                effect,
+                parameters,
+                instances: vec![instance],
+                size: square.sqrt(),
+                held_out_before: None,
+                held_out_after: work.error(&fit, false).map(|e| e.0),
+                confounded_with: selection.look_alikes(work, t),
+            }),
+        }
+    }
+    for entry in &mut list {
+        // Without all orders of the effect.
+        let columns: Vec<&[f64]> = work
+            .terms
+            .iter()
+            .filter(|t| !(t.declared.is_none() && t.effect().is_some_and(|(e, _)| e == entry.effect)))
+            .flat_map(|t| &t.columns)
+            .map(Vec::as_slice)
+            .collect();
+        let without = work.fit_columns(&columns);
+        entry.held_out_before = work.error(&without, false).map(|e| e.0);
+    }
+    list
+}

@@ -1,0 +1,137 @@
+//! Numbers of the model that are found beside its linear coefficients: what is held, and shapes.
+
+use super::flexible::of_speed;
+use super::regression::{Blocks, covariance, solve, squares};
+use super::work::{Kind, Work};
+use crate::effects::Shape;
+use crate::measured::answer::Base;
+use crate::numerics::line_search::golden_section;
+use crate::numerics::sums::finite_sum;
+
+/// Least share of the current's column that no function of speed makes up for K_T to be fitted.
+const OWN_SHARE: f64 = 0.05;
+
+impl Work<'_> {
+    /// What share of a column neither the other columns nor any function of speed make up.
+    fn own_share(&self, term: usize) -> f64 {
+        let mut columns = self.columns_without(term);
+        let free = of_speed(self);
+        columns.extend(free.iter().map(Vec::as_slice));
+        let column = &self.terms[term].columns[0];
+        let total = Blocks::new(&self.balance.rows, &columns, column).total(|b| self.fits(b));
+        let last = total.nrows() - 1;
+        squares(&total, &solve(&total).coefficients) / total[(last, last)].max(f64::MIN_POSITIVE)
+    }
+
+    /// Holds parameters of the declared model that the data do not show at their declared values.
+    pub fn hold_what_is_not_seen(&mut self) -> Vec<Base> {
+        let mut held = Vec::new();
+        // A torque constant shows only where the current is more than an answer to speed.
+        let constant =
+            (0..self.terms.len()).find(|t| self.balance.step() > 0.0 && self.is_base(*t, Base::TorqueConstant));
+        if let Some(t) = constant {
+            let share = self.own_share(t);
+            let fitted = self.fit().solution.coefficients[self.offset(t)];
+            let relative = fitted / self.terms[t].declared.as_ref().map_or(fitted, |d| d[0]);
+            let far = !(0.6..=1.7).contains(&relative);
+            if share < OWN_SHARE || (far && share < 10.0 * OWN_SHARE) {
+                held.extend(self.hold(t));
+            }
+        }
+        for _ in 0..self.terms.len() {
+            let fit = self.fit();
+            let covariance = covariance(&fit.blocks, &fit.solution, |b| self.fits(b));
+            let worst = (0..self.terms.len())
+                .filter_map(|t| {
+                    let term = &self.terms[t];
+                    let Kind::Base(index) = term.kind else { return None };
+                    let declared = term.declared.as_ref().map_or(0.0, |d| d[0]);
+                    let column = self.offset(t);
+                    let value = fit.solution.coefficients[column];
+                    let error = covariance[(column, column)].sqrt();
+                    let unseen = fit.solution.inverse[(column, column)] == 0.0;
+                    let doubt = error / declared.abs().max(value.abs() * 0.5).max(f64::MIN_POSITIVE);
+                    (unseen || doubt > 0.3 || value < 0.0).then_some((t, index, if unseen { f64::MAX } else { doubt }))
+                })
+                .max_by(|a, b| a.2.total_cmp(&b.2));
+            let Some((t, ..)) = worst else { break };
+            held.extend(self.hold(t));
+        }
+        held
+    }
+
+    /// Takes a parameter of the declared model out of the fit, at its declared value; which it was.
+    fn hold(&mut self, term: usize) -> Option<Base> {
+        let term = self.terms.remove(term);
+        let Kind::Base(index) = term.kind else { return None };
+        if let Some(declared) = &term.declared {
+            for (y, c) in self.target.iter_mut().zip(&term.columns[0]) {
+                *y -= declared[0] * c;
+            }
+        }
+        Some(self.balance.base[index].which)
+    }
+
+    /// Brings the slope of saturation to the torque constant, where the data do not object: weak saturation
+    /// shows only slope over current squared.
+    pub fn settle_saturation(&mut self) {
+        let Some(t) = (0..self.terms.len()).find(|t| {
+            self.terms[*t].declared.is_none() && self.terms[*t].effect().is_some_and(|(e, _)| e.is_of_torque_constant())
+        }) else {
+            return;
+        };
+        let Some((effect, found)) = self.terms[t].effect() else { return };
+        let own = |work: &Work| {
+            let fit = work.fit();
+            let constant = (0..work.terms.len())
+                .find(|k| work.is_base(*k, Base::TorqueConstant))
+                .map_or(work.balance.scale.torque_constant, |k| fit.solution.coefficients[work.offset(k)]);
+            (fit.solution.coefficients[work.offset(t)] / constant, finite_sum(&fit.left_out))
+        };
+        let before = own(self).1;
+        let (mut low, mut high) = ((0.25 * self.balance.scale.current).ln(), (10.0 * self.balance.scale.current).ln());
+        for _ in 0..24 {
+            let shape = 0.5 * (low + high);
+            self.terms[t].columns = self.balance.effect_columns(effect, shape.exp());
+            self.terms[t].kind = Kind::Effect(effect, shape.exp());
+            if own(self).0 < 1.0 { low = shape } else { high = shape }
+        }
+        let (slope, after) = own(self);
+        if (slope - 1.0).abs() > 0.02 || after > 1.02 * before {
+            self.terms[t].columns = self.balance.effect_columns(effect, found);
+            self.terms[t].kind = Kind::Effect(effect, found);
+        }
+    }
+
+    /// Improves the shape parameters that are not orders.
+    pub fn refine_shapes(&mut self) {
+        for t in 0..self.terms.len() {
+            let Kind::Effect(effect, shape) = self.terms[t].kind else { continue };
+            if matches!(effect.shape(), Shape::None | Shape::Order) || self.terms[t].declared.is_some() {
+                continue;
+            }
+            let squares = |ln_shape: f64| {
+                let own = self.balance.effect_columns(effect, ln_shape.exp());
+                let mut columns = self.columns_without(t);
+                columns.extend(own.iter().map(Vec::as_slice));
+                let blocks = Blocks::new(&self.balance.rows, &columns, &self.target);
+                let total = blocks.total(|b| self.fits(b));
+                let solution = solve(&total);
+                let first = columns.len() - effect.linear();
+                let mut values: Vec<f64> = (0..effect.linear()).map(|j| solution.coefficients[first + j]).collect();
+                values.push(ln_shape.exp());
+                if effect.plausible(&values, &self.balance.scale).is_err() {
+                    return f64::INFINITY;
+                }
+                squares(&total, &solution.coefficients)
+            };
+            let best = golden_section(&squares, (shape / 1.7).ln(), (shape * 1.7).ln(), 14);
+            if squares(best).is_infinite() {
+                continue;
+            }
+            let best = best.exp();
+            self.terms[t].columns = self.balance.effect_columns(effect, best);
+            self.terms[t].kind = Kind::Effect(effect, best);
+        }
+    }
+}

@@ -1,0 +1,184 @@
+use super::super::numbers::number_name;
+use super::super::steady::{CONSTANT, add, bench, noise, work};
+use super::*;
+use crate::effects::{EFFECTS, Variable, effect};
+use crate::measured::answer::{ArtefactKind, Hidden};
+
+/// What was found, with effects that the data cannot tell from it.
+fn found(name: &'static str, confounded_with: &[&'static str]) -> Found {
+    Found {
+        effect: effect(name).unwrap(),
+        parameters: Vec::new(),
+        instances: Vec::new(),
+        size: 1.0,
+        held_out_before: None,
+        held_out_after: None,
+        confounded_with: confounded_with.iter().map(|name| effect(name).unwrap()).collect(),
+    }
+}
+
+fn refused(name: &str, reason: &str) -> Refused {
+    Refused::new(name, reason.into())
+}
+
+/// Every pair of effects, in either order, and the run that separates them: the first line that holds decides.
+#[test]
+fn every_pair_of_look_alikes_has_its_run() {
+    let pairs: &[(&[&str], &[&str], &str)] = &[
+        (&["coulomb_friction"], &["load_dependent_friction"], "another load"),
+        (&["torque_constant_temperature", "winding_temperature"], &[], "from cold and one from hot"),
+        (&["torque_constant_saturation"], &[], "current steps up to the largest current"),
+        (&["viscous_friction"], &["eddy_drag"], "higher speeds, beyond the knee"),
+        (&["stribeck_friction"], &[], "from standstill to a tenth"),
+        (&["cogging", "torque_ripple", "gear_ripple"], &[], "several revolutions at two different currents"),
+        (&["direction_asymmetry", "torque_offset"], &[], "same speeds in both directions"),
+        (&["inverter_dead_time", "supply_sag"], &[], "of both signs at standstill"),
+    ];
+    for (k, a) in EFFECTS.iter().enumerate() {
+        for b in &EFFECTS[k + 1..] {
+            let runs = [separating_run(*a, *b), separating_run(*b, *a)];
+            let (a, b) = (a.name(), b.name());
+            let holds = |(one, other, _): &&(&[&str], &[&str], &str)| {
+                if other.is_empty() {
+                    one.contains(&a) || one.contains(&b)
+                } else {
+                    one.contains(&a) && other.contains(&b) || one.contains(&b) && other.contains(&a)
+                }
+            };
+            let words = pairs.iter().find(holds).map_or("vary independently", |p| p.2);
+            for run in runs {
+                assert!(run.contains(words), "{a} or {b}: {run}");
+                assert!(run.ends_with("would separate them"));
+            }
+        }
+    }
+}
+
+#[test]
+fn runs_are_proposed_for_what_is_open() {
+    let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), 0.0]).collect();
+    let (geared, direct) = (bench(6.0, std::slice::from_ref(&points), 0), bench(1.0, &[points], 0));
+    let (geared, direct) = (work(&geared), work(&direct));
+    let selection = |refused: Vec<Refused>| Selection { refused, open: Vec::new() };
+    let none = selection(Vec::new());
+    // Look-alikes are named together.
+    let alike = found("cogging", &["torque_ripple", "gear_ripple"]);
+    let runs = next_runs(&[alike], &none, &[], &geared);
+    assert_eq!(runs.len(), 2);
+    assert!(runs[0].starts_with("`cogging` or `torque_ripple`: slow turns"), "{runs:?}");
+    assert!(runs[1].starts_with("`cogging` or `gear_ripple`: slow turns"));
+    // Friction before or behind a gear, where there is one.
+    for name in ["viscous_friction", "coulomb_friction", "stribeck_friction"] {
+        let runs = next_runs(&[found(name, &[])], &none, &[], &geared);
+        assert!(matches!(&runs[..], [run] if run.starts_with("friction before or behind the gear")), "{runs:?}");
+        assert!(next_runs(&[found(name, &[])], &none, &[], &direct).is_empty());
+    }
+    assert!(next_runs(&[found("cogging", &[])], &none, &[], &geared).is_empty());
+    assert!(next_runs(&[], &none, &[], &geared).is_empty());
+    // A drift without a temperature: of what is left, or of what was refused.
+    let left = |on: On| vec![Dependence { on, share: 0.2, detail: String::new() }];
+    let cold = || Refused::hidden("winding_temperature", Hidden::Lacks(Variable::WindingTemperature));
+    let drift = || Refused { ground: Ground::Drift, ..refused("torque_offset", "a drift in time explains it as well") };
+    for (refusals, on, wanted) in [
+        (vec![cold()], left(On::Time), true),
+        (vec![cold()], left(On::TimeAndDirection), true),
+        (vec![cold(), drift()], left(On::Variable(Variable::Speed)), true),
+        (vec![cold(), drift()], Vec::new(), true),
+        (vec![cold()], left(On::Variable(Variable::Speed)), false),
+        (vec![cold()], Vec::new(), false),
+        (vec![drift()], left(On::Time), false),
+        (Vec::new(), left(On::Time), false),
+    ] {
+        let runs = next_runs(&[], &selection(refusals), &on, &geared);
+        assert_eq!(!runs.is_empty(), wanted, "{on:?} {runs:?}");
+        assert!(runs.iter().all(|r| r.starts_with("log winding and housing temperature")));
+    }
+}
+
+/// A name is taken back where a free function of its own variable takes away more than a share of what the effect
+/// does: 15 %, or 4 % where a shape bends the curve.
+#[test]
+fn a_name_of_the_wrong_shape_is_doubtful() {
+    for (name, shape, tolerated) in [("viscous_friction", 0.0, 0.15), ("eddy_drag", 40.0, 0.04)] {
+        let torque = |w: f64| match name {
+            "viscous_friction" => 2e-4 * w,
+            _ => 0.04 * (w / 40.0) / (1.0 + (w / 40.0).powi(2)),
+        };
+        let points = (0..800).map(|k| {
+            let (w, i) = (100.0 * noise(k), 5.0 * noise(k + 5000));
+            [w, i, 6.0 * (CONSTANT * i - torque(w)) + 0.05 * noise(k + 9000)]
+        });
+        let bench = bench(6.0, &[points.collect()], 0);
+        let mut work = work(&bench);
+        add(&mut work, name, shape);
+        let now = finite_sum(&work.fit().left_out);
+        let explains = finite_sum(&work.left_out_without(1)) - now;
+        // The share of what is left that is just tolerated.
+        let just = tolerated * explains / now;
+        assert!(just < 1.0, "{name} explains {just}");
+        let on = On::Variable;
+        let speed = |share: f64| vec![(On::Time, 0.9), (on(Variable::Current), 0.9), (on(Variable::Speed), share)];
+        assert_eq!(doubtful(&work, &speed(0.99 * just)), None);
+        let (term, reason) = doubtful(&work, &speed(1.01 * just)).expect("it is doubtful");
+        assert_eq!(term, 1);
+        let told = format!("a free function of speed takes away {:.0} % more than it does", 101.0 * tolerated);
+        assert!(reason.contains(&told), "{reason}");
+        // What explains nothing is not doubted where nothing is left either.
+        let kinds = [work.terms[1].clone()];
+        let nothing = (0..40).any(|seed| {
+            work.terms[1].columns = vec![(0..work.target.len()).map(|k| noise(k + 10_000 * (7 + seed))).collect()];
+            finite_sum(&work.left_out_without(1)) < finite_sum(&work.fit().left_out)
+        });
+        assert!(nothing);
+        assert_eq!(doubtful(&work, &speed(0.0)), None);
+        let [own] = kinds;
+        work.terms[1] = own;
+        // Of other variables it knows nothing, and what was declared is not doubted.
+        assert_eq!(doubtful(&work, &[(On::Time, 0.9), (on(Variable::Current), 0.9)]), None);
+        work.terms[1].declared = Some(vec![1.0]);
+        assert_eq!(doubtful(&work, &speed(1.01 * just)), None);
+    }
+}
+
+#[test]
+fn stages_have_their_words() {
+    let stage = Stage::new(Step::Refit, Some((1.0, 90.0)), Some((2.0, 80.0)));
+    let numbers = (stage.fit, stage.fit_vaf, stage.held_out, stage.held_out_vaf);
+    assert_eq!(numbers, (1.0, 90.0, Some(2.0), Some(80.0)));
+    let empty = Stage::new(Step::Refit, None, None);
+    assert!(empty.fit.is_nan() && empty.fit_vaf.is_nan() && empty.held_out.is_none() && empty.held_out_vaf.is_none());
+    let lag = Report::lag("velocity", 0.004);
+    assert_eq!((lag.kind, lag.channel.as_str(), lag.value, lag.unit), (ArtefactKind::Lag, "velocity", 0.004, "s"));
+    let effect = |name: &str| effect(name).unwrap();
+    assert_eq!(Step::Added(effect("cogging"), 12.0).name(), "cogging order 12");
+    assert_eq!(Step::Added(effect("eddy_drag"), 12.0).name(), "eddy_drag");
+    assert_eq!(number_name(effect("cogging"), 12.0, "sine"), "cogging.12.sine");
+    assert_eq!(number_name(effect("eddy_drag"), 12.0, "speed"), "eddy_drag.speed");
+}
+
+/// A load that seems scaled by s is a torque constant that is scaled by 1/s; what is held stays as declared.
+#[test]
+fn parameters_are_told_with_their_errors() {
+    let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), noise(k + 900)]).collect();
+    let bench = bench(6.0, &[points], 0);
+    let mut work = work(&bench);
+    let first = work.balance.base[0].which;
+    let names = [first.name().to_string()];
+    let matrix = nalgebra::DMatrix::from_element(1, 1, 4e-4);
+    let told = parameters(&work, &names, &matrix, &[1.25], &[]);
+    assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
+    assert_eq!((told[0].fitted, told[0].standard_error, told[0].unit), (1.25, Some(0.02), "N*m/A"));
+    // 0.1/1.25 = 0.08, with 0.1 · 0.02/1.25².
+    work.balance.base[0].which = Base::LoadScale;
+    let told = parameters(&work, &["load_scale".to_string()], &matrix, &[1.25], &[]);
+    assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
+    assert!((told[0].fitted - 0.08).abs() < 1e-15 && told[0].unit == "N*m/A");
+    assert!((told[0].standard_error.unwrap() - 0.00128).abs() < 1e-15);
+    work.balance.base[0].which = first;
+    let held = parameters(&work, &[], &matrix, &[], &[first]);
+    assert_eq!(
+        (held.len(), held[0].declared, held[0].fitted, held[0].standard_error),
+        (1, Some(CONSTANT), CONSTANT, None)
+    );
+    assert!(parameters(&work, &[], &matrix, &[], &[]).is_empty());
+}

@@ -1,0 +1,220 @@
+//! The model at some point of the story: its terms, their columns, and its fit.
+
+use super::balance::{Balance, visible};
+use super::noise::Unfiltered;
+use super::regression::{Blocks, Solution, solve, squares};
+use crate::effects::{Effect, FittedEffect, of_efficiency};
+use crate::measured::answer::{Base, Hidden, Stage, Step};
+use crate::measured::{Bench, Use};
+use crate::numerics::sums::finite_sum;
+
+/// A term of the model: a parameter of the declared model or an effect.
+#[derive(Clone)]
+pub struct Term {
+    /// Which.
+    pub kind: Kind,
+    /// Its columns, one for each linear parameter.
+    pub columns: Vec<Vec<f64>>,
+    /// Values that the declared model has, linear parameters.
+    pub declared: Option<Vec<f64>>,
+}
+
+/// What a term is.
+#[derive(Clone, Copy)]
+pub enum Kind {
+    /// The n-th parameter of the declared model.
+    Base(usize),
+    /// An effect with its shape parameter.
+    Effect(&'static dyn Effect, f64),
+}
+
+impl Term {
+    /// The effect, where it is one.
+    pub fn effect(&self) -> Option<(&'static dyn Effect, f64)> {
+        match self.kind {
+            Kind::Base(_) => None,
+            Kind::Effect(effect, shape) => Some((effect, shape)),
+        }
+    }
+}
+
+/// The model at some point of the story, fitted.
+#[derive(Clone)]
+pub struct Fit {
+    /// Sums of products of all columns.
+    pub blocks: Blocks,
+    /// Coefficients in the order of the terms' columns.
+    pub solution: Solution,
+    /// Squared error of each block that is for fitting, left out with its fold.
+    pub left_out: Vec<f64>,
+}
+
+/// Everything that the steps share.
+pub struct Work<'a> {
+    /// The bench.
+    pub bench: &'a Bench,
+    /// The equation.
+    pub balance: Balance,
+    /// Target less what is known and less what is fixed.
+    pub target: Vec<f64>,
+    /// The model so far.
+    pub terms: Vec<Term>,
+    /// Declared effects that stay as declared, because they are made of the response.
+    pub fixed: Vec<FittedEffect>,
+    /// Fold of each block; `None` judges only.
+    pub folds: Vec<Option<usize>>,
+}
+
+impl<'a> Work<'a> {
+    /// The model as declared on a balance: its parameters, and its effects where they can be seen.
+    pub fn new(bench: &'a Bench, balance: Balance) -> Work<'a> {
+        let mut next = 0;
+        let folds = balance
+            .rows
+            .block_fits
+            .iter()
+            .map(|fits| {
+                fits.then(|| {
+                    next += 1;
+                    (next - 1) % 8
+                })
+            })
+            .collect();
+        let mut target = balance.target_column();
+        let (mut terms, mut fixed) = (Vec::new(), Vec::new());
+        for (index, base) in balance.base.iter().enumerate() {
+            let column = balance.base_column(index);
+            if column.iter().any(|v| *v != 0.0) {
+                terms.push(Term {
+                    kind: Kind::Base(index),
+                    columns: vec![column],
+                    declared: base.declared.map(|d| vec![d]),
+                });
+            }
+        }
+        for FittedEffect { effect, values } in bench.declared.all_effects() {
+            let seen = visible(effect, &balance, &bench.declared);
+            if let Err(Hidden::Response(_)) = seen {
+                let factor = balance.conversion(effect);
+                let column = balance.function(|at| factor * effect.value(&values, at));
+                target.iter_mut().zip(column).for_each(|(t, c)| *t -= c);
+                fixed.push(FittedEffect { effect, values });
+            } else if seen.is_ok() {
+                let shape = values.get(effect.linear()).copied().unwrap_or(0.0);
+                terms.push(Term {
+                    kind: Kind::Effect(effect, shape),
+                    columns: balance.effect_columns(effect, shape),
+                    declared: Some(values[..effect.linear()].to_vec()),
+                });
+            }
+        }
+        Work { bench, balance, target, terms, fixed, folds }
+    }
+
+    /// Columns of the terms, one after the other.
+    pub fn columns(&self) -> Vec<&[f64]> {
+        self.terms.iter().flat_map(|t| &t.columns).map(Vec::as_slice).collect()
+    }
+
+    /// Columns of all terms but one.
+    pub fn columns_without(&self, term: usize) -> Vec<&[f64]> {
+        let others = self.terms.iter().enumerate().filter(|(k, _)| *k != term);
+        others.flat_map(|(_, t)| &t.columns).map(Vec::as_slice).collect()
+    }
+
+    /// Left-out errors of the model without one of its terms.
+    pub fn left_out_without(&self, term: usize) -> Vec<f64> {
+        self.fit_columns(&self.columns_without(term)).left_out
+    }
+
+    /// Whether a block is for fitting.
+    pub fn fits(&self, block: usize) -> bool {
+        self.folds[block].is_some()
+    }
+
+    /// Fits columns.
+    pub fn fit_columns(&self, columns: &[&[f64]]) -> Fit {
+        let blocks = Blocks::new(&self.balance.rows, columns, &self.target);
+        let solution = solve(&blocks.total(|b| self.fits(b)));
+        let left_out = blocks.left_out(&self.folds);
+        Fit { blocks, solution, left_out }
+    }
+
+    /// Fits the model as it is.
+    pub fn fit(&self) -> Fit {
+        self.fit_columns(&self.columns())
+    }
+
+    /// What the model leaves of the logs for fitting, unfiltered; what is not fitted stays as declared.
+    pub fn unfiltered(&self, coefficients: &[f64]) -> Vec<Unfiltered> {
+        let mut base: Vec<f64> =
+            self.balance.base.iter().map(|b| b.declared.filter(|d| d.is_finite()).unwrap_or(0.0)).collect();
+        let mut effects = self.fixed.clone();
+        for (t, term) in self.terms.iter().enumerate() {
+            let own = &coefficients[self.offset(t)..self.offset(t) + term.columns.len()];
+            match term.kind {
+                Kind::Base(index) => base[index] = own[0],
+                Kind::Effect(effect, shape) => {
+                    let mut values = own.to_vec();
+                    values.push(shape);
+                    effects.push(FittedEffect { effect, values });
+                }
+            }
+        }
+        let fits = |log: usize| self.bench.logs[log].usage == Use::Fit;
+        self.balance.unfiltered(fits, &base, &effects)
+    }
+
+    /// What the model leaves of the target, row by row.
+    pub fn residual(&self, fit: &Fit) -> Vec<f64> {
+        let mut residual = self.target.clone();
+        for (column, coefficient) in self.columns().iter().zip(fit.solution.coefficients.iter()) {
+            for (r, c) in residual.iter_mut().zip(*column) {
+                *r -= coefficient * c;
+            }
+        }
+        residual
+    }
+
+    /// Root mean square error and variance accounted for, on blocks for fitting or on the others.
+    pub fn error(&self, fit: &Fit, fitting: bool) -> Option<(f64, f64)> {
+        let take = |b: usize| self.fits(b) == fitting;
+        let count = fit.blocks.count(take);
+        if count == 0 {
+            return None;
+        }
+        let products = fit.blocks.total(take);
+        let squares = squares(&products, &fit.solution.coefficients);
+        let last = products.nrows() - 1;
+        let total = products[(last, last)];
+        Some(((squares / count as f64).sqrt(), if total > 0.0 { 100.0 * (1.0 - squares / total) } else { 0.0 }))
+    }
+
+    /// Where the story stands.
+    pub fn stage(&self, step: Step, fit: &Fit) -> Stage {
+        Stage::new(step, self.error(fit, true), self.error(fit, false))
+    }
+
+    /// Root mean square of what is left out.
+    pub fn left_out_error(&self, fit: &Fit) -> f64 {
+        let count = fit.blocks.count(|b| self.fits(b)).max(1);
+        (finite_sum(&fit.left_out) / count as f64).sqrt()
+    }
+
+    /// Whether a term is this parameter of the declared model.
+    pub fn is_base(&self, term: usize, which: Base) -> bool {
+        matches!(self.terms[term].kind, Kind::Base(i) if self.balance.base[i].which == which)
+    }
+
+    /// The index of the first column of a term.
+    pub fn offset(&self, term: usize) -> usize {
+        self.terms[..term].iter().map(|t| t.columns.len()).sum()
+    }
+
+    /// The factor of load-dependent friction that was found; zero where there is none.
+    pub fn gear_loss(&self) -> f64 {
+        let term =
+            (0..self.terms.len()).find(|t| self.terms[*t].effect().is_some_and(|(e, _)| Some(e) == of_efficiency()));
+        term.map_or(0.0, |t| self.fit().solution.coefficients[self.offset(t)].clamp(0.0, 0.9))
+    }
+}

@@ -1,0 +1,316 @@
+//! Motion files: CSV to a motion, every mistake with its place.
+
+use std::sync::Arc;
+
+use super::{Course, Motion, Samples};
+use crate::input::csv::{Column, Content, Table};
+use crate::input::{InputError, Problem, Range, Source};
+use crate::numerics::spline;
+use crate::units;
+
+/// Reads a motion file.
+///
+/// # Errors
+/// Every mistake of the file: columns, units, cells, order of time, too few rows, and a periodic
+/// motion whose last row does not repeat the first.
+pub fn read(source: &Arc<Source>, periodic: bool, period: Option<f64>) -> Result<Motion, InputError> {
+    read_carrying(source, periodic, period, &[]).map(|(motion, _)| motion)
+}
+
+/// A column of torque per mass: joint, values \[N·m/kg\], rates \[N·m/(kg·s)\].
+pub type CarriedColumn = (String, Vec<f64>, Vec<f64>);
+
+/// Name of a column of torque per mass, without the joint's name.
+const TORQUE_PER_MASS: &str = "torque_per_mass_";
+
+/// As [`read`], with what carried actuators ask at each sample: a column `torque_per_mass_NAME [N*m/kg]` for
+/// any of `joints`, with its rate.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_carrying(
+    source: &Arc<Source>,
+    periodic: bool,
+    period: Option<f64>,
+    joints: &[String],
+) -> Result<(Motion, Vec<CarriedColumn>), InputError> {
+    let mut problems = Vec::new();
+    let read = read_samples(source, periodic, period, joints, &mut problems);
+    InputError::unless_empty(source, problems)?;
+    let (motion, carried) = read.expect("a motion without problems was read");
+    let with_rate = |(name, values): (String, Vec<f64>)| {
+        let (values, rates) = motion.at_every_sample(&values[..motion.given.len()]);
+        (name, values, rates)
+    };
+    let carried = carried.into_iter().map(with_rate).collect();
+    Ok((motion, carried))
+}
+
+/// A column of torque per mass: the joint that is carried, and the values \[N·m/kg\].
+type Named = (String, Vec<f64>);
+
+/// Whether a motion has a column of torque per mass, or one that could be meant for it.
+pub(crate) fn may_carry(source: &Source) -> bool {
+    let header = source.text().lines().find(|line| !line.starts_with('#') && !line.trim().is_empty());
+    header.is_some_and(|header| header.contains("mass"))
+}
+
+/// The columns that every motion may have: name, kind, whether it must be there, and what it is.
+pub const OWN_COLUMNS: &[(&str, &units::Kind, bool, &str)] = &[
+    ("time", &units::TIME, true, "increasing"),
+    ("torque", &units::TORQUE, true, "that the load needs, at the output"),
+    ("velocity", &units::SPEED, false, "at the output"),
+    ("position", &units::ANGLE, false, "at the output; a spring needs it"),
+    ("acceleration", &units::ACCELERATION, false, "at the output"),
+    ("torque_rate", &units::TORQUE_RATE, false, "dτ/dt"),
+    ("jerk", &units::JERK, false, "dα/dt"),
+];
+
+/// The columns that a motion may have, with those for actuators of `joints` that are carried.
+pub fn columns(joints: &[String]) -> Vec<Column> {
+    let column = |name: &str, kind, required| Column {
+        name: name.into(),
+        content: Content::Quantity(kind, Range::Any),
+        required,
+    };
+    let carried = joints.iter().map(|j| column(&format!("{TORQUE_PER_MASS}{j}"), &units::TORQUE_PER_MASS, false));
+    let own = OWN_COLUMNS.iter().map(|(name, kind, required, _)| column(name, *kind, *required));
+    own.chain(carried).collect()
+}
+
+fn read_samples(
+    source: &Arc<Source>,
+    periodic: bool,
+    period: Option<f64>,
+    joints: &[String],
+    problems: &mut Vec<Problem>,
+) -> Option<(Motion, Vec<Named>)> {
+    let table = Table::read(source, columns(joints), problems)?;
+    let mut read = |name: &str| table.whole_column(name, "a motion has no gaps", problems);
+    let mut samples = Samples {
+        time: read("time")?,
+        torque: read("torque")?,
+        velocity: read("velocity"),
+        position: read("position"),
+        acceleration: read("acceleration"),
+        torque_rate: read("torque_rate"),
+        jerk: read("jerk"),
+    };
+    let column = |name: &String| Some((name.clone(), read(&format!("{TORQUE_PER_MASS}{name}"))?));
+    let carried: Vec<(String, Vec<f64>)> = joints.iter().filter_map(column).collect();
+    if samples.velocity.is_none() && samples.position.is_none() {
+        problems.push(
+            Problem::at(0..0, "a motion needs a column `velocity` or `position`", "neither is in the header")
+                .help("for example `velocity [rad/s]`"),
+        );
+    }
+    if !problems.is_empty() {
+        return None;
+    }
+    if !check_time(&table, &samples.time, problems) {
+        return None;
+    }
+    let course = take_course(&table, &mut samples, &carried, periodic, period, problems)?;
+    if !check_length(&table, samples.time.len(), periodic, period, problems) {
+        return None;
+    }
+    if let Some(problem) = contradiction(&table, &samples) {
+        problems.push(problem);
+        return None;
+    }
+    Some((Motion::from_samples(samples, course), carried))
+}
+
+/// A velocity that is not the rate of the position given beside it: a wrong unit, sign or column.
+fn contradiction(table: &Table, samples: &Samples) -> Option<Problem> {
+    let worst = disagreement(&samples.time, samples.position.as_ref()?, samples.velocity.as_ref()?)?;
+    Some(
+        Problem::at(table.cell_span(worst, "velocity"), "velocity is not the rate of position", "differs most here")
+            .help(
+                "deg for rad, rpm for rad/s, a wrong sign, or the wrong column? Leave position out if it is not needed",
+            ),
+    )
+}
+
+/// The sample at which velocity differs most from the rate of position, where the two do not belong together.
+pub(crate) fn disagreement(time: &[f64], position: &[f64], velocity: &[f64]) -> Option<usize> {
+    let (mut apart, mut size, mut worst) = (0.0, 0.0, (0.0, 0));
+    for k in 1..position.len() {
+        let rate = (position[k] - position[k - 1]) / (time[k] - time[k - 1]);
+        let mean = 0.5 * (velocity[k] + velocity[k - 1]);
+        apart += (rate - mean).powi(2);
+        size += rate.powi(2).max(mean.powi(2));
+        if (rate - mean).abs() > worst.0 {
+            worst = ((rate - mean).abs(), k);
+        }
+    }
+    (apart > 0.25 * size).then_some(worst.1)
+}
+
+/// Whether time increases from row to row, by enough to differentiate; if not, notes where.
+pub(crate) fn check_time(table: &Table, time: &[f64], problems: &mut Vec<Problem>) -> bool {
+    for row in 1..time.len() {
+        if time[row] <= time[row - 1] {
+            problems.push(
+                Problem::at(
+                    table.cell_span(row, "time"),
+                    "time does not increase",
+                    format!("not later than the row above, {} s", time[row - 1]),
+                )
+                .help("sort the rows by time and remove duplicates"),
+            );
+            return false;
+        }
+    }
+    let duration = time[time.len().max(1) - 1] - time[0];
+    for row in 1..time.len() {
+        if time[row] - time[row - 1] < 1e-9 * duration {
+            let what = "two rows are at practically the same time: no derivative can be taken";
+            problems.push(Problem::at(
+                table.cell_span(row, "time"),
+                what,
+                "less than 1e-9 of the motion after the row above",
+            ));
+            return false;
+        }
+    }
+    true
+}
+
+/// Whether there are enough samples for the spline; if not, notes it.
+pub(crate) fn check_length(
+    table: &Table,
+    distinct: usize,
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> bool {
+    let fewest = if periodic { spline::MIN_PERIODIC } else { spline::MIN_OPEN };
+    if distinct < fewest {
+        problems.push(Problem::at(
+            table.row_span(table.len() - 1),
+            format!("the motion has {distinct} distinct samples: too few to differentiate"),
+            format!("expected at least {}", if periodic && period.is_none() { fewest + 1 } else { fewest }),
+        ));
+    }
+    distinct >= fewest
+}
+
+/// Whether the last value is the first again, but for the digits of a table.
+pub(crate) fn repeats(values: &[f64]) -> bool {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
+    (values[values.len() - 1] - values[0]).abs() <= 1e-4 * (high - low)
+}
+
+/// The course of a table, and whether its last row is the first again. Each of `columns` has to repeat its
+/// first value at the end of the period.
+pub(crate) fn course(
+    table: &Table,
+    time: &[f64],
+    columns: &[(&str, &[f64])],
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<(Course, bool)> {
+    let last = table.len().checked_sub(1)?;
+    let duration = time[last] - time[0];
+    if !periodic {
+        return Some((Course::Once(duration), false));
+    }
+    if let Some(period) = period {
+        if period < duration * (1.0 - 1e-12) {
+            problems.push(Problem::at(
+                table.cell_span(last, "time"),
+                format!("the motion lasts {duration} s, longer than its period of {period} s"),
+                "after the end of the period",
+            ));
+            return None;
+        }
+        if period > duration * (1.0 + 1e-9) {
+            return Some((Course::Periodic(period), false));
+        }
+    }
+    let before = problems.len();
+    for (name, values) in columns {
+        if !repeats(values) {
+            problems.push(
+                Problem::at(
+                    table.cell_span(last, name),
+                    format!("a periodic motion repeats its first row at the end, but `{name}` does not"),
+                    "differs from the first row",
+                )
+                .help("add the first row again at the end of the period, or give `period`, or set `periodic = false`"),
+            );
+        }
+    }
+    (problems.len() == before).then_some((Course::Periodic(duration), true))
+}
+
+/// Finds the period, and takes the repeated last row of a periodic motion away.
+fn take_course(
+    table: &Table,
+    samples: &mut Samples,
+    carried: &[Named],
+    periodic: bool,
+    period: Option<f64>,
+    problems: &mut Vec<Problem>,
+) -> Option<Course> {
+    let names: [(&str, Option<&Vec<f64>>); 6] = [
+        ("torque", Some(&samples.torque)),
+        ("position", samples.position.as_ref().filter(|_| samples.velocity.is_none())),
+        ("velocity", samples.velocity.as_ref()),
+        ("acceleration", samples.acceleration.as_ref()),
+        ("torque_rate", samples.torque_rate.as_ref()),
+        ("jerk", samples.jerk.as_ref()),
+    ];
+    let named: Vec<String> = carried.iter().map(|(joint, _)| format!("{TORQUE_PER_MASS}{joint}")).collect();
+    let own = names.iter().filter_map(|(n, v)| Some((*n, v.as_ref()?.as_slice())));
+    let more = named.iter().zip(carried).map(|(name, (_, values))| (name.as_str(), values.as_slice()));
+    let columns: Vec<(&str, &[f64])> = own.chain(more).collect();
+    let (course, last_is_first) = course(table, &samples.time, &columns, periodic, period, problems)?;
+    if !last_is_first {
+        return Some(course);
+    }
+    // Beside a velocity the position is only for a spring, which must find its start again: a wheel's is none.
+    if samples.position.as_ref().is_some_and(|q| !repeats(q)) {
+        samples.position = None;
+    }
+    samples.time.pop();
+    samples.torque.pop();
+    let Samples { position, velocity, acceleration, torque_rate, jerk, .. } = samples;
+    for values in [position, velocity, acceleration, torque_rate, jerk].into_iter().flatten() {
+        values.pop();
+    }
+    Some(course)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn source(text: &str) -> Arc<Source> {
+        Arc::new(Source::new("motion.csv", text))
+    }
+
+    #[test]
+    fn weights_are_those_of_the_trapezoid_rule() {
+        let text = "time [s],torque [N*m],velocity [rad/s],acceleration [rad/s^2]\n\
+                    0,1,0,0\n0.1,2,0,0\n0.4,3,1,0\n1,1,0,0\n";
+        let motion = read(&source(text), true, None).unwrap();
+        assert_eq!(motion.len(), 3);
+        assert_relative_eq!(motion.weight.iter().sum::<f64>(), 1.0, max_relative = 1e-14);
+        // By hand: 0.1·1.5 + 0.3·2.5 + 0.6·2 = 2.1
+        assert_relative_eq!(motion.mean(|k| motion.torque[k]), 2.1, max_relative = 1e-12);
+        assert_eq!(motion.dwell, vec![0.05, 0.05, 0.0]);
+        assert_eq!(motion.derived, vec!["jerk", "torque_rate"]);
+    }
+
+    #[test]
+    fn a_motion_that_does_not_close_is_refused() {
+        let text = "time [s],torque [N*m],velocity [rad/s]\n0,1,0\n0.1,2,0\n0.4,3,1\n1,1.5,0\n";
+        assert!(read(&source(text), true, None).is_err());
+        assert!(read(&source(text), false, None).is_ok());
+        assert_eq!(read(&source(text), true, Some(1.5)).unwrap().given.len(), 4);
+    }
+}

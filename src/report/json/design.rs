@@ -1,0 +1,475 @@
+//! A design, and what became of a motor that is none: the objects that all answers about joints are made of.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use super::number_or_null;
+use crate::actuator::fitted::Note;
+use crate::actuator::limits::Remark;
+use crate::actuator::metrics::METRICS;
+use crate::catalog::Motor;
+use crate::design::answer::SpringChoice;
+use crate::design::evaluate;
+use crate::design::figures::{FIGURES, Facts};
+use crate::design::program;
+use crate::report::columns::metric_key;
+use crate::report::{optimize, unjudged};
+use crate::requirement::{Course, Joint};
+
+/// A motor with its ratio or gear at a joint.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Design<'a> {
+    /// Id of the motor.
+    pub motor: &'a str,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// Ratio N.
+    pub ratio: f64,
+    /// Whether every limit that could be checked is kept.
+    pub feasible: bool,
+    /// Objective; `null` where a number that it needs is not known.
+    pub objective: Option<f64>,
+    /// Unit of the objective; `1` for a weighted sum.
+    pub objective_unit: &'static str,
+    #[serde(flatten)]
+    figures: Figures<'a>,
+    /// Whether the winding has no steady temperature: the copper's resistance rises faster than heat flows off.
+    pub thermal_runaway: bool,
+    /// Margin of each limit, `1 − demand/limit`, by its name.
+    pub margins: Margins<'a>,
+    /// Each limit in full.
+    pub limits: Vec<Limit<'a>>,
+    /// Limits that could not be checked, and why.
+    pub not_checked: Vec<NotChecked<'a>>,
+    /// Limits that count as kept, and as far as what holds.
+    pub assumed: Vec<Assumed<'a>>,
+    /// What the audit calls an error in the motor's row.
+    pub audit_errors: Vec<String>,
+    /// How what was fitted to this motor enters the limits.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fitted: Vec<Fitted>,
+    #[serde(flatten)]
+    pub(super) solution: Option<Solution<'a>>,
+    /// Metrics of the bare motor, SI.
+    metrics: Metrics<'a>,
+    /// The parallel spring, where the joint asks for one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spring: Option<Spring>,
+}
+
+/// What solving for the ratio gave: where the ratio may be, what ends that, and how sure the best one is.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Solution<'a> {
+    /// Feasible ratios about the best one.
+    pub window: [f64; 2],
+    /// The limits that end the window.
+    pub binds: Binds<&'static str>,
+    /// The same with the instant at which they do.
+    pub binds_at: Binds<Bind<'a>>,
+    /// Every interval of feasible ratios.
+    pub windows: Vec<Window>,
+    /// Change of the objective per unit of each limit that binds at the best ratio, SI.
+    pub shadow_prices: Pairs<'a>,
+    /// The same relative to both: per cent of the objective per per cent of the limit.
+    pub sensitivity: Pairs<'a>,
+    /// How sure it is that no ratio is better.
+    pub certificate: Certificate<'a>,
+}
+
+/// What is at the lower and at the upper end.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Binds<T> {
+    /// At the lower end.
+    pub low: T,
+    /// At the upper end.
+    pub high: T,
+}
+
+/// A limit that ends a window.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Bind<'a> {
+    /// Name of the limit; `ratio_min` and `ratio_max` are the requirement's own.
+    pub limit: &'static str,
+    /// Line of the motion that it binds at, from 0.
+    pub sample: Option<usize>,
+    /// When that is.
+    pub time_s: Option<f64>,
+    /// Its name for people.
+    pub at: Option<String>,
+    /// Why what lies beyond cannot be judged; `null` where it exceeds the limit.
+    pub unjudged: Option<&'a str>,
+}
+
+/// An interval of feasible ratios.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Window {
+    /// Smallest ratio.
+    pub min: f64,
+    /// Largest ratio.
+    pub max: f64,
+    /// Limit that forbids a smaller one.
+    pub low: &'static str,
+    /// Limit that forbids a larger one.
+    pub high: &'static str,
+}
+
+/// How sure the best ratio is.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Certificate<'a> {
+    /// Whether it is proved.
+    pub certified: bool,
+    /// No ratio has an objective below this.
+    pub lower_bound: Option<f64>,
+    /// `(objective − lower bound)/|objective|`.
+    pub gap: Option<f64>,
+    /// How the bound was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<&'static str>,
+    /// Why it is not proved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub because: Option<&'a str>,
+}
+
+impl<'a> From<&'a program::Certificate> for Certificate<'a> {
+    fn from(certificate: &'a program::Certificate) -> Certificate<'a> {
+        match certificate {
+            program::Certificate::Certified { lower_bound, gap, method } => Certificate {
+                certified: true,
+                lower_bound: Some(*lower_bound),
+                gap: Some(*gap),
+                method: Some(method),
+                because: None,
+            },
+            program::Certificate::NotCertified(why) => {
+                Certificate { certified: false, lower_bound: None, gap: None, method: None, because: Some(why) }
+            }
+        }
+    }
+}
+
+/// A limit with its demand.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Limit<'a> {
+    /// Name of the limit.
+    pub limit: &'static str,
+    /// What the motion demands; `null` where it grows without end.
+    pub demand: Option<f64>,
+    /// What may be had.
+    pub bound: Option<f64>,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// `1 − demand/bound`.
+    pub margin: Option<f64>,
+    /// Whose limit it is.
+    pub of: &'static str,
+    /// Line of the motion with the largest demand, from 0.
+    pub sample: Option<usize>,
+    /// When that is.
+    pub time_s: Option<f64>,
+    /// Its name for people.
+    pub at: Option<Cow<'a, str>>,
+}
+
+/// A limit that could not be checked or judged.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct NotChecked<'a> {
+    /// Name of the limit.
+    pub limit: &'a str,
+    /// What is not known.
+    pub because: &'a str,
+}
+
+/// A limit that counts as kept.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Assumed<'a> {
+    /// Name of the limit.
+    pub limit: &'a str,
+    /// As far as what holds.
+    #[serde(rename = "as")]
+    pub holds: &'a str,
+}
+
+/// How an effect that was fitted enters.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Fitted {
+    /// Name of the effect.
+    pub name: String,
+    /// How it enters the limits.
+    pub enters: String,
+}
+
+impl From<Note> for Fitted {
+    fn from(note: Note) -> Fitted {
+        Fitted { name: note.effect.to_string(), enters: note.how.to_string() }
+    }
+}
+
+/// A parallel spring and what it is worth.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Spring {
+    /// Stiffness.
+    pub stiffness_nm_per_rad: f64,
+    /// Rest angle; `null` without stiffness.
+    pub rest_angle_rad: Option<f64>,
+    /// Whether the objective leaves the spring free, so that the least stiffness was taken.
+    pub least_stiffness: bool,
+    /// No ratio and spring are better than this; `null` where no bound was found.
+    pub lower_bound: Option<f64>,
+    /// Relative gap between objective and bound.
+    pub gap: Option<f64>,
+    /// Whether the same motor can do it without a spring.
+    pub feasible_without: bool,
+    /// Best ratio without a spring.
+    pub ratio_without: Option<f64>,
+    /// Objective without a spring.
+    pub objective_without: Option<f64>,
+    /// Loss without a spring.
+    pub loss_without_w: Option<f64>,
+    /// Share of that loss that the spring saves.
+    pub loss_saved: Option<f64>,
+}
+
+impl Spring {
+    /// A spring that was chosen, with the loss of its design \[W\].
+    pub fn new(spring: &SpringChoice, loss: f64) -> Spring {
+        Spring {
+            stiffness_nm_per_rad: spring.stiffness,
+            rest_angle_rad: spring.rest_angle,
+            least_stiffness: spring.least_stiffness,
+            lower_bound: spring.lower_bound,
+            gap: spring.gap,
+            feasible_without: spring.without.is_some(),
+            ratio_without: spring.without.map(|w| w.ratio),
+            objective_without: spring.without.map(|w| w.objective),
+            loss_without_w: spring.without.map(|w| w.loss),
+            loss_saved: spring.saving(loss),
+        }
+    }
+}
+
+/// A motor that keeps all that can be judged, and of which a limit that the requirement states cannot be.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Unjudged<'a> {
+    /// Id of the motor.
+    pub motor: &'a str,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// Why it cannot be judged, in a sentence.
+    pub because: String,
+    /// The limits that cannot be judged, and what is not known.
+    pub limits: Vec<NotChecked<'a>>,
+    /// The design as far as is known, where one was worked out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<Design<'a>>,
+}
+
+impl<'a> Unjudged<'a> {
+    /// A motor, and what cannot be judged of it.
+    pub fn new(
+        motor: &'a str,
+        gear: Option<&'a str>,
+        because: &'a [Remark],
+        design: Option<Design<'a>>,
+    ) -> Unjudged<'a> {
+        Unjudged { motor, gear, because: unjudged::sentence(because), limits: not_checked(because), design }
+    }
+}
+
+/// A motor that cannot do it.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Rejected<'a> {
+    /// Id of the motor.
+    pub motor: &'a str,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// Why, in a sentence.
+    pub because: String,
+    /// The same in short, the same text for all motors that fail alike.
+    pub class: String,
+    /// The design, where one was worked out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub design: Option<Design<'a>>,
+}
+
+/// The figures of a design, from their one list.
+#[derive(Debug, Clone, Copy)]
+struct Figures<'a>(Facts<'a>);
+
+impl Serialize for Figures<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(FIGURES.len()))?;
+        for figure in FIGURES {
+            map.serialize_entry(figure.key, &figure.finite(&self.0))?;
+        }
+        map.end()
+    }
+}
+
+impl JsonSchema for Figures<'_> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Figures".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        object(FIGURES.iter().map(|figure| (figure.key.to_string(), number_or_null(figure.meaning))))
+    }
+}
+
+/// The metrics of a motor, from their one list.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Metrics<'a>(pub(super) &'a Motor);
+
+impl Serialize for Metrics<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(METRICS.iter().map(|metric| (metric_key(metric), metric.value(self.0))))
+    }
+}
+
+impl JsonSchema for Metrics<'_> {
+    fn schema_name() -> Cow<'static, str> {
+        "Metrics".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        object(METRICS.iter().map(|metric| (metric_key(metric), number_or_null(metric.meaning))))
+    }
+}
+
+/// An object of which every key is there.
+fn object(properties: impl Iterator<Item = (String, Schema)>) -> Schema {
+    let properties: serde_json::Map<_, _> = properties.map(|(key, schema)| (key, schema.to_value())).collect();
+    let required: Vec<&String> = properties.keys().collect();
+    json_schema!({ "type": "object", "required": required, "properties": properties })
+}
+
+/// Numbers by name, in their order.
+#[derive(Debug)]
+pub struct Pairs<'a>(Vec<(&'a str, Option<f64>)>);
+
+impl Serialize for Pairs<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().copied())
+    }
+}
+
+impl JsonSchema for Pairs<'_> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Pairs".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        <BTreeMap<String, Option<f64>>>::json_schema(generator)
+    }
+}
+
+/// Margins by the name of the limit.
+pub type Margins<'a> = Pairs<'a>;
+
+/// Margins by the name of the limit.
+pub fn margins(of: &[evaluate::Margin]) -> Margins<'_> {
+    // A limit may be asked for by several; the last has the key, as in every object.
+    Pairs(of.iter().map(|m| (m.limit, finite(m.margin))).collect())
+}
+
+/// Limits in full.
+pub fn limits<'a>(of: &[evaluate::Margin], joint: &'a Joint) -> Vec<Limit<'a>> {
+    let one = |m: &evaluate::Margin| Limit {
+        limit: m.limit,
+        demand: finite(m.demand),
+        bound: finite(m.bound),
+        unit: m.unit,
+        margin: finite(m.margin),
+        of: m.owner,
+        sample: m.sample.and_then(|k| joint.motion.given_sample(k)),
+        time_s: m.sample.and_then(|k| time_of(joint, k)),
+        at: m.sample.map(|k| joint.motion.name_sample(k).into()),
+    };
+    of.iter().map(one).collect()
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// When a sample of a joint's motion is \[s\]; operating points have no time.
+fn time_of(joint: &Joint, sample: usize) -> Option<f64> {
+    (!matches!(joint.motion.course, Course::Points(_))).then(|| joint.motion.moment(sample))
+}
+
+/// Limits that could not be checked.
+pub fn not_checked(of: &[Remark]) -> Vec<NotChecked<'_>> {
+    of.iter().map(|(limit, because)| NotChecked { limit, because }).collect()
+}
+
+/// Limits that count as kept.
+pub fn assumed(of: &[Remark]) -> Vec<Assumed<'_>> {
+    of.iter().map(|(limit, holds)| Assumed { limit, holds }).collect()
+}
+
+fn bind<'a>(of: &'a program::Bind, joint: &Joint) -> Bind<'a> {
+    Bind {
+        limit: of.limit,
+        sample: of.sample.and_then(|k| joint.motion.given_sample(k)),
+        time_s: of.sample.and_then(|k| time_of(joint, k)),
+        at: of.sample.map(|k| joint.motion.name_sample(k)),
+        unjudged: of.unjudged,
+    }
+}
+
+impl<'a> Solution<'a> {
+    /// What the ratio program found.
+    pub fn new(optimum: &'a program::Optimum, joint: &Joint) -> Solution<'a> {
+        let window = optimum.window();
+        let prices = |of: fn(&program::ShadowPrice) -> f64| {
+            Pairs(optimum.shadow_prices.iter().map(|price| (price.limit, finite(of(price)))).collect())
+        };
+        let one = |w: &program::Window| Window { min: w.min, max: w.max, low: w.low.limit, high: w.high.limit };
+        Solution {
+            window: [window.min, window.max],
+            binds: Binds { low: window.low.limit, high: window.high.limit },
+            binds_at: Binds { low: bind(&window.low, joint), high: bind(&window.high, joint) },
+            windows: optimum.windows.iter().map(one).collect(),
+            shadow_prices: prices(|price| price.price),
+            sensitivity: prices(|price| price.elasticity),
+            certificate: (&optimum.certificate).into(),
+        }
+    }
+}
+
+impl<'a> Design<'a> {
+    /// A design at a joint.
+    pub fn new(facts: Facts<'a>, joint: &'a Joint) -> Design<'a> {
+        let e = facts.evaluation;
+        Design {
+            motor: &facts.motor.id,
+            gear: facts.gear,
+            ratio: e.ratio,
+            feasible: e.feasible,
+            objective: facts.objective,
+            objective_unit: joint.objective.unit(),
+            figures: Figures(facts),
+            thermal_runaway: facts.winding_temperature.runs_away(),
+            margins: margins(&e.margins),
+            limits: limits(&e.margins, joint),
+            not_checked: not_checked(facts.unchecked),
+            assumed: assumed(facts.assumed),
+            audit_errors: optimize::contradictions(facts.motor),
+            fitted: optimize::fitted_notes(facts.motor, joint).into_iter().map(Fitted::from).collect(),
+            solution: facts.optimum.map(|optimum| Solution::new(optimum, joint)),
+            metrics: Metrics(facts.motor),
+            spring: facts.spring.map(|spring| Spring::new(spring, e.loss)),
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! A joint with what became of the motors: what `optimize`, `sweep`, `optimize --pareto` and `optimize --robust` have in
+//! common.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::catalog::Motor;
+use crate::design::answer;
+use crate::requirement::{self, Between};
+
+/// What is said of the joint itself.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Joint<'a> {
+    /// Name of the joint.
+    pub joint: &'a str,
+    /// How many alike the robot has.
+    pub count: u32,
+    /// What is minimised.
+    pub objective: String,
+    /// What of the motion was not given but taken from a spline.
+    pub derived_by_spline: &'a [&'static str],
+    /// What is known of the motion between its samples; `null` where there is nothing between.
+    pub between_samples: Option<BetweenSamples>,
+}
+
+impl<'a> Joint<'a> {
+    /// A joint of a requirement.
+    pub fn new(joint: &'a requirement::Joint) -> Joint<'a> {
+        Joint {
+            joint: &joint.name,
+            count: joint.count,
+            objective: joint.objective.name(),
+            derived_by_spline: &joint.motion.derived,
+            between_samples: BetweenSamples::new(joint),
+        }
+    }
+}
+
+/// Whether the motion is known between its samples.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct BetweenSamples {
+    /// `spline` where it is; `not_resolved` where limits are kept at the samples alone.
+    pub by: &'static str,
+    /// Share of the largest values that is missed there: at most where it is resolved, else by estimate.
+    pub missed_share: f64,
+    /// How many samples the limits are kept at.
+    pub samples: usize,
+    /// How many of them the motion's file has.
+    pub given_samples: usize,
+}
+
+impl BetweenSamples {
+    /// Of a joint's motion.
+    pub fn new(joint: &requirement::Joint) -> Option<BetweenSamples> {
+        let (by, missed_share) = match joint.motion.between {
+            Between::Nothing => return None,
+            Between::Spline(share) => ("spline", share),
+            Between::Given(share) => ("not_resolved", share),
+        };
+        let (samples, given_samples) = (joint.motion.len(), joint.motion.given.len());
+        Some(BetweenSamples { by, missed_share, samples, given_samples })
+    }
+}
+
+/// How alike the order by a metric and the order by the task are.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Agreement {
+    /// The metric.
+    pub metric: &'static str,
+    /// Kendall's τ: 1 is the same order, −1 the opposite; `null` where it cannot be computed.
+    pub kendall_tau: Option<f64>,
+    /// How many motors were compared.
+    pub motors: usize,
+}
+
+impl From<&answer::Agreement> for Agreement {
+    fn from(of: &answer::Agreement) -> Agreement {
+        Agreement { metric: of.metric, kendall_tau: of.tau, motors: of.motors }
+    }
+}
+
+/// What was left out, where only the first designs were asked for.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Pruned<'a> {
+    /// How many designs were asked for.
+    pub keep: usize,
+    /// Motors that were solved and can do it, but come after those.
+    pub feasible_behind: usize,
+    /// Motors that were not solved, because they are provably not among those.
+    pub not_solved: Vec<NotSolved<'a>>,
+}
+
+/// A motor that was not solved.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct NotSolved<'a> {
+    /// Id of the motor.
+    pub motor: &'a str,
+    /// Its objective is not below this.
+    pub lower_bound: f64,
+}
+
+impl<'a> From<&'a answer::Pruned<'a>> for Pruned<'a> {
+    fn from(of: &'a answer::Pruned<'a>) -> Pruned<'a> {
+        let one = |(motor, lower_bound): &(&'a Motor, f64)| NotSolved { motor: &motor.id, lower_bound: *lower_bound };
+        Pruned { keep: of.keep, feasible_behind: of.behind, not_solved: of.not_solved.iter().map(one).collect() }
+    }
+}

@@ -1,0 +1,132 @@
+//! The one shape of JSON: what every command prints for programs is made of the objects of this folder, and the published
+//! schema ([`schema`]) is made of the same declarations.
+//!
+//! The one idea: an object is a struct; its fields are its keys in order, their comments are what the schema says of them.
+//! Nothing is added to a value after it was made. SI units, the unit in the key; what is not known is `null`.
+
+pub mod check;
+pub mod design;
+pub mod explain;
+pub mod import;
+pub mod joint;
+pub mod motors;
+pub mod optimize;
+pub mod pareto;
+pub mod robot;
+pub mod robust;
+pub mod sweep;
+pub mod torques;
+
+use std::borrow::Cow;
+
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+pub use design::Design;
+
+/// Version of the shape: raised when a key is renamed, goes, or means something else.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// What a command prints: which shape it has, which command it was, and the answer.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Envelope<T> {
+    /// Version of the shape; raised when a key is renamed, goes, or means something else.
+    pub schema_version: u32,
+    /// The command.
+    pub command: &'static str,
+    /// Its answer.
+    #[serde(flatten)]
+    pub answer: T,
+}
+
+/// The answer of a command as a JSON value, in the envelope.
+pub fn document(command: &'static str, answer: impl Serialize) -> Value {
+    value(Envelope { schema_version: SCHEMA_VERSION, command, answer })
+}
+
+/// An object as a JSON value.
+///
+/// # Panics
+/// Never: keys are text, and a number that is not finite is `null`.
+pub(crate) fn value(of: impl Serialize) -> Value {
+    serde_json::to_value(of).expect("keys are text")
+}
+
+/// The answer about a robot: the robot, and each joint with what became of the motors.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct OfRobot<'a, R, J> {
+    /// The robot.
+    pub robot: R,
+    /// Its joints, in the order of the requirement.
+    pub joints: Vec<J>,
+    /// Where the motions come from a description of the robot: what was made of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mechanism: Option<torques::Mechanism<'a>>,
+}
+
+/// A robot by its name.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Named<'a> {
+    /// Name of the robot.
+    pub name: Cow<'a, str>,
+}
+
+impl<'a> Named<'a> {
+    /// A robot of this name.
+    pub fn new(name: impl Into<Cow<'a, str>>) -> Named<'a> {
+        Named { name: name.into() }
+    }
+}
+
+/// What a command prints, as a schema.
+type Shape = fn(&mut SchemaGenerator) -> Schema;
+
+/// Every command that prints JSON, as its answer names it, with the shape of that answer.
+pub const COMMANDS: &[(&str, Shape)] = &[
+    ("optimize", shape::<optimize::Answer>),
+    ("optimize --pareto", shape::<pareto::Answer>),
+    ("optimize --robust", shape::<robust::Answer>),
+    ("sweep", shape::<sweep::Answer>),
+    ("explain", shape::<explain::Answer>),
+    ("check", shape::<check::Printed>),
+    ("rank", shape::<motors::Ranked>),
+    ("compare", shape::<motors::Compared>),
+    ("audit", shape::<motors::Audited>),
+    ("torques", shape::<torques::Answer>),
+    ("import", shape::<import::Answer>),
+    ("identify", shape::<Open>),
+    ("characterize", shape::<Open>),
+    ("study", shape::<Open>),
+];
+
+fn shape<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    generator.subschema_for::<Envelope<T>>()
+}
+
+/// An answer whose keys are not described yet.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Open {}
+
+/// The published schema (JSON Schema, 2020-12) of everything that `--json` prints.
+pub fn schema() -> Value {
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    let of = |(command, shape): &(&str, Shape)| {
+        let answer = shape(&mut generator).to_value();
+        json!({ "allOf": [answer, { "properties": { "command": { "const": command } } }] })
+    };
+    let any: Vec<Value> = COMMANDS.iter().map(of).collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "gearwise --json",
+        "description": "SI units, the unit in the key. A number that is not known, or that the command does not work out, is null.",
+        "anyOf": any,
+        "$defs": generator.take_definitions(true),
+    })
+}
+
+/// A number that may be unknown.
+pub(crate) fn number_or_null(description: &str) -> Schema {
+    schemars::json_schema!({ "type": ["number", "null"], "description": description })
+}

@@ -1,0 +1,105 @@
+//! `optimize --json`.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::joint::{Agreement, Joint, Pruned};
+use super::robot::Choice;
+use super::torques::Mechanism;
+use super::{Design, OfRobot, design, document};
+use crate::design::answer::{JointResult, RobotResult};
+use crate::design::robot;
+use crate::report::optimize::reason_text;
+
+/// What `optimize` prints.
+pub type Answer<'a> = OfRobot<'a, Robot<'a>, OfJoint<'a>>;
+
+/// The robot as a whole.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Robot<'a> {
+    /// Name of the robot.
+    pub name: &'a str,
+    /// Whether every joint has a candidate, or, where the whole robot was chosen, whether there is a combination.
+    pub satisfied: bool,
+    /// Whether every limit of every first choice could be checked.
+    pub first_choices_fully_checked: bool,
+    /// Mass of all first choices; `null` where one is not known.
+    pub actuator_mass_kg: Option<f64>,
+    /// Number of different motors among the first choices.
+    pub distinct_motors: usize,
+    /// The choice for the whole robot, where joints are coupled or it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choice: Option<Choice<'a>>,
+}
+
+/// A joint and its motors.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct OfJoint<'a> {
+    #[serde(flatten)]
+    joint: Joint<'a>,
+    /// Designs of which every limit that the requirement states could be judged, the best first.
+    pub candidates: Vec<Design<'a>>,
+    /// Designs of which such a limit could not be judged: none of them is a choice.
+    pub unjudged: Vec<design::Unjudged<'a>>,
+    /// Motors that cannot do it.
+    pub rejected: Vec<design::Rejected<'a>>,
+    /// How alike orders by metric and the order by the task are.
+    pub metric_agreement: Vec<Agreement>,
+    /// What was left out, where only the first designs were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pruned: Option<Pruned<'a>>,
+}
+
+impl<'a> OfJoint<'a> {
+    fn new(result: &'a JointResult<'a>) -> OfJoint<'a> {
+        let joint = result.joint;
+        OfJoint {
+            joint: Joint::new(joint),
+            candidates: result.candidates.iter().map(|d| Design::new(d.facts(), joint)).collect(),
+            unjudged: unjudged(result),
+            rejected: result.rejected.iter().map(|r| rejected(r.motor, r.gear, &r.reason, joint)).collect(),
+            metric_agreement: result.agreement.iter().map(Agreement::from).collect(),
+            pruned: result.pruned.as_ref().map(Pruned::from),
+        }
+    }
+}
+
+/// Motors of a joint that cannot be judged.
+pub(super) fn unjudged<'a>(result: &'a JointResult<'a>) -> Vec<design::Unjudged<'a>> {
+    let one = |u: &'a crate::design::answer::Unjudged<'a>| {
+        let known = Design::new(u.design.facts(), result.joint);
+        design::Unjudged::new(&u.design.motor.id, u.design.gear, &u.because, Some(known))
+    };
+    result.unjudged.iter().map(one).collect()
+}
+
+/// A motor that a reason rules out.
+pub(super) fn rejected<'a>(
+    motor: &'a crate::catalog::Motor,
+    gear: Option<&'a str>,
+    reason: &crate::design::answer::Reason,
+    joint: &crate::requirement::Joint,
+) -> design::Rejected<'a> {
+    let (class, because) = reason_text(reason, joint);
+    design::Rejected { motor: &motor.id, gear, because, class, design: None }
+}
+
+/// The result, with the choice for the whole robot where there is one.
+pub fn json(result: &RobotResult, choice: Option<&robot::Choice>) -> Value {
+    let robot = result.robot;
+    let checked = |j: &JointResult| j.candidates.first().is_some_and(|d| d.unchecked.is_empty());
+    let answer = Answer {
+        robot: Robot {
+            name: &robot.name,
+            satisfied: choice.map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty()),
+            first_choices_fully_checked: result.joints.iter().all(checked),
+            actuator_mass_kg: result.actuator_mass(),
+            distinct_motors: result.distinct_motors(),
+            choice: choice.map(Choice::new),
+        },
+        joints: result.joints.iter().map(OfJoint::new).collect(),
+        mechanism: robot.driven.as_ref().map(|driven| Mechanism::new(driven, robot)),
+    };
+    document("optimize", answer)
+}

@@ -1,0 +1,71 @@
+//! `sweep --json`.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::design::{Rejected, Unjudged};
+use super::joint::Joint;
+use super::{Design, Named, OfRobot, document};
+use crate::design::answer::{JointSweep, SweptDesign};
+use crate::report::sweep::{Order, because, class, ordered};
+use crate::requirement;
+
+/// What `sweep` prints.
+pub type Answer<'a> = OfRobot<'a, Named<'a>, OfJoint<'a>>;
+
+/// A joint and every design that was tried, each list in the order that was asked for.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct OfJoint<'a> {
+    #[serde(flatten)]
+    joint: Joint<'a>,
+    /// Designs that keep every limit, and of which every limit that the requirement states could be judged.
+    pub candidates: Vec<Design<'a>>,
+    /// Designs that keep all that can be judged.
+    pub unjudged: Vec<Unjudged<'a>>,
+    /// Designs that do not keep a limit; after them motors, or motors with a gear, that are no candidates at all.
+    pub rejected: Vec<Rejected<'a>>,
+}
+
+impl<'a> OfJoint<'a> {
+    fn new(sweep: &'a JointSweep<'a>, order: Order) -> OfJoint<'a> {
+        let joint = sweep.joint;
+        let (mut candidates, mut unjudged, mut rejected) = (Vec::new(), Vec::new(), Vec::new());
+        for design in ordered(sweep, order) {
+            let object = Design::new(design.facts(joint), joint);
+            match (design.is_choice(), design.is_unjudged()) {
+                (true, _) => candidates.push(object),
+                (_, true) => {
+                    unjudged.push(Unjudged::new(&design.motor.id, design.gear, &design.unjudged, Some(object)));
+                }
+                _ => rejected.push(exceeded(design, joint, object)),
+            }
+        }
+        rejected.extend(sweep.unusable.iter().map(|(motor, gear, why)| {
+            let reason = why.reason().to_string();
+            Rejected { motor: &motor.id, gear: *gear, because: reason.clone(), class: reason, design: None }
+        }));
+        OfJoint { joint: Joint::new(joint), candidates, unjudged, rejected }
+    }
+}
+
+/// A design that exceeds a limit.
+fn exceeded<'a>(design: &'a SweptDesign<'a>, joint: &requirement::Joint, object: Design<'a>) -> Rejected<'a> {
+    Rejected {
+        motor: &design.motor.id,
+        gear: design.gear,
+        because: because(design, joint),
+        class: class(design),
+        design: Some(object),
+    }
+}
+
+/// Every design, in the order that was asked for.
+pub fn json(robot: &requirement::Robot, sweeps: &[JointSweep], order: Order) -> Value {
+    let answer = Answer {
+        robot: Named::new(&*robot.name),
+        joints: sweeps.iter().map(|sweep| OfJoint::new(sweep, order)).collect(),
+        mechanism: None,
+    };
+    document("sweep", answer)
+}

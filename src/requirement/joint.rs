@@ -1,0 +1,147 @@
+//! One `[[joint]]` of a requirement.
+
+use super::carried::{self, Asked};
+use super::gear::{GearModel, RatioChoice};
+use super::limits::{self, Limits};
+use super::mechanism::{self, Model, Use};
+use super::motions::{self, MotionReader};
+use super::robot::Joint;
+use super::{gear, objective};
+use crate::input::{Problem, Range, Section, key};
+use crate::motion::{self, Motion};
+use crate::units;
+
+/// Reads a joint: with what it takes from a description of the robot, and whom it says that it carries.
+pub(super) fn read(
+    section: Section,
+    ambient: f64,
+    no_springs: Option<&str>,
+    joints: &[String],
+    model: &Model,
+    reader: &mut MotionReader,
+) -> Option<(Joint, Option<Use>, Vec<Asked>)> {
+    let name = section.required_text(key("name", "name of the joint"), "\"knee\"").map(|t| t.into_inner());
+    let count = section.count(key("count", "how many joints like this").default("1")).unwrap_or(1);
+    let ratio = gear::read_ratio(&section);
+    let gear = match section.section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one"))
+    {
+        Some(gear) => {
+            if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
+                section.note(
+                    Problem::at(
+                        gear.span(),
+                        "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue",
+                        "not used with `gears`",
+                    )
+                    .help("remove one of the two"),
+                );
+            }
+            gear::read_gear(gear)
+        }
+        None => GearModel::IDEAL,
+    };
+    let scale = motions::read_scale(&section);
+    let (read, taken) = if section.has("mechanism_joint") {
+        let (motion, taken) = mechanism::read_joint(&section, scale, model).unzip();
+        (motion.map(|m| (m, Vec::new())), taken)
+    } else {
+        (motions::read_motion(&section, joints, name.as_ref(), scale, reader), None)
+    };
+    let (motion, columns) = read.unzip();
+    let objective = objective::read(&section);
+    let limits = read_limits(&section, ambient, no_springs, motion.as_ref());
+    let drive_current =
+        section.section(key("drive", "the drive of this joint, in place of the bus's")).and_then(|drive| {
+            let current = drive.required_quantity(
+                key("current", "largest drive current, phase amplitude"),
+                &units::CURRENT,
+                Range::Positive,
+            );
+            drive.finish();
+            current
+        });
+    if section.has(key("actuator", "refused by this version").value("–")) {
+        let span = section.span_of("actuator");
+        section.note(Problem::at(span, "`actuator` is not supported by this version", "remove it"));
+    }
+    let carries = carried::read(&section, columns.unwrap_or_default());
+    let phases = read_phases(&section, count, motion.as_ref());
+    section.finish();
+    let joint = Joint {
+        name: name?,
+        count,
+        ratio: ratio?,
+        gear,
+        motion: motion?,
+        objective: objective?,
+        limits,
+        drive_current,
+        phases,
+        carries: Vec::new(),
+    };
+    Some((joint, taken, carries))
+}
+
+/// The limits of a joint, with the spring that stands in them or beside them.
+fn read_limits(section: &Section, ambient: f64, no_springs: Option<&str>, motion: Option<&Motion>) -> Limits {
+    let (mut limits, in_limits) = match section.section(key("limits", "what a choice must keep")) {
+        Some(table) => {
+            let spring = table
+                .section(key("spring", "a parallel spring to be chosen with the ratio"))
+                .map(|s| (s.span(), limits::read_spring(s)));
+            (limits::read(table, ambient), spring)
+        }
+        None => (Limits::default(), None),
+    };
+    let of_joint = section
+        .section(key("spring", "a parallel spring to be chosen with the ratio; may be in `[limits]`"))
+        .map(|s| (s.span(), limits::read_spring(s)));
+    if let (Some(_), Some((span, _))) = (&in_limits, &of_joint) {
+        let message = "a joint has one `spring`, in [joint.limits] or in [[joint]], not in both";
+        section.note(Problem::at(span.clone(), message, "remove one of the two"));
+    }
+    if let Some((span, spring)) = in_limits.or(of_joint) {
+        limits.spring = spring;
+        if let Some(what) = no_springs {
+            let message = format!("{what} cannot choose a spring");
+            let help = "`optimize` and `explain` choose it with the ratio; or remove `spring`";
+            section.note(Problem::at(span, message, "asked for here").help(help));
+        } else if section.has("points") {
+            let message = "a spring needs a motion with a position, not operating points";
+            section.note(
+                Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"),
+            );
+        } else if spring.is_some() && motion.is_some_and(|m| m.position.is_none()) {
+            let message = "a spring needs the position, but the motion does not come back to where it began";
+            section.note(Problem::at(span, message, "the motion's position is not periodic").help(
+                "give a column `position` that repeats its first row, or `periodic = false`, or remove `spring`",
+            ));
+        }
+    }
+    limits
+}
+
+/// By how much of the period each of several joints is late.
+fn read_phases(section: &Section, count: u32, motion: Option<&Motion>) -> Vec<f64> {
+    let Some(phases) = section
+        .number_list(key("phases", "by how much of the period each of the `count` joints is late, 0 to 1"), Range::Any)
+    else {
+        return Vec::new();
+    };
+    let span = section.span_of("phases");
+    if phases.len() != count as usize {
+        let message = format!("`phases` has {} entries, but `count` is {count}", phases.len());
+        section.note(
+            Problem::at(span, message, "expected one for each of the joints")
+                .help("for example count = 4 and phases = [0, 0.5, 0.5, 0]"),
+        );
+    } else if phases.iter().any(|p| !(0.0..=1.0).contains(p)) {
+        let message = "`phases` are shares of the period";
+        section.note(Problem::at(span, message, "expected numbers from 0 to 1").help("half a period late is 0.5"));
+    } else if motion.is_some_and(|m| !matches!(m.course, motion::Course::Periodic(_))) {
+        let message = "`phases` need a motion that repeats";
+        section
+            .note(Problem::at(span, message, "this joint has none").help("give a periodic `motion`, or remove them"));
+    }
+    phases
+}

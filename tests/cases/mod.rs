@@ -1,0 +1,25 @@
+//! How many random cases a test draws. `GEARWISE_CASES=all` is what docs/reliability.md tells and `.ci/run` asks for; a
+//! number is that many times all (`10` ten times, `0.1` a tenth); by default it is a quarter, so that `cargo test` is
+//! quick. How often what occurs is only asserted of all.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::ops::Range;
+
+/// Cases to draw, as a share of all.
+pub fn share() -> f64 {
+    match std::env::var("GEARWISE_CASES") {
+        Err(_) => 0.25,
+        Ok(all) if all == "all" => 1.0,
+        Ok(times) => times.parse().expect("GEARWISE_CASES is `all` or a number"),
+    }
+}
+
+/// Whether at least all cases are drawn.
+pub fn are_all() -> bool {
+    share() >= 1.0
+}
+
+/// Numbers of the cases to draw, of `all` from `first` on.
+pub fn cases(first: u64, all: u64) -> Range<u64> {
+    first..first + (all as f64 * share()).ceil() as u64
+}

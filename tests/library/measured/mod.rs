@@ -1,0 +1,9 @@
+//! Whether a measurement becomes the right figures, effects and verdicts.
+
+mod bench_files;
+mod characterize;
+mod forward;
+mod held_commands;
+mod identification;
+mod identification_numbers;
+mod simulator_selftest;

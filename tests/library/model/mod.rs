@@ -1,0 +1,6 @@
+//! Whether the equations are those of the literature and of the paper.
+
+mod audit;
+mod model_on_paper;
+mod one_place;
+mod worked_examples;

@@ -1,0 +1,15 @@
+//! Whether an answer is what it claims to be: the best there is, infeasible, certified.
+
+mod brute_force;
+mod effects_in_design;
+mod extremes;
+mod heat_over_motion;
+mod instants;
+mod optimality;
+mod program_on_paper;
+mod properties;
+mod prune;
+mod robust;
+mod second_formulation;
+mod spring;
+mod stopped;

@@ -1,0 +1,511 @@
+//! The choice for a whole robot against exhaustive enumeration: small random robots, every motor at every
+//! joint at every ratio of a grid that is refined around its best point, straight from the equations of the
+//! motor and sharing no code with the library.
+//!
+//! `GEARWISE_CASES=10` makes it ten times as many as all (see `cases`).
+
+use std::f64::consts::TAU;
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use gearwise::catalog::{Catalog, Motor};
+use gearwise::design::robot::{Choice, Combination, Options, Wanting, choose};
+use gearwise::input::Source;
+use gearwise::requirement::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+
+use crate::cases::{are_all, cases};
+use crate::common;
+
+/// Samples of a motion.
+const SAMPLES: usize = 12;
+/// Points of the first grid of ratios, by number of joints that it is over at once.
+const POINTS: [usize; 5] = [0, 400, 60, 16, 9];
+/// A case is too close to call where a limit is met to this accuracy.
+const CLOSE: f64 = 1e-6;
+
+struct Case {
+    robot: Robot,
+    catalog: Catalog,
+}
+
+/// One actuator at one ratio, from the equations.
+struct Actuator<'c> {
+    robot: &'c Robot,
+    joint: &'c Joint,
+    motor: &'c Motor,
+    gear: GearModel,
+    /// The load with what is carried.
+    torque: Vec<f64>,
+    ratio: f64,
+}
+
+impl Actuator<'_> {
+    fn shaft(&self, k: usize) -> (f64, f64) {
+        let (m, n) = (&self.joint.motion, self.ratio);
+        let (tau, omega) = (self.torque[k], m.velocity[k]);
+        let phi = if tau * omega < 0.0 { self.gear.backdrive_efficiency } else { 1.0 / self.gear.efficiency };
+        let inertia = self.motor.rotor_inertia.unwrap() + self.gear.inertia;
+        let friction = self.motor.viscous_friction.unwrap_or(0.0) * omega;
+        let dry = self.motor.coulomb_friction.unwrap_or(0.0) * omega.signum();
+        (phi * tau / n + n * (inertia * m.acceleration[k] + friction) + dry, n * omega)
+    }
+
+    fn current(&self, k: usize) -> f64 {
+        self.shaft(k).0 / self.motor.torque_constant
+    }
+
+    /// Power from the bus at a sample.
+    fn power(&self, k: usize) -> f64 {
+        let (i, speed) = (self.current(k), self.shaft(k).1);
+        let terminal = self.motor.resistance * i * i + self.motor.back_emf_constant * speed * i;
+        let eta = self.robot.bus.drive_efficiency;
+        if terminal > 0.0 { terminal / eta } else { terminal * eta }
+    }
+
+    fn mass(&self) -> f64 {
+        let gear = match self.gear.mass_per_stage {
+            Some((mass, stage)) => mass * (0..40).find(|k| self.ratio <= stage.powi(*k) * (1.0 + 1e-9)).unwrap() as f64,
+            None => self.gear.mass.unwrap(),
+        };
+        self.motor.mass.unwrap() + gear
+    }
+
+    /// Largest relative excess over the joint's own limits.
+    fn excess(&self) -> f64 {
+        let samples = 0..SAMPLES;
+        let volt = self.robot.bus.voltage * 0.5_f64.sqrt();
+        let over = |k: usize| {
+            let voltage = self.motor.resistance * self.current(k) + self.motor.back_emf_constant * self.shaft(k).1;
+            (self.current(k).abs() / self.motor.peak_current.unwrap()).max(voltage.abs() / volt) - 1.0
+        };
+        samples.map(over).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn objective(&self) -> f64 {
+        let loss = (0..SAMPLES).map(|k| self.motor.resistance * self.current(k).powi(2)).sum::<f64>() / SAMPLES as f64;
+        let inertia = self.ratio.powi(2) * (self.motor.rotor_inertia.unwrap() + self.gear.inertia);
+        let value = |(quantity, weight): &(Quantity, f64)| match quantity {
+            Quantity::Loss => weight * loss,
+            Quantity::ReflectedInertia => weight * inertia,
+            _ => unreachable!(),
+        };
+        self.joint.objective.terms.iter().map(value).sum()
+    }
+}
+
+/// What was chosen for one joint: motor, gear of the catalogue, and the interval of ratios of one mass.
+#[derive(Clone, Copy)]
+struct Pick {
+    motor: usize,
+    gear: Option<usize>,
+    ratios: (f64, f64),
+}
+
+impl Case {
+    fn actuators(&self, picks: &[Pick], ratios: &[f64]) -> Vec<Actuator<'_>> {
+        let plain = |j: usize, torque: Vec<f64>| {
+            let joint = &self.robot.joints[j];
+            let gear = match picks[j].gear {
+                Some(g) => {
+                    let gear = &self.catalog.gears[g];
+                    let efficiency = gear.efficiency.unwrap();
+                    GearModel {
+                        efficiency,
+                        backdrive_efficiency: gear.backdrive_efficiency.unwrap_or(2.0 - 1.0 / efficiency),
+                        mass: gear.mass,
+                        inertia: gear.inertia.unwrap(),
+                        ..GearModel::IDEAL
+                    }
+                }
+                None => joint.gear,
+            };
+            let motor = &self.catalog.motors[picks[j].motor];
+            Actuator { robot: &self.robot, joint, motor, gear, torque, ratio: ratios[j] }
+        };
+        let masses: Vec<f64> = (0..picks.len()).map(|j| plain(j, Vec::new()).mass()).collect();
+        let torque = |j: usize| {
+            let joint = &self.robot.joints[j];
+            let carried = |k: usize| joint.carries.iter().map(|c| c.torque_per_mass[k] * masses[c.joint]).sum::<f64>();
+            (0..SAMPLES).map(|k| joint.motion.torque[k] + carried(k)).collect()
+        };
+        (0..picks.len()).map(|j| plain(j, torque(j))).collect()
+    }
+
+    /// What all draw together at the worst instant; joints of other periods at their worst.
+    fn power(&self, actuators: &[Actuator]) -> f64 {
+        let period = |a: &Actuator| a.joint.motion.duration().unwrap();
+        let mut periods: Vec<f64> = actuators.iter().map(period).collect();
+        periods.sort_by(f64::total_cmp);
+        periods.dedup();
+        let worst = |p: f64| {
+            let instant = |k: usize| {
+                let of = |a: &&Actuator| {
+                    let phases = if a.joint.phases.is_empty() {
+                        vec![0.0; a.joint.count as usize]
+                    } else {
+                        a.joint.phases.clone()
+                    };
+                    // Phases of these cases are whole samples.
+                    let late = |phase: &f64| (phase * SAMPLES as f64).round() as usize;
+                    phases.iter().map(|x| a.power((k + SAMPLES - late(x) % SAMPLES) % SAMPLES)).sum::<f64>()
+                };
+                actuators.iter().filter(|a| period(a) == p).map(|a| of(&a)).sum::<f64>()
+            };
+            (0..SAMPLES).map(instant).fold(f64::NEG_INFINITY, f64::max)
+        };
+        periods.into_iter().map(worst).sum()
+    }
+
+    /// Excess over all limits that move with the ratios.
+    fn excess(&self, picks: &[Pick], ratios: &[f64]) -> f64 {
+        let actuators = self.actuators(picks, ratios);
+        let own = actuators.iter().map(Actuator::excess).fold(f64::NEG_INFINITY, f64::max);
+        let shared = self.robot.shared_power().map_or(f64::NEG_INFINITY, |most| self.power(&actuators) / most - 1.0);
+        own.max(shared)
+    }
+
+    fn total(&self, scale: &[f64], picks: &[Pick], ratios: &[f64]) -> f64 {
+        self.actuators(picks, ratios).iter().zip(scale).map(|(a, s)| s * a.objective()).sum()
+    }
+
+    fn picks(&self, joint: &Joint) -> Vec<Pick> {
+        let motors = 0..self.catalog.motors.len();
+        match &joint.ratio {
+            RatioChoice::Continuous { min, max } => {
+                let mut ends = vec![*min];
+                if let Some((_, stage)) = joint.gear.mass_per_stage {
+                    ends.extend((0..40).map(|k| stage.powi(k)).filter(|n| min < n && n < max));
+                }
+                ends.push(*max);
+                // Just above a full number of stages there is one more.
+                let piece = |w: &[f64]| (if w[0] > *min { w[0] * (1.0 + 1e-8) } else { w[0] }, w[1]);
+                let pieces: Vec<(f64, f64)> = ends.windows(2).map(piece).collect();
+                motors.flat_map(|motor| pieces.iter().map(move |p| Pick { motor, gear: None, ratios: *p })).collect()
+            }
+            RatioChoice::Catalog { .. } => {
+                let gears = self.catalog.gears.iter().enumerate();
+                let all = gears.map(|(g, gear)| (g, gear.ratio)).collect::<Vec<_>>();
+                let one = |motor| move |(g, n): (usize, f64)| Pick { motor, gear: Some(g), ratios: (n, n) };
+                motors.flat_map(|motor| all.clone().into_iter().map(one(motor))).collect()
+            }
+        }
+    }
+
+    /// The least of `f` over the ratios of some joints, on a grid that is refined around its best point, where
+    /// `f` gives value and excess; a point that breaks a limit counts only while none keeps all.
+    fn least(&self, ranges: &[(f64, f64)], f: &dyn Fn(&[f64]) -> (f64, f64)) -> (f64, f64) {
+        let d = ranges.iter().filter(|r| r.1 > r.0).count();
+        let points = if d == 0 { 1 } else { POINTS[d] };
+        let mut boxed = ranges.to_vec();
+        let mut best = (f64::INFINITY, f64::INFINITY, ranges.iter().map(|r| r.0).collect::<Vec<f64>>());
+        for round in 0..14 {
+            let points = if round == 0 { points } else { points.min(9) };
+            let grid: Vec<Vec<f64>> = boxed
+                .iter()
+                .map(|(a, b)| {
+                    let n = if b > a { points } else { 1 };
+                    (0..n).map(|i| a * (b / a).powf(if n > 1 { i as f64 / (n - 1) as f64 } else { 0.0 })).collect()
+                })
+                .collect();
+            let total: usize = grid.iter().map(Vec::len).product();
+            for index in 0..total {
+                let mut rest = index;
+                let at: Vec<f64> = grid
+                    .iter()
+                    .map(|g| {
+                        let n = g[rest % g.len()];
+                        rest /= g.len();
+                        n
+                    })
+                    .collect();
+                let (value, excess) = f(&at);
+                let better = match (excess <= 1e-12, best.1 <= 1e-12) {
+                    (true, true) => value < best.0,
+                    (true, false) => true,
+                    (false, true) => false,
+                    (false, false) => excess < best.1,
+                };
+                if better {
+                    best = (value, excess, at);
+                }
+            }
+            if d == 0 {
+                break;
+            }
+            for ((range, whole), n) in boxed.iter_mut().zip(ranges).zip(&best.2) {
+                let step = (range.1 / range.0).powf(1.5 / (points.max(2) - 1) as f64);
+                *range = ((n / step).max(whole.0), (n * step).min(whole.1));
+            }
+        }
+        (best.0, best.1)
+    }
+
+    /// All combinations: the best total, the least excess over limits where there is none, the least mass.
+    fn enumerate(&self, scale: &[f64]) -> (f64, f64, f64) {
+        let joints = &self.robot.joints;
+        let menus: Vec<Vec<Pick>> = joints.iter().map(|j| self.picks(j)).collect();
+        let coupled = self.robot.shared_power().is_some();
+        let budget = &self.robot.budget;
+        // Alone a joint's best does not depend on the others, but for what it carries.
+        let known: RefCell<std::collections::HashMap<String, (f64, f64)>> = RefCell::default();
+        let total: usize = menus.iter().map(Vec::len).product();
+        let (mut best, mut nearest, mut lightest) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        for index in 0..total {
+            let mut rest = index;
+            let picks: Vec<Pick> = menus
+                .iter()
+                .map(|menu| {
+                    let pick = menu[rest % menu.len()];
+                    rest /= menu.len();
+                    pick
+                })
+                .collect();
+            let top: Vec<f64> = picks.iter().map(|p| p.ratios.1).collect();
+            let actuators = self.actuators(&picks, &top);
+            let mass: f64 = actuators.iter().map(|a| a.mass() * f64::from(a.joint.count)).sum();
+            let mut motors: Vec<usize> = picks.iter().map(|p| p.motor).collect();
+            motors.sort_unstable();
+            motors.dedup();
+            if budget.max_distinct_motors.is_some_and(|k| motors.len() > k as usize) {
+                continue;
+            }
+            let (value, excess) = if coupled {
+                let ranges: Vec<(f64, f64)> = picks.iter().map(|p| p.ratios).collect();
+                self.least(&ranges, &|n| (self.total(scale, &picks, n), self.excess(&picks, n)))
+            } else {
+                let mut sum = (0.0, f64::NEG_INFINITY);
+                for (j, a) in actuators.iter().enumerate() {
+                    let key =
+                        format!("{j} {} {:?} {:?} {:?}", picks[j].motor, picks[j].gear, picks[j].ratios, a.torque[0]);
+                    let key = format!("{key} {:?}", a.torque[1]);
+                    let seen = known.borrow().get(&key).copied();
+                    let (value, excess) = seen.unwrap_or_else(|| {
+                        self.least(&[picks[j].ratios], &|n| {
+                            let here = Actuator { ratio: n[0], torque: a.torque.clone(), ..*a };
+                            (here.objective(), here.excess())
+                        })
+                    });
+                    known.borrow_mut().insert(key, (value, excess));
+                    sum = (sum.0 + scale[j] * value, sum.1.max(excess));
+                }
+                sum
+            };
+            if excess <= 1e-12 {
+                lightest = f64::min(lightest, mass);
+            }
+            let over = budget.actuator_mass.map_or(f64::NEG_INFINITY, |most| mass / most - 1.0);
+            nearest = f64::min(nearest, excess.max(over));
+            if excess <= 1e-12 && over <= 1e-12 {
+                best = f64::min(best, value);
+            }
+        }
+        (best, nearest, lightest)
+    }
+
+    /// A combination that the library found, looked at with the equations: its total, and its excess.
+    fn look(&self, choice: &Choice, found: &Combination) -> (f64, f64) {
+        let place = |d: &gearwise::design::answer::Design| Pick {
+            motor: self.catalog.motors.iter().position(|m| m.id == d.motor.id).unwrap(),
+            gear: d.gear.map(|id| self.catalog.gears.iter().position(|g| g.id == id).unwrap()),
+            ratios: (0.0, 0.0),
+        };
+        let picks: Vec<Pick> = found.joints.iter().map(place).collect();
+        let ratios: Vec<f64> = found.joints.iter().map(|d| d.evaluation.ratio).collect();
+        let actuators = self.actuators(&picks, &ratios);
+        let mass: f64 = actuators.iter().map(|a| a.mass() * f64::from(a.joint.count)).sum();
+        let over = self.robot.budget.actuator_mass.map_or(f64::NEG_INFINITY, |most| mass / most - 1.0);
+        (self.total(&choice.total.scale, &picks, &ratios), self.excess(&picks, &ratios).max(over))
+    }
+}
+
+const GEARS: &str = "id,kind,ratio,stages,efficiency,mass [g],inertia [g*cm^2],continuous_torque [N*m],peak_torque [N*m],fits,source,source_kind
+g5,planetary,5,1,0.93,80,3,,,*,test,derived
+g9,planetary,9,2,0.9,120,5,,,*,test,derived
+g20,planetary,20,2,0.85,160,6,,,*,test,derived
+";
+
+fn draw(index: u64) -> Case {
+    let generator = RefCell::new(Pcg64::seed_from_u64(index));
+    let within = |a: f64, b: f64| generator.borrow_mut().random_range(a..b);
+    let chance = |share: f64| within(0.0, 1.0) < share;
+    let below = |count: f64| within(0.0, count) as usize;
+    let kind = index % 6;
+    // 0 mass, 1 motors, 2 power, 3 carried, 4 mixed without power, 5 mixed with power.
+    let power = kind == 2 || kind == 5;
+    let geared = chance(0.25);
+    let rubs = chance(0.2);
+    let joints = 2 + if power { usize::from(chance(0.25)) } else { below(3.0) };
+    let motors = 3 + if joints > 2 { below(2.0) } else { below(4.0) };
+    let source = |name: &str, text: String| Arc::new(Source::new(name, text));
+    let row = |i: usize| {
+        let size = within(0.3, 3.0);
+        format!(
+            "m{i},q_axis,q_axis,{},{},{},{},{},test,derived\n",
+            within(0.1, 1.0) / size,
+            0.05 * size,
+            100.0 * size * size * within(0.5, 2.0),
+            300.0 * size * within(0.7, 1.4),
+            12.0 * within(0.6, 2.0)
+        )
+    };
+    let header = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],source,source_kind\n";
+    let rows: String = (0..motors).map(row).collect();
+    let mut catalog = Catalog::from_sources(vec![source("motors.csv", format!("{header}{rows}"))]).unwrap();
+    catalog.gears = Catalog::from_sources(vec![source("gears.csv", GEARS.into())]).unwrap().gears;
+    for motor in &mut catalog.motors {
+        motor.back_emf_constant = motor.torque_constant;
+        motor.inductance = None;
+        motor.coulomb_friction = rubs.then_some(0.004);
+    }
+    let stages = !geared && !power && chance(0.4);
+    let joint = |j: usize| {
+        let period = if chance(0.85) { 1.0 } else { 1.7 };
+        let (a, b, c) = (within(2.0, 12.0), within(0.0, TAU), within(-6.0, 6.0));
+        let (speed, turn) = (within(1.0, 6.0), within(0.0, TAU));
+        let time: Vec<f64> = (0..SAMPLES).map(|k| period * k as f64 / SAMPLES as f64).collect();
+        let w = TAU / period;
+        let samples = Samples {
+            torque: time.iter().map(|t| a * (w * t + b).sin() + c).collect(),
+            velocity: Some(time.iter().map(|t| speed * (w * t + turn).sin() + 0.013).collect()),
+            acceleration: Some(time.iter().map(|t| speed * w * (w * t + turn).cos()).collect()),
+            time,
+            ..Samples::default()
+        };
+        let motion = Motion::from_samples(samples, Course::Periodic(period));
+        let efficiency = within(0.8, 1.0);
+        let gear = GearModel { mass: Some(0.1), inertia: 2e-6, ..common::gear(efficiency) };
+        let mut joint = common::robot(motion, gear).joints.remove(0);
+        joint.name = format!("j{j}");
+        joint.count = 1 + below(2.5) as u32;
+        joint.ratio = RatioChoice::Continuous { min: 2.0, max: within(12.0, 60.0) };
+        if stages {
+            joint.gear.mass = None;
+            joint.gear.mass_per_stage = Some((0.12, 5.0));
+        }
+        if geared {
+            joint.gear = GearModel::IDEAL;
+            joint.ratio =
+                RatioChoice::Catalog { patterns: vec!["*".into()], efficiency_covers: EfficiencyCovers::Load };
+        }
+        if chance(0.4) {
+            joint.phases = (0..joint.count).map(|_| below(12.0) as f64 / 12.0).collect();
+        }
+        joint
+    };
+    let mut robot = common::robot(common::hold(1.0, 1.0, 0.0), GearModel::IDEAL);
+    robot.joints = (0..joints).map(joint).collect();
+    robot.bus.voltage = within(24.0, 90.0);
+    robot.bus.drive_efficiency = if chance(0.5) { 1.0 } else { within(0.8, 1.0) };
+    let objective = below(4.0);
+    for j in 0..joints {
+        let both = vec![(Quantity::Loss, 0.1), (Quantity::ReflectedInertia, 3.0)];
+        robot.joints[j].objective = match objective {
+            0 => Objective { terms: both },
+            1 if j > 0 && kind != 3 => Objective::single(Quantity::ReflectedInertia),
+            _ => Objective::single(Quantity::Loss),
+        };
+    }
+    if kind == 3 || kind == 4 || (kind == 5 && chance(0.5)) {
+        for j in 0..joints - 1 {
+            for k in j + 1..joints {
+                if !chance(0.7) {
+                    continue;
+                }
+                let (size, constant) = (within(-4.0, 6.0), chance(0.5));
+                let course = |i: usize| if constant { size } else { size * (0.5 * i as f64).cos() };
+                let torque_per_mass: Vec<f64> = (0..SAMPLES).map(course).collect();
+                robot.joints[j].carries.push(Carried { joint: k, torque_per_mass, rate: vec![0.0; SAMPLES], constant });
+            }
+        }
+    }
+    // Budgets around what the best asks for that has none.
+    let catalog_for = catalog.clone();
+    let free = choose(&robot, &catalog_for, Options { budgets: false, runner_ups: 0, ..Options::default() }).unwrap();
+    if let Some(first) = free.combinations.first() {
+        let (mass, watt, distinct) = (first.mass.unwrap(), first.peak_power, first.distinct_motors);
+        if kind == 0 || (kind >= 4 && chance(0.7)) {
+            robot.budget.actuator_mass = Some(mass * within(0.6, 1.05));
+        }
+        if kind == 1 || (kind >= 4 && chance(0.5)) {
+            robot.budget.max_distinct_motors = Some((distinct as u32).saturating_sub(1).max(1));
+        }
+        if power {
+            robot.budget.power = Some(watt.max(1.0) * within(0.6, 1.05));
+        }
+    }
+    Case { robot, catalog }
+}
+
+#[test]
+fn no_combination_is_better_and_what_is_found_keeps_every_budget() {
+    let told: Vec<Told> = cases(0, 240).into_par_iter().map(compare).collect();
+    let count = |of: &dyn Fn(&Told) -> bool| told.iter().filter(|t| of(t)).count();
+    let (feasible, infeasible) = (count(&|t| t.feasible), count(&|t| !t.feasible));
+    let (close, open) = (count(&|t| t.close), count(&|t| t.open));
+    println!("{feasible} feasible, {infeasible} not ({close} close), {open} not certified");
+    let wrong: Vec<&str> = told.iter().flat_map(|t| t.wrong.iter().map(String::as_str)).collect();
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(!are_all() || feasible >= 150 && infeasible >= 15, "{feasible} feasible, {infeasible} not");
+    assert!(open * 20 <= feasible, "{open} of {feasible} not certified");
+}
+
+/// What came of a case.
+#[derive(Default)]
+struct Told {
+    feasible: bool,
+    close: bool,
+    open: bool,
+    wrong: Vec<String>,
+}
+
+fn compare(index: u64) -> Told {
+    let case = draw(index);
+    let mut told = Told::default();
+    let options = Options { budgets: false, runner_ups: 1, ..Options::default() };
+    let choice = match choose(&case.robot, &case.catalog, options) {
+        Ok(choice) => choice,
+        Err(why) => {
+            told.wrong.push(format!("{index}: {why:?}"));
+            return told;
+        }
+    };
+    let (best, nearest, lightest) = case.enumerate(&choice.total.scale);
+    let Some(found) = choice.combinations.first() else {
+        if best.is_finite() {
+            told.wrong.push(format!("{index}: none found, but there is {best}"));
+        }
+        told.close = nearest < CLOSE;
+        let least = choice.wanting.iter().find_map(|w| if let Wanting::Mass(m) = w { Some(*m) } else { None });
+        let all_else = case.robot.budget.power.is_none();
+        if let Some(least) = least.filter(|_| all_else)
+            && (least - lightest).abs() > 1e-9 * lightest
+        {
+            told.wrong.push(format!("{index}: least mass {least}, but {lightest}"));
+        }
+        return told;
+    };
+    told.feasible = true;
+    let (value, excess) = case.look(&choice, found);
+    if (value - found.objective).abs() > 1e-8 * value.abs() || excess > 2e-9 {
+        told.wrong.push(format!("{index}: says {}, is {value}, excess {excess:.1e}", found.objective));
+    }
+    if best < found.objective * (1.0 - 1e-7) {
+        told.wrong.push(format!("{index} (kind {}): found {}, but there is {best}", index % 6, found.objective));
+    }
+    // Ratios of the grid come as near as it is fine.
+    if best > found.objective * 1.02 {
+        told.wrong.push(format!("{index}: found {}, but the enumeration only {best}", found.objective));
+    }
+    told.open = !choice.proof.certified();
+    if choice.proof.lower_bound.is_none_or(|bound| bound > best * (1.0 + 1e-9)) {
+        told.wrong.push(format!("{index}: bound {:?} above {best}", choice.proof.lower_bound));
+    }
+    if choice.combinations.get(1).is_some_and(|next| next.objective < found.objective) {
+        told.wrong.push(format!("{index}: the runner-up is better"));
+    }
+    told
+}

@@ -1,0 +1,120 @@
+//! Help, manual and completions: every command begins with examples, and the examples are true.
+
+use clap::Command;
+
+use crate::shell::{Workspace, words};
+
+fn commands() -> Vec<Command> {
+    let mut top = gearwise::cli::command();
+    top.build();
+    let subs: Vec<Command> = top.get_subcommands().filter(|c| c.get_name() != "help").cloned().collect();
+    assert!(subs.len() >= 12);
+    std::iter::once(top).chain(subs).collect()
+}
+
+fn examples(help: &str) -> Vec<String> {
+    let lines = help.lines().skip_while(|l| *l != "Examples:").skip(1).take_while(|l| l.starts_with("  "));
+    lines.map(|l| l.trim().to_string()).collect()
+}
+
+#[test]
+fn every_help_starts_with_examples_that_the_program_understands() {
+    for mut command in commands() {
+        let name = command.get_name().to_string();
+        let help = command.render_long_help().to_string();
+        let own = if name == "gearwise" { String::new() } else { format!("{name} ") };
+        let alone = help.starts_with(&format!("Examples:\n  gearwise {name}\n"));
+        assert!(alone || help.starts_with(&format!("Examples:\n  gearwise {own}")), "{name}:\n{help}");
+        let examples = examples(&help);
+        assert!(!examples.is_empty(), "{name}");
+        for example in examples {
+            assert!(example.starts_with("gearwise "), "{name}: {example}");
+            let parsed = gearwise::cli::command().try_get_matches_from(words(&example));
+            assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+        }
+    }
+}
+
+#[test]
+fn examples_with_shipped_files_run() {
+    let workspace = Workspace::new();
+    let mut ran = 0;
+    for mut command in commands() {
+        let name = command.get_name().to_string();
+        // What `merge` puts together is what studies leave.
+        if matches!(name.as_str(), "docs" | "import" | "merge") {
+            continue;
+        }
+        for example in examples(&command.render_long_help().to_string()) {
+            let words = words(&example);
+            // A shell would know the home folder; files of the reader that nobody ships are left out.
+            let is_file =
+                |w: &&String| [".toml", ".csv", ".xml", ".urdf"].iter().any(|e| w.ends_with(e)) || w.contains('/');
+            let mut after_out = false;
+            let inputs = words.iter().filter(|word| {
+                let output = std::mem::replace(
+                    &mut after_out,
+                    ["--out", "--plot", "--write", "--html", "--sarif", "--junit", "--csv", "--write-design"]
+                        .contains(&word.as_str()),
+                );
+                !output && is_file(word)
+            });
+            if words.iter().any(|w| w.contains('~')) || !inputs.into_iter().all(|w| workspace.path(w).exists()) {
+                continue;
+            }
+            let output = workspace.run(&words[1..]);
+            let status = output.status.code();
+            assert!(matches!(status, Some(0 | 1)), "{example}: {status:?} {}", String::from_utf8_lossy(&output.stderr));
+            assert!(!output.stdout.is_empty(), "{example}");
+            ran += 1;
+        }
+    }
+    assert!(ran >= 20, "only {ran} examples have files that are shipped");
+}
+
+#[test]
+fn completions_for_every_shell_know_every_command() {
+    let workspace = Workspace::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let output = workspace.run(&["completions".into(), shell.into()]);
+        assert_eq!(output.status.code(), Some(0));
+        let text = String::from_utf8(output.stdout).unwrap();
+        for command in commands().iter().skip(1).filter(|c| !c.is_hide_set()) {
+            assert!(text.contains(command.get_name()), "{shell}: {}", command.get_name());
+        }
+        assert!(text.contains("reflected_inertia") || text.contains("pareto"), "{shell} knows options");
+    }
+}
+
+#[test]
+fn manual_pages_of_all_commands() {
+    let workspace = Workspace::new();
+    let run = || workspace.run(&["man".into(), "--out".into(), "share/man1".into()]);
+    let output = run();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| std::fs::read_to_string(workspace.path("share/man1").join(name)).unwrap();
+    for command in commands().iter().skip(1).filter(|c| !c.is_hide_set()) {
+        let page = read(&format!("gearwise-{}.1", command.get_name()));
+        let (examples, options) = (page.find(".SH EXAMPLES").unwrap(), page.find(".SH OPTIONS").unwrap());
+        assert!(examples < options, "{page}");
+        assert!(page.contains(&format!("gearwise\\-{}", command.get_name())), "{page}");
+        // No line of text is taken for a request.
+        let requests = page.lines().filter(|l| l.starts_with('.') || l.starts_with('\''));
+        for line in requests {
+            assert!(
+                [".TH", ".SH", ".TP", ".nf", ".fi", ".ie", ".el", ".RS", ".RE", ".br", ".SS", ".PP", ".IP"]
+                    .iter()
+                    .any(|r| line.starts_with(r)),
+                "{line}"
+            );
+        }
+    }
+    assert!(read("gearwise.1").contains("optimize"));
+    let first = read("gearwise-optimize.1");
+    run();
+    assert_eq!(read("gearwise-optimize.1"), first);
+    // A folder that cannot be.
+    let output = workspace.run(&["man".into(), "--out".into(), "robot.toml/x".into()]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cannot make the folder"));
+}

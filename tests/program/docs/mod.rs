@@ -1,0 +1,7 @@
+//! Whether documentation, sources and their order say the same.
+
+mod floors;
+mod pages;
+mod reliability;
+mod sentences;
+mod tour;
