@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Do two programs give the same answers?
 
-    tests/external/same_answers.py take PROGRAM FOLDER [JOBS]    every command over all that is shipped, into FOLDER
-    tests/external/same_answers.py compare BEFORE AFTER          what differs; exit status 1 where anything does
+    tests/same_answers.py take PROGRAM FOLDER [JOBS]    every command over all that is shipped, into FOLDER
+    tests/same_answers.py compare BEFORE AFTER          what differs; exit status 1 where anything does
         --kinds json,csv,txt    which outputs (default: json)
         --renamed OLD=NEW       a key of JSON that has another name now; may be repeated
         --added KEY             a key of JSON that is new; may be repeated
@@ -17,7 +17,7 @@ import pathlib
 import subprocess
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parents[2]
+HERE = pathlib.Path(__file__).resolve().parents[1]
 REQUIREMENTS = sorted(p.relative_to(HERE) for p in (HERE / "requirements").glob("*.toml"))
 DESIGNS = sorted(p.relative_to(HERE) for p in (HERE / "requirements/designs").glob("*/design.toml"))
 BENCHES = sorted(
