@@ -123,7 +123,7 @@ fn thousand_motors(friction: bool) -> Catalog {
         motor.coulomb_friction = friction.then_some(0.02 * 0.2 * stall * motor.torque_constant);
         motor
     });
-    Catalog { motors: motors.collect(), gears: Vec::new() }
+    Catalog::of(motors.collect(), Vec::new())
 }
 
 /// One joint with every limit that leaves the program convex.

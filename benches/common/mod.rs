@@ -33,7 +33,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
             inertia: 2e-6,
             ..GearModel::IDEAL
         },
-        motion: motion(samples, i as f64),
+        motion: motion(samples, i as f64).into(),
         objective: Objective::single(Quantity::Loss),
         limits: Limits {
             reflected_inertia: Some(0.05),
@@ -61,5 +61,6 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
         budget: Budget::default(),
         joints: (0..joints).map(joint).collect(),
         driven: None,
+        sources: Vec::new(),
     }
 }

@@ -26,7 +26,7 @@ pub use read::{VERSION, gear_columns, motor_columns, read_gears, read_motors};
 pub use row::Field;
 pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
 
-use crate::input::{InputError, Problem, Source};
+use crate::input::{InputError, InputFile, Problem, Source, sha256};
 
 include!(concat!(env!("OUT_DIR"), "/builtin_catalogs.rs"));
 
@@ -37,17 +37,46 @@ pub struct Catalog {
     pub motors: Vec<Motor>,
     /// The gears.
     pub gears: Vec<Gear>,
+    origin: Origin,
+}
+
+/// Where the rows of a catalogue come from.
+#[derive(Debug, Clone, Default)]
+enum Origin {
+    /// Made by a program.
+    #[default]
+    Made,
+    /// Built into this program.
+    Builtin,
+    /// Files.
+    Files(Vec<Arc<Source>>),
 }
 
 impl Catalog {
+    /// A catalogue of rows at hand.
+    pub fn of(motors: Vec<Motor>, gears: Vec<Gear>) -> Catalog {
+        Catalog { motors, gears, origin: Origin::Made }
+    }
+
     /// The catalogue that is built into the program.
     ///
     /// # Errors
     /// If a shipped file has a mistake; a test makes sure that none has.
     pub fn builtin() -> Result<Catalog, Vec<InputError>> {
-        let pieces = || BUILTIN.iter().flat_map(|(name, text)| [name.as_bytes(), text.as_bytes()]);
-        crate::input::was_read("the built-in catalogue", || crate::input::sha256(pieces()));
-        Catalog::from_sources(Catalog::builtin_sources())
+        let catalog = Catalog::from_sources(Catalog::builtin_sources())?;
+        Ok(Catalog { origin: Origin::Builtin, ..catalog })
+    }
+
+    /// The files that it was read from, each with its hash; nothing where a program made it.
+    pub fn files(&self) -> Vec<InputFile> {
+        match &self.origin {
+            Origin::Made => Vec::new(),
+            Origin::Builtin => {
+                let pieces = BUILTIN.iter().flat_map(|(name, text)| [name.as_bytes(), text.as_bytes()]);
+                vec![InputFile { name: "the built-in catalogue".into(), sha256: sha256(pieces) }]
+            }
+            Origin::Files(sources) => sources.iter().map(|source| source.file()).collect(),
+        }
     }
 
     /// The files that are built into the program.
@@ -117,7 +146,7 @@ impl Catalog {
         let mut errors = Vec::new();
         let mut motor_homes: HashMap<String, String> = HashMap::new();
         let mut gear_homes: HashMap<String, String> = HashMap::new();
-        for source in sources {
+        for source in &sources {
             let mut twice = |homes: &mut HashMap<String, String>, id: &str| {
                 if let Some(first) = homes.insert(id.to_string(), source.name().to_string()) {
                     let at = source.text().find(id).unwrap_or(0);
@@ -129,7 +158,7 @@ impl Catalog {
                     errors.push(InputError { source: source.clone(), problems: vec![problem] });
                 }
             };
-            match read::read_rows(&source) {
+            match read::read_rows(source) {
                 Ok(rows) => {
                     rows.motors.iter().for_each(|m| twice(&mut motor_homes, &m.id));
                     rows.gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));
@@ -144,6 +173,7 @@ impl Catalog {
         }
         catalog.motors.sort_by(|a, b| a.id.cmp(&b.id));
         catalog.gears.sort_by(|a, b| a.id.cmp(&b.id));
+        catalog.origin = Origin::Files(sources);
         Ok(catalog)
     }
 

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Done, Failure, Html, Output};
+use super::{Call, Done, Failure, Html, Output};
 use crate::catalog::audit::audit;
 use crate::report::audit as report;
 use crate::report::html;
@@ -21,11 +21,11 @@ pub struct Arguments {
     output: Output,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let recording = arguments.html.start()?;
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
     let catalog = super::catalog(&arguments.catalog)?;
     let findings = audit(&catalog);
-    arguments.html.write(&recording, || html::audit::page(&catalog, &findings))?;
+    arguments.html.write(call, || catalog.files(), || html::audit::page(&catalog, &findings))?;
     let text = arguments.output.choose(
         || report::text(&catalog, &findings),
         || crate::report::json::motors::audited(&catalog, &findings),

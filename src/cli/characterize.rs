@@ -5,8 +5,8 @@ use clap::Args;
 use super::{CatalogChoice, Done, Failure, Output};
 use crate::measured::{characterize, read};
 use crate::output;
-use crate::report::characterize as report;
 use crate::report::plot::{self, Format, characterize as pictures};
+use crate::report::{characterize as report, json};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let text = arguments.output.choose(
         || report::text(&bench, &result, &written),
-        || crate::report::json::document("characterize", report::json(&bench, &result)),
+        || json::characterize::json(&bench, &result),
         || report::csv(&result),
     );
     Ok(Done { text, satisfied })

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Html};
+use super::{Call, CatalogChoice, Done, Failure, Html};
 use crate::report::compare::{self as report, Comparison};
 use crate::report::html;
 use crate::report::plot::step as plot;
@@ -33,7 +33,7 @@ pub struct Arguments {
     json: bool,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let inertia = match &arguments.inertia {
         None => None,
         Some(text) => match units::quantity(text, &units::INERTIA) {
@@ -49,13 +49,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             }
         },
     };
-    let recording = arguments.html.start()?;
+    arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
     let find = |id: &str| super::find_motor(&catalog, id);
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&comparison))?;
-    arguments.html.write(&recording, || html::compare::page(&comparison))?;
+    arguments.html.write(call, || catalog.files(), || html::compare::page(&comparison))?;
     let text = if arguments.json {
         crate::report::json_text(&crate::report::json::motors::compared(&comparison))
     } else {

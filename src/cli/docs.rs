@@ -18,7 +18,7 @@ pub struct Arguments {
 /// Every page with its text; the commands' own page is made here, where they are known.
 pub fn pages() -> Vec<(&'static str, String)> {
     let mut all: Vec<(&'static str, String)> = pages::PAGES.iter().map(|page| (page.file, (page.text)())).collect();
-    all.push(("schema.json", crate::report::json_text(&crate::report::json::schema())));
+    all.push(("schema.json", crate::report::json_text(&pages::schema::schema())));
     all.push(("commands.md", pages::commands::text(super::command())));
     all
 }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::chosen::Chosen;
-use super::{CatalogChoice, Done, Failure, Html};
+use super::{Call, CatalogChoice, Done, Failure, Html};
 use crate::design::explain::explain;
 use crate::report::explain as report;
 use crate::report::plot::design as plot;
@@ -35,8 +35,8 @@ pub struct Arguments {
     json: bool,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let recording = arguments.html.start()?;
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = super::motors(&arguments.catalog.catalog)?;
@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         Failure::Argument(format!("{} cannot be explained at this joint: {}", motor.id, why.reason()))
     })?;
     super::draw_plot(arguments.plot.as_ref(), || plot::explained(&robot, &story))?;
-    arguments.html.write(&recording, || html::explain::page(&robot, &story))?;
+    arguments.html.write(call, || [robot.files(), catalog.files()].concat(), || html::explain::page(&robot, &story))?;
     let text = if arguments.json {
         crate::report::json_text(&json::explain::json(&robot, &story))
     } else {

@@ -2,14 +2,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Html, Output};
+use super::{Call, CatalogChoice, Done, Failure, Html, Output};
 use crate::catalog::fitted::Fitted;
 use crate::design::remake::remake;
 use crate::measured::fitted::fitted_actuator;
 use crate::measured::{identify, read, simulate};
 use crate::output;
 use crate::report::plot::{self, Format, residual};
-use crate::report::{fitted, forward as forward_report, html, identify as report, remake as remake_report};
+use crate::report::{fitted, forward as forward_report, html, identify as report, json, remake as remake_report};
 use crate::requirement;
 use crate::units;
 
@@ -41,12 +41,12 @@ pub struct Arguments {
     output: Output,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let band = match &arguments.band {
         None => None,
         Some(text) => Some(read_band(text)?),
     };
-    let recording = arguments.html.start()?;
+    arguments.html.check()?;
     if let Some(path) = &arguments.plot {
         Format::of(path).map_err(Failure::Argument)?;
     }
@@ -74,7 +74,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         }
     };
     let forward = reports.iter().find_map(|report| simulate::forward_check(&bench, report));
-    arguments.html.write(&recording, || html::identify::page(&bench, &reports, forward.as_ref(), remade.as_deref()))?;
+    let inputs = || [bench.files.clone(), robot.as_ref().map(|r| r.files()).unwrap_or_default()].concat();
+    arguments
+        .html
+        .write(call, inputs, || html::identify::page(&bench, &reports, forward.as_ref(), remade.as_deref()))?;
     let mut written = Vec::new();
     if let Some(path) = &arguments.plot {
         plot::write(&residual::figure(&bench, &reports), path).map_err(Failure::Argument)?;
@@ -97,16 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
                 .collect::<Vec<_>>()
                 .join("\n")
         },
-        || {
-            let mut value = report::json(&bench, &reports);
-            if let (Some(check), Some(object)) = (&forward, value.as_object_mut()) {
-                object.insert("forward".into(), forward_report::json(check));
-            }
-            if let (Some(remade), Some(object)) = (&remade, value.as_object_mut()) {
-                object.insert("design".into(), remake_report::design_json(remade));
-            }
-            crate::report::json::document("identify", value)
-        },
+        || json::identify::json(&bench, &reports, forward.as_ref(), remade.as_deref()),
         || report::csv(&bench, &reports),
     );
     Ok(Done { text, satisfied: true })

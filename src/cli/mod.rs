@@ -29,6 +29,7 @@ mod study;
 mod sweep;
 mod torques;
 
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -38,7 +39,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use crate::catalog::{Catalog, Motor};
 use crate::design::options::Stopped;
 use crate::design::robot::NoChoice;
-use crate::input::{InputError, Recording, tame};
+use crate::input::{InputError, InputFile, tame};
 use crate::report::html;
 use crate::report::plot::{self, Figure};
 use crate::report::table;
@@ -225,24 +226,39 @@ struct Html {
 }
 
 impl Html {
-    /// Checks the file's name before any work is done, and notes from here on which files are read.
-    fn start(&self) -> Result<Recording, Failure> {
-        self.html.as_deref().map_or(Ok(()), html::check).map_err(Failure::Argument)?;
-        Ok(Recording::start())
+    /// Checks the file's name before any work is done.
+    fn check(&self) -> Result<(), Failure> {
+        self.html.as_deref().map_or(Ok(()), html::check).map_err(Failure::Argument)
     }
 
-    /// Writes the page that was asked for.
-    fn write(&self, recording: &Recording, page: impl FnOnce() -> html::Page) -> Result<(), Failure> {
+    /// Writes the page that was asked for, with how the program was called and which files the result rests on.
+    fn write(
+        &self,
+        call: &Call,
+        inputs: impl FnOnce() -> Vec<InputFile>,
+        page: impl FnOnce() -> html::Page,
+    ) -> Result<(), Failure> {
         let Some(path) = &self.html else { return Ok(()) };
-        let page = html::Page { call: call(std::env::args()), inputs: recording.files(), ..page() };
-        html::write(&page, path).map_err(Failure::Argument)
+        let mut inputs = inputs();
+        inputs.sort();
+        inputs.dedup();
+        html::write(&html::Page { call: call.0.clone(), inputs, ..page() }, path).map_err(Failure::Argument)
     }
 }
 
-/// How the program was called, without what does not change the result: where the page goes, and how many threads.
-fn call(arguments: impl Iterator<Item = String>) -> String {
+/// How the program was called, as one types it, without what does not change the result: where the page goes, and how many
+/// threads.
+struct Call(String);
+
+impl Call {
+    /// Of the program's arguments, the first of which is its own name.
+    fn new(arguments: &[OsString]) -> Call {
+        Call(call(arguments.iter().skip(1).map(|a| a.to_string_lossy().into_owned())))
+    }
+}
+
+fn call(mut arguments: impl Iterator<Item = String>) -> String {
     let mut words = vec!["gearwise".to_string()];
-    let mut arguments = arguments.skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--html" | "--threads" | "--plot" => drop(arguments.next()),
@@ -296,51 +312,73 @@ fn progress(length: usize, what: &'static str) -> indicatif::ProgressBar {
     }
 }
 
-/// Runs the program on the process's arguments. Exit status: 0 done and satisfied, 1 done but a
-/// requirement is not met, 2 the input is wrong.
+/// Runs the program on the process's arguments, as [`run_with`].
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    run_with(std::env::args_os()).into()
+}
+
+/// Runs the program on these arguments, the first of which is the program's own name, with the process's standard output
+/// and error. May be called any number of times. Exit status: 0 done and satisfied, 1 done but a requirement is not met, 2
+/// the input is wrong, 130 it was stopped.
+///
+/// ```
+/// assert_eq!(gearwise::cli::run_with(["gearwise", "rule", "voltage-headroom"]), 0);
+/// assert_eq!(gearwise::cli::run_with(["gearwise", "optimize", "no_such_file.toml"]), 2);
+/// ```
+pub fn run_with(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are answers, not mistakes.
             let code = u8::from(error.use_stderr()) * 2;
             return match error.print() {
                 Err(why) if !error.use_stderr() && why.kind() != std::io::ErrorKind::BrokenPipe => not_printed(&why),
-                _ => ExitCode::from(code),
+                _ => code,
             };
         }
     };
-    if let Some(threads) = cli.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
-        if let Err(error) = pool {
-            tell!("error: cannot start {threads} threads: {error}");
-            return ExitCode::from(2);
-        }
-    }
+    let call = Call::new(&arguments);
+    let result = match cli.threads {
+        None => answer(&cli.command, &call),
+        Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build() {
+            Ok(pool) => pool.install(|| answer(&cli.command, &call)),
+            Err(error) => Err(Failure::Argument(format!("cannot start {threads} threads: {error}"))),
+        },
+    };
+    finish(result)
+}
+
+/// Does what a command asks for.
+fn answer(command: &Command, call: &Call) -> Result<Done, Failure> {
     table::set_width(width());
-    let result = match &cli.command {
-        Command::Optimize(arguments) => optimize::run(arguments),
-        Command::Explain(arguments) => explain::run(arguments),
-        Command::Sweep(arguments) => sweep::run(arguments),
+    match command {
+        Command::Optimize(arguments) => optimize::run(arguments, call),
+        Command::Explain(arguments) => explain::run(arguments, call),
+        Command::Sweep(arguments) => sweep::run(arguments, call),
         Command::Study(arguments) => study::run(arguments),
         Command::Merge(arguments) => merge::run(arguments),
-        Command::Rank(arguments) => rank::run(arguments),
-        Command::Compare(arguments) => compare::run(arguments),
-        Command::Audit(arguments) => audit::run(arguments),
+        Command::Rank(arguments) => rank::run(arguments, call),
+        Command::Compare(arguments) => compare::run(arguments, call),
+        Command::Audit(arguments) => audit::run(arguments, call),
         Command::Check(arguments) => check::run(arguments),
         Command::Rule(arguments) => rule::run(arguments),
-        Command::Identify(arguments) => identify::run(arguments),
+        Command::Identify(arguments) => identify::run(arguments, call),
         Command::Torques(arguments) => torques::run(arguments),
         Command::Characterize(arguments) => characterize::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Import(arguments) => import::run(arguments),
-        Command::Man(arguments) => man::run(arguments, command()),
+        Command::Man(arguments) => man::run(arguments, self::command()),
         Command::Docs(arguments) => docs::run(arguments),
         Command::Completions(arguments) => completions::run(arguments, &mut Cli::command()),
-    };
+    }
+}
+
+/// Prints what came of a command, and gives the exit status.
+fn finish(result: Result<Done, Failure>) -> u8 {
     match result {
         Ok(done) => match print(&done.text) {
-            Ok(()) => ExitCode::from(u8::from(!done.satisfied)),
+            Ok(()) => u8::from(!done.satisfied),
             Err(error) => not_printed(&error),
         },
         Err(Failure::Input(errors)) => {
@@ -349,15 +387,15 @@ pub fn run() -> ExitCode {
             }
             let mistakes: usize = errors.iter().map(|e| e.problems.len()).sum();
             tell!("{mistakes} {} in {} {}", plural(mistakes, "mistake"), errors.len(), plural(errors.len(), "file"));
-            ExitCode::from(2)
+            2
         }
         Err(Failure::Argument(message)) => {
             tell!("error: {message}");
-            ExitCode::from(2)
+            2
         }
         Err(Failure::Interrupted(message)) => {
             tell!("{message}");
-            ExitCode::from(130)
+            130
         }
     }
 }
@@ -379,9 +417,9 @@ fn say(said: std::fmt::Arguments, end: &str) {
     let _ = write!(std::io::stderr().lock(), "{}{end}", tame(&said.to_string()));
 }
 
-fn not_printed(error: &std::io::Error) -> ExitCode {
+fn not_printed(error: &std::io::Error) -> u8 {
     tell!("error: cannot write the result: {}", crate::words::reason(error));
-    ExitCode::from(2)
+    2
 }
 
 /// Writes to stdout, names from files included, which may not drive the terminal; a reader that has seen enough and closed the pipe is no error.

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Html, Output};
+use super::{Call, CatalogChoice, Done, Failure, Html, Output};
 use crate::design::answer::RobotResult;
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
@@ -83,8 +83,8 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
     }
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let recording = arguments.html.start()?;
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = match (&arguments.pareto, arguments.robust) {
         (Some(_), _) => requirement::read_without_springs(&arguments.requirement, "`--pareto`")?,
@@ -101,7 +101,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         let options = Options { only_checked: arguments.only_checked, ..Options::default() };
         let fronts = fronts(&robot, &catalog, quantities(names)?, points, options)?;
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
-        arguments.html.write(&recording, || html::pareto::page(&robot, &fronts))?;
+        arguments.html.write(
+            call,
+            || [robot.files(), catalog.files()].concat(),
+            || html::pareto::page(&robot, &fronts),
+        )?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
         let text = arguments.output.choose(
             || pareto::text(&fronts),
@@ -135,7 +139,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         ..robot::Options::default()
     };
     let choice = whole.then(|| choose(&robot, &catalog, options)).transpose()?;
-    arguments.html.write(&recording, || html::optimize::page(&result, choice.as_ref(), &catalog))?;
+    arguments.html.write(
+        call,
+        || [robot.files(), catalog.files()].concat(),
+        || html::optimize::page(&result, choice.as_ref(), &catalog),
+    )?;
     if let Some(path) = &arguments.write_design {
         write_design(&result, choice.as_ref(), arguments, path)?;
     }

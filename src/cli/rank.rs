@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Done, Failure, Html, Output};
+use super::{Call, Done, Failure, Html, Output};
 use crate::actuator::metrics::{METRICS, metric};
 use crate::report::html;
 use crate::report::plot::rank as plot;
@@ -41,7 +41,7 @@ pub struct Arguments {
     output: Output,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let name = super::metric_name(&arguments.sort, arguments.mass_weight)?;
     let by = metric(&name).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
     let tolerance = match &arguments.tolerance {
@@ -55,13 +55,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             }
         },
     };
-    let recording = arguments.html.start()?;
+    arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let catalog = super::motors(&arguments.catalog)?;
     let marked: Vec<_> = arguments.mark.iter().map(|id| super::find_motor(&catalog, id)).collect::<Result<_, _>>()?;
     let ranking = Ranking::new(&catalog.motors, by, tolerance);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&ranking, &marked))?;
-    arguments.html.write(&recording, || html::rank::page(&ranking, &marked))?;
+    arguments.html.write(call, || catalog.files(), || html::rank::page(&ranking, &marked))?;
     let text = arguments.output.choose(
         || report::text(&ranking, arguments.top),
         || crate::report::json::motors::ranked(&ranking),

@@ -1,7 +1,7 @@
 use clap::Args;
 
 use super::{Done, Failure};
-use crate::report::{json_text, rules as report};
+use crate::report::{json, json_text, rules as report};
 use crate::rules::{RULES, rule};
 use crate::words::nearest;
 
@@ -24,7 +24,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let text = match &arguments.rule {
         _ if arguments.measures => report::measure_list(),
-        None if arguments.json => json_text(&RULES.iter().map(|r| report::json(r)).collect()),
+        None if arguments.json => json_text(&json::rule::json(RULES.iter().copied())),
         None => report::list(),
         Some(name) => {
             let found = rule(name).ok_or_else(|| {
@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
                 };
                 Failure::Argument(format!("there is no rule `{name}`; {help}"))
             })?;
-            if arguments.json { json_text(&report::json(found)) } else { report::text(found) }
+            if arguments.json { json_text(&json::rule::json([found])) } else { report::text(found) }
         }
     };
     Ok(Done { text, satisfied: true })

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Html, Output};
+use super::{Call, CatalogChoice, Done, Failure, Html, Output};
 use crate::actuator::metrics::METRICS;
 use crate::design::options::Options;
 use crate::design::sweep::sweep_with;
@@ -64,8 +64,8 @@ fn order(name: &str) -> Result<Order, Failure> {
     })
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let recording = arguments.html.start()?;
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = requirement::read_without_springs(&arguments.requirement, "`sweep`")?;
@@ -76,7 +76,11 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let sweeps = sweep_with(&robot, &catalog, arguments.ratios as usize, options)?;
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&sweeps))?;
-    arguments.html.write(&recording, || html::sweep::page(&robot, &sweeps, order))?;
+    arguments.html.write(
+        call,
+        || [robot.files(), catalog.files()].concat(),
+        || html::sweep::page(&robot, &sweeps, order),
+    )?;
     let satisfied = sweeps.iter().all(|s| s.designs.iter().any(|d| d.is_choice()));
     let text = arguments.output.choose(
         || report::text(&robot, &sweeps, order, arguments.top, arguments.infeasible),

@@ -85,7 +85,7 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
     if let Some(spring) = choice.design.spring
         && let Some(moved) = joint.motion.with_spring(spring.stiffness, spring.rest_angle)
     {
-        joint.motion = moved;
+        joint.motion = moved.into();
     }
     let (motor, ratio) = (choice.motor, choice.ratio);
     let load = load_through(&joint, choice.gear);

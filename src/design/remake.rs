@@ -6,6 +6,8 @@
 //! gear looks the same on either side of it, but another ratio tells them apart: the choice is given
 //! for both readings.
 
+use std::sync::Arc;
+
 use super::answer::{Design, Reason, Refused, order};
 use super::best::best_design;
 use super::mount::{JointDemand, Site};
@@ -207,7 +209,7 @@ fn output_side(
         ..fitted.clone()
     };
     let mut joint = joint.clone();
-    let motion = &mut joint.motion;
+    let motion = Arc::make_mut(&mut joint.motion);
     for k in 0..motion.len() {
         let speed = bench * motion.velocity[k];
         let at = crate::effects::Operating::at_speed(speed);

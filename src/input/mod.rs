@@ -12,7 +12,6 @@ mod file;
 mod form;
 pub mod limits;
 mod locate;
-mod recording;
 mod source;
 mod stated;
 
@@ -22,11 +21,9 @@ pub use describe::{Description, Key, KeyAsked, TableAsked, key};
 pub(crate) use file::{Opened, utf_16};
 pub use form::{Form, Section};
 pub use locate::{Step, locate};
-pub(crate) use recording::was_read;
-pub use recording::{InputFile, Recording, sha256};
 #[cfg(feature = "report")]
 pub(crate) use source::tame;
-pub use source::{InputError, Problem, Source, hex};
+pub use source::{InputError, InputFile, Problem, Source, hex, sha256};
 pub use stated::{Stated, Words};
 
 /// What values a number may have.

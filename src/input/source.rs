@@ -9,6 +9,7 @@ use std::sync::Arc;
 use codespan_reporting::diagnostic::{Diagnostic, Label};
 use codespan_reporting::files::{self, Files, SimpleFile};
 use codespan_reporting::term;
+use hmac_sha256::Hash as Sha256;
 
 use super::file::{self, Opened};
 use super::limits;
@@ -26,6 +27,22 @@ pub struct Source {
     marked: bool,
     // Of an excerpt: the number in the file of each of its lines. Empty where the text is the whole file.
     lines: Vec<usize>,
+}
+
+/// A file that a result rests on.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct InputFile {
+    /// The name it was opened by.
+    pub name: String,
+    /// SHA-256 of the bytes that were read, hexadecimal.
+    pub sha256: String,
+}
+
+/// SHA-256 of several pieces, one after the other, hexadecimal.
+pub fn sha256<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
+    let mut hash = Sha256::new();
+    pieces.into_iter().for_each(|piece| hash.update(piece));
+    hex(&hash.finalize())
 }
 
 impl Source {
@@ -48,7 +65,6 @@ impl Source {
             fail(Problem { help: problem.help.clone().or(near), ..problem })
         })?;
         let bytes = opened.read(most).map_err(fail)?;
-        super::was_read(&name, || super::sha256([bytes.as_slice()]));
         let text = file::text(bytes).map_err(fail)?;
         Ok(Arc::new(Source { path: path.to_path_buf(), ..Source::new(name, text) }))
     }
@@ -88,7 +104,12 @@ impl Source {
     /// SHA-256 of the file as it was read, in hexadecimal digits.
     pub fn sha256(&self) -> String {
         let mark: &[u8] = if self.marked { &[0xef, 0xbb, 0xbf] } else { &[] };
-        super::sha256([mark, self.text.as_bytes()])
+        sha256([mark, self.text.as_bytes()])
+    }
+
+    /// Its name with its hash: what a result that rests on it writes down.
+    pub fn file(&self) -> InputFile {
+        InputFile { name: self.name.clone(), sha256: self.sha256() }
     }
 
     /// The folder that relative paths in this file start from.

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use crate::catalog::convention::{Commutation, Winding};
 use crate::catalog::{Catalog, Motor, Sheet};
 use crate::effects::{EFFECTS, Effect, FittedEffect, of_efficiency};
+use crate::input::InputFile;
 use crate::requirement::GearModel;
 
 /// What kind of test a log records.
@@ -283,6 +284,8 @@ pub struct Bench {
     pub logs: Vec<Log>,
     /// What was read off instruments rather than recorded, and what is known of the motor beside it.
     pub readings: Readings,
+    /// The files that it was read from, each with its hash: the bench file, its logs and its catalogue.
+    pub files: Vec<InputFile>,
 }
 
 /// Readings of a motor that need no log.

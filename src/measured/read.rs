@@ -21,7 +21,7 @@ use self::table::{Condition, Rows, Wanted};
 use super::bench::*;
 use crate::catalog::Catalog;
 use crate::catalog::convention::Commutation;
-use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
+use crate::input::{Description, Form, InputError, InputFile, Key, Problem, Range, Section, Source, key};
 use crate::units;
 
 /// Standard gravity \[m/s²\].
@@ -131,11 +131,14 @@ fn read_bench(
     let count = sections.len();
     let plans: Vec<Plan> = sections.into_iter().filter_map(|section| read_plan(section, &common, known)).collect();
     let complete = plans.len() == count && (count > 0 || enough);
-    let logs = read_logs(root, plans, &frame, others)?;
+    let mut files = vec![source.file()];
+    let logs = read_logs(root, plans, &frame, &mut files, others)?;
     if !complete || !others.is_empty() {
         return None;
     }
-    Some(Bench { name: name?, path: path.to_path_buf(), catalog: catalog?, declared: declared?, logs, readings })
+    let (catalog, path) = (catalog?, path.to_path_buf());
+    files.extend(catalog.files());
+    Some(Bench { name: name?, path, catalog, declared: declared?, logs, readings, files })
 }
 
 fn read_catalog(
@@ -438,17 +441,23 @@ fn lacking(
 }
 
 /// Reads every file once, and puts the logs in the order of the bench file.
-fn read_logs(root: &Section, plans: Vec<Plan>, frame: &Frame, others: &mut Vec<InputError>) -> Option<Vec<Log>> {
-    let mut files: Vec<(PathBuf, Vec<usize>)> = Vec::new();
+fn read_logs(
+    root: &Section,
+    plans: Vec<Plan>,
+    frame: &Frame,
+    files: &mut Vec<InputFile>,
+    others: &mut Vec<InputError>,
+) -> Option<Vec<Log>> {
+    let mut once: Vec<(PathBuf, Vec<usize>)> = Vec::new();
     for (index, plan) in plans.iter().enumerate() {
         let canonical = plan.path.canonicalize().unwrap_or_else(|_| plan.path.clone());
-        match files.iter_mut().find(|(path, _)| *path == canonical) {
+        match once.iter_mut().find(|(path, _)| *path == canonical) {
             Some((_, indices)) => indices.push(index),
-            None => files.push((canonical, vec![index])),
+            None => once.push((canonical, vec![index])),
         }
     }
     let mut rows: BTreeMap<usize, (String, Rows)> = BTreeMap::new();
-    for (_, indices) in files {
+    for (_, indices) in once {
         let wanted: Vec<Wanted> = indices
             .iter()
             .map(|i| Wanted {
@@ -460,7 +469,7 @@ fn read_logs(root: &Section, plans: Vec<Plan>, frame: &Frame, others: &mut Vec<I
             .collect();
         match table::read(&plans[indices[0]].path, &wanted, &mut |problem| root.note(problem)) {
             Ok(Some((hash, found))) => {
-                crate::input::was_read(&plans[indices[0]].path.display().to_string(), || hash.clone());
+                files.push(InputFile { name: plans[indices[0]].path.display().to_string(), sha256: hash.clone() });
                 rows.extend(indices.iter().zip(found).map(|(i, found)| (*i, (hash.clone(), found))));
             }
             Ok(None) => {}

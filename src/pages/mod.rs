@@ -7,6 +7,7 @@ pub mod formats;
 mod limits;
 mod metrics;
 mod rules;
+pub mod schema;
 
 /// A page.
 #[derive(Debug)]

@@ -1,13 +1,11 @@
-//! What a bench says of a motor: the story for people, the same as JSON, and the catalogue row.
+//! What a bench says of a motor: the story for people, and the catalogue row.
 
 use std::sync::Arc;
-
-use serde_json::{Map, Value, json};
 
 use super::number;
 use super::table::{Column, Table, paragraph, wrap};
 use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
-use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals, Winding, word};
+use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::import::safe;
 use crate::catalog::row::MotorRow;
 use crate::catalog::{Conventions, FIELDS, Motor, OwnConventions, Printed, Sheet, SourceKind, read_motors};
@@ -210,86 +208,4 @@ fn motor(text: &str) -> Result<Motor, String> {
 /// The row as CSV for `--csv`: nothing where it is not complete.
 pub fn csv(result: &Characterization) -> String {
     row_csv(&result.row).unwrap_or_default()
-}
-
-/// A unit as part of a key: `kg*m^2` → `kgm2`.
-fn key_unit(unit: &str) -> String {
-    unit.replace('/', "_per_").replace(['*', '^', '(', ')'], "").replace("1_per_", "per_").to_lowercase()
-}
-
-fn estimate_json(e: &Estimate, unit: &str) -> Value {
-    let finite = |x: f64| x.is_finite().then_some(x);
-    let (low, high) = e.interval();
-    json!({
-        "value": e.value, "unit": unit, "standard_uncertainty": finite(e.standard_uncertainty),
-        "degrees_of_freedom": finite(e.freedom), "low_95": finite(low), "high_95": finite(high),
-    })
-}
-
-fn findings_json(findings: &[Finding]) -> Vec<Value> {
-    findings.iter().map(|f| json!({ "check": f.check, "weight": f.weight.word(), "text": f.text })).collect()
-}
-
-/// For programs.
-pub fn json(bench: &Bench, result: &Characterization) -> Value {
-    let tests: Vec<Value> = result
-        .outcomes
-        .iter()
-        .map(|o| {
-            let quantities: Vec<Value> = o
-                .quantities
-                .iter()
-                .map(|q| {
-                    let mut value = estimate_json(&q.estimate, q.unit);
-                    if let Some(object) = value.as_object_mut() {
-                        object.shift_insert(0, "name".into(), q.name.into());
-                        object.insert("remark".into(), q.remark.clone().into());
-                    }
-                    value
-                })
-                .collect();
-            let logs: Vec<Value> = o
-                .logs
-                .iter()
-                .map(|l| {
-                    let values: Map<String, Value> =
-                        l.values.iter().map(|(name, e, unit)| ((*name).to_string(), estimate_json(e, unit))).collect();
-                    json!({ "log": l.log, "used": l.used, "values": values, "remarks": l.remarks })
-                })
-                .collect();
-            json!({
-                "test": o.test, "method": o.method, "quantities": quantities, "logs": logs,
-                "findings": findings_json(&o.findings),
-            })
-        })
-        .collect();
-    let row = &result.row;
-    let mut sheet = Map::new();
-    for field in FIELDS {
-        if let Some(printed) = (field.get)(&row.sheet) {
-            let unit = key_unit(field.kind.si);
-            sheet.insert(format!("{}_{unit}", field.name), printed.value.into());
-            if let Some(tolerance) = printed.tolerance {
-                sheet.insert(format!("{}_tolerance_{unit}", field.name), tolerance.into());
-            }
-        }
-    }
-    json!({
-        "bench": bench.name,
-        "ratio": bench.declared.ratio,
-        "tests": tests,
-        "findings": findings_json(&result.findings),
-        "row": {
-            "id": row.id, "manufacturer": row.manufacturer, "model": row.model,
-            "commutation": word(Commutation::NAMES, &row.commutation),
-            "winding": row.winding.map(|w| word(Winding::NAMES, &w)),
-            "pole_pairs": row.pole_pairs, "complete": row.missing.is_empty(), "missing": row.missing,
-            "measured": row.measured,
-            "taken": row.taken.iter().map(|(name, from)| json!({ "column": name, "from": from })).collect::<Vec<_>>(),
-            "numbers": sheet, "source": row.source, "note": row.note,
-        },
-        "logs": bench.logs.iter().map(|l| json!({
-            "log": l.name, "kind": l.kind.name(), "sha256": l.hash, "rows": l.len(), "remarks": l.remarks,
-        })).collect::<Vec<_>>(),
-    })
 }

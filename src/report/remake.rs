@@ -1,8 +1,5 @@
 //! What a measurement changes in the choice of motor and ratio.
 
-use serde_json::{Map, Value, json};
-
-use super::json::{self, design};
 use super::number;
 use super::optimize::{bind_text, proof, reason_text};
 use super::table::{Column, Table, paragraph_at};
@@ -141,82 +138,4 @@ fn regret_text(regret: &Regret, joint: &Joint) -> String {
         }
         _ => "unknown".into(),
     }
-}
-
-/// For programs.
-pub fn json(remade: &[Remade]) -> Value {
-    let one = |one: &Remade| {
-        json!({
-            "joint": one.joint.name,
-            "motor": one.motor,
-            "motors": one.motors,
-            "objective": one.joint.objective.name(),
-            "objective_unit": one.joint.objective.unit(),
-            "before": one.before.as_ref().map(|c| choice_json(c, one.joint)),
-            "after": choice_json(&one.after, one.joint),
-            "output_side": one.output_side.as_ref().map(|c| choice_json(c, one.joint)),
-            "first_before": one.first_before.as_ref().map(chosen_json),
-            "first_after": one.first_after.as_ref().map(chosen_json),
-            "regret": one.regret.as_ref().map(regret_json),
-            "own_regret": one.own_regret.as_ref().map(regret_json),
-            "effects": one.notes.iter().map(|n| json!({ "name": n.effect, "enters": n.how })).collect::<Vec<_>>(),
-        })
-    };
-    Value::Array(remade.iter().map(one).collect())
-}
-
-/// First choices of the catalogue before and after, and the whole story of each joint.
-pub fn design_json(remade: &[Remade]) -> Value {
-    let side = |after: bool| -> Vec<Value> {
-        remade
-            .iter()
-            .map(|one| {
-                let chosen = if after { &one.first_after } else { &one.first_before };
-                let mut value = chosen.as_ref().map_or_else(|| json!({ "motor": null }), chosen_json);
-                if let Value::Object(object) = &mut value {
-                    object.insert("joint".into(), json!(one.joint.name));
-                }
-                value
-            })
-            .collect()
-    };
-    json!({
-        "before": side(false),
-        "after": side(true),
-        "joints": json(remade),
-    })
-}
-
-fn choice_json(choice: &Choice, joint: &Joint) -> Value {
-    let mut value = match &choice.outcome {
-        Ok(chosen) => chosen_json(chosen),
-        Err(reason) => json!({ "because": reason_text(reason, joint).1 }),
-    };
-    if let Value::Object(object) = &mut value {
-        object.insert("rank".into(), json!(choice.rank));
-    }
-    value
-}
-
-fn chosen_json(chosen: &Chosen) -> Value {
-    let mut object = Map::new();
-    let mut put = |key: &str, value: Value| object.insert(key.into(), value);
-    put("motor", json!(chosen.motor));
-    put("gear", json!(chosen.gear));
-    put("ratio", json!(chosen.ratio));
-    put("window", json!([chosen.window.0, chosen.window.1]));
-    put("binds", json!({ "low": chosen.binds.0.limit, "high": chosen.binds.1.limit }));
-    put("objective", json!(chosen.objective));
-    put("margins", json::value(design::margins(&chosen.margins)));
-    put("certificate", json::value(design::Certificate::from(&chosen.certificate)));
-    Value::Object(object)
-}
-
-fn regret_json(regret: &Regret) -> Value {
-    json!({
-        "objective": regret.objective,
-        "feasible": regret.broken.is_none(),
-        "broken": regret.broken.map(|m| m.limit),
-        "relative": regret.relative,
-    })
 }

@@ -1,6 +1,4 @@
-//! The registry of rules for people and programs.
-
-use serde_json::{Value, json};
+//! The registry of rules for people.
 
 use super::table::{Column, Table, paragraph};
 use crate::rules::measure::measures;
@@ -60,16 +58,4 @@ pub fn text(rule: &Rule) -> String {
         rule.name
     ));
     out
-}
-
-/// One rule, for programs.
-pub fn json(rule: &Rule) -> Value {
-    let (measured, min, max) = match &rule.test {
-        Test::Bounds { measures, min, max } => (Some(measures.to_vec()), *min, *max),
-        _ => (None, None, None),
-    };
-    json!({
-        "code": rule.code, "name": rule.name, "severity": rule.severity.name(), "summary": rule.summary, "what": rule.what,
-        "why": rule.why, "example": rule.example, "mend": rule.fix, "measures": measured, "min": min, "max": max,
-    })
 }

@@ -1,5 +1,7 @@
 //! One `[[joint]]` of a requirement.
 
+use std::sync::Arc;
+
 use super::carried::{self, Asked};
 use super::gear::{GearModel, RatioChoice};
 use super::limits::{self, Limits};
@@ -43,13 +45,13 @@ pub(super) fn read(
     let scale = motions::read_scale(&section);
     let (read, taken) = if section.has("mechanism_joint") {
         let (motion, taken) = mechanism::read_joint(&section, scale, model).unzip();
-        (motion.map(|m| (m, Vec::new())), taken)
+        (motion.map(|m| (Arc::new(m), Vec::new())), taken)
     } else {
         (motions::read_motion(&section, joints, name.as_ref(), scale, reader), None)
     };
     let (motion, columns) = read.unzip();
     let objective = objective::read(&section);
-    let limits = read_limits(&section, ambient, no_springs, motion.as_ref());
+    let limits = read_limits(&section, ambient, no_springs, motion.as_deref());
     let drive_current =
         section.section(key("drive", "the drive of this joint, in place of the bus's")).and_then(|drive| {
             let current = drive.required_quantity(
@@ -65,7 +67,7 @@ pub(super) fn read(
         section.note(Problem::at(span, "`actuator` is not supported by this version", "remove it"));
     }
     let carries = carried::read(&section, columns.unwrap_or_default());
-    let phases = read_phases(&section, count, motion.as_ref());
+    let phases = read_phases(&section, count, motion.as_deref());
     section.finish();
     let joint = Joint {
         name: name?,

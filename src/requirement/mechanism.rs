@@ -158,7 +158,7 @@ fn open<T>(
     motions: &mut MotionReader,
     read: impl FnOnce(&Arc<Source>) -> Result<T, InputError>,
 ) -> Option<T> {
-    match motions.motions.open(&section.source().folder().join(Path::new(name.get_ref()))) {
+    match motions.open(&section.source().folder().join(Path::new(name.get_ref()))) {
         Ok(source) => read(&source).map_err(|e| motions.errors.push(e)).ok(),
         Err(error) => {
             let first = error.problems.into_iter().next();

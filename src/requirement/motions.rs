@@ -28,13 +28,13 @@ pub trait Motions {
         periodic: bool,
         period: Option<f64>,
         joints: &[String],
-    ) -> Result<(Motion, Vec<CarriedColumn>), InputError> {
-        motion::read_carrying(source, periodic, period, joints)
+    ) -> Result<(Arc<Motion>, Vec<CarriedColumn>), InputError> {
+        motion::read_carrying(source, periodic, period, joints).map(|(motion, carried)| (Arc::new(motion), carried))
     }
 
     /// A finished motion for the name that a joint gives as its `motion`, with the columns that a file would have: made by
     /// a program, and read from no file. Each of its columns has an entry for every sample. `None` where the name is a file's.
-    fn given(&mut self, name: &str) -> Option<(Motion, Vec<CarriedColumn>)> {
+    fn given(&mut self, name: &str) -> Option<(Arc<Motion>, Vec<CarriedColumn>)> {
         let _ = name;
         None
     }
@@ -59,6 +59,22 @@ impl Motions for FromDisk {
 pub(super) struct MotionReader<'m> {
     pub(super) motions: &'m mut dyn Motions,
     pub(super) errors: Vec<InputError>,
+    /// The files that were opened.
+    pub(super) opened: Vec<Arc<Source>>,
+}
+
+impl<'m> MotionReader<'m> {
+    pub(super) fn new(motions: &'m mut dyn Motions) -> MotionReader<'m> {
+        MotionReader { motions, errors: Vec::new(), opened: Vec::new() }
+    }
+
+    pub(super) fn open(&mut self, path: &Path) -> Result<Arc<Source>, InputError> {
+        let source = self.motions.open(path)?;
+        if !self.opened.iter().any(|s| s.name() == source.name()) {
+            self.opened.push(source.clone());
+        }
+        Ok(source)
+    }
 }
 
 /// From one start of a motion to the next.
@@ -74,7 +90,7 @@ pub(super) fn read_motion(
     name: Option<&String>,
     scale: Option<Scale>,
     motions: &mut MotionReader,
-) -> Option<(Motion, Vec<CarriedColumn>)> {
+) -> Option<(Arc<Motion>, Vec<CarriedColumn>)> {
     let periodic = section.boolean(key("periodic", "whether the motion repeats").default("true")).unwrap_or(true);
     let period = section.quantity(
         key("period", "of a motion whose last row does not repeat the first"),
@@ -107,7 +123,7 @@ pub(super) fn read_motion(
                 );
                 section.note(problem.help("remove it, or give a `motion`"));
             }
-            Some((read_points(section)?, Vec::new()))
+            Some((Arc::new(read_points(section)?), Vec::new()))
         }
         (true, false) => {
             let file = section.text(key("motion", "CSV file next to this one").value("file").or("points"))?;
@@ -115,7 +131,7 @@ pub(super) fn read_motion(
                 return finished(section, given, scale, every);
             }
             let path = section.source().folder().join(file.get_ref());
-            match motions.motions.open(&path) {
+            match motions.open(&path) {
                 Ok(source) => {
                     // Many joints have many motions: the names of all others are for the few that ask for them.
                     let others: Vec<String> = match motion::may_carry(&source) {
@@ -143,18 +159,19 @@ pub(super) fn read_motion(
 /// The motion as the joint scales it and makes it again.
 fn scaled(
     section: &Section,
-    mut motion: Motion,
+    mut motion: Arc<Motion>,
     mut carried: Vec<CarriedColumn>,
     scale: Option<Scale>,
     every: Option<f64>,
-) -> (Motion, Vec<CarriedColumn>) {
+) -> (Arc<Motion>, Vec<CarriedColumn>) {
     if let Some(Scale { torque, speed }) = scale {
-        motion = motion.scaled(torque, speed);
+        motion = Arc::new(Arc::unwrap_or_clone(motion).scaled(torque, speed));
         // What is carried weighs the same; only its course runs faster.
         carried.iter_mut().flat_map(|(.., rates)| rates).for_each(|rate| *rate *= speed);
     }
     if every.is_some() {
-        motion.repeat_every = repeat_every(section, every, motion.course);
+        let every = repeat_every(section, every, motion.course);
+        Arc::make_mut(&mut motion).repeat_every = every;
     }
     (motion, carried)
 }
@@ -162,10 +179,10 @@ fn scaled(
 /// A motion that was handed over finished: what only a file needs to be told is a mistake here.
 fn finished(
     section: &Section,
-    (motion, carried): (Motion, Vec<CarriedColumn>),
+    (motion, carried): (Arc<Motion>, Vec<CarriedColumn>),
     scale: Option<Scale>,
     every: Option<f64>,
-) -> Option<(Motion, Vec<CarriedColumn>)> {
+) -> Option<(Arc<Motion>, Vec<CarriedColumn>)> {
     for key in ["periodic", "period"].into_iter().filter(|key| section.has(*key)) {
         let message = format!("`{key}` says nothing of a motion that is handed over");
         section.note(Problem::at(section.span_of(key), message, "the motion says it itself").help("remove it"));

@@ -77,7 +77,8 @@ actuator_at = {}
 
 /// What the reader asks for.
 pub fn describe() -> Description {
-    let mut reader = MotionReader { motions: &mut FromDisk::default(), errors: Vec::new() };
+    let mut motions = FromDisk::default();
+    let mut reader = MotionReader::new(&mut motions);
     Form::describe(SKELETON, |root| read_robot(root, None, &mut reader))
 }
 
@@ -87,7 +88,7 @@ fn read_as(
     no_springs: Option<&str>,
     motions: &mut dyn Motions,
 ) -> Result<Robot, Vec<InputError>> {
-    let mut reader = MotionReader { motions, errors: Vec::new() };
+    let mut reader = MotionReader::new(motions);
     let robot = Form::read_changed(source, changes, |root| read_robot(root, no_springs, &mut reader));
     Form::with_others(robot, reader.errors)
 }
@@ -180,5 +181,13 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         mechanism::load(driven, &mut joints);
     }
     carried::resolve(root, &mut joints, carried, spans)?;
-    Some(Robot { name: name?, bus: bus?, ambient: surroundings, budget: budget.unwrap_or_default(), joints, driven })
+    Some(Robot {
+        name: name?,
+        bus: bus?,
+        ambient: surroundings,
+        budget: budget.unwrap_or_default(),
+        joints,
+        driven,
+        sources: [vec![root.source().clone()], std::mem::take(&mut motions.opened)].concat(),
+    })
 }

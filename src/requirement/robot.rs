@@ -1,10 +1,13 @@
 //! What a requirement file says, in SI.
 
+use std::sync::Arc;
+
 use super::bus::Bus;
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
 use super::objective::Objective;
+use crate::input::{InputFile, Source};
 use crate::motion::Motion;
 
 /// A robot: its supply, its surroundings and its joints.
@@ -22,6 +25,8 @@ pub struct Robot {
     pub joints: Vec<Joint>,
     /// Where motions come from a description of the robot: what was done with it.
     pub driven: Option<Driven>,
+    /// The files that it was read from: the requirement, its motions, the description of the robot.
+    pub sources: Vec<Arc<Source>>,
 }
 
 /// Limits of the whole robot.
@@ -38,6 +43,11 @@ pub struct Budget {
 }
 
 impl Robot {
+    /// The files that it was read from, each with its hash.
+    pub fn files(&self) -> Vec<InputFile> {
+        self.sources.iter().map(|source| source.file()).collect()
+    }
+
     /// Power that all joints together may draw at any instant \[W\]: the smaller of the budgets of power
     /// and of current.
     pub fn shared_power(&self) -> Option<f64> {
@@ -84,7 +94,7 @@ pub struct Joint {
     /// The gear that goes with a continuous ratio.
     pub gear: GearModel,
     /// What the joint does.
-    pub motion: Motion,
+    pub motion: Arc<Motion>,
     /// What makes a choice good.
     pub objective: Objective,
     /// What a choice must keep.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::columns;
@@ -15,7 +16,7 @@ const MOST_JOINTS: usize = 256;
 const OTHERS: &str = "(other joints)";
 
 /// What a study says as a whole.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Summary {
     /// Robots.
     pub robots: u64,
@@ -32,7 +33,7 @@ pub struct Summary {
 }
 
 /// All joints of one name.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct JointSummary {
     /// Their name.
     pub joint: String,
@@ -53,7 +54,7 @@ pub struct JointSummary {
 }
 
 /// How one motor fares at the joints of one name.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MotorSummary {
     /// Its id.
     pub motor: String,

@@ -99,12 +99,15 @@ pub type Files = Vec<(String, String)>;
 /// A motion's file, whether it is periodic, and the bits of its period.
 type MotionKey = (PathBuf, bool, Option<u64>, Vec<String>);
 
+/// A motion with its columns of torque per mass.
+type Kept = (Arc<Motion>, Vec<CarriedColumn>);
+
 /// Files and motions that were read before, for robots that share them. Bounded: when it is full it is
 /// emptied.
 #[derive(Debug, Default)]
 pub struct Store {
     files: Mutex<HashMap<PathBuf, (Arc<Source>, String)>>,
-    motions: Mutex<HashMap<MotionKey, (Motion, Vec<CarriedColumn>)>>,
+    motions: Mutex<HashMap<MotionKey, Kept>>,
 }
 
 /// Most files, and most motions, that are kept.
@@ -154,17 +157,17 @@ impl Motions for Reading<'_> {
         periodic: bool,
         period: Option<f64>,
         joints: &[String],
-    ) -> Result<(Motion, Vec<CarriedColumn>), InputError> {
+    ) -> Result<(Arc<Motion>, Vec<CarriedColumn>), InputError> {
         let key = (PathBuf::from(source.name()), periodic, period.map(f64::to_bits), joints.to_vec());
         if let Some(found) = self.store.motions.lock().expect("no thread panicked").get(&key) {
             return Ok(found.clone());
         }
-        let motion = crate::motion::read_carrying(source, periodic, period, joints)?;
+        let (motion, carried) = crate::motion::read_carrying(source, periodic, period, joints)?;
         let mut motions = self.store.motions.lock().expect("no thread panicked");
         if motions.len() >= KEPT {
             motions.clear();
         }
-        Ok(motions.entry(key).or_insert(motion).clone())
+        Ok(motions.entry(key).or_insert((Arc::new(motion), carried)).clone())
     }
 }
 
@@ -202,10 +205,10 @@ impl Worker<'_> {
             None => errors,
         });
         let scaled = robot.map(|mut robot| {
-            for joint in &mut robot.joints {
-                let motion =
-                    std::mem::replace(&mut joint.motion, Motion::from_points(&[requirement::Point::default()]));
-                joint.motion = motion.scaled(scale.torque, scale.speed);
+            // As it is, it is shared.
+            let joints = robot.joints.iter_mut().filter(|_| scale != super::grid::Scale::default());
+            for joint in joints {
+                joint.motion = joint.motion.as_ref().clone().scaled(scale.torque, scale.speed).into();
                 // What is carried weighs the same; only its course runs faster.
                 for carried in &mut joint.carries {
                     carried.rate.iter_mut().for_each(|rate| *rate *= scale.speed);

@@ -42,7 +42,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         count: 1,
         ratio: RatioChoice::Continuous { min: 1.0, max: 1000.0 },
         gear,
-        motion,
+        motion: motion.into(),
         objective: Objective::single(Quantity::Loss),
         limits: Limits::default(),
         drive_current: None,
@@ -65,6 +65,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         budget: Budget::default(),
         joints: vec![joint],
         driven: None,
+        sources: Vec::new(),
     }
 }
 

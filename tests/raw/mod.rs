@@ -564,7 +564,8 @@ pub fn draw(index: u64, convex: bool) -> Case {
     robot.bus.modulation = if chance(0.3) { Modulation::Sine } else { Modulation::SpaceVector };
     (robot.bus.modulation_limit, robot.bus.drive_efficiency) = (within(0.85, 1.0), within(0.85, 1.0));
     let (joint, middle) = (&mut robot.joints[0], matched * around(0.4, 2.5));
-    joint.motion = if form > 0.8 { Motion::from_points(&raw) } else { Motion::from_samples(given, course) };
+    joint.motion =
+        if form > 0.8 { Motion::from_points(&raw).into() } else { Motion::from_samples(given, course).into() };
     (joint.gear.efficiency, joint.gear.inertia) = (within(0.5, 1.3).min(1.0), of_gear);
     joint.gear.backdrive_efficiency = [2.0 - 1.0 / joint.gear.efficiency, within(-0.2, 1.0)][below(2.0)];
     joint.gear.mass = Some(around(0.05, 2.0));

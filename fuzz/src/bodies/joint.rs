@@ -620,7 +620,7 @@ fn with_springs(robot: &Robot, motor: &Motor, gear: GearModel, range: (f64, f64)
     let sprung = |stiffness: f64, rest: f64| {
         let mut robot = robot.clone();
         let joint: &mut Joint = &mut robot.joints[0];
-        joint.motion = joint.motion.with_spring(stiffness, rest).expect("a motion with a position");
+        joint.motion = joint.motion.with_spring(stiffness, rest).expect("a motion with a position").into();
         case_of(&robot, motor, gear, range)
     };
     if let Ok(design) = answer {

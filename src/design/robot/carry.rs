@@ -6,6 +6,8 @@
 //! half diagonal. Actuators further out load a joint in nearly the same way: the boxes lie along the axes in
 //! which their torques differ (orthonormal in the mean square), so that few long axes are cut finely.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::convex::under;
@@ -83,10 +85,11 @@ fn directions(joint: &Joint) -> Vec<(Vec<f64>, Vec<f64>)> {
 /// The joint with the load that it has at some coordinates.
 pub(super) fn loaded(joint: &Joint, coordinates: &[f64]) -> Joint {
     let mut loaded = joint.clone();
+    let motion = Arc::make_mut(&mut loaded.motion);
     for ((torque, rate), y) in directions(joint).iter().zip(coordinates) {
         for k in 0..torque.len() {
-            loaded.motion.torque[k] += y * torque[k];
-            loaded.motion.torque_rate[k] += y * rate[k];
+            motion.torque[k] += y * torque[k];
+            motion.torque_rate[k] += y * rate[k];
         }
     }
     loaded
@@ -171,10 +174,11 @@ impl Boxes {
         let total = counts.iter().product();
         let bound = |index: usize| {
             let (mut rest, mut center, mut radius) = (index, loaded(joint, &axes.middle), 0.0);
+            let motion = Arc::make_mut(&mut center.motion);
             for ((axis, count), (low, high)) in axes.torque.iter().zip(&counts).zip(&reach) {
                 let width = (high - low) / *count as f64;
                 let here = low + width * ((rest % count) as f64 + 0.5);
-                center.motion.torque.iter_mut().zip(axis).for_each(|(torque, a)| *torque += here * a);
+                motion.torque.iter_mut().zip(axis).for_each(|(torque, a)| *torque += here * a);
                 radius += (0.5 * width).powi(2);
                 rest /= count;
             }

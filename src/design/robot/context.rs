@@ -141,7 +141,7 @@ impl<'a> Context<'a> {
             match item.design.spring.and_then(|s| joint.motion.with_spring(s.stiffness, s.rest_angle.unwrap_or(0.0))) {
                 Some(motion) => {
                     let load = Load::new(&motion, joint.limits.torque_bandwidth);
-                    Loaded { joint: Joint { motion, ..joint }, load }
+                    Loaded { joint: Joint { motion: motion.into(), ..joint }, load }
                 }
                 None => Loaded { joint, load },
             }

@@ -8,12 +8,10 @@ pub mod mjcf;
 pub mod patch;
 pub mod urdf;
 
-use serde_json::{Value, json};
-
 use crate::actuator::limits::Remark;
 use crate::catalog::{Gear, Motor};
 use crate::design::simulated::SimulatedJoint;
-use crate::report::json::{design::not_checked, value};
+use crate::report::json;
 use crate::report::unjudged::sentence;
 use crate::words::xml::{escape, is_xml};
 
@@ -77,60 +75,9 @@ pub const FORMATS: &[Format] = &[
     Format {
         name: "json",
         about: "All facts in SI, the unit in the key",
-        text: |origin, joints| super::json_text(&json(origin, joints)),
+        text: |origin, joints| super::json_text(&json::export::json(origin, joints)),
     },
 ];
-
-/// All facts, SI, the unit in the key; what is not known is null.
-pub fn json(origin: &Origin, joints: &[Exported]) -> Value {
-    let bound = |b: Option<crate::design::simulated::Bound>| (b.map(|b| b.value), b.map(|b| b.owner));
-    let one = |e: &Exported| {
-        let s = &e.simulated;
-        let (effort, effort_by) = bound(s.effort());
-        let (continuous, continuous_by) = bound(s.continuous_effort());
-        json!({
-            "joint": e.joint,
-            "motor": e.motor.id,
-            "motor_source": e.motor.source,
-            "gear": e.gear.map(|g| &g.id),
-            "ratio": s.ratio,
-            "feasible": e.broken.is_empty(),
-            "broken": e.broken,
-            "unchecked": e.unchecked,
-            "judged": e.unjudged.is_empty(),
-            "unjudged": value(not_checked(&e.unjudged)),
-            "rotor_inertia_kgm2": s.rotor_inertia,
-            "gear_inertia_kgm2": s.gear_inertia,
-            "armature_kgm2": s.armature,
-            "damping_nms_per_rad": s.damping,
-            "friction_loss_nm": s.friction_loss,
-            "effort_nm": effort,
-            "effort_by": effort_by,
-            "continuous_effort_nm": continuous,
-            "continuous_effort_by": continuous_by,
-            "motor_torque_nm": s.motor_torque.map(|b| b.value),
-            "torque_constant_nm_per_a": s.torque_constant,
-            "velocity_rad_per_s": s.speed.value,
-            "velocity_by": s.speed.owner,
-            "velocity_at_effort_rad_per_s": s.speed_at_motor_torque,
-            "gear_efficiency": s.efficiency,
-            "gear_backdrive_efficiency": s.backdrive_efficiency,
-            "fitted_from": e.motor.fit.as_ref().map(|fit| fit.provenance.iter().map(|log| json!({
-                "log": log.log, "sha256": log.sha256, "use": log.usage,
-            })).collect::<Vec<_>>()),
-            "left_out": s.left_out.iter().map(|l| json!({"what": l.what, "why": l.why})).collect::<Vec<_>>(),
-        })
-    };
-    json!({
-        "gearwise": env!("CARGO_PKG_VERSION"),
-        "robot": origin.robot,
-        "requirement": origin.requirement.name,
-        "requirement_sha256": origin.requirement.sha256,
-        "design": origin.design.as_ref().map(|d| &d.name),
-        "design_sha256": origin.design.as_ref().map(|d| &d.sha256),
-        "joints": joints.iter().map(one).collect::<Vec<_>>(),
-    })
-}
 
 /// First words of a comment that the program wrote: a patch replaces it.
 pub const MARK: &str = " gearwise export";

@@ -7,7 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::number_or_null;
+use super::{finite, number_or_null};
 use crate::actuator::fitted::Note;
 use crate::actuator::limits::Remark;
 use crate::actuator::metrics::METRICS;
@@ -40,7 +40,7 @@ pub struct Design<'a> {
     /// Whether the winding has no steady temperature: the copper's resistance rises faster than heat flows off.
     pub thermal_runaway: bool,
     /// Margin of each limit, `1 − demand/limit`, by its name.
-    pub margins: Margins<'a>,
+    pub margins: Pairs<'a>,
     /// Each limit in full.
     pub limits: Vec<Limit<'a>>,
     /// Limits that could not be checked, and why.
@@ -354,6 +354,13 @@ fn object(properties: impl Iterator<Item = (String, Schema)>) -> Schema {
 #[derive(Debug)]
 pub struct Pairs<'a>(Vec<(&'a str, Option<f64>)>);
 
+impl<'a> Pairs<'a> {
+    /// These, in their order.
+    pub fn of(pairs: impl Iterator<Item = (&'a str, f64)>) -> Pairs<'a> {
+        Pairs(pairs.map(|(name, value)| (name, finite(value))).collect())
+    }
+}
+
 impl Serialize for Pairs<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().copied())
@@ -375,12 +382,9 @@ impl JsonSchema for Pairs<'_> {
 }
 
 /// Margins by the name of the limit.
-pub type Margins<'a> = Pairs<'a>;
-
-/// Margins by the name of the limit.
-pub fn margins(of: &[evaluate::Margin]) -> Margins<'_> {
+pub fn margins(of: &[evaluate::Margin]) -> Pairs<'_> {
     // A limit may be asked for by several; the last has the key, as in every object.
-    Pairs(of.iter().map(|m| (m.limit, finite(m.margin))).collect())
+    Pairs::of(of.iter().map(|m| (m.limit, m.margin)))
 }
 
 /// Limits in full.
@@ -397,10 +401,6 @@ pub fn limits<'a>(of: &[evaluate::Margin], joint: &'a Joint) -> Vec<Limit<'a>> {
         at: m.sample.map(|k| joint.motion.name_sample(k).into()),
     };
     of.iter().map(one).collect()
-}
-
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
 }
 
 /// When a sample of a joint's motion is \[s\]; operating points have no time.
@@ -433,7 +433,7 @@ impl<'a> Solution<'a> {
     pub fn new(optimum: &'a program::Optimum, joint: &Joint) -> Solution<'a> {
         let window = optimum.window();
         let prices = |of: fn(&program::ShadowPrice) -> f64| {
-            Pairs(optimum.shadow_prices.iter().map(|price| (price.limit, finite(of(price)))).collect())
+            Pairs::of(optimum.shadow_prices.iter().map(|price| (price.limit, of(price))))
         };
         let one = |w: &program::Window| Window { min: w.min, max: w.max, low: w.low.limit, high: w.high.limit };
         Solution {

@@ -1,28 +1,32 @@
 //! The one shape of JSON: what every command prints for programs is made of the objects of this folder, and the published
-//! schema ([`schema`]) is made of the same declarations.
+//! schema (`pages::schema`) is made of the same declarations.
 //!
 //! The one idea: an object is a struct; its fields are its keys in order, their comments are what the schema says of them.
 //! Nothing is added to a value after it was made. SI units, the unit in the key; what is not known is `null`.
 
+pub mod characterize;
 pub mod check;
 pub mod design;
 pub mod explain;
+pub mod export;
+pub mod identify;
 pub mod import;
 pub mod joint;
 pub mod motors;
 pub mod optimize;
 pub mod pareto;
+pub mod remake;
 pub mod robot;
 pub mod robust;
+pub mod rule;
 pub mod sweep;
 pub mod torques;
 
 use std::borrow::Cow;
 
-use schemars::generate::SchemaSettings;
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use schemars::{JsonSchema, Schema};
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 pub use design::Design;
 
@@ -80,50 +84,9 @@ impl<'a> Named<'a> {
     }
 }
 
-/// What a command prints, as a schema.
-type Shape = fn(&mut SchemaGenerator) -> Schema;
-
-/// Every command that prints JSON, as its answer names it, with the shape of that answer.
-pub const COMMANDS: &[(&str, Shape)] = &[
-    ("optimize", shape::<optimize::Answer>),
-    ("optimize --pareto", shape::<pareto::Answer>),
-    ("optimize --robust", shape::<robust::Answer>),
-    ("sweep", shape::<sweep::Answer>),
-    ("explain", shape::<explain::Answer>),
-    ("check", shape::<check::Printed>),
-    ("rank", shape::<motors::Ranked>),
-    ("compare", shape::<motors::Compared>),
-    ("audit", shape::<motors::Audited>),
-    ("torques", shape::<torques::Answer>),
-    ("import", shape::<import::Answer>),
-    ("identify", shape::<Open>),
-    ("characterize", shape::<Open>),
-    ("study", shape::<Open>),
-];
-
-fn shape<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
-    generator.subschema_for::<Envelope<T>>()
-}
-
-/// An answer whose keys are not described yet.
-#[derive(Debug, Serialize, JsonSchema)]
-pub struct Open {}
-
-/// The published schema (JSON Schema, 2020-12) of everything that `--json` prints.
-pub fn schema() -> Value {
-    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
-    let of = |(command, shape): &(&str, Shape)| {
-        let answer = shape(&mut generator).to_value();
-        json!({ "allOf": [answer, { "properties": { "command": { "const": command } } }] })
-    };
-    let any: Vec<Value> = COMMANDS.iter().map(of).collect();
-    json!({
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "gearwise --json",
-        "description": "SI units, the unit in the key. A number that is not known, or that the command does not work out, is null.",
-        "anyOf": any,
-        "$defs": generator.take_definitions(true),
-    })
+/// A number that JSON can have.
+pub(crate) fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }
 
 /// A number that may be unknown.

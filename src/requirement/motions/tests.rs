@@ -30,10 +30,10 @@ impl Motions for Beside {
 }
 
 /// The motion handed over.
-struct Given(Motion, Vec<CarriedColumn>);
+struct Given(Arc<Motion>, Vec<CarriedColumn>);
 
 impl Motions for Given {
-    fn given(&mut self, name: &str) -> Option<(Motion, Vec<CarriedColumn>)> {
+    fn given(&mut self, name: &str) -> Option<(Arc<Motion>, Vec<CarriedColumn>)> {
         assert_eq!(name, "knee.csv");
         Some((self.0.clone(), self.1.clone()))
     }
@@ -62,7 +62,7 @@ fn a_scale_is_the_scaled_motion() {
         ("{}", 1.0, 1.0),
     ] {
         let scaled = knee(&format!("scale = {text}")).motion;
-        assert_eq!(scaled, plain.clone().scaled(torque, speed), "{text}");
+        assert_eq!(*scaled, Motion::clone(&plain).scaled(torque, speed), "{text}");
     }
     assert_eq!(knee("scale = {}").motion, plain);
     // What the shaft does at each moment: power goes with torque times speed, the work of a cycle with torque alone.
@@ -77,10 +77,10 @@ fn a_scale_is_the_scaled_motion() {
 
 #[test]
 fn a_scale_of_a_scale_is_their_product() {
-    let twice = knee("scale = { torque = 2, speed = 2 }").motion.scaled(0.25, 0.5);
+    let twice = Motion::clone(&knee("scale = { torque = 2, speed = 2 }").motion).scaled(0.25, 0.5);
     let once = knee("scale = { torque = 0.5 }").motion;
     // Powers of two lose no digit.
-    assert_eq!(twice, once);
+    assert_eq!(twice, *once);
 }
 
 #[test]
@@ -127,11 +127,13 @@ fn a_finished_motion_is_as_one_of_a_file() {
         velocity: Some(vec![0.5, 1.5, 0.2, -1.0]),
         ..Samples::default()
     };
-    let motion = Motion::from_samples(samples, Course::Periodic(0.4));
+    let motion = Arc::new(Motion::from_samples(samples, Course::Periodic(0.4)));
     let of = |lines: &str, columns| read(&robot(lines, ""), &[], &mut Given(motion.clone(), columns));
     for lines in ["", "scale = { torque = 2, speed = 3 }"] {
         assert_eq!(of(lines, Vec::new()).unwrap().joints[0].motion, knee(lines).motion);
     }
+    // It is the very motion, not a copy.
+    assert!(Arc::ptr_eq(&of("", Vec::new()).unwrap().joints[0].motion, &motion));
     assert_eq!(
         of("periodic = true", Vec::new()).unwrap_err(),
         ["`periodic` says nothing of a motion that is handed over"]

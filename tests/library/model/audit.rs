@@ -183,7 +183,7 @@ fn a_choice_says_that_its_row_contradicts_itself() {
         ])
     };
     for (back_emf, wrong) in [("0.05", true), ("0.1", false)] {
-        let catalog = Catalog { motors: vec![row(back_emf)], gears: Vec::new() };
+        let catalog = Catalog::of(vec![row(back_emf)], Vec::new());
         let result = optimize(&robot, &catalog);
         let shown = text(&result, Shown { top: 5, rejected: false });
         assert_eq!(shown.contains("the row contradicts itself"), wrong, "{shown}");

@@ -61,7 +61,7 @@ fn inertia_matching_with_forward_efficiency() {
         assert_relative_eq!(demand(&e, "peak_current") * 0.1, expected, max_relative = tolerance);
     }
     robot.joints[0].objective = Objective::single(Quantity::PeakCurrent);
-    let catalog = Catalog { motors: vec![motor], gears: Vec::new() };
+    let catalog = Catalog::of(vec![motor], Vec::new());
     let result = optimize(&robot, &catalog);
     let best = &result.joints[0].candidates[0];
     assert_relative_eq!(best.optimum.ratio, 193.649, max_relative = 1e-3);
@@ -280,7 +280,7 @@ fn power_balances_over_a_cycle() {
 
 #[test]
 fn a_budget_is_checked_against_the_first_choices() {
-    let catalog = Catalog { motors: vec![motor(COURSE)], gears: Vec::new() };
+    let catalog = Catalog::of(vec![motor(COURSE)], Vec::new());
     let mut robot = robot(hold(1.0, 1.0, 0.0), GearModel::IDEAL);
     robot.joints[0].ratio = RatioChoice::Continuous { min: 1.0, max: 50.0 };
     robot.joints[0].count = 3;

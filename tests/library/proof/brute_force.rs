@@ -172,7 +172,7 @@ fn other_programs_agree_with_a_scan_of_the_raw_waveforms() {
 fn the_hottest_winding_is_that_of_an_integration() {
     let cases: Vec<Case> = (0..400).map(|i| draw(i, true)).filter(|case| case.nodes().is_some()).collect();
     let compare = |case: &Case| {
-        let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
+        let catalog = Catalog::of(vec![case.motor.clone()], Vec::new());
         let result = &optimize(&case.robot, &catalog).joints[0];
         let design = result.designs().next()?;
         let margin = design.evaluation.margins.iter().find(|m| m.limit == "winding_peak_temperature")?;
@@ -207,7 +207,7 @@ fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
             .map(|(n, judged, at)| (n, judged, at.objective(&joint.objective).unwrap()))
             .collect();
         let part = looked.iter().any(|l| l.1) && looked.iter().any(|l| !l.1);
-        let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
+        let catalog = Catalog::of(vec![case.motor.clone()], Vec::new());
         let result = &optimize(&case.robot, &catalog).joints[0];
         let Some(design) = result.candidates.first() else {
             assert!(!looked.iter().any(|l| l.1), "case {i} {convex}: {:?} will do", looked.iter().find(|l| l.1));

@@ -17,6 +17,7 @@ use gearwise::input::Source;
 use gearwise::measured::fitted::fitted_motor;
 use gearwise::measured::identify::{Found, Parameter, Report, Target, Verdict};
 use gearwise::measured::{Bench, Declared};
+use gearwise::report::json::remake::Remade;
 use gearwise::report::remake as report;
 use gearwise::requirement::*;
 use rayon::prelude::*;
@@ -514,7 +515,7 @@ fn the_choice_is_made_again() {
     let mut seen = 0;
     for i in 0..120 {
         let case = draw(i, true);
-        let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
+        let catalog = Catalog::of(vec![case.motor.clone()], Vec::new());
         let id = case.motor.id.as_str();
         // The same motor: nothing changes, and no regret.
         let again = &remake(&case.robot, &catalog, id, &case.motor)[0];
@@ -528,18 +529,21 @@ fn the_choice_is_made_again() {
             Some(motor.coulomb_friction.unwrap_or(0.0) + values(&case, "coulomb_friction", |_| 1.0)[0]);
         motor.fitted_gear = Some(FittedGear { ratio: Some(0.3 * middle(&case)), ..FittedGear::default() });
         let remade = &remake(&case.robot, &catalog, id, &motor)[0];
-        let alone = Catalog { motors: vec![motor], gears: Vec::new() };
+        let alone = Catalog::of(vec![motor], Vec::new());
         let solved = optimize(&case.robot, &alone);
         match (&remade.after.outcome, solved.joints[0].candidates.first()) {
             (Ok(chosen), Some(design)) => {
                 assert_eq!(chosen.ratio, design.optimum.ratio);
                 let own = remade.own_regret.as_ref().unwrap();
                 assert!(own.broken.is_some() || own.relative.is_none_or(|r| r > -1e-6), "{own:?}");
-                let (text, json) =
-                    (report::text(std::slice::from_ref(remade)), report::json(std::slice::from_ref(remade)));
+                let (text, json) = (
+                    report::text(std::slice::from_ref(remade)),
+                    serde_json::to_value(Remade::new(std::slice::from_ref(remade))),
+                );
                 assert!(text.contains("as declared") && text.contains("as fitted") && text.contains(id), "{text}");
-                assert_eq!(json[0]["after"]["ratio"].as_f64(), Some(chosen.ratio));
-                assert_eq!(json[0]["own_regret"]["feasible"].as_bool(), Some(own.broken.is_none()));
+                let json = &json.unwrap()["joints"][0];
+                assert_eq!(json["after"]["ratio"].as_f64(), Some(chosen.ratio));
+                assert_eq!(json["own_regret"]["feasible"].as_bool(), Some(own.broken.is_none()));
                 if let Some(Ok(output)) = remade.output_side.as_ref().map(|c| &c.outcome) {
                     seen += usize::from((output.ratio / chosen.ratio - 1.0).abs() > 1e-6);
                 }
@@ -573,8 +577,15 @@ fn reports_make_a_fitted_motor() {
         effects: vec![FittedEffect::new("eddy_drag", vec![0.01, 100.0]).unwrap()],
     };
     let readings = gearwise::measured::bench::Readings::default();
-    let bench =
-        Bench { name: "bench".into(), path: "bench.toml".into(), catalog, declared, logs: Vec::new(), readings };
+    let bench = Bench {
+        name: "bench".into(),
+        path: "bench.toml".into(),
+        catalog,
+        declared,
+        logs: Vec::new(),
+        readings,
+        files: Vec::new(),
+    };
     let found = |name, instances: Vec<Vec<f64>>| {
         let effect = gearwise::effects::effect(name).unwrap();
         Found {

@@ -4,6 +4,8 @@
 //! times θ and volts per speed times a, with a motor to match, leave the best ratio, the window and the
 //! verdict as they are. Elsewhere it is the scan of the raw waveforms.
 
+use std::sync::Arc;
+
 use gearwise::catalog::{Motor, Printed};
 use gearwise::design::answer::Reason;
 use gearwise::design::program::{Certificate, Infeasible, Optimum};
@@ -106,7 +108,7 @@ impl Scale {
         for (quantity, weight) in joint.objective.terms.iter_mut().filter(|_| sum) {
             *weight /= self.quantity(*quantity);
         }
-        let motion = &mut joint.motion;
+        let motion = Arc::make_mut(&mut joint.motion);
         let all = |x: &mut Vec<f64>, factor: f64| x.iter_mut().for_each(|x| *x *= factor);
         if !matches!(motion.course, Course::Points(_)) {
             all(&mut motion.time, self.time);
@@ -264,7 +266,7 @@ fn all_agree(cases: std::ops::Range<u64>, convex: bool, change: impl Fn(&mut Cas
 
 /// Sets the motion of a case to operating points.
 fn set_points(case: &mut Case, points: Vec<Point>) {
-    case.robot.joints[0].motion = Motion::from_points(&points);
+    case.robot.joints[0].motion = Motion::from_points(&points).into();
     case.raw = points;
 }
 
@@ -336,7 +338,7 @@ fn two_samples_are_a_motion() {
                 torque_rate: Some(column(|p| p.torque_rate)),
                 jerk: Some(column(|p| p.jerk)),
             };
-            case.robot.joints[0].motion = Motion::from_samples(samples, Course::Once(0.25));
+            case.robot.joints[0].motion = Motion::from_samples(samples, Course::Once(0.25)).into();
             case.raw = ends.to_vec();
         });
         println!("{feasible} feasible");
@@ -374,7 +376,7 @@ fn a_hundred_thousand_samples_are_as_good_as_their_one_period() {
             jerk: Some(repeat(&motion.jerk)),
         };
         let mut robot = case.robot.clone();
-        robot.joints[0].motion = Motion::from_samples(samples, Course::Periodic(period * times as f64));
+        robot.joints[0].motion = Motion::from_samples(samples, Course::Periodic(period * times as f64)).into();
         let weight = |q: Quantity| if q == Quantity::Energy { times as f64 } else { 1.0 };
         let terms = &mut robot.joints[0].objective.terms;
         let sum = terms.len() > 1;
@@ -412,7 +414,7 @@ fn constant_torque_has_its_best_ratio() {
                     velocity: Some(vec![velocity; count]),
                     ..Samples::default()
                 };
-                case.robot.joints[0].motion = Motion::from_samples(samples, Course::Periodic(1.25));
+                case.robot.joints[0].motion = Motion::from_samples(samples, Course::Periodic(1.25)).into();
                 case.raw = vec![Point { duration: None, ..point }; count];
             });
             println!("steady {steady}, as a motion {as_motion}: {feasible} feasible");

@@ -75,7 +75,7 @@ fn holds(holds: &[(f64, f64)], course: impl Fn(f64) -> Course) -> Robot {
         time,
         torque,
     };
-    robot.joints[0].motion = Motion::from_samples(samples, course(now));
+    robot.joints[0].motion = Motion::from_samples(samples, course(now)).into();
     robot
 }
 
@@ -154,7 +154,7 @@ fn a_long_stretch_cannot_be_judged_without_time_constants() {
     // Known, the same motor is rejected: knowing less does not win.
     let known = motor(&[], &[]);
     assert!(!look(&robot, &known, 1.0).0.feasible);
-    let catalog = |motor: Motor| Catalog { motors: vec![motor], gears: Vec::new() };
+    let catalog = |motor: Motor| Catalog::of(vec![motor], Vec::new());
     let strict = Options { only_checked: true, ..Options::default() };
     let mut fixed = robot.clone();
     fixed.joints[0].ratio = RatioChoice::Continuous { min: 1.0, max: 1.001 };
@@ -309,7 +309,7 @@ fn a_motion_that_happens_once_is_judged_from_cold() {
 fn with_rest_it_is_judged_in_the_state_that_repeats() {
     let once = [(0.5, 30.0), (3.0, 12.0)];
     let mut robot = holds(&once, |lasts| Course::Once(lasts - 1e-6));
-    robot.joints[0].motion.repeat_every = Some(60.0);
+    Arc::make_mut(&mut robot.joints[0].motion).repeat_every = Some(60.0);
     let motor = motor(&[], &[]);
     let (evaluation, _) = look(&robot, &motor, 1.0);
     let with_rest = [(0.5, 900.0), (3.0, 144.0), (56.5, 0.0)];
@@ -322,11 +322,11 @@ fn with_rest_it_is_judged_in_the_state_that_repeats() {
     assert_relative_eq!(evaluation.loss, mean * 60.0 / 3.5, max_relative = 1e-5);
     // No rest at all is the motion that repeats.
     let mut dense = holds(&[(0.5, 20.0), (3.0, 8.0)], |lasts| Course::Once(lasts - 1e-6));
-    dense.joints[0].motion.repeat_every = Some(3.5 - 1e-6);
+    Arc::make_mut(&mut dense.joints[0].motion).repeat_every = Some(3.5 - 1e-6);
     let rise = demand(&look(&dense, &motor, 1.0).0, "winding_peak_temperature").unwrap();
     assert_relative_eq!(rise, repeated(&[(0.5, 400.0), (3.0, 64.0)]), max_relative = 1e-5);
     // Without time constants the stretch is what counts: 3.5 s above 10 A, however long the rest.
-    robot.joints[0].motion.repeat_every = Some(60.0);
+    Arc::make_mut(&mut robot.joints[0].motion).repeat_every = Some(60.0);
     let unknown = look(&robot, &self::motor(TIMES, &[]), 1.0).1;
     assert!(said(&unknown.unchecked, "winding_peak_temperature").is_some());
 }
@@ -335,11 +335,11 @@ fn with_rest_it_is_judged_in_the_state_that_repeats() {
 fn the_best_ratio_with_rest_is_that_of_a_scan() {
     // Heat for ever would forbid every ratio below 2.9; with rest the winding decides.
     let mut robot = holds(&[(6.0, 40.0), (20.0, 6.0)], |lasts| Course::Once(lasts - 1e-6));
-    robot.joints[0].motion.repeat_every = Some(90.0);
+    Arc::make_mut(&mut robot.joints[0].motion).repeat_every = Some(90.0);
     robot.joints[0].ratio = RatioChoice::Continuous { min: 0.2, max: 20.0 };
     robot.joints[0].objective = Objective::single(Quantity::ReflectedInertia);
     let motor = motor(&[], &[("continuous_current [A]", "30")]);
-    let catalog = Catalog { motors: vec![motor], gears: Vec::new() };
+    let catalog = Catalog::of(vec![motor], Vec::new());
     let result = optimize(&robot, &catalog);
     let design = &result.joints[0].candidates[0];
     assert_eq!(design.optimum.window().low.limit, "winding_peak_temperature");
@@ -511,8 +511,8 @@ fn repeat_every_is_read_and_refused_where_it_means_nothing() {
     assert_eq!((motion.repeat_every, motion.duration()), (Some(60.0), Some(0.4)));
     assert_relative_eq!(motion.share_of_time(), 0.4 / 60.0);
     // Played at a hundredth of the speed it lasts 40 s; at a thousandth it would not be over.
-    assert_eq!(motion.clone().scaled(1.0, 0.01).repeat_every, Some(60.0));
-    assert_eq!(motion.clone().scaled(1.0, 0.001).repeat_every, Some(400.0));
+    assert_eq!(Motion::clone(motion).scaled(1.0, 0.01).repeat_every, Some(60.0));
+    assert_eq!(Motion::clone(motion).scaled(1.0, 0.001).repeat_every, Some(400.0));
     for (keys, expected) in [
         (
             "motion='m.csv'\nperiodic=false\nrepeat_every='0.3 s'",
@@ -545,7 +545,7 @@ fn a_long_hold_at_standstill_is_not_said_to_be_kept_by_the_mean_of_the_phases() 
             jerk: nothing,
             position: None,
         };
-        *motion = Motion::from_samples(samples, motion.course);
+        *motion = Motion::from_samples(samples, motion.course).into();
         robot
     };
     // 11 A: 121 W at 25 °C. Followed, the mean of the phases stays below 175 K; the worst phase has 0.4 K/W of that heat,
@@ -567,7 +567,7 @@ fn a_stated_temperature_is_not_kept_by_a_continuous_current() {
         let bare = motor(&["thermal", "max_winding"], &[]);
         let (_, judged) = look(&robot, &bare, 1.0);
         assert!(said(&judged.unchecked, "winding_peak_temperature").is_some(), "{judged:?}");
-        let catalog = Catalog { motors: vec![bare], gears: Vec::new() };
+        let catalog = Catalog::of(vec![bare], Vec::new());
         let joint = &optimize(&robot, &catalog).joints[0];
         assert!(joint.candidates.is_empty() && joint.unjudged.len() == 1, "{joint:?}");
     }

@@ -338,7 +338,7 @@ fn choice(file: &str, look: impl FnOnce(&Robot, String, serde_json::Value)) {
                 ratio = { min = 5, max = 50 }\nmotion = \"motion.csv\"\n";
     std::fs::write(folder.path().join("r.toml"), text).unwrap();
     let robot = gearwise::requirement::read(&folder.path().join("r.toml")).unwrap();
-    let catalog = Catalog { motors: vec![motor()], gears: Vec::new() };
+    let catalog = Catalog::of(vec![motor()], Vec::new());
     let result = optimize(&robot, &catalog);
     let shown = report::optimize::text(&result, report::optimize::Shown { top: 3, rejected: false });
     look(&robot, shown, report::json::optimize::json(&result, None));
@@ -452,7 +452,7 @@ fn the_window_ends_where_the_peak_between_samples_is_at_the_limit() {
     ]);
     let load = Load::new(&robot.joints[0].motion, None);
     assert!(load.peak_torque.0 > 4.99);
-    let catalog = Catalog { motors: vec![motor], gears: Vec::new() };
+    let catalog = Catalog::of(vec![motor], Vec::new());
     let result = optimize(&robot, &catalog);
     let window = result.joints[0].candidates[0].optimum.window();
     assert!((window.min / 5.0 - 1.0).abs() < 1.5e-3, "{}", window.min);

@@ -1,6 +1,8 @@
 //! Identities that hold for every motor and motion: scaling laws, invariances, monotonicity, and the
 //! agreement of sweep and ratio program.
 
+use std::sync::Arc;
+
 use gearwise::actuator::Actuator;
 use gearwise::actuator::metrics::metric;
 use gearwise::actuator::shaft::Flow;
@@ -127,7 +129,7 @@ fn robots() -> impl Strategy<Value = Robot> {
 
 /// What `optimize` says of one motor: its design, if there is one.
 fn solve<T>(robot: &Robot, motor: &Motor, look: impl FnOnce(Option<&Design>) -> T) -> T {
-    let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
+    let catalog = Catalog::of(vec![motor.clone()], Vec::new());
     let result = optimize(robot, &catalog);
     look(result.joints[0].designs().next())
 }
@@ -189,7 +191,7 @@ proptest! {
     #[test]
     fn sweep_and_program_agree_and_feasible_ratios_are_one_interval(numbers in numbers(), robot in robots()) {
         let motor = numbers.motor(1.0);
-        let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
+        let catalog = Catalog::of(vec![motor.clone()], Vec::new());
         let swept = sweep(&robot, &catalog, 101);
         let designs = &swept[0].designs;
         let feasible: Vec<usize> = (0..designs.len()).filter(|i| designs[*i].evaluation.feasible).collect();
@@ -298,7 +300,7 @@ proptest! {
     fn with_coulomb_friction_no_ratio_of_a_fine_grid_is_better_than_the_certified_one(numbers in numbers(), robot in robots(), friction in 0.001..0.2) {
         let mut motor = numbers.motor(1.0);
         motor.coulomb_friction = Some(friction);
-        let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
+        let catalog = Catalog::of(vec![motor.clone()], Vec::new());
         let swept = sweep(&robot, &catalog, 400);
         let feasible: Vec<&gearwise::design::Evaluation> = swept[0].designs.iter().map(|d| &d.evaluation).filter(|e| e.feasible).collect();
         let found = solve(&robot, &motor, |d| d.map(|d| (d.evaluation.loss, d.evaluation.feasible, d.optimum.certificate.clone())));
@@ -331,7 +333,8 @@ proptest! {
         joint.objective = Objective::single([Quantity::Loss, Quantity::Energy, Quantity::PeakPower][objective]);
         joint.limits.winding_temperature = Some(298.15 + rise);
         if once {
-            joint.motion.course = Course::Once(joint.motion.duration().unwrap());
+            let motion = Arc::make_mut(&mut joint.motion);
+            motion.course = Course::Once(motion.duration().unwrap());
         }
         let mut motor = numbers.motor(1.0);
         let printed = |value| Some(gearwise::catalog::Printed { value, tolerance: None });
@@ -340,7 +343,7 @@ proptest! {
         motor.sheet.thermal_time_constant_winding = printed(thermal.2);
         motor.sheet.thermal_time_constant_housing = printed(thermal.3);
         motor.thermal_resistance = Some(thermal.0 + thermal.1);
-        let catalog = Catalog { motors: vec![motor.clone()], gears: Vec::new() };
+        let catalog = Catalog::of(vec![motor.clone()], Vec::new());
         let swept = sweep(&robot, &catalog, 61);
         let objective = robot.joints[0].objective.clone();
         let found = solve(&robot, &motor, |d| d.map(|d| (d.optimum.window().min, d.optimum.window().max, d.optimum.objective, d.evaluation.feasible)));

@@ -151,7 +151,7 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
     let (mut feasible, mut lost, mut ends, mut narrower) = (0, 0, 0, 0);
     for seed in cases(0, 340) {
         let case = draw(seed);
-        let catalog = Catalog { motors: vec![case.motor(true)], gears: Vec::new() };
+        let catalog = Catalog::of(vec![case.motor(true)], Vec::new());
         let joint = &case.robot.joints[0];
         let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
         let result = &robust(&case.robot, &catalog, Options::default()).unwrap()[0];
@@ -239,7 +239,7 @@ fn named(mut motor: Motor, id: &str) -> Motor {
 }
 
 fn only(robot: &Robot, motors: Vec<Motor>, look: impl Fn(&RobustJoint)) {
-    let catalog = Catalog { motors, gears: Vec::new() };
+    let catalog = Catalog::of(motors, Vec::new());
     look(&robust(robot, &catalog, Options::default()).unwrap()[0]);
 }
 
@@ -335,7 +335,7 @@ fn what_corners_do_not_prove_is_not_certified() {
     robot.bus.voltage = 1e4;
     robot.joints[0].limits = Limits { winding_temperature: Some(2000.0), ..Limits::default() };
     let certified = |robot: &Robot, numbers: &[Number]| {
-        let catalog = Catalog { motors: vec![motor(numbers, true, &[("pole_pairs", "7")])], gears: Vec::new() };
+        let catalog = Catalog::of(vec![motor(numbers, true, &[("pole_pairs", "7")])], Vec::new());
         let joint = &robust(robot, &catalog, Options::default()).unwrap()[0];
         let design = joint.designs.first().unwrap_or_else(|| panic!("{:?}", joint.lost.first().map(|l| &l.reason)));
         matches!(design.optimum.certificate, Certificate::Certified { .. })
@@ -350,7 +350,7 @@ fn what_corners_do_not_prove_is_not_certified() {
     // A tolerance that reaches zero makes no motor.
     let mut wide = numbers;
     wide[1].3 = 0.08;
-    let catalog = Catalog { motors: vec![motor(&wide, true, &[("pole_pairs", "7")])], gears: Vec::new() };
+    let catalog = Catalog::of(vec![motor(&wide, true, &[("pole_pairs", "7")])], Vec::new());
     robot.bus.regeneration = Regeneration::Allowed;
     let joint = &robust(&robot, &catalog, Options::default()).unwrap()[0];
     assert_eq!(
@@ -399,7 +399,7 @@ fn a_gear_of_the_catalogue_is_chosen_for_the_worst_motor() {
     robot.bus.voltage = 36.0;
     robot.joints[0].ratio =
         RatioChoice::Catalog { patterns: vec!["planetary-*".into()], efficiency_covers: EfficiencyCovers::Load };
-    let catalog = Catalog { motors: vec![motor], gears };
+    let catalog = Catalog::of(vec![motor], gears);
     let joint = &robust(&robot, &catalog, Options::default()).unwrap()[0];
     let design = &joint.designs[0];
     let gear = catalog.gears.iter().find(|g| Some(g.id.as_str()) == design.gear).unwrap();

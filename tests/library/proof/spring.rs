@@ -270,7 +270,7 @@ fn draw(seed: u64, kind: Kind) -> Case {
 }
 
 fn solved<T>(case: &Case, then: impl FnOnce(Result<&Design, String>) -> T) -> T {
-    let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
+    let catalog = Catalog::of(vec![case.motor.clone()], Vec::new());
     let result = optimize(&case.robot, &catalog);
     let joint = &result.joints[0];
     match joint.designs().next() {
@@ -502,8 +502,8 @@ fn a_given_spring_equals_a_motion_with_its_torque() {
         }
         let mut plain = case.robot.clone();
         plain.joints[0].limits.spring = None;
-        plain.joints[0].motion = Motion::from_samples(by_hand, Course::Periodic(case.period));
-        let catalog = Catalog { motors: vec![case.motor.clone()], gears: Vec::new() };
+        plain.joints[0].motion = Motion::from_samples(by_hand, Course::Periodic(case.period)).into();
+        let catalog = Catalog::of(vec![case.motor.clone()], Vec::new());
         let expected = optimize(&plain, &catalog);
         let expected = expected.joints[0].designs().next().map(|d| (d.optimum.ratio, d.optimum.objective));
         let found = solved(&case, |d| d.ok().map(|d| (d.optimum.ratio, d.optimum.objective)));
@@ -530,7 +530,7 @@ fn every_gear_has_its_own_spring() {
         let joint = &mut case.robot.joints[0];
         joint.objective = Objective::single(Quantity::Loss);
         joint.ratio = RatioChoice::Catalog { patterns: vec!["g*".into()], efficiency_covers: covers };
-        let catalog = Catalog { motors: vec![case.motor.clone()], gears: gears.clone() };
+        let catalog = Catalog::of(vec![case.motor.clone()], gears.clone());
         let result = optimize(&case.robot, &catalog);
         let design = result.joints[0].designs().next().expect("a gear will do");
         let spring = design.spring.unwrap();
@@ -539,7 +539,7 @@ fn every_gear_has_its_own_spring() {
         let with = |stiffness: f64, rest: f64| {
             let mut robot = case.robot.clone();
             robot.joints[0].limits.spring = None;
-            robot.joints[0].motion = robot.joints[0].motion.with_spring(stiffness, rest).unwrap();
+            robot.joints[0].motion = robot.joints[0].motion.with_spring(stiffness, rest).unwrap().into();
             let found = optimize(&robot, &catalog);
             found.joints[0].designs().next().map(|d| (d.gear.map(String::from), d.optimum.objective))
         };

@@ -11,9 +11,10 @@ use crate::common::repository;
 const CHEETAH: &str = "requirements/quadruped_mini_cheetah.toml";
 
 fn print(arguments: &[&str]) -> Value {
+    let json: &[&str] = if arguments[0] == "export" { &["--to", "json"] } else { &["--json"] };
     let output = Command::new(env!("CARGO_BIN_EXE_gearwise"))
         .args(arguments)
-        .arg("--json")
+        .args(json)
         .current_dir(repository(""))
         .output()
         .unwrap();
@@ -48,6 +49,14 @@ fn commands() -> Vec<(Vec<&'static str>, &'static str)> {
         (vec!["audit"], "audit"),
         (vec!["torques", "requirements/robots/ur5e.urdf", "requirements/robots/ur5e_pick.csv"], "torques"),
         (vec!["identify", "requirements/bench/leg_actuator.toml"], "identify"),
+        (vec!["identify", "requirements/bench/leg_actuator.toml", "--requirement", CHEETAH], "identify"),
+        (vec!["identify", "tests/fixtures/benches/emps.toml"], "identify"),
+        (vec!["identify", "tests/fixtures/benches/xl330.toml"], "identify"),
+        (vec!["characterize", "tests/fixtures/benches/ri50_stall.toml"], "characterize"),
+        (vec!["export", "t-motor-ri50@9", CHEETAH, "--joint", "knee"], "export"),
+        (vec!["export", design], "export"),
+        (vec!["rule"], "rule"),
+        (vec!["rule", "GW106"], "rule"),
         (vec!["characterize", "requirements/bench/motor_on_bench.toml"], "characterize"),
     ]
 }
@@ -61,6 +70,38 @@ fn every_answer_keeps_the_published_schema_and_says_which_it_is() {
         let wrong: Vec<String> = schema.iter_errors(&printed).map(|e| format!("{}: {e}", e.instance_path())).collect();
         assert!(wrong.is_empty(), "{arguments:?}: {}", wrong.join("\n").chars().take(2000).collect::<String>());
     }
+}
+
+/// The summary of a study is a file, and printed.
+#[test]
+fn the_summary_of_a_study_keeps_the_published_schema() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("study");
+    let printed = print(&["study", "requirements/exoskeleton_hip.toml", "--out", out.to_str().unwrap(), "--top", "1"]);
+    let written: Value = serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
+    assert_eq!((&printed, &printed["command"]), (&written, &Value::from("study")));
+    assert!(published().is_valid(&printed));
+}
+
+/// No command prints what the schema leaves open: where an object of it names its keys, a key with another type or
+/// one that is gone is refused, for every command.
+#[test]
+fn a_spoiled_answer_of_any_command_does_not_keep_the_schema() {
+    let schema = published();
+    let mut seen = Vec::new();
+    for (arguments, command) in commands() {
+        if seen.contains(&command) {
+            continue;
+        }
+        seen.push(command);
+        let good = print(&arguments);
+        for key in good.as_object().unwrap().keys().filter(|key| *key != "mechanism") {
+            let mut bad = good.clone();
+            bad[key] = if good[key].is_boolean() { "x".into() } else { true.into() };
+            assert!(!schema.is_valid(&bad), "{command}: {key}");
+        }
+    }
+    assert!(seen.len() >= 14, "{seen:?}");
 }
 
 /// A key that is gone, or holds something else, is seen: the schema says no to answers that are spoiled.
@@ -142,8 +183,9 @@ fn every_figure_of_a_design_is_everywhere() {
     out(&["optimize", hip, "--html", page.to_str().unwrap()]);
     let page = std::fs::read_to_string(page).unwrap();
     let explained = out(&["explain", "t-motor-ri50", hip]);
+    let chosen = print(&["optimize", hip])["joints"][0]["candidates"].clone();
     let answers = [
-        print(&["optimize", hip])["joints"][0]["candidates"][0].clone(),
+        chosen[0].clone(),
         print(&["sweep", hip, "--ratios", "2"])["joints"][0]["rejected"][0]["design"].clone(),
         print(&["explain", "t-motor-ri50", hip])["joints"][0]["design"].clone(),
     ];
@@ -153,11 +195,7 @@ fn every_figure_of_a_design_is_everywhere() {
         assert!(measure(figure.name).is_some(), "{}", figure.name);
         assert!(explained.contains(figure.words), "{}", figure.words);
         // A page leaves out what it knows of no design.
-        let known = print(&["optimize", hip])["joints"][0]["candidates"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .any(|c| !c[figure.key].is_null());
+        let known = chosen.as_array().unwrap().iter().any(|c| !c[figure.key].is_null());
         assert!(!known || page.contains(&format!(">{}", figure.heading)), "{}", figure.heading);
     }
 }

@@ -183,9 +183,17 @@ fn bench(cells: &[(&str, &str)], ratio: f64) -> Bench {
         fixture_inertia: 0.0,
         effects: Vec::new(),
     };
-    let catalog = Catalog { motors: declared.motor.clone().into_iter().collect(), gears: Vec::new() };
+    let catalog = Catalog::of(declared.motor.clone().into_iter().collect(), Vec::new());
     let readings = gearwise::measured::bench::Readings::default();
-    Bench { name: "paper".into(), path: "bench.toml".into(), catalog, declared, logs: Vec::new(), readings }
+    Bench {
+        name: "paper".into(),
+        path: "bench.toml".into(),
+        catalog,
+        declared,
+        logs: Vec::new(),
+        readings,
+        files: Vec::new(),
+    }
 }
 
 /// A report of parameters: name, value, standard error; names and covariance of what was fitted are those unless given.

@@ -165,7 +165,7 @@ impl<'a> Problem<'a> {
     pub(super) fn joint_with(&self, stiffness: f64, rest_angle: f64) -> Joint {
         let mut joint = self.joint.clone();
         if let Some(motion) = self.motion.with_spring(stiffness, rest_angle) {
-            joint.motion = motion;
+            joint.motion = motion.into();
         }
         joint
     }
