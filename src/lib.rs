@@ -3,9 +3,9 @@
 //! Data goes one way through the house: a room imports from the rooms above it in this list and from no other, and can
 //! be understood from its own files and theirs.
 //!
-//! * [`words`]: how numbers, counts, cells and markup are written; the name that somebody may have meant.
+//! * `words`: how numbers, counts, cells and markup are written; the name that somebody may have meant.
 //! * [`units`]: quantities at the edges; inside everything is SI.
-//! * [`output`]: a file appears whole or not at all.
+//! * `output`: a file appears whole or not at all.
 //! * [`numerics`]: line search, spline, polynomials: what knows nothing of robots.
 //! * [`input`]: files are read once, every mistake in them is collected with its place.
 //! * [`effects`]: what an actuator may do beyond its data sheet, one file each.
@@ -24,6 +24,9 @@
 //! * [`study`]: many robots in one go, with a journal of what is finished.
 //! * [`pages`]: the pages of docs/ that are made from the registries.
 //! * [`cli`]: one file for each command.
+//!
+//! What is promised is what these pages show. `words` and `output` are the crate's own; `numerics`, `report`, `study` and
+//! `pages` can be reached, because the program and its tests need them, and may change with any version.
 //!
 //! ```
 //! use gearwise::{catalog::Catalog, design, requirement};
@@ -46,15 +49,21 @@ pub mod input;
 pub mod measured;
 pub mod mechanism;
 pub mod motion;
+#[doc(hidden)]
 pub mod numerics;
-pub mod output;
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "files are written by the program alone"))]
+mod output;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod pages;
 #[cfg(feature = "report")]
+#[doc(hidden)]
 pub mod report;
 pub mod requirement;
 pub mod rules;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod study;
 pub mod units;
-pub mod words;
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "reports need all of them"))]
+mod words;

@@ -304,7 +304,7 @@ pub fn number_value(text: &str) -> Result<f64, UnitError> {
 
 /// Numbers beyond this magnitude (SI) are slips, and would leave the range of the arithmetic when
 /// squared.
-pub const LARGEST: f64 = 1e18;
+pub(crate) const LARGEST: f64 = 1e18;
 /// What must be greater than zero is at least this (SI).
 pub const SMALLEST: f64 = 1e-18;
 

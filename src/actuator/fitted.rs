@@ -23,7 +23,7 @@ struct Saturation {
 }
 
 /// Adds all effects that the motor's row declares and that were fitted for it, where they are features of a sample.
-pub fn add_features(motor: &Motor, form: &mut ShaftForm) {
+pub(crate) fn add_features(motor: &Motor, form: &mut ShaftForm) {
     for effect in motor.all_effects() {
         if let Enters::Features(own) = effect.enters() {
             *form = form.plus(1.0, &own);

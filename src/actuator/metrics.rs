@@ -286,8 +286,9 @@ impl Metric {
         let mut terms: Vec<(Parameter, f64, Option<f64>)> = Vec::new();
         for (parameter, exponent) in self.exponents {
             // Where one of torque and back-EMF constant was taken from the other they are one number.
-            let derived = motor.sheet.back_emf_constant.is_none() || motor.sheet.torque_constant.is_none();
-            let same = *parameter == BackEmfConstant && derived;
+            // A back-EMF constant that the speed constant says is a number of its own.
+            let printed = motor.sheet.back_emf_constant.is_some() && motor.sheet.torque_constant.is_some();
+            let same = *parameter == BackEmfConstant && !printed && motor.back_emf_constant == motor.torque_constant;
             let parameter = if same { TorqueConstant } else { *parameter };
             let (number, tolerance) = parameter.of(motor)?;
             value *= number.powf(*exponent);

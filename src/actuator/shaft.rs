@@ -38,7 +38,7 @@ pub enum Flow {
 }
 
 /// How many ways power may flow.
-pub const FLOWS: usize = 3;
+pub(crate) const FLOWS: usize = 3;
 
 impl Flow {
     /// Those of what moves.

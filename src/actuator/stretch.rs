@@ -20,7 +20,7 @@ pub struct Piece {
 const ROUNDING: f64 = 1e-6;
 
 /// Whether a squared current is within a steady limit \[A²\].
-pub fn is_within(squared: f64, limit: f64) -> bool {
+pub(crate) fn is_within(squared: f64, limit: f64) -> bool {
     squared <= limit * (1.0 + ROUNDING)
 }
 

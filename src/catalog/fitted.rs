@@ -9,7 +9,7 @@ use super::gear::{GEAR_FIELDS, Gear};
 use super::motor::Motor;
 use super::row::{self, Cells, MotorRow, TomlCells};
 use super::sheet::{Printed, SourceKind};
-use crate::effects::{EFFECTS, Effect, FittedEffect, Shape};
+use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape};
 use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
 use crate::units;
 
@@ -82,7 +82,7 @@ static EFFECT_TOLERANCES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| {
 });
 
 /// Whether a file is that of a fitted actuator: by its name.
-pub fn is_fitted_file(source: &Source) -> bool {
+pub(crate) fn is_fitted_file(source: &Source) -> bool {
     source.name().to_ascii_lowercase().ends_with(".toml")
 }
 
@@ -296,7 +296,7 @@ fn read_effects(section: &Section, motor: Option<&Motor>, of_axis: bool, fit: &m
 /// The values of one instance of an effect.
 fn read_values(
     section: &Section,
-    effect: &dyn Effect,
+    effect: &'static dyn Effect,
     tolerances: &[&'static str],
     of_axis: bool,
     fit: &mut Fit,
@@ -323,17 +323,9 @@ fn read_values(
         values.push(value);
     }
     let values: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
-    let name = |parameter: &str| parameter_name(effect, &values, parameter);
+    let name = |parameter| Named::new(effect, values.last().copied(), parameter).to_string();
     fit.tolerances.extend(found.into_iter().map(|(parameter, tolerance)| (name(parameter), tolerance)));
     Some(values)
-}
-
-/// The name of a parameter of an instance of an effect: `effect.parameter`, of an order `effect.order.parameter`.
-pub fn parameter_name(effect: &dyn Effect, values: &[f64], parameter: &str) -> String {
-    match (effect.shape(), values.last()) {
-        (Shape::Order, Some(order)) => format!("{}.{order}.{parameter}", effect.name()),
-        _ => format!("{}.{parameter}", effect.name()),
-    }
 }
 
 fn read_covariance(section: &Section, fit: &mut Fit) {

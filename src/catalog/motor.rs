@@ -128,6 +128,19 @@ impl Motor {
         columns.chain(self.effects.iter().cloned())
     }
 
+    /// Identity and provenance of its row.
+    pub fn identity(&self) -> Identity {
+        Identity {
+            id: self.id.clone(),
+            manufacturer: self.manufacturer.clone(),
+            model: self.model.clone(),
+            source: self.source.clone(),
+            source_kind: self.source_kind,
+            note: self.note.clone(),
+            accepted_findings: self.accepted_findings.clone(),
+        }
+    }
+
     /// Converts a sheet to its q-axis equivalent.
     ///
     /// # Errors

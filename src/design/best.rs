@@ -13,7 +13,11 @@ use crate::requirement::Quantity;
 ///
 /// # Errors
 /// Why the motor is no choice: it cannot do it, or that it can is not known.
-pub fn best_design<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
+pub(crate) fn best_design<'a>(
+    site: Site<'a, '_>,
+    motor: &'a Motor,
+    only_checked: bool,
+) -> Result<Design<'a>, Refused<'a>> {
     let Site { robot, joint, demand, .. } = site;
     let refuse = |reason| Refused::rejected(Rejected { motor, gear: None, reason });
     if let Some(why) = lacking(motor, demand.load.has_durations, |q| joint.objective.weight(q) > 0.0) {

@@ -126,7 +126,7 @@ const UNCERTAIN: f64 = 0.1;
 /// (a constant, sine and cosine of the position) and viscous drag beside it. `None` for operating points, and
 /// where that explains less than nine tenths of the torque: then other forces rule, and the slope would be
 /// noise.
-pub fn apparent_inertia(motion: &Motion) -> Option<f64> {
+pub(crate) fn apparent_inertia(motion: &Motion) -> Option<f64> {
     if matches!(motion.course, Course::Points(_)) {
         return None;
     }

@@ -3,9 +3,7 @@
 //! The one idea: an answer says what it knows of a design as [`Facts`]; a figure is a name, a unit and how it is read from
 //! them. A new figure is one entry of [`FIGURES`].
 
-use super::answer::Design;
-use super::answer::SpringChoice;
-use super::answer::SweptDesign;
+use super::answer::{Design, SpringChoice, SweptDesign};
 use super::evaluate::Evaluation;
 use super::examine::Examined;
 use super::explain::Explanation;
@@ -44,20 +42,40 @@ pub struct Facts<'a> {
     pub assumed: &'a [Remark],
 }
 
-impl<'a> Design<'a> {
+impl<'a> Facts<'a> {
+    /// A design as it was evaluated: what takes solving for the ratio or more work is not known.
+    fn new(
+        motor: &'a Motor,
+        gear: Option<&'a str>,
+        evaluation: &'a Evaluation,
+        unchecked: &'a [Remark],
+        assumed: &'a [Remark],
+    ) -> Facts<'a> {
+        Facts {
+            motor,
+            gear,
+            evaluation,
+            objective: None,
+            optimum: None,
+            winding_temperature: Winding::NotAsked,
+            reversal_time: None,
+            spring: None,
+            unchecked,
+            assumed,
+        }
+    }
+}
+
+impl Design<'_> {
     /// What is known of it.
     pub fn facts(&self) -> Facts<'_> {
         Facts {
-            motor: self.motor,
-            gear: self.gear,
-            evaluation: &self.evaluation,
             objective: Some(self.optimum.objective),
             optimum: Some(&self.optimum),
             winding_temperature: self.winding_temperature,
             reversal_time: self.reversal_time,
             spring: self.spring.as_ref(),
-            unchecked: &self.unchecked,
-            assumed: &self.assumed,
+            ..Facts::new(self.motor, self.gear, &self.evaluation, &self.unchecked, &self.assumed)
         }
     }
 }
@@ -66,16 +84,8 @@ impl SweptDesign<'_> {
     /// What is known of it.
     pub fn facts(&self, joint: &Joint) -> Facts<'_> {
         Facts {
-            motor: self.motor,
-            gear: self.gear,
-            evaluation: &self.evaluation,
             objective: self.evaluation.objective(&joint.objective),
-            optimum: None,
-            winding_temperature: Winding::NotAsked,
-            reversal_time: None,
-            spring: None,
-            unchecked: &self.unchecked,
-            assumed: &self.assumed,
+            ..Facts::new(self.motor, self.gear, &self.evaluation, &self.unchecked, &self.assumed)
         }
     }
 }
@@ -84,16 +94,8 @@ impl FrontPoint<'_> {
     /// What is known of it.
     pub fn facts(&self, joint: &Joint) -> Facts<'_> {
         Facts {
-            motor: self.motor,
-            gear: self.gear,
-            evaluation: &self.evaluation,
             objective: self.evaluation.objective(&joint.objective),
-            optimum: None,
-            winding_temperature: Winding::NotAsked,
-            reversal_time: None,
-            spring: None,
-            unchecked: &self.unchecked,
-            assumed: &self.assumed,
+            ..Facts::new(self.motor, self.gear, &self.evaluation, &self.unchecked, &self.assumed)
         }
     }
 }
@@ -102,16 +104,9 @@ impl RobustDesign<'_> {
     /// What is known of it at its robust ratio, for the printed numbers.
     pub fn facts(&self) -> Facts<'_> {
         Facts {
-            motor: self.nominal.motor,
-            gear: self.gear,
-            evaluation: &self.evaluation,
             objective: Some(self.optimum.objective),
             optimum: Some(&self.optimum),
-            winding_temperature: Winding::NotAsked,
-            reversal_time: None,
-            spring: None,
-            unchecked: &self.unchecked,
-            assumed: &self.assumed,
+            ..Facts::new(self.nominal.motor, self.gear, &self.evaluation, &self.unchecked, &self.assumed)
         }
     }
 }
@@ -120,16 +115,17 @@ impl Explanation<'_> {
     /// What is known of the design that was asked about.
     pub fn facts(&self) -> Facts<'_> {
         Facts {
-            motor: self.motor,
-            gear: self.gear.map(|gear| gear.id.as_str()),
-            evaluation: &self.evaluation,
             objective: self.evaluation.objective(&self.joint.objective),
-            optimum: None,
             winding_temperature: self.winding_temperature,
             reversal_time: self.reversal_time,
             spring: self.spring.as_ref().and_then(|spring| spring.as_ref().ok()),
-            unchecked: &self.unchecked,
-            assumed: &self.assumed,
+            ..Facts::new(
+                self.motor,
+                self.gear.map(|gear| gear.id.as_str()),
+                &self.evaluation,
+                &self.unchecked,
+                &self.assumed,
+            )
         }
     }
 }
@@ -138,16 +134,16 @@ impl Examined {
     /// What is known of a design that was examined.
     pub fn facts<'a>(&'a self, choice: &'a Choice) -> Facts<'a> {
         Facts {
-            motor: choice.motor,
-            gear: choice.gear.map(|gear| gear.id.as_str()),
-            evaluation: &self.evaluation,
             objective: self.evaluation.objective(&choice.joint.objective),
-            optimum: None,
             winding_temperature: self.winding_temperature,
             reversal_time: self.reversal_time,
-            spring: None,
-            unchecked: &self.unchecked,
-            assumed: &self.assumed,
+            ..Facts::new(
+                choice.motor,
+                choice.gear.map(|gear| gear.id.as_str()),
+                &self.evaluation,
+                &self.unchecked,
+                &self.assumed,
+            )
         }
     }
 }
@@ -214,7 +210,7 @@ impl Figure {
 }
 
 /// What a q-axis current is on the drive: phase amplitude, or DC of a brushed motor \[A\].
-pub fn on_the_drive(motor: &Motor, q_axis: f64) -> f64 {
+pub(crate) fn on_the_drive(motor: &Motor, q_axis: f64) -> f64 {
     let commutation = motor.conventions.commutation;
     let convention = match commutation {
         Commutation::Brushless => CurrentConvention::PhaseAmplitude,

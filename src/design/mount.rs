@@ -124,7 +124,7 @@ fn covers_gear(joint: &Joint) -> bool {
 
 /// Inertia at the output \[kg·m²\] that a gear's efficiency covers at a joint as it covers the load; `None` where it
 /// covers none, or the inertia is not known.
-pub fn covered_inertia(joint: &Joint, gear: &Gear) -> Option<f64> {
+pub(crate) fn covered_inertia(joint: &Joint, gear: &Gear) -> Option<f64> {
     let inertia = gear.inertia.filter(|_| covers_gear(joint))?;
     Some(inertia * gear.ratio * gear.ratio)
 }
@@ -136,7 +136,7 @@ pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
 }
 
 /// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
-pub fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
+pub(crate) fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
     match covered {
         Some(inertia) => Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia),
         None => Load::new(&joint.motion, joint.limits.torque_bandwidth),

@@ -24,6 +24,11 @@ impl FittedEffect {
         self.effect.name()
     }
 
+    /// Whether another is the same effect: of several orders, the same order.
+    pub fn is_same(&self, other: &FittedEffect) -> bool {
+        self.effect == other.effect && self.effect.is_same_instance(&self.values, &other.values)
+    }
+
     /// How it enters the limits.
     pub fn enters(&self) -> Enters {
         self.effect.enters(&self.values)

@@ -21,6 +21,7 @@ mod gear_ripple;
 mod gravity;
 mod inverter_dead_time;
 mod load_dependent;
+mod named;
 mod operating;
 mod seen;
 mod stribeck;
@@ -35,6 +36,7 @@ mod winding_temperature;
 pub use doubt::{Doubt, positive};
 pub use enters::{Enters, Proof};
 pub use found::FittedEffect;
+pub use named::Named;
 pub use operating::{Operating, Variable};
 pub use seen::{Mimic, Run, View, separating_run};
 
@@ -236,6 +238,11 @@ pub trait Effect: Sync {
     /// How many parameters it is linear in.
     fn linear(&self) -> usize {
         self.parameters().len() - usize::from(self.shape() != Shape::None)
+    }
+
+    /// Whether two sets of values are one instance of it: of an effect with orders, by their order.
+    fn is_same_instance(&self, a: &[f64], b: &[f64]) -> bool {
+        self.shape() != Shape::Order || a.last() == b.last()
     }
 
     /// Whether its linear parameters may be negative: amplitudes of a cosine and a sine, offsets, differences.

@@ -228,7 +228,8 @@ pub struct Declared {
 }
 
 impl Declared {
-    /// Everything that the declared model has beyond its constants, as one list, each effect once: what the file declares,
+    /// Everything that the declared model has beyond its constants, as one list, each effect (of several orders, each order)
+    /// once: what the file declares,
     /// then what columns of the motor's row or of the axis declare, then the loss of the gear.
     pub fn all_effects(&self) -> Vec<FittedEffect> {
         let own = self.effects.iter().cloned();
@@ -237,7 +238,7 @@ impl Declared {
         let gear = loss.map(|effect| FittedEffect { effect, values: vec![1.0 / self.gear.efficiency - 1.0] });
         let mut found: Vec<FittedEffect> = Vec::new();
         for fitted in own.chain(columns).chain(gear) {
-            if !found.iter().any(|f| f.effect == fitted.effect) {
+            if !found.iter().any(|f| f.is_same(&fitted)) {
                 found.push(fitted);
             }
         }

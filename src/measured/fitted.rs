@@ -14,9 +14,9 @@ use super::answer::Report;
 use super::bench::{Bench, Use};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::fitted::FittedGear;
-use crate::catalog::fitted::{Axis, Fit, Fitted, Provenance, parameter_name, settled, settled_difference};
+use crate::catalog::fitted::{Axis, Fit, Fitted, Provenance, settled, settled_difference};
 use crate::catalog::{Conventions, FIELDS, Field, Identity, Motor, OwnConventions, Printed, Sheet, SourceKind};
-use crate::effects::{EFFECTS, Effect, FittedEffect, Shape, of_column, of_efficiency};
+use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape, of_column, of_efficiency};
 use crate::input::Range;
 use crate::measured::characterize::row::REDUNDANT;
 use crate::requirement::backdrive_efficiency;
@@ -172,7 +172,7 @@ impl Builder<'_> {
 
     /// Viscous friction b. Where a voltage drives, what opposes motion holds the back-EMF too: `D = b + K_T K_B/R`,
     /// with the K_T/R of the same fit.
-    fn viscous(&mut self, effect: &dyn Effect, motor: &Motor, constants: &Constants) -> Option<Number> {
+    fn viscous(&mut self, effect: &'static dyn Effect, motor: &Motor, constants: &Constants) -> Option<Number> {
         let direct = self.fits.best(&coefficient(effect), |f| !f.sees_quotient).filter(|n| n.value >= 0.0);
         if direct.is_some() {
             return direct;
@@ -282,7 +282,7 @@ impl Builder<'_> {
         }
         let mut values = Vec::new();
         for (parameter, found) in effect.parameters().iter().zip(&numbers) {
-            let name = parameter_name(effect, instance, parameter.name);
+            let name = Named::new(effect, instance.last().copied(), parameter.name).to_string();
             let printed = self.printed(format!("effects.{name}"), found, parameter.kind.si);
             self.tolerances.extend(printed.tolerance.map(|tolerance| (name, tolerance)));
             values.push(printed.value);

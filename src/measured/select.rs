@@ -4,7 +4,7 @@
 //! place, and why the others do not, is for the judge to say.
 
 /// Chance that the best of all candidates does as well where there is nothing.
-pub const CHANCE: f64 = 0.01;
+pub(crate) const CHANCE: f64 = 0.01;
 
 /// Who says what a model lacks.
 pub trait Judge {

@@ -23,7 +23,7 @@ pub fn stretches(time: &[f64]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// The median step of a time axis \[s\]; zero for fewer than two samples.
-pub fn median_step(time: &[f64]) -> f64 {
+pub(crate) fn median_step(time: &[f64]) -> f64 {
     let steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     median(steps).unwrap_or(0.0)
 }
@@ -45,7 +45,7 @@ pub fn whole(steps: f64) -> usize {
 /// use gearwise::measured::signals::covering;
 /// assert_eq!((covering(0.3 / 0.1), covering(2.5), covering(0.0)), (3, 3, 1));
 /// ```
-pub fn covering(steps: f64) -> usize {
+pub(crate) fn covering(steps: f64) -> usize {
     ((steps - 1e-6).ceil() as usize).max(1)
 }
 
@@ -55,7 +55,7 @@ pub fn median(values: Vec<f64>) -> Option<f64> {
 }
 
 /// A quantile of the finite values.
-pub fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     values.retain(|v| v.is_finite());
     if values.is_empty() {
         return None;
@@ -67,7 +67,7 @@ pub fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
 
 /// Values at the points `start + k·step`, linearly between samples; missing (NaN) samples are bridged.
 /// `None` where fewer than two samples are there.
-pub fn on_grid(time: &[f64], values: &[f64], start: f64, step: f64, count: usize) -> Option<Vec<f64>> {
+pub(crate) fn on_grid(time: &[f64], values: &[f64], start: f64, step: f64, count: usize) -> Option<Vec<f64>> {
     let known: Vec<usize> = (0..time.len()).filter(|k| values[*k].is_finite()).collect();
     if known.len() < 2 {
         return None;
@@ -157,7 +157,7 @@ pub fn integral(values: &[f64], step: f64) -> Vec<f64> {
 
 /// A zero-phase low-pass filter: a Butterworth filter of fourth order, forwards and backwards.
 #[derive(Debug, Clone, Copy)]
-pub struct LowPass {
+pub(crate) struct LowPass {
     sections: [[f64; 5]; 2],
     fraction: f64,
     padding: usize,
@@ -232,7 +232,7 @@ impl LowPass {
 
 /// Power spectral density by Welch's method, Hann windows half overlapping: frequency \[Hz\] and density
 /// \[unit²/Hz\]. Empty where the signal is shorter than 16 samples.
-pub fn welch(values: &[f64], step: f64, window: usize) -> Vec<(f64, f64)> {
+pub(crate) fn welch(values: &[f64], step: f64, window: usize) -> Vec<(f64, f64)> {
     let length = window.min(values.len());
     if length < 16 {
         return Vec::new();
@@ -262,7 +262,7 @@ pub fn welch(values: &[f64], step: f64, window: usize) -> Vec<(f64, f64)> {
 }
 
 /// Standard deviation of the noise of a signal: from the second differences, which take out what is slow.
-pub fn noise_level(values: &[f64]) -> f64 {
+pub(crate) fn noise_level(values: &[f64]) -> f64 {
     let second: Vec<f64> = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
     let zero = second.iter().filter(|v| **v == 0.0).count();
     // Most are zero where a slow signal is quantised: then the mean says more than the median.

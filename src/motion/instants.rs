@@ -16,10 +16,10 @@ use super::{Course, Motion};
 use crate::numerics::spline;
 
 /// What a straight line between two instants may miss, as a share of the largest value.
-pub const RESOLUTION: f64 = 1e-3;
+pub(crate) const RESOLUTION: f64 = 1e-3;
 /// Share by which a motion that gives its rates may be larger between its samples without a word: margins are read in
 /// whole percent.
-pub const WORTH_A_WORD: f64 = 5e-3;
+pub(crate) const WORTH_A_WORD: f64 = 5e-3;
 /// Instants that are put in at most, beside those at changes of sign, for a number of samples: a motion of noise has no
 /// finest part.
 fn most(samples: usize) -> usize {

@@ -5,10 +5,10 @@
 
 use std::fmt::Write;
 
-use crate::catalog::fitted::{Axis, Fit, Fitted, gear_text, on_axis, parameter_name};
+use crate::catalog::fitted::{Axis, Fit, Fitted, gear_text, on_axis};
 use crate::catalog::row::{MotorRow, number_line, quoted, say, toml_text};
 use crate::catalog::{Motor, Printed};
-use crate::effects::{FittedEffect, Shape};
+use crate::effects::{FittedEffect, Named, Shape};
 use crate::input::Stated;
 use crate::measured::identify::Report;
 use crate::units::{self, Kind};
@@ -101,7 +101,7 @@ fn effect_table(fitted: &FittedEffect, of_axis: bool, fit: &Fit) -> String {
     };
     let mut out = format!("\n{header}\n");
     for (parameter, value) in effect.parameters().iter().zip(&fitted.values) {
-        let name = parameter_name(effect, &fitted.values, parameter.name);
+        let name = Named::new(effect, fitted.values.last().copied(), parameter.name).to_string();
         let tolerance = fit.tolerances.iter().find(|(of, _)| *of == name).map(|(_, tolerance)| *tolerance);
         let kind = if of_axis { on_axis(parameter.kind) } else { parameter.kind };
         with_tolerance(&mut out, parameter.name, Printed { value: *value, tolerance }, kind);

@@ -32,7 +32,7 @@ pub mod table;
 pub mod torques;
 pub mod unjudged;
 
-pub use crate::words::csv::{csv_number, csv_row, csv_text};
+pub use crate::words::csv::{csv_number, csv_row, csv_text, guarded};
 pub(crate) use crate::words::{counted, with_unit};
 pub use crate::words::{number, optional};
 

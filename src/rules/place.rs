@@ -112,7 +112,7 @@ impl Places<'_> {
 }
 
 /// Where the requirement asks for a limit, by the limit's name and owner; `None` where a data sheet does.
-pub fn asked_for(limit: &str, owner: &str) -> Option<Place> {
+pub(crate) fn asked_for(limit: &str, owner: &str) -> Option<Place> {
     asked_by(limit, owner).map(|key| match key {
         Key::Robot(keys) => Place::RobotKey(keys),
         Key::Joint(keys) => Place::JointKey(keys),

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use gearwise::input::{Source, limits};
 use gearwise::measured;
-use gearwise::words::csv::guarded;
+use gearwise::report::guarded;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use tempfile::TempDir;

@@ -22,7 +22,7 @@ use crate::words::{nearest, reason};
 use cells::Cells;
 
 /// What is assumed of every row of MGDB.
-pub const ASSUMPTIONS: &[&str] = &[
+pub(crate) const ASSUMPTIONS: &[&str] = &[
     "A motor is its equivalent DC machine: torque k_t I, copper loss R I^2, voltage R I + k_t w (k_e w where k_e is \
      given) up to the bus voltage itself. Brushless motors are taken so too (commutation = brushed, terminals = \
      line_to_line, current = dc), so no convention is converted.",

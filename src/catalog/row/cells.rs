@@ -53,7 +53,7 @@ pub struct Missing {
 }
 
 /// A line of a CSV table.
-pub struct CsvCells<'a> {
+pub(crate) struct CsvCells<'a> {
     table: &'a Table,
     row: usize,
     problems: RefCell<&'a mut Vec<Problem>>,
@@ -135,7 +135,7 @@ impl Cells for CsvCells<'_> {
 }
 
 /// A table of TOML.
-pub struct TomlCells<'a, 's>(pub &'a Section<'s>);
+pub(crate) struct TomlCells<'a, 's>(pub &'a Section<'s>);
 
 impl Cells for TomlCells<'_, '_> {
     fn is_given(&self, column: &'static str) -> bool {

@@ -172,7 +172,7 @@ const REQUIRED: &[&str] = &["resistance", "ratio"];
 
 /// The columns of a kind of row as a table of CSV has them, in the order of the documentation: what must be there first,
 /// numbers last.
-pub fn csv_columns<R: Row>() -> Vec<CsvColumn> {
+pub(crate) fn csv_columns<R: Row>() -> Vec<CsvColumn> {
     let others = || R::BEFORE.iter().chain(R::AFTER);
     let (mut columns, mut counts) = (Vec::new(), Vec::new());
     columns.extend(others().filter(|c| c.need != Need::May).map(Column::in_csv));

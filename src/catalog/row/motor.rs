@@ -62,18 +62,8 @@ impl Default for MotorRow {
 impl MotorRow {
     /// The row of a motor. Pole pairs of a brushed motor are not kept: nothing asks for them.
     pub fn of(motor: &Motor) -> MotorRow {
-        MotorRow {
-            id: motor.id.clone(),
-            manufacturer: motor.manufacturer.clone(),
-            model: motor.model.clone(),
-            source: motor.source.clone(),
-            source_kind: motor.source_kind,
-            note: motor.note.clone(),
-            accepted_findings: motor.accepted_findings.clone(),
-            conventions: motor.conventions,
-            pole_pairs: motor.pole_pairs.filter(|_| motor.conventions.commutation == Commutation::Brushless),
-            sheet: motor.sheet.clone(),
-        }
+        let pole_pairs = motor.pole_pairs.filter(|_| motor.conventions.commutation == Commutation::Brushless);
+        MotorRow::new(motor.identity(), motor.conventions, motor.sheet.clone(), pole_pairs)
     }
 
     /// The row of an identity with conventions and numbers.

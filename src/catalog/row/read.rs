@@ -188,7 +188,7 @@ pub fn gear(cells: &dyn Cells) -> Option<Gear> {
 }
 
 /// What must hold between the numbers of a gear.
-pub fn check_gear(cells: &dyn Cells, gear: &Gear) {
+pub(crate) fn check_gear(cells: &dyn Cells, gear: &Gear) {
     if gear.backdrive_efficiency.is_some_and(|b| b > 1.0) {
         cells.note(Problem::at(
             cells.span("backdrive_efficiency"),

@@ -17,7 +17,7 @@ use crate::actuator::Load;
 use crate::catalog::Catalog;
 use crate::design::Prepared;
 use crate::design::answer::Design;
-use crate::design::mount::{Mount, covered_inertia, load_covering, load_through};
+use crate::design::mount::{Mount, covered_inertia, load_through};
 use crate::design::options::Stop;
 use crate::design::program::{RatioProgram, minimise, value};
 use crate::design::solved::design;
@@ -136,15 +136,9 @@ impl<'a> Context<'a> {
         let mount = |(j, item): (usize, &&Item)| {
             let joint = carry::loaded(&self.robot.joints[j], &coordinates[j]);
             let gear = item.design.gear.and_then(|id| self.catalog.gears.iter().find(|g| g.id == id));
+            let joint = sprung(&joint, item).unwrap_or(joint);
             let load = load_through(&joint, gear);
-            // A spring that was chosen takes its part of the load.
-            match item.design.spring.and_then(|s| joint.motion.with_spring(s.stiffness, s.rest_angle.unwrap_or(0.0))) {
-                Some(motion) => {
-                    let load = Load::new(&motion, joint.limits.torque_bandwidth);
-                    Loaded { joint: Joint { motion: motion.into(), ..joint }, load }
-                }
-                None => Loaded { joint, load },
-            }
+            Loaded { joint, load }
         };
         items.iter().enumerate().map(mount).collect()
     }
@@ -413,6 +407,13 @@ fn reach(joint: &Joint, catalog: &Catalog, menu: Option<&Menu>) -> (f64, f64) {
     if sum.0.is_finite() && sum.0 <= sum.1 { sum } else { (0.0, 0.0) }
 }
 
+/// The joint with the spring that was chosen for it taking its part of the load; `None` where none was.
+fn sprung(joint: &Joint, item: &Item) -> Option<Joint> {
+    let spring = item.design.spring.as_ref()?;
+    let motion = joint.motion.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))?;
+    Some(Joint { motion: motion.into(), ..joint.clone() })
+}
+
 /// A lower bound of an item's objective and of the power it draws at prices, over the ratios it may have.
 fn priced(
     robot: &Robot,
@@ -425,10 +426,11 @@ fn priced(
 ) -> f64 {
     let motor = &catalog.motors[item.motor];
     let gear = item.design.gear.and_then(|id| catalog.gears.iter().find(|g| g.id == id));
-    let through = gear.and_then(|gear| covered_inertia(joint, gear)).map(|inertia| load_covering(joint, Some(inertia)));
-    let sprung = item.design.spring.and_then(|s| joint.motion.with_spring(s.stiffness, s.rest_angle.unwrap_or(0.0)));
-    let sprung = sprung.map(|motion| Load::new(&motion, joint.limits.torque_bandwidth));
-    let load = sprung.as_ref().or(through.as_ref()).unwrap_or(load);
+    let sprung = sprung(joint, item);
+    let joint = sprung.as_ref().unwrap_or(joint);
+    let own = (sprung.is_some() || gear.is_some_and(|gear| covered_inertia(joint, gear).is_some()))
+        .then(|| load_through(joint, gear));
+    let load = own.as_ref().unwrap_or(load);
     let mount = Mount::new(robot, joint, load, motor).with_gear(gear);
     let Ok(prepared) = mount.prepared() else { return f64::INFINITY };
     let own = item.design.evaluation.ratio;

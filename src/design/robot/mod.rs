@@ -235,12 +235,12 @@ pub fn carrying(joint: &Joint, mass: impl Fn(usize) -> f64) -> Joint {
 }
 
 /// Joints in an order in which what is carried comes before what carries it.
-pub fn carried_first(joints: &[Joint]) -> Vec<usize> {
+pub(crate) fn carried_first(joints: &[Joint]) -> Vec<usize> {
     carry::order(joints)
 }
 
 /// Power that the bus gives one actuator at each sample of its motion \[W\], what comes back less than zero.
-pub fn power_course(prepared: &Prepared, drive_efficiency: f64, ratio: f64) -> Vec<f64> {
+pub(crate) fn power_course(prepared: &Prepared, drive_efficiency: f64, ratio: f64) -> Vec<f64> {
     power::Profile::of(prepared, drive_efficiency, ratio).course(ratio)
 }
 

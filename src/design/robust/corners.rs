@@ -1,7 +1,7 @@
 //! The box of a motor's tolerances: its corners, and which of them a limit needs.
 
 use crate::actuator::limits::{Candidate, Depends, Limit, hottest};
-use crate::catalog::{FIELDS, Field, Identity, Motor, Printed};
+use crate::catalog::{FIELDS, Field, Motor, Printed};
 use crate::design::Prepared;
 use crate::design::program::Limited;
 use crate::requirement::{Regeneration, Robot};
@@ -116,16 +116,7 @@ pub(super) fn with_numbers(motor: &Motor, numbers: impl Iterator<Item = (&'stati
     for (column, value) in numbers {
         (field(column).set)(&mut sheet, Printed { value, tolerance: None });
     }
-    let identity = Identity {
-        id: motor.id.clone(),
-        manufacturer: motor.manufacturer.clone(),
-        model: motor.model.clone(),
-        source: motor.source.clone(),
-        source_kind: motor.source_kind,
-        note: motor.note.clone(),
-        accepted_findings: motor.accepted_findings.clone(),
-    };
-    let other = Motor::new(identity, motor.conventions, sheet, motor.pole_pairs).ok()?;
+    let other = Motor::new(motor.identity(), motor.conventions, sheet, motor.pole_pairs).ok()?;
     Some(Motor { effects: motor.effects.clone(), fitted_gear: motor.fitted_gear, fit: motor.fit.clone(), ..other })
 }
 

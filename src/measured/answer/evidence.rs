@@ -8,7 +8,7 @@ use super::noise::Noise;
 use crate::numerics::sums::finite_sum;
 
 /// Largest share of the error that refused effects may still explain (upper 95 % bound) to be called absent.
-pub const BOUND: f64 = 0.03;
+pub(crate) const BOUND: f64 = 0.03;
 /// What is left is noise up to this many times the instrument's: twice would admit three quarters of the error's
 /// variance.
 pub const AT_THE_NOISE: f64 = 1.15;

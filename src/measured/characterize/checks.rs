@@ -8,7 +8,7 @@ use crate::measured::bench::{Bench, Use};
 use crate::words::number;
 
 /// Weight and words of what a check finds.
-pub type Examine = fn(&Bench, &[Outcome]) -> Option<(Weight, String)>;
+pub(crate) type Examine = fn(&Bench, &[Outcome]) -> Option<(Weight, String)>;
 
 /// A check: its code, what it compares, and what it finds; nothing where the bench has not what it needs.
 pub struct Check {

@@ -34,7 +34,7 @@ impl Combination {
 }
 
 /// Quantile of Student's distribution with `freedom` degrees of freedom (the normal one where infinite).
-pub fn quantile(probability: f64, freedom: f64) -> f64 {
+pub(crate) fn quantile(probability: f64, freedom: f64) -> f64 {
     if freedom.is_finite() && freedom < 1e6 {
         // Less than one degree of freedom says nothing that one would not.
         StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(f64::NAN, |d| d.inverse_cdf(probability))

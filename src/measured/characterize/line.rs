@@ -7,7 +7,7 @@ use super::estimate::{Estimate, Fit, least_squares};
 use crate::measured::signals;
 
 /// Cut off at either end of a step \[s\] (Urs et al., section IV).
-pub const TRIM: f64 = 0.5;
+pub(crate) const TRIM: f64 = 0.5;
 /// Of a short step at most this share is cut off at either end.
 const LARGEST_TRIM: f64 = 0.2;
 /// Length of the blocks whose medians are compared \[s\].
@@ -56,7 +56,7 @@ pub fn steps(time: &[f64], signal: &[f64], shortest: f64) -> Vec<std::ops::Range
 }
 
 /// A step without its ends: half a second, or a fifth of a short step.
-pub fn trimmed(time: &[f64], step: &std::ops::Range<usize>) -> std::ops::Range<usize> {
+pub(crate) fn trimmed(time: &[f64], step: &std::ops::Range<usize>) -> std::ops::Range<usize> {
     let (from, to) = (time[step.start], time[step.end - 1]);
     let cut = TRIM.min(LARGEST_TRIM * (to - from));
     let start = step.start + time[step.clone()].partition_point(|t| *t < from + cut);

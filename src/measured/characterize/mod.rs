@@ -29,7 +29,7 @@ pub trait Test: Sync {
 }
 
 /// Every test; a later one may use what earlier ones found.
-pub const TESTS: &[&dyn Test] = &[
+pub(crate) const TESTS: &[&dyn Test] = &[
     &terminals::Terminals,
     &stall::Stall,
     &backdrive::Backdrive,
@@ -191,13 +191,13 @@ pub fn find(outcomes: &[Outcome], name: &str) -> Option<Estimate> {
 }
 
 /// The logs of a kind that may be used to fit.
-pub fn logs_of(bench: &Bench, kind: BenchKind) -> Vec<&Log> {
+pub(crate) fn logs_of(bench: &Bench, kind: BenchKind) -> Vec<&Log> {
     bench.logs.iter().filter(|l| l.kind == kind && l.usage == Use::Fit).collect()
 }
 
 /// With what the calibration of the instruments leaves open: a gain is common to all logs of a test and does not
 /// average out. Each quantity is measured by one of some channels, and enters with a power.
-pub fn calibrated(estimate: Estimate, logs: &[&Log], by: &[(&[Channel], f64)]) -> Estimate {
+pub(crate) fn calibrated(estimate: Estimate, logs: &[&Log], by: &[(&[Channel], f64)]) -> Estimate {
     let mut parts = vec![estimate.half_width()];
     for (channels, power) in by {
         let of = |log: &&Log| channels.iter().filter_map(|c| log.gains.get(c)).copied().fold(0.0, f64::max);

@@ -11,7 +11,7 @@ use crate::measured::bench::Bench;
 use crate::words::number;
 
 /// Columns that only repeat others: what was measured would contradict them.
-pub const REDUNDANT: &[&str] = &[
+pub(crate) const REDUNDANT: &[&str] = &[
     "speed_constant",
     "motor_constant",
     "responsiveness_metric",

@@ -183,7 +183,7 @@ impl Test for Stall {
 }
 
 /// Interval of 95 % of a line through zero.
-pub fn line_band(slope: &Estimate, from: f64, to: f64) -> Vec<(f64, f64, f64)> {
+pub(crate) fn line_band(slope: &Estimate, from: f64, to: f64) -> Vec<(f64, f64, f64)> {
     let half = slope.half_width();
     (0..=40)
         .map(|k| from + (to - from) * f64::from(k) / 40.0)
@@ -192,7 +192,7 @@ pub fn line_band(slope: &Estimate, from: f64, to: f64) -> Vec<(f64, f64, f64)> {
 }
 
 /// How much the logs differ.
-pub fn between_logs(count: usize, between: f64, value: f64) -> Finding {
+pub(crate) fn between_logs(count: usize, between: f64, value: f64) -> Finding {
     let share = 100.0 * between / value.abs();
     match count {
         1 => Finding::new(

@@ -1,8 +1,7 @@
 //! Fitted numbers of all equations of a bench, and what follows from them with its error.
 
 use crate::catalog::Motor;
-use crate::catalog::fitted::parameter_name;
-use crate::effects::{Effect, Equation, Shape, effect, of_damping};
+use crate::effects::{Effect, Equation, Named, Shape, of_damping};
 use crate::measured::answer::{Parameter, Report, Target};
 use crate::measured::bench::Bench;
 use crate::words::handy::with_error;
@@ -224,7 +223,7 @@ impl<'a> Fits<'a> {
         let found = self.reports.iter().flat_map(|r| &r.effects).filter(|e| e.effect == effect);
         let mut list: Vec<Vec<f64>> = Vec::new();
         for instance in declared.chain(found.flat_map(|e| &e.instances)) {
-            let same = |other: &Vec<f64>| is_same(effect, other, instance);
+            let same = |other: &Vec<f64>| effect.is_same_instance(other, instance);
             if instance.len() == effect.parameters().len() && !list.iter().any(same) {
                 list.push(instance.clone());
             }
@@ -233,8 +232,8 @@ impl<'a> Fits<'a> {
     }
 
     /// The values of an instance: all of the equation that is surest of it.
-    pub fn values(&self, effect: &dyn Effect, instance: &[f64]) -> Vec<Number> {
-        let name = |parameter: &str| parameter_name(effect, instance, parameter);
+    pub fn values(&self, effect: &'static dyn Effect, instance: &[f64]) -> Vec<Number> {
+        let name = |parameter| Named::new(effect, instance.last().copied(), parameter).to_string();
         let linear = |r: usize| -> Option<Vec<Number>> {
             effect.parameters()[..effect.linear()].iter().map(|p| self.seen(r, &name(p.name))).collect()
         };
@@ -249,7 +248,7 @@ impl<'a> Fits<'a> {
             // A shape belongs to the fit that its size is of.
             let found = self.reports[report].effects.iter().filter(|e| e.effect == effect);
             let own =
-                found.flat_map(|e| &e.instances).find(|i| is_same(effect, i, instance)).map_or(instance, Vec::as_slice);
+                found.flat_map(|e| &e.instances).find(|i| effect.is_same_instance(i, instance)).map_or(instance, Vec::as_slice);
             let index = effect.linear();
             let shape = self.seen(report, &name(effect.parameters()[index].name));
             values.push(shape.unwrap_or(Number::exact(own[index])));
@@ -288,13 +287,8 @@ impl<'a> Fits<'a> {
 }
 
 /// The name of an effect's first parameter, as a report has it.
-pub(super) fn coefficient(effect: &dyn Effect) -> String {
-    parameter_name(effect, &[], effect.parameters()[0].name)
-}
-
-/// Whether two sets of values are one instance: of effects with orders, by their order.
-fn is_same(effect: &dyn Effect, a: &[f64], b: &[f64]) -> bool {
-    effect.shape() != Shape::Order || a.last() == b.last()
+pub(super) fn coefficient(effect: &'static dyn Effect) -> String {
+    Named::new(effect, None, effect.parameters()[0].name).to_string()
 }
 
 /// Whether a parameter is a coefficient of an equation of torque.
@@ -302,10 +296,7 @@ fn is_torque(name: &str) -> bool {
     match name {
         "torque_constant" => false,
         "inertia" | "damping" => true,
-        _ => name.split('.').next().and_then(effect).is_some_and(|e| {
-            let last = name.rsplit('.').next();
-            let linear = e.parameters()[..e.linear()].iter().any(|p| Some(p.name) == last);
-            e.acts_on() == Equation::Torque && linear
-        }),
+        _ => Named::read(name)
+            .is_some_and(|of| of.effect.acts_on() == Equation::Torque && of.index() < of.effect.linear()),
     }
 }

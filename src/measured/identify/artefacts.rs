@@ -53,7 +53,7 @@ fn generous(balance: &Balance) -> Vec<Vec<f64>> {
 /// A band that holds all that is not noise: five times what the motion holds, and where something turns and
 /// could ripple, all at which what the generous model leaves stands out of its own flat top. `None` where
 /// that is not clearly narrower than the band there is.
-pub fn band_of_structure(balance: &Balance) -> Option<f64> {
+pub(crate) fn band_of_structure(balance: &Balance) -> Option<f64> {
     let band = balance.band?;
     let columns = generous(balance);
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();

@@ -18,7 +18,7 @@ mod visible;
 
 pub use equation::{Balance, Setting};
 pub use stretch::Corrections;
-pub use targets::{BaseTerm, targets};
+pub use targets::targets;
 pub use visible::{applies, visible};
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ pub struct Candidate {
 }
 
 /// A term that can be spared.
-pub struct Superfluous {
+pub(crate) struct Superfluous {
     term: usize,
     /// Share of the left-out squared error that it takes away.
     gain: f64,
@@ -341,7 +341,7 @@ fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
 }
 
 /// Every effect at its best shape.
-pub fn evaluate_all(work: &Work, fit: &Fit, effects: &[&'static dyn Effect]) -> Vec<Candidate> {
+pub(crate) fn evaluate_all(work: &Work, fit: &Fit, effects: &[&'static dyn Effect]) -> Vec<Candidate> {
     let tasks: Vec<(&'static dyn Effect, f64)> =
         effects.iter().flat_map(|e| shapes(work, fit, *e).into_iter().map(move |s| (*e, s))).collect();
     let all: Vec<Option<Candidate>> = tasks.par_iter().map(|(e, s)| evaluate(work, fit, *e, *s)).collect();

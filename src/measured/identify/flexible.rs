@@ -11,7 +11,7 @@ pub(super) const KNOTS: usize = 9;
 /// Highest order that is searched.
 const ORDERS: usize = 120;
 /// Piecewise linear functions over knots at the quantiles of a variable.
-pub fn hats(values: &[f64]) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
+pub(crate) fn hats(values: &[f64]) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
     let mut knots: Vec<f64> =
         (0..KNOTS).filter_map(|k| signals::quantile(values.to_vec(), k as f64 / (KNOTS - 1) as f64)).collect();
     knots.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * b.abs().max(1e-300));
@@ -65,7 +65,7 @@ pub fn of_speed(work: &Work) -> Vec<Vec<f64>> {
 
 /// Share of the residual that each order explains, roughly: without the filter, where it is slow enough to
 /// pass it.
-pub fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(f64, f64)> {
+pub(crate) fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(f64, f64)> {
     let residual = work.residual(fit);
     let balance = &work.balance;
     let probes = [0.0_f64, 1.0].map(|shape| {

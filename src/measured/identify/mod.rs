@@ -7,14 +7,14 @@
 //! left and still depends on something is reported as such.
 
 pub mod artefacts;
-pub mod balance;
+pub(crate) mod balance;
 mod candidates;
 mod flexible;
 pub mod noise;
 mod numbers;
-pub mod origin;
+pub(crate) mod origin;
 mod refit;
-pub mod regression;
+pub(crate) mod regression;
 mod report;
 mod structure;
 mod work;
@@ -150,4 +150,4 @@ impl Pruner for OnBalance<'_, '_> {
 }
 
 #[cfg(test)]
-mod steady;
+pub(crate) mod steady;

@@ -89,7 +89,7 @@ pub fn noise(stretches: &[Unfiltered], band: Option<f64>) -> Noise {
 }
 
 /// The same of stretches and the end of the band \[Hz\].
-pub fn of_stretches(stretches: &[Unfiltered], band: f64) -> Noise {
+pub(crate) fn of_stretches(stretches: &[Unfiltered], band: f64) -> Noise {
     let spectra: Vec<Spectrum> = stretches.iter().map(|s| Spectrum::new(s, band)).collect();
     let estimate = |method, value: Result<f64, &'static str>| {
         // Less than the last digit is not noise but a value that did not change.

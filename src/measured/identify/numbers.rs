@@ -3,7 +3,7 @@
 use super::candidates::Selection;
 use super::regression::{Blocks, Solution, covariance, solve};
 use super::work::{Kind, Term, Work};
-use crate::effects::{Effect, Shape};
+use crate::effects::{Named, Shape};
 use crate::measured::answer::{Base, Found, Parameter};
 
 /// Names, covariance and values of every fitted number; shape parameters by their derivative.
@@ -21,7 +21,7 @@ pub fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, So
             Kind::Base(index) => names.push(work.balance.base[index].which.name().to_string()),
             Kind::Effect(effect, shape) => {
                 for parameter in &effect.parameters()[..effect.linear()] {
-                    names.push(number_name(effect, shape, parameter.name));
+                    names.push(Named::new(effect, Some(shape), parameter.name).to_string());
                 }
                 if effect.is_of_torque_constant() {
                     // Slope and current are one number where saturation is weak: the current follows the slope.
@@ -40,7 +40,7 @@ pub fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, So
                         })
                         .collect();
                     columns.push(slope);
-                    names.push(number_name(effect, shape, effect.parameters()[effect.linear()].name));
+                    names.push(Named::new(effect, Some(shape), effect.parameters()[effect.linear()].name).to_string());
                     values.push(shape);
                 }
             }
@@ -53,13 +53,6 @@ pub fn errors(work: &Work) -> (Vec<String>, nalgebra::DMatrix<f64>, Vec<f64>, So
     let solution = solve(&blocks.total(|b| work.fits(b)));
     let matrix = covariance(&blocks, &solution, |b| work.fits(b));
     (names, matrix, values, solution)
-}
-
-pub(super) fn number_name(effect: &dyn Effect, shape: f64, parameter: &str) -> String {
-    match effect.shape() {
-        Shape::Order => format!("{}.{shape}.{parameter}", effect.name()),
-        _ => format!("{}.{parameter}", effect.name()),
-    }
 }
 
 /// The parameters of the declared model, fitted or held.
@@ -109,7 +102,7 @@ pub fn parameters(
     for term in work.terms.iter().filter(|t| t.declared.is_some()) {
         let Some((effect, shape)) = term.effect() else { continue };
         for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
-            let name = number_name(effect, shape, parameter.name);
+            let name = Named::new(effect, Some(shape), parameter.name).to_string();
             if let Some((value, error)) = error(&name) {
                 list.push(Parameter {
                     name,
@@ -136,7 +129,7 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
         let mut instance: Vec<f64> = (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]).collect();
         let mut parameters = Vec::new();
         for (index, parameter) in effect.parameters().iter().enumerate() {
-            let name = number_name(effect, shape, parameter.name);
+            let name = Named::new(effect, Some(shape), parameter.name).to_string();
             if effect.is_of_torque_constant() && index == effect.linear() {
                 // Its depth goes with slope over current squared.
                 let slope =

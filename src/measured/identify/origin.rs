@@ -20,11 +20,6 @@ impl Channels {
     pub fn meets(self, other: Channels) -> bool {
         self.0 & other.0 != 0
     }
-
-    /// Whether a channel is in it.
-    pub fn has(self, channel: Channel) -> bool {
-        self.meets(channel.into())
-    }
 }
 
 impl From<Channel> for Channels {
@@ -43,7 +38,7 @@ impl BitOr for Channels {
 
 /// Values over the samples of a stretch, and the channels that they are made of.
 #[derive(Debug, Clone)]
-pub struct Signal {
+pub(crate) struct Signal {
     /// One number a sample.
     pub values: Vec<f64>,
     /// Where they come from.
@@ -80,7 +75,7 @@ impl Signal {
 
 /// Channels of the response of a stretch, and of each variable of its operating points.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Origins {
+pub(crate) struct Origins {
     /// What the equation explains, as it is measured.
     pub response: Channels,
     /// The load that is taken for known: its noise is in what the equation explains, too.
@@ -115,8 +110,8 @@ mod tests {
         let speed = Signal::of(Channel::MotorVelocity, vec![3.0, 5.0]);
         let both = current.with(&speed.map(|w| 2.0 * w), |i, w| i + w);
         assert_eq!(both.values, [7.0, 12.0]);
-        assert!(both.made_of.has(Channel::Current) && both.made_of.has(Channel::MotorVelocity));
-        assert!(!both.made_of.has(Channel::Torque) && !both.made_of.meets(Channel::Duty.into()));
+        assert!(both.made_of.meets(Channel::Current.into()) && both.made_of.meets(Channel::MotorVelocity.into()));
+        assert!(!both.made_of.meets(Channel::Torque.into()) && !both.made_of.meets(Channel::Duty.into()));
         let slope = both.through(|v| vec![v[1] - v[0]; 2]);
         assert_eq!((slope.values.as_slice(), slope.made_of), ([5.0, 5.0].as_slice(), both.made_of));
         let known = Signal::constant(4.0, 2).with(&current, |a, b| a * b);
@@ -146,7 +141,7 @@ mod tests {
         ];
         for a in all {
             for b in all {
-                assert_eq!(Channels::from(a).has(b), a == b, "{a:?} {b:?}");
+                assert_eq!(Channels::from(a).meets(b.into()), a == b, "{a:?} {b:?}");
             }
         }
     }

@@ -197,7 +197,7 @@ pub fn covariance(blocks: &Blocks, solution: &Solution, take: impl Fn(usize) -> 
 
 /// The coefficients of extra columns on the model's, and what they leave: from sums of products in which
 /// the model's `p` columns come first.
-pub fn projection(total: &DMatrix<f64>, p: usize, extra: usize) -> DMatrix<f64> {
+pub(crate) fn projection(total: &DMatrix<f64>, p: usize, extra: usize) -> DMatrix<f64> {
     let normal = total.view((0, 0), (p, p)).into_owned();
     let cross = total.view((0, p), (p, extra)).into_owned();
     let mut padded = DMatrix::zeros(p + 1, p + 1);

@@ -56,12 +56,12 @@ fn stage_of(step: Step, balance: &Balance, left: &[f64], target: &[f64]) -> Stag
 }
 
 /// The error as declared: nothing corrected.
-pub fn declared_stage(bench: &Bench, balance: &Balance) -> Stage {
+pub(crate) fn declared_stage(bench: &Bench, balance: &Balance) -> Stage {
     stage_of(Step::Declared, balance, &declared_residual(bench, balance, true), &balance.target_column())
 }
 
 /// The error of the declared model after artefacts were taken out.
-pub fn corrected_stage(work: &Work) -> Stage {
+pub(crate) fn corrected_stage(work: &Work) -> Stage {
     let left = declared_residual(work.bench, &work.balance, false);
     stage_of(Step::Artefacts, &work.balance, &left, &work.balance.target_column())
 }

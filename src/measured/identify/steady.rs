@@ -13,7 +13,7 @@ use crate::measured::{Bench, read};
 pub const CONSTANT: f64 = 0.1;
 
 /// Columns of a log over time on a dynamometer; without the last, of a motor that runs free.
-pub const OVER_TIME: [&str; 4] = [
+pub(crate) const OVER_TIME: [&str; 4] = [
     "time = { name = \"0\", unit = \"s\" }",
     "velocity = { name = \"1\", unit = \"rad/s\", side = \"motor\" }",
     "current = { name = \"2\", unit = \"A\", convention = \"q_axis\" }",
@@ -74,7 +74,7 @@ pub fn moving(samples: usize, warm: bool) -> Bench {
 }
 
 /// The same with faster turns.
-pub fn moving_at(pace: f64, samples: usize, warm: bool) -> Bench {
+pub(crate) fn moving_at(pace: f64, samples: usize, warm: bool) -> Bench {
     let mut columns = OVER_TIME.to_vec();
     if warm {
         columns.push("winding_temperature = { name = \"4\", unit = \"degC\" }");
@@ -105,7 +105,7 @@ pub fn work(bench: &Bench) -> Work<'_> {
 }
 
 /// The same of another equation.
-pub fn work_on(bench: &Bench, target: Target) -> Work<'_> {
+pub(crate) fn work_on(bench: &Bench, target: Target) -> Work<'_> {
     let logs = bench.logs.len();
     let setting = Setting { corrections: Corrections::none(logs), band: None, rows: ROWS, samples: usize::MAX };
     Work::new(bench, Balance::new(bench, target, &setting).expect("rows"))

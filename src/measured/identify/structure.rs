@@ -18,7 +18,7 @@ const SURE: f64 = 3.0;
 
 /// What the residual depends on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Dependence {
+pub(crate) struct Dependence {
     /// On what.
     pub on: On,
     /// Share of the left-out squared error that a flexible function of it takes away.

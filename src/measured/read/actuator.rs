@@ -56,7 +56,7 @@ impl Frame {
 
 /// For what a bench file is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
+pub(crate) enum Purpose {
     /// The declared model is compared with the logs: it must be there.
     Identify,
     /// A row is made from the logs: there may be none yet. How a motor without a row commutates.
@@ -151,7 +151,7 @@ fn read_force_gain(section: &Section) -> Option<(Drive, f64)> {
 }
 
 /// A motor that has no row yet, alone on the bench.
-pub fn without_row(commutation: Commutation) -> (Declared, Frame) {
+pub(crate) fn without_row(commutation: Commutation) -> (Declared, Frame) {
     let declared = Declared {
         motor: None,
         ratio: 1.0,

@@ -30,7 +30,7 @@ const MIN_ROWS: usize = 3;
 
 /// What the cells of a column must be for a row to belong to a log.
 #[derive(Debug, Clone)]
-pub struct Condition {
+pub(crate) struct Condition {
     /// Its name in the header.
     pub column: String,
     /// Where the bench file names the column.
@@ -111,7 +111,7 @@ impl Hashing {
 ///
 /// # Errors
 /// Why not, and what stands beside it.
-pub fn probe(path: &Path) -> Result<(), (String, Option<String>)> {
+pub(crate) fn probe(path: &Path) -> Result<(), (String, Option<String>)> {
     match Opened::new(path, limits::LOG_BYTES) {
         Ok(_) => Ok(()),
         // The message of a file that is not there, with its neighbour.

@@ -3,7 +3,7 @@
 use super::machine::{Machine, Term};
 use super::model::{Counted, Model, Slot, declared_machine, error, scale};
 use super::track::{Input, Track};
-use crate::effects::Equation;
+use crate::effects::{Equation, Named};
 use crate::measured::answer::{ArtefactKind, Report, Target};
 use crate::measured::select::{self, Pruner};
 use crate::measured::{Bench, BenchKind};
@@ -57,11 +57,9 @@ pub(super) fn fitted_machine(bench: &Bench, report: &Report, is_voltage: bool) -
             "torque_constant" if of_balance => machine.load_scale = machine.torque_constant / p.fitted,
             "torque_constant" => machine.torque_constant = p.fitted,
             name => {
-                let Some((of, value)) = name.split_once('.') else { continue };
-                for term in machine.terms.iter_mut().filter(|t| t.effect.name() == of) {
-                    if let Some(index) = term.effect.parameters().iter().position(|q| q.name == value) {
-                        term.values[index] = p.fitted;
-                    }
+                let Some(of) = Named::read(name) else { continue };
+                for term in machine.terms.iter_mut().filter(|t| of.is_of(t.effect, &t.values)) {
+                    term.values[of.index()] = p.fitted;
                 }
             }
         }
@@ -214,4 +212,36 @@ fn left_out(model: &Model, parts: &[Track]) -> f64 {
         }
     }
     (squares / count.max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{FittedEffect, effect};
+    use crate::measured::answer::Parameter;
+    use crate::measured::identify::steady::moving;
+    use crate::measured::identify::{Options, identify};
+
+    /// Fitted numbers of declared effects reach the machine: of an effect with orders, those of the order that was meant.
+    #[test]
+    fn fitted_numbers_of_an_order_are_simulated() {
+        let mut bench = moving(2000, false);
+        let order = |order: f64| FittedEffect { effect: effect("cogging").unwrap(), values: vec![0.1, 0.2, order] };
+        bench.declared.effects.extend([order(6.0), order(12.0)]);
+        let mut report = identify(&bench, &Options::default()).unwrap().remove(0);
+        report.parameters = vec![Parameter {
+            name: "cogging.12.sine".into(),
+            declared: Some(0.2),
+            fitted: 0.7,
+            standard_error: Some(0.01),
+            unit: "N*m",
+        }];
+        report.effects.clear();
+        let (machine, _) = fitted_machine(&bench, &report, false);
+        let cogging = |order: f64| {
+            let mut of = machine.terms.iter().filter(|t| t.effect.name() == "cogging");
+            of.find(|t| t.values[2] == order).unwrap().values.clone()
+        };
+        assert_eq!((cogging(6.0), cogging(12.0)), (vec![0.1, 0.2, 6.0], vec![0.1, 0.7, 12.0]));
+    }
 }

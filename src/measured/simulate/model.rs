@@ -3,7 +3,7 @@
 
 use super::machine::{Machine, Term};
 use super::track::{Input, Track};
-use crate::effects::{Effect, Equation, Operating, Scale, Shape};
+use crate::effects::{Effect, Equation, Named, Operating, Scale, Shape};
 use crate::measured::answer::Base;
 use crate::measured::{Declared, signals};
 use crate::numerics::least_squares::{Fitted, Unknown, derivatives, minimise, residuals};
@@ -150,8 +150,8 @@ impl Model {
             Slot::LoadScale => Base::LoadScale.name().into(),
             Slot::Lag => "lag".into(),
             Slot::Value(term, index) => {
-                let effect = self.machine.terms[term].effect;
-                format!("{}.{}", effect.name(), effect.parameters()[index].name)
+                let Term { effect, values, .. } = &self.machine.terms[term];
+                Named::new(*effect, values.last().copied(), effect.parameters()[index].name).to_string()
             }
         }
     }

@@ -123,7 +123,7 @@ limits! {
 }
 
 /// A motor and gear that cannot be evaluated at all.
-pub const NOT_EVALUATED: Rule = Rule {
+pub(crate) const NOT_EVALUATED: Rule = Rule {
     code: "GW030",
     name: "not-evaluated",
     summary: "the design can be evaluated",
@@ -142,7 +142,7 @@ pub const NOT_EVALUATED: Rule = Rule {
 };
 
 /// A limit that should be checked but cannot be.
-pub const UNCHECKED_LIMIT: Rule = Rule {
+pub(crate) const UNCHECKED_LIMIT: Rule = Rule {
     code: "GW031",
     name: "unchecked-limit",
     summary: "every limit that applies can be checked",
@@ -167,7 +167,7 @@ fn unknown(limit: &'static str, message: String) -> Remark {
 }
 
 /// A limit of the requirement that cannot be judged.
-pub const UNJUDGED_LIMIT: Rule = Rule {
+pub(crate) const UNJUDGED_LIMIT: Rule = Rule {
     code: "GW033",
     name: "unjudged-limit",
     summary: "every limit that the requirement states can be judged",
@@ -190,7 +190,7 @@ pub const UNJUDGED_LIMIT: Rule = Rule {
 };
 
 /// Friction that was left out because nobody knows it.
-pub const FRICTION_UNKNOWN: Rule = Rule {
+pub(crate) const FRICTION_UNKNOWN: Rule = Rule {
     code: "GW032",
     name: "friction-unknown",
     summary: "the motor's own friction is known",

@@ -78,7 +78,7 @@ pub(super) const ROW_SECONDARY: Rule = Rule {
 };
 
 /// A row that is no longer what it was when the lock was written.
-pub const LOCK_MISMATCH: Rule = Rule {
+pub(crate) const LOCK_MISMATCH: Rule = Rule {
     code: "GW203",
     name: "lock-mismatch",
     summary: "the rows are those that were locked",

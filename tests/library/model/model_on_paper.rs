@@ -991,3 +991,27 @@ fn a_gear_of_the_catalogue_that_is_silent_is_unknown() {
         assert!(matches!(limit.check(&listed), Check::Unknown(why) if why.ends_with("torque is not known")), "{name}");
     }
 }
+
+/// With a ratio of one the actuator's motor constant is the motor's, whatever says its back-EMF constant; and
+/// S_M = J_m/K_M², S_T = J_m/K_T² of the numbers that the model computes with.
+#[test]
+fn metrics_use_the_back_emf_constant_of_the_model() {
+    let (mut compared, mut apart) = (0, 0);
+    for motor in &Catalog::builtin().unwrap().motors {
+        let Some(rotor) = motor.rotor_inertia else { continue };
+        let of = |name: &str| metric(name).unwrap().value(motor).unwrap();
+        let alone = at_matched_inertia(motor, rotor).unwrap();
+        assert_relative_eq!(of("k_m"), alone.motor_constant, max_relative = 1e-12);
+        assert_relative_eq!(of("s_m"), rotor / alone.motor_constant.powi(2), max_relative = 1e-12);
+        assert_relative_eq!(of("s_t"), rotor / motor.torque_constant.powi(2), max_relative = 1e-12);
+        compared += 1;
+        apart += usize::from((motor.back_emf_constant / motor.torque_constant - 1.0).abs() > 1e-3);
+    }
+    assert!(compared > 100 && apart > 1, "{compared} {apart}");
+    // Line to line at the peak, 52.5 rpm/V are a back-EMF constant of √(3/2)/√3/5.498 = 0.1286 V·s/rad.
+    let made = motor(",speed_constant [rpm/V],speed_constant_convention", ",52.5,line_to_line_peak");
+    let k_b = 0.5_f64.sqrt() / (52.5 * 2.0 * PI / 60.0);
+    assert_relative_eq!(made.back_emf_constant, k_b, max_relative = 1e-12);
+    let m = metric("k_m").unwrap().value(&made).unwrap();
+    assert_relative_eq!(m * m, 0.1 * k_b / 0.5, max_relative = 1e-12);
+}

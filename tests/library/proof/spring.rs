@@ -13,6 +13,7 @@ use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::answer::Design;
 use gearwise::design::optimize::optimize;
 use gearwise::design::program::Certificate;
+use gearwise::design::robot;
 use gearwise::requirement::{
     Course, EfficiencyCovers, GearModel, Motion, Objective, Quantity, RatioChoice, Regeneration, Robot, Samples,
     Spring, backdrive_efficiency,
@@ -535,6 +536,15 @@ fn every_gear_has_its_own_spring() {
         let design = result.joints[0].designs().next().expect("a gear will do");
         let spring = design.spring.unwrap();
         assert!(matches!(design.optimum.certificate, Certificate::Certified { gap, .. } if gap <= 1e-6));
+        // In a robot with an ample budget it is the same design, and it draws what it draws alone.
+        let mut robot = case.robot.clone();
+        robot.budget.power = Some(1e9);
+        let options = robot::Options { budgets: false, ..robot::Options::default() };
+        let choice = robot::choose(&robot, &catalog, options).unwrap();
+        let together = &choice.combinations[0];
+        assert_relative_eq!(together.objective, design.optimum.objective, max_relative = 1e-9);
+        let alone = design.evaluation.peak_power.unwrap();
+        assert_relative_eq!(together.peak_power, alone, max_relative = 1e-9);
         // The same with the spring's torque in the motion, and springs beside it: none is better.
         let with = |stiffness: f64, rest: f64| {
             let mut robot = case.robot.clone();

@@ -148,13 +148,16 @@ fn every_way_to_import_is_seen() {
 fn the_picture_is_drawn_once() {
     let library = fs::read_to_string(repository("src/lib.rs")).unwrap();
     let mut declared: Vec<&str> =
-        library.lines().filter_map(|l| l.strip_prefix("pub mod ")?.strip_suffix(';')).collect();
+        library.lines().filter_map(|l| l.trim_start_matches("pub ").strip_prefix("mod ")?.strip_suffix(';')).collect();
     declared.sort_unstable();
     let mut rooms = ROOMS.to_vec();
     rooms.sort_unstable();
     assert_eq!(declared, rooms);
-    let told: Vec<&str> =
-        library.lines().filter_map(|l| l.strip_prefix("//! * [`")?.split_once("`]:")).map(|l| l.0).collect();
+    let told: Vec<&str> = library
+        .lines()
+        .filter_map(|l| l.strip_prefix("//! * ")?.split_once(":"))
+        .map(|l| l.0.trim_matches(['[', ']', '`']))
+        .collect();
     assert_eq!(told, ROOMS, "lib.rs");
     let architecture = fs::read_to_string(repository("ARCHITECTURE.md")).unwrap();
     let told: Vec<&str> = architecture
@@ -172,7 +175,7 @@ const CIRCLES: &[&[&str]] = &[
     &["catalog/fitted.rs", "catalog/read.rs"],
     &["catalog/import/mgdb.rs", "catalog/import/mgdb/cells.rs"],
     &["catalog/motor.rs", "catalog/row/mod.rs", "catalog/row/motor.rs", "catalog/sheet.rs"],
-    &["input/file.rs", "input/limits.rs", "input/recording.rs", "input/source.rs"],
+    &["input/file.rs", "input/limits.rs", "input/source.rs"],
 ];
 
 /// A module of the sources: its path below `src`, and where names in it lead.

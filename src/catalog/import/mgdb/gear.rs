@@ -7,7 +7,7 @@ use crate::input::{Range, Source};
 use crate::words::number;
 
 /// Id of the gear that stands for direct drive.
-pub const DIRECT: &str = "direct";
+pub(crate) const DIRECT: &str = "direct";
 
 /// Direct drive: nothing between motor and output; fits every motor.
 pub fn direct() -> Row<Gear> {
@@ -23,33 +23,10 @@ pub fn direct() -> Row<Gear> {
         fits: vec!["*".into()],
         source: "no gear: added with the import of MGDB".into(),
         source_kind: SourceKind::Derived,
-        ..empty(1.0)
+        ratio: 1.0,
+        ..Gear::blank()
     };
     Row { key: DIRECT.into(), place: None, item: gear }
-}
-
-fn empty(ratio: f64) -> Gear {
-    Gear {
-        id: String::new(),
-        manufacturer: String::new(),
-        model: String::new(),
-        kind: GearKind::Planetary,
-        ratio,
-        stages: None,
-        efficiency: None,
-        backdrive_efficiency: None,
-        mass: None,
-        inertia: None,
-        continuous_torque: None,
-        peak_torque: None,
-        max_input_speed: None,
-        backlash: None,
-        stiffness: None,
-        fits: Vec::new(),
-        source: String::new(),
-        source_kind: SourceKind::Secondary,
-        note: String::new(),
-    }
 }
 
 /// Reads a row; `None` where it is refused. Id and `fits` are left to the caller.
@@ -64,7 +41,10 @@ pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<Gear> {
         inertia: cells.number("inertia", Range::NonNegative),
         continuous_torque: cells.number("max_cont_torque", Range::Positive),
         peak_torque: cells.number("max_int_torque", Range::Positive),
-        ..empty(ratio.unwrap_or(f64::NAN))
+        kind: GearKind::Planetary,
+        ratio: ratio.unwrap_or(f64::NAN),
+        source_kind: SourceKind::Secondary,
+        ..Gear::blank()
     };
     if gear.efficiency.is_none() {
         gear.efficiency = Some(1.0);

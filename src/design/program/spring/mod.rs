@@ -43,7 +43,7 @@ pub struct SpringOptimum {
 
 /// A joint with the torque of a certain spring in its motion, and its load.
 #[derive(Debug)]
-pub struct Sprung {
+pub(crate) struct Sprung {
     /// The joint.
     pub joint: Joint,
     /// Its load.

@@ -6,7 +6,7 @@ use crate::numerics::least_squares::{Unknown, minimise};
 use crate::words::number;
 
 /// Complex numbers of the transform.
-pub type Complex = realfft::num_complex::Complex<f64>;
+pub(crate) type Complex = realfft::num_complex::Complex<f64>;
 
 /// Shortest and longest window \[s\].
 const WINDOW: (f64, f64) = (0.5, 4.0);
@@ -88,7 +88,7 @@ impl Record {
 
 /// Transforms of half-overlapping Hann windows.
 #[derive(Debug)]
-pub struct Spectra {
+pub(crate) struct Spectra {
     /// Samples of a window.
     pub length: usize,
     /// Frequencies \[Hz\].
@@ -265,7 +265,7 @@ pub fn band(response: &[(f64, f64, f64)], command: bool) -> Result<Band, String>
 }
 
 /// First order fitted to the logarithm of the gain, weighted by the coherence: J and B.
-pub fn gain_fit(response: &[(f64, f64, f64)], band: &Band) -> (f64, f64) {
+pub(crate) fn gain_fit(response: &[(f64, f64, f64)], band: &Band) -> (f64, f64) {
     let inside: Vec<(f64, f64, f64)> = response.iter().copied().filter(|p| band.holds(p.0)).collect();
     let tau = std::f64::consts::TAU;
     // Above the corner the gain is 1/(J ω): the median over the upper half starts it.

@@ -1,4 +1,4 @@
-use super::super::numbers::number_name;
+use crate::effects::Named;
 use super::super::steady::{CONSTANT, add, bench, noise, work};
 use super::*;
 use crate::effects::{EFFECTS, Variable, effect};
@@ -152,8 +152,8 @@ fn stages_have_their_words() {
     let effect = |name: &str| effect(name).unwrap();
     assert_eq!(Step::Added(effect("cogging"), 12.0).name(), "cogging order 12");
     assert_eq!(Step::Added(effect("eddy_drag"), 12.0).name(), "eddy_drag");
-    assert_eq!(number_name(effect("cogging"), 12.0, "sine"), "cogging.12.sine");
-    assert_eq!(number_name(effect("eddy_drag"), 12.0, "speed"), "eddy_drag.speed");
+    assert_eq!(Named::new(effect("cogging"), Some(12.0), "sine").to_string(), "cogging.12.sine");
+    assert_eq!(Named::new(effect("eddy_drag"), Some(12.0), "speed").to_string(), "eddy_drag.speed");
 }
 
 /// A load that seems scaled by s is a torque constant that is scaled by 1/s; what is held stays as declared.
