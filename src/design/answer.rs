@@ -34,16 +34,50 @@ impl RobotResult<'_> {
         ids.len()
     }
 
+    /// The first choices against the budget of mass.
+    pub fn mass_budget(&self) -> Budgeted<f64> {
+        Budgeted::new(self.robot.budget.actuator_mass, self.actuator_mass())
+    }
+
+    /// The first choices against the budget of different motors.
+    pub fn motors_budget(&self) -> Budgeted<usize> {
+        let limit = self.robot.budget.max_distinct_motors.map(|limit| limit as usize);
+        Budgeted::new(limit, Some(self.distinct_motors()))
+    }
+
     /// Whether every joint has a design and the budget is kept by the first choices.
     pub fn satisfied(&self) -> bool {
-        let budget = &self.robot.budget;
-        let mass_kept = match (budget.actuator_mass, self.actuator_mass()) {
-            (Some(limit), Some(mass)) => mass <= limit,
-            (Some(_), None) => false,
-            (None, _) => true,
-        };
-        let motors_kept = budget.max_distinct_motors.is_none_or(|limit| self.distinct_motors() <= limit as usize);
-        self.joints.iter().all(|j| !j.candidates.is_empty()) && mass_kept && motors_kept
+        let chosen = self.joints.iter().all(|j| !j.candidates.is_empty());
+        chosen && self.mass_budget().is_kept() && self.motors_budget().is_kept()
+    }
+}
+
+/// An amount against a budget.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Budgeted<T> {
+    /// There is no budget; the amount, where it is known.
+    NotAsked(Option<T>),
+    /// The amount, and the budget that it is within.
+    Within(T, T),
+    /// The amount, and the budget that it is over.
+    Over(T, T),
+    /// There is a budget, and the amount is not known.
+    Unknown(T),
+}
+
+impl<T: PartialOrd> Budgeted<T> {
+    fn new(limit: Option<T>, amount: Option<T>) -> Budgeted<T> {
+        match (limit, amount) {
+            (None, amount) => Budgeted::NotAsked(amount),
+            (Some(limit), None) => Budgeted::Unknown(limit),
+            (Some(limit), Some(amount)) if amount <= limit => Budgeted::Within(amount, limit),
+            (Some(limit), Some(amount)) => Budgeted::Over(amount, limit),
+        }
+    }
+
+    /// Whether it is kept: what is not known is not.
+    pub fn is_kept(&self) -> bool {
+        matches!(self, Budgeted::NotAsked(_) | Budgeted::Within(..))
     }
 }
 

@@ -158,6 +158,8 @@ pub struct Controller {
 pub struct Log {
     /// File, and what was selected of it: for people, and unique in the bench.
     pub name: String,
+    /// The file, as the bench file names it.
+    pub file: String,
     /// SHA-256 of the file.
     pub hash: String,
     /// What it records.
@@ -187,10 +189,32 @@ pub struct Log {
     pub remarks: Vec<String>,
 }
 
+/// Whether what is known of a channel is one value; of nothing it is.
+fn is_constant(values: &[f64]) -> bool {
+    let mut finite = values.iter().filter(|v| v.is_finite());
+    let first = finite.next();
+    finite.all(|v| Some(v) == first)
+}
+
+impl Bench {
+    /// Whether a channel is there and no log has it moving: an equation that explains it says nothing.
+    pub fn is_dead(&self, channel: Channel) -> bool {
+        let mut values = self.logs.iter().filter_map(|l| l.channel(channel)).peekable();
+        values.peek().is_some() && values.all(is_constant)
+    }
+}
+
 impl Log {
     /// A channel.
     pub fn channel(&self, channel: Channel) -> Option<&[f64]> {
         self.channels.get(&channel).map(Vec::as_slice)
+    }
+
+    /// Channels that have one value throughout. A supply may.
+    pub fn stuck(&self) -> Vec<Channel> {
+        let suspicious = |channel: Channel| !matches!(channel, Channel::Supply);
+        let stuck = self.channels.iter().filter(|(channel, values)| suspicious(**channel) && is_constant(values));
+        stuck.map(|(channel, _)| *channel).collect()
     }
 
     /// Number of samples.

@@ -510,11 +510,12 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
     let of_columns = plan.columns.iter().flat_map(|c| &c.remarks);
     let remarks = of_columns.chain(&rows.remarks).map(Remark::to_string).collect();
     let from_motor = |c: &Column| match c.target {
-        Target::Channel(channel) if c.remarks.contains(&Remark::FromMotor(c.key)) => Some(channel),
+        Target::Channel(channel) if c.from_motor => Some(channel),
         _ => None,
     };
     Log {
         name: plan.name(),
+        file: plan.file.clone(),
         hash,
         kind: plan.kind,
         usage: plan.usage,

@@ -11,7 +11,7 @@ use crate::actuator::limits::hottest;
 use crate::actuator::metrics::{METRICS, Metric, metric};
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
-use crate::design::answer::{Design, JointResult, Reason, Rejected, RobotResult};
+use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::evaluate::Margin;
 use crate::design::program::{Bind, Certificate, Infeasible, Optimum};
 use crate::requirement::{Course, GearModel, Joint, Quantity, RatioChoice};
@@ -404,6 +404,36 @@ pub(super) fn choice_text(design: &Design) -> String {
     format!("{}{gear} at N = {}{unchecked}", design.motor.id, number(design.evaluation.ratio))
 }
 
+/// What the first choices come to, and what the budgets of the requirement say of it.
+pub(super) fn budget_lines(result: &RobotResult) -> Vec<String> {
+    let several = different_motors(result.distinct_motors());
+    let mut lines = vec![match result.mass_budget() {
+        Budgeted::Within(mass, limit) => {
+            format!("actuator mass {} kg, within the budget of {} kg", number(mass), number(limit))
+        }
+        Budgeted::Over(mass, limit) => {
+            format!("actuator mass {} kg, OVER the budget of {} kg", number(mass), number(limit))
+        }
+        Budgeted::Unknown(limit) => {
+            format!("the actuator mass budget of {} kg cannot be checked: a mass is not known", number(limit))
+        }
+        Budgeted::NotAsked(Some(mass)) => format!("actuator mass {} kg, {several}", number(mass)),
+        Budgeted::NotAsked(None) => {
+            "the actuator mass is not known: a mass is missing, or a joint has no choice".into()
+        }
+    }];
+    lines.extend(match result.motors_budget() {
+        Budgeted::Within(_, limit) => {
+            Some(format!("{several}, within the budget of {limit} (each joint chosen by itself)"))
+        }
+        Budgeted::Over(_, limit) => {
+            Some(format!("{several}, OVER the budget of {limit} (each joint chosen by itself)"))
+        }
+        Budgeted::Unknown(_) | Budgeted::NotAsked(_) => None,
+    });
+    lines
+}
+
 fn summary(result: &RobotResult) -> String {
     let robot = result.robot;
     let mut out = String::from(match robot.is_coupled() {
@@ -430,23 +460,7 @@ fn summary(result: &RobotResult) -> String {
         out.push_str(&paragraph(&line, 4, 6));
     }
     let mut say = |line: &str| out.push_str(&paragraph(line, 2, 4));
-    match (result.actuator_mass(), robot.budget.actuator_mass) {
-        (Some(mass), Some(limit)) => {
-            let verdict = if mass <= limit { "within" } else { "OVER" };
-            say(&format!("actuator mass {} kg, {verdict} the budget of {} kg", number(mass), number(limit)));
-        }
-        (Some(mass), None) => {
-            let motors = different_motors(result.distinct_motors());
-            say(&format!("actuator mass {} kg, {motors}", number(mass)));
-        }
-        (None, Some(_)) => say("the actuator mass budget cannot be checked: a mass is not known"),
-        (None, None) => say("the actuator mass is not known: a mass is missing, or a joint has no choice"),
-    }
-    if let Some(limit) = robot.budget.max_distinct_motors {
-        let verdict = if result.distinct_motors() <= limit as usize { "within" } else { "OVER" };
-        let motors = different_motors(result.distinct_motors());
-        say(&format!("{motors}, {verdict} the budget of {limit} (each joint chosen by itself)"));
-    }
+    budget_lines(result).iter().for_each(|line| say(line));
     let several = robot.joints.iter().map(|j| j.count).sum::<u32>() > 1;
     if several && robot.shared_power().is_none() && (robot.bus.power.is_some() || robot.bus.current.is_some()) {
         say("the bus's power and current are kept by each joint alone; `power` in [budget] limits all together");

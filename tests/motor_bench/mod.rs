@@ -15,6 +15,7 @@ use crate::simulator::random;
 pub fn log(kind: BenchKind, time: Vec<f64>, channels: Vec<(Channel, Vec<f64>)>) -> Log {
     Log {
         name: format!("{}.csv", kind.name()),
+        file: "log.csv".into(),
         hash: "0".repeat(64),
         kind,
         usage: Use::Fit,

@@ -5,6 +5,7 @@
 //! only by the instrument's own noise, found without the model. What could not be bounded is not resolved.
 
 use super::noise::Noise;
+use crate::measured::bench::Channel;
 use crate::numerics::sums::finite_sum;
 
 /// Largest share of the error that refused effects may still explain (upper 95 % bound) to be called absent.
@@ -136,6 +137,8 @@ pub struct Evidence {
     pub together: Option<Gain>,
     /// Whether refitting the declared parameters made the left-out error worse.
     pub worse_by_refitting: bool,
+    /// The channel that is explained, where no log has it moving.
+    pub dead: Option<Channel>,
 }
 
 impl Evidence {
@@ -178,6 +181,7 @@ impl Evidence {
 pub fn verdict(evidence: &Evidence) -> Verdict {
     let bounded = evidence.most().is_some_and(|most| most <= BOUND);
     match (evidence.unexplained, evidence.found) {
+        _ if evidence.dead.is_some() => Verdict::NotResolved,
         (1.., _) => Verdict::UnexplainedStructure,
         (0, 1..) => Verdict::Explained,
         _ if !bounded => Verdict::NotResolved,

@@ -8,6 +8,7 @@ pub mod noise;
 
 pub use evidence::{Evidence, Verdict};
 
+use super::bench::Channel;
 use crate::effects::{Effect, Equation, Shape, Variable};
 
 /// Which equation.
@@ -43,6 +44,16 @@ impl Target {
             Target::Torque | Target::Drive | Target::Position => Equation::Torque,
             Target::Voltage => Equation::Voltage,
             Target::WindUp => Equation::Angle,
+        }
+    }
+
+    /// The channel that it explains, where that is one channel.
+    pub fn channel(self) -> Option<Channel> {
+        match self {
+            Target::Torque => Some(Channel::Torque),
+            Target::Voltage => Some(Channel::Voltage),
+            Target::Drive => Some(Channel::Current),
+            Target::WindUp | Target::Position => None,
         }
     }
 
@@ -229,6 +240,18 @@ pub struct Parameter {
     pub standard_error: Option<f64>,
     /// SI unit.
     pub unit: &'static str,
+}
+
+/// By how much a fitted number must differ from the declared one to be called off: in standard errors, and as a share.
+const OFF: (f64, f64) = (3.0, 0.02);
+
+impl Parameter {
+    /// By what share the logs want it changed, where that is sure and enough to matter.
+    pub fn shift(&self) -> Option<f64> {
+        let (declared, error) = (self.declared.filter(|d| *d != 0.0)?, self.standard_error?);
+        let change = self.fitted / declared - 1.0;
+        ((self.fitted - declared).abs() > OFF.0 * error && change.abs() > OFF.1).then_some(change)
+    }
 }
 
 /// An effect that the model lacked.

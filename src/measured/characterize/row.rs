@@ -163,12 +163,11 @@ fn plain(name: &str) -> String {
 
 fn source(bench: &Bench) -> String {
     let file = bench.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let mut files: Vec<(String, &str)> = Vec::new();
+    let mut files: Vec<(&str, &str)> = Vec::new();
     for log in bench.logs.iter().filter(|l| l.usage == crate::measured::bench::Use::Fit) {
         // One file may hold several logs: it is named once.
-        let name = log.name.split(", ").next().unwrap_or(&log.name).to_string();
         if !files.iter().any(|(_, hash)| *hash == log.hash) {
-            files.push((name, &log.hash));
+            files.push((&log.file, &log.hash));
         }
     }
     let logs: Vec<String> = files.iter().map(|(name, hash)| format!("{name} sha256 {hash}")).collect();

@@ -247,8 +247,10 @@ impl<'a> Fits<'a> {
         if effect.shape() != Shape::None {
             // A shape belongs to the fit that its size is of.
             let found = self.reports[report].effects.iter().filter(|e| e.effect == effect);
-            let own =
-                found.flat_map(|e| &e.instances).find(|i| effect.is_same_instance(i, instance)).map_or(instance, Vec::as_slice);
+            let own = found
+                .flat_map(|e| &e.instances)
+                .find(|i| effect.is_same_instance(i, instance))
+                .map_or(instance, Vec::as_slice);
             let index = effect.linear();
             let shape = self.seen(report, &name(effect.parameters()[index].name));
             values.push(shape.unwrap_or(Number::exact(own[index])));

@@ -101,6 +101,7 @@ pub fn report(
         asked,
         together: Some(together),
         worse_by_refitting: refitting.is_harm(),
+        dead: work.balance.target.channel().filter(|channel| work.bench.is_dead(*channel)),
     };
     artefacts.extend(super::artefacts::zeros(&work));
     let (names, matrix, solution, _) = errors(&work);

@@ -44,6 +44,8 @@ pub struct Column {
     pub gain_tolerance: Option<f64>,
     /// Whether a row's value holds until the next row, of what drives the machine.
     pub held: bool,
+    /// Whether it was measured at the motor and is brought to the output by the ratio.
+    pub from_motor: bool,
     /// What was assumed.
     pub remarks: Vec<Remark>,
 }
@@ -257,7 +259,11 @@ fn read_column(
         )
     };
     let mut remarks = Vec::new();
-    let placed = place(&section, key, quantity, side, frame, &mut remarks);
+    let mut from_motor = false;
+    let placed = place(&section, key, quantity, side, frame, &mut from_motor, &mut remarks);
+    if from_motor {
+        remarks.push(Remark::FromMotor(key));
+    }
     let said = if quantity == Quantity::Current && section.has("convention") {
         section.text("convention").and_then(|t| {
             CurrentConvention::NAMES.iter().find(|(name, _)| name == t.get_ref()).map(|(_, convention)| *convention)
@@ -286,6 +292,7 @@ fn read_column(
         difference,
         gain_tolerance,
         held,
+        from_motor,
         remarks,
     })
 }
@@ -365,23 +372,22 @@ fn read_unit(section: &Section, key: &str, kind: &'static Kind) -> Option<units:
     }
 }
 
-/// The channel of a quantity and the factor to its canonical frame.
+/// The channel of a quantity and the factor to its canonical frame; `from_motor` where the ratio brings it to the output.
 fn place(
     section: &Section,
     key: &'static str,
     quantity: Quantity,
     side: Option<Side>,
     frame: &Frame,
+    from_motor: &mut bool,
     remarks: &mut Vec<Remark>,
 ) -> Option<(Target, f64)> {
     let side = read_side(section, key, quantity, side, frame, remarks)?;
     let motor = side == Side::Motor;
     let channel = |channel| Some((Target::Channel(channel), 1.0));
     // Torque grows by the ratio on its way to the output, motion shrinks.
-    let moved = |channel, factor: f64, remarks: &mut Vec<Remark>| {
-        if motor && frame.ratio != 1.0 {
-            remarks.push(Remark::FromMotor(key));
-        }
+    let mut moved = |channel, factor: f64| {
+        *from_motor = motor && frame.ratio != 1.0;
         Some((Target::Channel(channel), if motor { factor } else { 1.0 }))
     };
     if let Some(drive) = frame.linear {
@@ -396,9 +402,9 @@ fn place(
         Quantity::Position => channel(Channel::OutputPosition),
         Quantity::Velocity if motor => channel(Channel::MotorVelocity),
         Quantity::Velocity => channel(Channel::OutputVelocity),
-        Quantity::Acceleration => moved(Channel::OutputAcceleration, 1.0 / frame.ratio, remarks),
-        Quantity::Goal => moved(Channel::Goal, 1.0 / frame.ratio, remarks),
-        Quantity::Torque => moved(Channel::Torque, frame.ratio, remarks),
+        Quantity::Acceleration => moved(Channel::OutputAcceleration, 1.0 / frame.ratio),
+        Quantity::Goal => moved(Channel::Goal, 1.0 / frame.ratio),
+        Quantity::Torque => moved(Channel::Torque, frame.ratio),
         Quantity::Force => {
             section.note(
                 Problem::at(section.span(), "only a linear axis has a column `force`", "this actuator turns")

@@ -7,8 +7,8 @@ use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
-    asks_for_nothing, bind_text, choice_text, margin_text, notes, proof, ratio_text, reason_text, verdict,
-    without_choice,
+    asks_for_nothing, bind_text, budget_lines, choice_text, margin_text, notes, proof, ratio_text, reason_text,
+    verdict, without_choice,
 };
 use crate::report::plot::design as plot;
 use crate::report::{columns, different_motors, number, optional, robot as robot_report, spring};
@@ -143,27 +143,14 @@ fn none_text(joint: &JointResult) -> String {
     }
 }
 
-/// What the budget says.
+/// What the budget says, each in a sentence.
 fn budget(result: &RobotResult) -> Vec<String> {
-    let budget = &result.robot.budget;
-    let mut lines = Vec::new();
-    lines.push(match (result.actuator_mass(), budget.actuator_mass) {
-        (Some(mass), Some(limit)) => {
-            let verdict = if mass <= limit { "within" } else { "OVER" };
-            format!("Actuator mass {} kg, {verdict} the budget of {} kg.", number(mass), number(limit))
-        }
-        (Some(mass), None) => format!("Actuator mass {} kg.", number(mass)),
-        (None, _) => "The actuator mass is not known: a mass is missing, or a joint has no choice.".into(),
-    });
-    if let Some(limit) = budget.max_distinct_motors {
-        let motors = result.distinct_motors();
-        let verdict = if motors <= limit as usize { "within" } else { "OVER" };
-        lines.push(format!(
-            "{}, {verdict} the budget of {limit} (each joint chosen by itself).",
-            different_motors(motors)
-        ));
-    }
-    lines
+    let sentence = |line: String| {
+        let mut letters = line.chars();
+        let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+        format!("{first}{}.", letters.as_str())
+    };
+    budget_lines(result).into_iter().map(sentence).collect()
 }
 
 fn warned(result: &JointResult) -> Vec<String> {

@@ -324,6 +324,7 @@ fn constant_channels_teach_nothing_wrong() {
     assert_eq!(effects(&output), Vec::<String>::new(), "a stuck sensor shows no effect");
     let result = json(&output);
     assert_eq!(result["sentence"], "Nothing can be learnt: the torque has one value throughout.");
+    assert_eq!(result["verdict"], "not_resolved");
     assert_eq!(result["logs"][0]["stuck_channels"], serde_json::json!(["torque"]));
     // A shaft that never turns.
     let output = spoilt(same, |_, mut rows| {

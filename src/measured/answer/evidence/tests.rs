@@ -26,6 +26,7 @@ fn clean() -> Evidence {
         ],
         together: Some(gain(0.02, 0.005)),
         worse_by_refitting: false,
+        dead: None,
     }
 }
 
@@ -37,6 +38,8 @@ fn nothing_is_missing_only_where_everything_shows_it() {
         change(&mut evidence);
         verdict(&evidence)
     };
+    // Of a channel that never moves nothing is known.
+    assert_eq!(with(|e| e.dead = Some(Channel::Torque)), Verdict::NotResolved);
     // More is left than noise, on either part.
     assert_eq!(with(|e| e.left = 1.16), Verdict::NoneOfThese);
     assert_eq!(with(|e| e.held_out = Some(1.16)), Verdict::NoneOfThese);

@@ -1,6 +1,6 @@
-use crate::effects::Named;
 use super::super::steady::{CONSTANT, add, bench, noise, work};
 use super::*;
+use crate::effects::Named;
 use crate::effects::{EFFECTS, Variable, effect};
 use crate::measured::answer::{ArtefactKind, Hidden};
 

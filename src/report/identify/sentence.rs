@@ -1,0 +1,148 @@
+//! The verdict over all equations of a bench, in a sentence that anyone understands.
+
+use super::{channel_name, listed, overall, percent, refused, round, strength};
+use crate::effects;
+use crate::measured::identify::evidence::AT_THE_NOISE;
+use crate::measured::identify::{Ground, Report, Verdict};
+use crate::measured::{Bench, Use};
+use crate::report::number;
+
+/// The verdict in a sentence that anyone understands.
+pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
+    let Some(first) = reports.first() else { return "Nothing can be learnt from these logs.".into() };
+    if let Some(channel) = reports.iter().find_map(|r| r.evidence.dead) {
+        return format!("Nothing can be learnt: the {} has one value throughout.", channel_name(channel));
+    }
+    let mut parts = Vec::new();
+    let mut names: Vec<String> = Vec::new();
+    for effect in reports.iter().flat_map(|r| &r.effects) {
+        let name = effect.effect.title();
+        let alike: Vec<String> = effect.confounded_with.iter().map(|e| e.title()).collect();
+        let text = if alike.is_empty() {
+            name
+        } else {
+            format!("{name} (or {}, which looks the same here)", alike.join(" or "))
+        };
+        if !names.contains(&text) {
+            names.push(text);
+        }
+    }
+    let shifted: Vec<String> = reports
+        .iter()
+        .flat_map(|r| &r.parameters)
+        .filter_map(|p| {
+            let change = p.shift()?;
+            let more = if change > 0.0 { "larger" } else { "smaller" };
+            Some(format!("{} {} % {more}", effects::in_words(&p.name), number((1e3 * change.abs()).round() / 10.0)))
+        })
+        .collect();
+    let errors = |report: &Report| -> Option<String> {
+        let (from, to) = (report.stages.first()?, report.stages.last()?);
+        let (judge, a, b) = match (from.held_out, to.held_out) {
+            (Some(a), Some(b)) => ("on what was held out", a, b),
+            _ => ("on the logs for fitting", from.fit, to.fit),
+        };
+        Some(format!("{judge} the error goes from {} to {} {}", number(a), number(b), report.unit))
+    };
+    let verdict = overall(reports);
+    let off = format!("the declared numbers are off: the logs want {}", listed(&shifted));
+    match verdict {
+        Verdict::NothingMissing | Verdict::NoneOfThese => {
+            let none = match verdict {
+                Verdict::NothingMissing => "Nothing is missing that these logs can show".to_string(),
+                _ => format!("None of the {} effects that could be asked is missing", asked(reports)),
+            };
+            parts.push(if shifted.is_empty() { none } else { format!("{none}, but {off}") });
+            let most = reports.iter().filter_map(|r| r.evidence.most()).fold(0.0, f64::max);
+            parts.push(format!("alone or together they would lower the error by at most {} % (95 %)", percent(most)));
+        }
+        Verdict::NotResolved => {
+            let strongest = reports.iter().filter_map(|r| r.evidence.strongest());
+            let strongest = strongest.max_by(|a, b| a.gain.most().total_cmp(&b.gain.most()));
+            parts.push("No effect could be named with certainty, and not all could be excluded".into());
+            parts.push(match strongest {
+                Some(asked) => format!("the strongest of what was refused: {}", effects::in_words(&strength(asked))),
+                None => "how much those that were refused could still explain was not bounded".into(),
+            });
+            if !shifted.is_empty() {
+                parts.push(off);
+            }
+        }
+        Verdict::Explained => parts.push(format!("The declared model lacks {}", listed(&names))),
+        Verdict::UnexplainedStructure => {
+            let mut on: Vec<String> = Vec::new();
+            for left in reports.iter().flat_map(|r| &r.unexplained) {
+                let name = left.depends_on.name().to_string();
+                if !on.contains(&name) {
+                    on.push(name);
+                }
+            }
+            let lacks = if names.is_empty() {
+                String::new()
+            } else {
+                format!("The declared model lacks {}, and ", listed(&names))
+            };
+            let start = if lacks.is_empty() { "Something" } else { "something" };
+            parts.push(format!(
+                "{lacks}{start} is left that none of the known effects explains: it depends on {}",
+                listed(&on)
+            ));
+        }
+    }
+    if matches!(verdict, Verdict::Explained | Verdict::UnexplainedStructure) && !shifted.is_empty() {
+        parts.push(format!("the logs want {}", listed(&shifted)));
+    }
+    let of_verdict = || reports.iter().find(|r| r.verdict == verdict);
+    let told = reports.iter().find(|r| !r.effects.is_empty()).or_else(of_verdict).unwrap_or(first);
+    parts.extend(errors(told));
+    parts.push(left(told, verdict));
+    let missing = bench.logs.iter().all(|l| l.usage == Use::Fit);
+    let note = if missing { " No log was held out, so parts of the same logs judged." } else { "" };
+    format!("{}.{}{note}", parts.join("; "), unseen(reports))
+}
+
+/// How many effects were asked and refused.
+fn asked(reports: &[Report]) -> usize {
+    reports.iter().map(|r| r.evidence.asked.len()).sum()
+}
+
+/// What is left, in times of the instrument's noise.
+fn left(report: &Report, verdict: Verdict) -> String {
+    match report.evidence.times_the_noise() {
+        Some(times) => {
+            let held = report.evidence.held_out_times_the_noise();
+            let also = held.map_or_else(String::new, |h| format!(", {} times on what was held out", number(round(h))));
+            let left = format!("{} times the instrument's noise is left{also}", number(round(times)));
+            match verdict {
+                Verdict::NoneOfThese if times > AT_THE_NOISE || held.is_some() => {
+                    format!("{left}: unrepeatable, or not on the list")
+                }
+                _ => left,
+            }
+        }
+        None if matches!(verdict, Verdict::NoneOfThese | Verdict::NotResolved) => {
+            "it is not known whether more than the instrument's noise is left".into()
+        }
+        None => "the instrument's noise is not known".into(),
+    }
+}
+
+/// Effects that the response would explain by itself, and what would show them: sentences of their own.
+fn unseen(reports: &[Report]) -> String {
+    let mut ways: Vec<(&str, Vec<String>)> = Vec::new();
+    for (refusal, _) in refused(reports) {
+        let Ground::Response(by) = refusal.ground else { continue };
+        match ways.iter_mut().find(|(way, _)| *way == by) {
+            Some((_, names)) => names.push(effects::in_words(&refusal.name)),
+            None => ways.push((by, vec![effects::in_words(&refusal.name)])),
+        }
+    }
+    let one = |(by, names): &(&str, Vec<String>)| {
+        let (are, their, them) = if names.len() == 1 { ("is", "its", "it") } else { ("are", "their", "them") };
+        format!(
+            " On this bench {} {are} not identifiable: {their} regressor is made of the response; {by} would show {them}.",
+            listed(names)
+        )
+    };
+    ways.iter().map(one).collect()
+}
