@@ -79,7 +79,7 @@ impl Enters {
             }
             (Enters::Features(_), _) => "enters torque and voltage at every instant; certified by branch and bound",
             (Enters::Efficiency { .. }, _) => "enters as the gear's efficiency; the optimum is certified",
-            (Enters::Evaluated(_), _) => "evaluated on a refined grid of ratios; the optimum is not certified",
+            (Enters::Evaluated(_), _) => "is evaluated on a refined grid of ratios; the optimum is not certified",
             (Enters::NotAtAll(_), _) => "does not enter the limits",
             (
                 Enters::Ripple(_)

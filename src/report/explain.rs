@@ -26,8 +26,10 @@ pub fn text(story: &Explanation) -> String {
     let mut out = format!("{}\n", paragraph(&heading, 0, 2));
     out.push_str(&limits(story));
     out.push('\n');
-    for (what, value, unit) in quantities(story) {
-        out.push_str(&format!("  {what:<24}{} {unit}\n", optional(value)));
+    let quantities = quantities(story);
+    let room = quantities.iter().map(|(what, ..)| what.chars().count() + 2).fold(24, usize::max);
+    for (what, value, unit) in quantities {
+        out.push_str(&format!("  {what:<room$}{} {unit}\n", optional(value)));
         if what == figure("winding_temperature_k").words && story.winding_temperature.runs_away() {
             out.push_str(&paragraph(RUNAWAY, 2, 4));
         }

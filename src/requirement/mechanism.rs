@@ -126,7 +126,7 @@ fn read_section(section: &Section, motions: &mut MotionReader) -> Option<Known> 
         return None;
     }
     let torques = torques::torques(&mechanism, &trajectory, friction);
-    let separate = actuators.unwrap_or(Some(false))?;
+    let separate = actuators?;
     let repeat_every = repeat_every(section, every, trajectory.course);
     Some(Known { model: model.into_inner(), mechanism, trajectory, torques, separate, repeat_every })
 }
@@ -142,12 +142,12 @@ fn read_place(table: &Section) -> (Option<toml::Spanned<String>>, [f64; 3]) {
     (link, at.unwrap_or([0.0; 3]))
 }
 
-/// Whether the description leaves the actuators out; inside, `None` where what stands there is wrong.
-fn read_separate(section: &Section) -> Option<Option<bool>> {
+/// Whether the description leaves the actuators out; `None` where what stands there is wrong.
+fn read_separate(section: &Section) -> Option<bool> {
     let about = "whether the masses of the model contain the actuators";
     let choices = [("included", false), ("separate", true)];
     let choice = section.choice(key("actuators", about).default("`included`"), &choices);
-    section.has("actuators").then_some(choice)
+    if section.has("actuators") { choice } else { Some(false) }
 }
 
 /// Opens a file that a key names; what is wrong in it is its own report.

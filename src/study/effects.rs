@@ -39,7 +39,7 @@ pub struct Effect {
     pub lost: u64,
 }
 
-/// The first choice of one joint at one point: its loss \[W\], and its motor; not finite where there is none.
+/// The first choice of one joint at one point: its loss, in watts, and its motor; not finite where there is none.
 #[derive(Debug, Clone, Copy)]
 pub struct FirstChoice {
     /// Loss \[W\].

@@ -43,11 +43,11 @@ pub struct JointSummary {
     pub without_design: u64,
     /// At how many of those some motor may, but a limit that the requirement states cannot be judged of it.
     pub unjudged: u64,
-    /// Least loss of a first choice \[W\].
+    /// Least loss of a first choice, in watts.
     pub least_loss_w: Option<f64>,
-    /// Mean loss of the first choices \[W\].
+    /// Mean loss of the first choices, in watts.
     pub mean_loss_w: Option<f64>,
-    /// Largest loss of a first choice \[W\].
+    /// Largest loss of a first choice, in watts.
     pub largest_loss_w: Option<f64>,
     /// Motors that are among the designs asked for at least once, the most frequent winners first.
     pub motors: Vec<MotorSummary>,

@@ -188,11 +188,10 @@ impl<'a> RatioProgram<'a> {
         if self.limits.iter().any(|l| l.asked.limit.class == Class::ReverseConvex) {
             return Some("a regeneration limit is reverse-convex");
         }
-        let weighted = self.objective.sole().is_none();
-        if weighted && self.objective.weight(Quantity::PeakCurrent) > 0.0 {
-            return Some("a weighted sum with the peak current is not convex in N²");
+        if let Some(why) = objective::why_not_convex(self.objective) {
+            return Some(why);
         }
-        if weighted
+        if self.objective.sole().is_none()
             && self.objective.weight(Quantity::Mass) > 0.0
             && self.prepared.candidate.gear.mass_per_stage.is_some()
         {

@@ -5,7 +5,18 @@
 use super::RatioProgram;
 use crate::actuator::Laurent;
 use crate::actuator::waveform::Functional;
-use crate::requirement::Quantity;
+use crate::requirement::{Objective, Quantity};
+
+/// Why a quantity of an objective makes it bend the wrong way in N², where one does: its cuts have odd powers of N.
+pub(super) fn why_not_convex(objective: &Objective) -> Option<&'static str> {
+    let sole = objective.sole().is_some();
+    let why = |quantity: Quantity| match quantity {
+        // Alone it is minimised by its square.
+        Quantity::PeakCurrent => (!sole).then_some("a weighted sum with the peak current is not convex in N²"),
+        Quantity::Loss | Quantity::Energy | Quantity::PeakPower | Quantity::Mass | Quantity::ReflectedInertia => None,
+    };
+    objective.terms.iter().filter(|(_, weight)| *weight > 0.0).find_map(|(quantity, _)| why(*quantity))
+}
 
 /// The objective of a program, without the mass that steps by stages.
 #[derive(Debug)]

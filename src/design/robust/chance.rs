@@ -93,20 +93,18 @@ pub(super) fn contenders<'a>(
                         && judge::doubt(&prepared, ratio, only_checked).is_some());
                 evaluation.objective(&joint.objective).filter(|_| kept)
             };
-            let both = |motor: &Motor| {
-                let robust = own.map(|own| at(motor, own.gear, own.optimum.ratio));
-                (at(motor, design.gear, design.optimum.ratio), robust)
-            };
             let mut generator = Pcg64::seed_from_u64(seed(&motor.id, &joint.name));
-            let samples: Vec<(Option<f64>, Option<Option<f64>>)> = if all.is_empty() {
-                vec![both(motor); SAMPLES]
-            } else {
-                (0..SAMPLES)
-                    .map(|_| sample(motor, &all, &mut generator).map_or((None, own.map(|_| None)), |m| both(&m)))
-                    .collect()
+            let motors: Vec<Option<Motor>> = match all.is_empty() {
+                true => Vec::new(),
+                false => (0..SAMPLES).map(|_| sample(motor, &all, &mut generator)).collect(),
             };
-            let at_nominal = samples.iter().map(|s| s.0).collect();
-            (at_nominal, samples.iter().map(|s| s.1).collect())
+            let course = |gear: Option<&str>, ratio: f64| -> Course {
+                match all.is_empty() {
+                    true => vec![at(motor, gear, ratio); SAMPLES],
+                    false => motors.iter().map(|motor| at(motor.as_ref()?, gear, ratio)).collect(),
+                }
+            };
+            (course(design.gear, design.optimum.ratio), own.map(|own| course(own.gear, own.optimum.ratio)))
         })
         .collect();
     let share = |count: usize| count as f64 / SAMPLES as f64;

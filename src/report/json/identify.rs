@@ -163,9 +163,9 @@ pub struct Error {
     pub fit: Option<f64>,
     /// On what was held out.
     pub held_out: Option<f64>,
-    /// Variance accounted for on the logs for fitting \[%\].
+    /// Variance accounted for on the logs for fitting, in per cent.
     pub fit_vaf: Option<f64>,
-    /// Variance accounted for on what was held out \[%\].
+    /// Variance accounted for on what was held out, in per cent.
     pub held_out_vaf: Option<f64>,
 }
 

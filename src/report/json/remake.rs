@@ -26,10 +26,18 @@ pub struct First<'a> {
     /// Name of the joint.
     pub joint: &'a str,
     #[serde(flatten)]
-    choice: Option<Chosen<'a>>,
-    /// There, and `null`, where no motor can do it.
-    #[serde(rename = "motor", skip_serializing_if = "Option::is_none")]
-    none: Option<()>,
+    choice: Any<'a>,
+}
+
+/// A choice, if there is one.
+#[derive(Debug, Serialize, JsonSchema)]
+#[serde(untagged)]
+enum Any<'a> {
+    Chosen(Box<Chosen<'a>>),
+    None {
+        /// No motor can do it.
+        motor: (),
+    },
 }
 
 /// What the measurement changes at one joint.
@@ -114,8 +122,7 @@ impl<'a> Remade<'a> {
     pub fn new(remade: &'a [remake::Remade]) -> Remade<'a> {
         let first = |joint: &'a Joint, chosen: &'a Option<ChosenFact>| First {
             joint: &joint.name,
-            choice: chosen.as_ref().map(Chosen::new),
-            none: chosen.is_none().then_some(()),
+            choice: chosen.as_ref().map_or(Any::None { motor: () }, |c| Any::Chosen(Chosen::new(c).into())),
         };
         Remade {
             before: remade.iter().map(|one| first(one.joint, &one.first_before)).collect(),

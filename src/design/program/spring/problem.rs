@@ -10,6 +10,7 @@ use crate::actuator::shaft::sign;
 use crate::actuator::waveform::Functional;
 use crate::actuator::{Actuator, Load};
 use crate::design::evaluate::{Prepared, violation};
+use crate::design::program::objective::why_not_convex;
 use crate::requirement::{Joint, Motion, Objective, Quantity, Spring};
 
 /// What is asked at a spring, which limit is meant: its place, and that of the sample.
@@ -197,9 +198,8 @@ impl<'a> Problem<'a> {
         if self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex) {
             return Some("a regeneration limit is reverse-convex");
         }
-        let weighted = self.objective.sole().is_none();
-        if weighted && self.objective.weight(Quantity::PeakCurrent) > 0.0 {
-            return Some("a weighted sum with the peak current is not convex");
+        if let Some(why) = why_not_convex(self.objective) {
+            return Some(why);
         }
         if load(Flow::Driving) != load(Flow::Braking) {
             return Some("the gear's efficiency flips with a spring that is free");
@@ -214,7 +214,7 @@ impl<'a> Problem<'a> {
     pub(super) fn bends_in_ratio(&self) -> bool {
         self.actuator().has_odd_powers()
             || self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex)
-            || (self.objective.sole().is_none() && self.objective.weight(Quantity::PeakCurrent) > 0.0)
+            || why_not_convex(self.objective).is_some()
     }
 
     /// Whether the objective has a mass that steps by stages.
