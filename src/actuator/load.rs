@@ -163,8 +163,11 @@ impl Load {
     }
 
     /// The same with an inertia at the output \[kg·m²\] that the gear's efficiency covers as it covers the
-    /// load torque. The gear's own limits stay on the torque at its output.
+    /// load torque; zero where it covers none. The gear's own limits stay on the torque at its output.
     pub fn with_inertia(motion: &Motion, bandwidth: Option<TorqueBandwidth>, inertia: f64) -> Load {
+        if inertia == 0.0 {
+            return Load::new(motion, bandwidth);
+        }
         let mut moved = motion.clone();
         for k in 0..motion.len() {
             moved.torque[k] += inertia * motion.acceleration[k];

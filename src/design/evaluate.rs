@@ -57,6 +57,21 @@ pub struct Margin {
     pub owner: &'static str,
 }
 
+impl Margin {
+    /// Of a limit that is asked of a candidate at a ratio, by its raw demand and the sample that makes it.
+    pub(super) fn new(asked: &Asked, candidate: &Candidate, ratio: f64, (raw, sample): (f64, Option<usize>)) -> Margin {
+        Margin {
+            limit: asked.limit.name,
+            unit: asked.limit.unit,
+            demand: asked.natural(raw),
+            bound: asked.bound,
+            margin: asked.margin(candidate, ratio, raw),
+            sample,
+            owner: asked.owner,
+        }
+    }
+}
+
 /// A design with all that is known of it. SI.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
@@ -204,18 +219,9 @@ impl<'a> Prepared<'a> {
                 }
                 _ => asked.raw_demand(candidate, ratio),
             };
-            let demand = asked.natural(raw);
-            let margin = asked.margin(candidate, ratio, raw);
-            feasible &= margin >= -FEASIBILITY_TOLERANCE;
-            margins.push(Margin {
-                limit: asked.limit.name,
-                unit: asked.limit.unit,
-                demand,
-                bound: asked.bound,
-                margin,
-                sample,
-                owner: asked.owner,
-            });
+            let margin = Margin::new(asked, candidate, ratio, (raw, sample));
+            feasible &= margin.margin >= -FEASIBILITY_TOLERANCE;
+            margins.push(margin);
         }
         let loss = self.loss_at(ratio);
         // The polynomial of the mean power has the heat as if the iron did not saturate.

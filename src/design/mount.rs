@@ -137,10 +137,7 @@ pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
 
 /// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
 pub(crate) fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
-    match covered {
-        Some(inertia) => Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia),
-        None => Load::new(&joint.motion, joint.limits.torque_bandwidth),
-    }
+    Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, covered.unwrap_or(0.0))
 }
 
 /// What a joint asks, made ready once for all motors: its load, and the gears it allows, each with the

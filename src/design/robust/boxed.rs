@@ -146,18 +146,7 @@ impl<'p> Boxed<'p> {
     /// The smallest margin over the limits of all corners at a ratio.
     fn tightest(&self, ratio: f64) -> Option<Margin> {
         let margin = |Limited { candidate, asked }: Limited| {
-            let (raw, sample) = asked.raw_demand(candidate, ratio);
-            let demand = asked.natural(raw);
-            let margin = asked.margin(candidate, ratio, raw);
-            Margin {
-                limit: asked.limit.name,
-                unit: asked.limit.unit,
-                demand,
-                bound: asked.bound,
-                margin,
-                sample,
-                owner: asked.owner,
-            }
+            Margin::new(asked, candidate, ratio, asked.raw_demand(candidate, ratio))
         };
         limits_of(&self.nominal, &self.corners).into_iter().map(margin).min_by(|a, b| a.margin.total_cmp(&b.margin))
     }

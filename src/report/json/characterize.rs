@@ -220,7 +220,7 @@ impl JsonSchema for Numbers<'_> {
         let mut properties = serde_json::Map::new();
         for field in FIELDS {
             let [value, tolerance] = keys(field);
-            properties.insert(value, number_or_null(field.about).to_value());
+            properties.insert(value, number_or_null(&field.about.replace("\\[", "[").replace("\\]", "]")).to_value());
             properties.insert(tolerance, number_or_null("its ± (95 %)").to_value());
         }
         json_schema!({ "type": "object", "properties": properties, "additionalProperties": false })

@@ -55,10 +55,7 @@ impl Sprung {
     /// \[kg·m²\]. `None` where the motion says no position.
     pub fn new(joint: &Joint, stiffness: f64, rest_angle: f64, covered: f64) -> Option<Sprung> {
         let joint = Joint { motion: joint.motion.with_spring(stiffness, rest_angle)?.into(), ..joint.clone() };
-        let load = match covered {
-            0.0 => Load::new(&joint.motion, joint.limits.torque_bandwidth),
-            inertia => Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia),
-        };
+        let load = Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, covered);
         Some(Sprung { joint, load })
     }
 

@@ -173,10 +173,7 @@ impl<'a> Problem<'a> {
 
     /// The load of a joint, with what the gear's efficiency covers.
     pub(super) fn load(&self, joint: &Joint) -> Load {
-        match self.covered {
-            0.0 => Load::new(&joint.motion, joint.limits.torque_bandwidth),
-            inertia => Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, inertia),
-        }
+        Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, self.covered)
     }
 
     /// Whether the search is to stop.
