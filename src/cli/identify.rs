@@ -84,6 +84,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         written.push(format!("The residual before and after is drawn in {}.", path.display()));
     }
     if let Some(path) = &arguments.write {
+        if reports.iter().all(|report| report.evidence.dead.is_some()) {
+            let why = "`--write`: nothing can be learnt from these logs, so there are no fitted numbers to write";
+            return Err(Failure::Argument(why.into()));
+        }
         let Some(actuator) = &actuator else {
             return Err(Failure::Argument("`--write`: the fitted numbers make no row of a motor".into()));
         };

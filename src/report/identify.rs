@@ -319,8 +319,7 @@ pub(super) fn story_rows(report: &Report) -> (Vec<Column>, Vec<Vec<String>>) {
     let floor = report.evidence.noise.floor();
     let ratio = |value: f64| floor.map(|floor| number(value / floor));
     let held = |value: Option<f64>, f: &dyn Fn(f64) -> String| value.map_or_else(|| "–".into(), f);
-    // Of a target that does not vary no variance can be accounted for.
-    let vaf = |value: f64| if value > -1e5 { format!("{value:.2}") } else { "–".into() };
+    let vaf = |value: f64| Stage::vaf(value).map_or_else(|| "–".into(), |value| format!("{value:.2}"));
     let rows: Vec<Vec<String>> = report
         .stages
         .iter()

@@ -215,6 +215,11 @@ pub struct Stage {
 }
 
 impl Stage {
+    /// Variance accounted for \[%\], where it says anything: of a target that does not vary none can be accounted for.
+    pub fn vaf(percent: f64) -> Option<f64> {
+        (percent > -1e5).then_some(percent)
+    }
+
     /// From error and variance accounted for \[%\] on either part; without data to fit they are not numbers.
     pub fn new(step: Step, fit: Option<(f64, f64)>, held_out: Option<(f64, f64)>) -> Stage {
         Stage {

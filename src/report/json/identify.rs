@@ -174,8 +174,8 @@ impl From<&StageFact> for Error {
         Error {
             fit: finite(stage.fit),
             held_out: stage.held_out.and_then(finite),
-            fit_vaf: finite(stage.fit_vaf),
-            held_out_vaf: stage.held_out_vaf.and_then(finite),
+            fit_vaf: StageFact::vaf(stage.fit_vaf),
+            held_out_vaf: stage.held_out_vaf.and_then(StageFact::vaf),
         }
     }
 }

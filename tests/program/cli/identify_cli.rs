@@ -257,6 +257,14 @@ fn the_fitted_actuator_stands_alone() {
 
 /// Copies the example with its logs changed, and runs it.
 fn spoilt(bench: impl Fn(String) -> String, log: impl Fn(usize, Vec<Vec<String>>) -> Vec<Vec<String>>) -> Output {
+    spoilt_with(bench, log, &[])
+}
+
+fn spoilt_with(
+    bench: impl Fn(String) -> String,
+    log: impl Fn(usize, Vec<Vec<String>>) -> Vec<Vec<String>>,
+    further: &[&str],
+) -> Output {
     let folder = tempfile::tempdir().unwrap();
     let text = fs::read_to_string(repository(EXAMPLE)).unwrap();
     fs::write(folder.path().join("bench.toml"), bench(text)).unwrap();
@@ -268,7 +276,7 @@ fn spoilt(bench: impl Fn(String) -> String, log: impl Fn(usize, Vec<Vec<String>>
         fs::write(folder.path().join(name), text).unwrap();
     }
     let path: &Path = &folder.path().join("bench.toml");
-    gearwise(&["identify", path.to_str().unwrap(), "--json"])
+    gearwise(&[&["identify", path.to_str().unwrap(), "--json"], further].concat())
 }
 
 fn same(text: String) -> String {
@@ -317,14 +325,17 @@ fn three_rows_teach_nothing() {
 #[test]
 fn constant_channels_teach_nothing_wrong() {
     // A torque sensor that is stuck.
-    let output = spoilt(same, |_, mut rows| {
+    let stuck = |_: usize, mut rows: Vec<Vec<String>>| {
         rows.iter_mut().skip(1).for_each(|r| r[4] = "1.000".into());
         rows
-    });
-    assert_eq!(effects(&output), Vec::<String>::new(), "a stuck sensor shows no effect");
+    };
+    refused(&spoilt_with(same, stuck, &["--write", "fitted.toml"]), &["`--write`: nothing can be learnt"]);
+    let output = spoilt(same, stuck);
     let result = json(&output);
+    assert_eq!(result["effects"], serde_json::json!([]), "a stuck sensor shows no effect");
     assert_eq!(result["sentence"], "Nothing can be learnt: the torque has one value throughout.");
     assert_eq!(result["verdict"], "not_resolved");
+    assert!(result["errors"]["declared"]["fit_vaf"].is_null(), "{}", result["errors"]);
     assert_eq!(result["logs"][0]["stuck_channels"], serde_json::json!(["torque"]));
     // A shaft that never turns.
     let output = spoilt(same, |_, mut rows| {
