@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         written.push(format!("The residual before and after is drawn in {}.", path.display()));
     }
     if let Some(path) = &arguments.write {
-        if reports.iter().all(|report| report.evidence.dead.is_some()) {
+        if reports.iter().all(|report| report.evidence.teaches_nothing()) {
             let why = "`--write`: nothing can be learnt from these logs, so there are no fitted numbers to write";
             return Err(Failure::Argument(why.into()));
         }

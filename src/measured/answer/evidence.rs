@@ -13,6 +13,10 @@ pub(crate) const BOUND: f64 = 0.03;
 /// What is left is noise up to this many times the instrument's: twice would admit three quarters of the error's
 /// variance.
 pub const AT_THE_NOISE: f64 = 1.15;
+/// Variance accounted for \[%\] below which a channel may not follow the model at all.
+const FOLLOWS: f64 = 10.0;
+/// Standard errors from nothing at which a model explains something.
+const SURE: f64 = 3.0;
 /// By how much the error must rise, beyond its scatter, to be called worse: fitted numbers always cost a little of what is
 /// left out.
 const WORSE: f64 = 0.01;
@@ -139,12 +143,26 @@ pub struct Evidence {
     pub worse_by_refitting: bool,
     /// The channel that is explained, where no log has it moving.
     pub dead: Option<Channel>,
+    /// Whether what is explained does not follow the model at all: see [`Evidence::does_not_follow`].
+    pub unrelated: bool,
 }
 
 impl Evidence {
     /// Of logs whose refusals were not bounded: nothing more is known than what is left.
     pub fn unbounded(found: usize, unexplained: usize, left: f64) -> Evidence {
         Evidence { found, unexplained, left, ..Evidence::default() }
+    }
+
+    /// Whether a model with so much variance accounted for \[%\], on the logs for fitting and on what was held out, explains
+    /// nothing: next to none of either, and no more than chance would (`gain` over a constant).
+    pub fn does_not_follow(fit: f64, held_out: Option<f64>, gain: Gain) -> bool {
+        let next_to_none = |percent: f64| percent < FOLLOWS;
+        next_to_none(fit) && held_out.is_none_or(next_to_none) && gain.error.is_finite() && gain.sure() < SURE
+    }
+
+    /// Whether the logs say nothing of the model: what is explained never moves, or does not follow it.
+    pub fn teaches_nothing(&self) -> bool {
+        self.dead.is_some() || self.unrelated
     }
 
     /// The refused effect that would take away most.
@@ -181,7 +199,7 @@ impl Evidence {
 pub fn verdict(evidence: &Evidence) -> Verdict {
     let bounded = evidence.most().is_some_and(|most| most <= BOUND);
     match (evidence.unexplained, evidence.found) {
-        _ if evidence.dead.is_some() => Verdict::NotResolved,
+        _ if evidence.teaches_nothing() => Verdict::NotResolved,
         (1.., _) => Verdict::UnexplainedStructure,
         (0, 1..) => Verdict::Explained,
         _ if !bounded => Verdict::NotResolved,

@@ -87,11 +87,18 @@ pub fn report(
     let fit = work.fit();
     let last = work.stage(Step::Final, &fit);
     let held_out = last.held_out;
+    let accounted = (last.fit_vaf, last.held_out_vaf);
     stages.push(last);
     let effects = found(&work, &selection);
     let (asked, together) = selection.asked(&work, &fit);
     let before = declared_residual(work.bench, &work.balance, false);
     let refitting = Gain::new(&block_squares(&work, &before), &fit.left_out);
+    // Against a constant: what a model without any column would say.
+    let mut constant = work.balance.target_column();
+    let mean = constant.iter().sum::<f64>() / constant.len().max(1) as f64;
+    constant.iter_mut().for_each(|value| *value -= mean);
+    let explains = Gain::new(&block_squares(&work, &constant), &fit.left_out);
+    let channel = work.balance.target.channel();
     let evidence = Evidence {
         found: effects.len(),
         unexplained: left.len(),
@@ -101,7 +108,8 @@ pub fn report(
         asked,
         together: Some(together),
         worse_by_refitting: refitting.is_harm(),
-        dead: work.balance.target.channel().filter(|channel| work.bench.is_dead(*channel)),
+        dead: channel.filter(|channel| work.bench.is_dead(*channel)),
+        unrelated: channel.is_some() && Evidence::does_not_follow(accounted.0, accounted.1, explains),
     };
     artefacts.extend(super::artefacts::zeros(&work));
     let (names, matrix, solution, _) = errors(&work);

@@ -3,7 +3,7 @@
 use super::{channel_name, listed, overall, percent, refused, round, strength};
 use crate::effects;
 use crate::measured::identify::evidence::AT_THE_NOISE;
-use crate::measured::identify::{Ground, Report, Verdict};
+use crate::measured::identify::{Ground, Report, Stage, Verdict};
 use crate::measured::{Bench, Use};
 use crate::report::number;
 
@@ -12,6 +12,16 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     let Some(first) = reports.first() else { return "Nothing can be learnt from these logs.".into() };
     if let Some(channel) = reports.iter().find_map(|r| r.evidence.dead) {
         return format!("Nothing can be learnt: the {} has one value throughout.", channel_name(channel));
+    }
+    let nothing = |report: &&Report| report.evidence.unrelated;
+    if let Some((report, channel)) = reports.iter().find(nothing).and_then(|r| Some((r, r.target.channel()?))) {
+        let accounted = report.stages.last().and_then(|last| Stage::vaf(last.fit_vaf)).unwrap_or(0.0);
+        return format!(
+            "Nothing can be learnt: the {} does not follow the model, which accounts for {} % of its variance; check its \
+             column, sign and time.",
+            channel_name(channel),
+            number(round(accounted.max(0.0)))
+        );
     }
     let mut parts = Vec::new();
     let mut names: Vec<String> = Vec::new();

@@ -94,6 +94,8 @@ pub struct Evidence {
     pub refused_together: Option<Gain>,
     /// Whether fitting the declared numbers again made the left-out error worse.
     pub worse_by_refitting: bool,
+    /// Whether nothing can be learnt: what is explained never moves, or does not follow the model.
+    pub teaches_nothing: bool,
 }
 
 /// What one way to find the noise says.
@@ -415,6 +417,7 @@ impl Evidence {
             refused: evidence.asked.iter().map(|a| Asked { name: a.name, gain: a.gain.into() }).collect(),
             refused_together: evidence.together.map(Gain::from),
             worse_by_refitting: evidence.worse_by_refitting,
+            teaches_nothing: evidence.teaches_nothing(),
         }
     }
 }

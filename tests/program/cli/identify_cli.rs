@@ -337,6 +337,21 @@ fn constant_channels_teach_nothing_wrong() {
     assert_eq!(result["verdict"], "not_resolved");
     assert!(result["errors"]["declared"]["fit_vaf"].is_null(), "{}", result["errors"]);
     assert_eq!(result["logs"][0]["stuck_channels"], serde_json::json!(["torque"]));
+    // A torque that is noise, whatever current and motion do: no model is complete or off because of it.
+    let noise = |k: usize, mut rows: Vec<Vec<String>>| {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64 ^ k as u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        rows.iter_mut().skip(1).for_each(|r| r[4] = format!("{}", 0.3 + (0..12).map(|_| uniform()).sum::<f64>()));
+        rows
+    };
+    refused(&spoilt_with(same, noise, &["--write", "fitted.toml"]), &["`--write`: nothing can be learnt"]);
+    let result = json(&spoilt(same, noise));
+    let sentence = result["sentence"].as_str().unwrap();
+    assert!(sentence.starts_with("Nothing can be learnt: the torque does not follow the model"), "{sentence}");
+    assert_eq!((&result["verdict"], &result["effects"]), (&"not_resolved".into(), &serde_json::json!([])));
     // A shaft that never turns.
     let output = spoilt(same, |_, mut rows| {
         rows.iter_mut().skip(1).for_each(|r| {
