@@ -415,7 +415,10 @@ pub(super) fn budget_lines(result: &RobotResult) -> Vec<String> {
             format!("actuator mass {} kg, OVER the budget of {} kg", number(mass), number(limit))
         }
         Budgeted::Unknown(limit) => {
-            format!("the actuator mass budget of {} kg cannot be checked: a mass is missing, or a joint has no choice", number(limit))
+            format!(
+                "the actuator mass budget of {} kg cannot be checked: a mass is missing, or a joint has no choice",
+                number(limit)
+            )
         }
         Budgeted::NotAsked(Some(mass)) => format!("actuator mass {} kg, {several}", number(mass)),
         Budgeted::NotAsked(None) => {

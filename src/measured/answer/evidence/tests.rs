@@ -47,7 +47,10 @@ fn nothing_is_missing_only_where_everything_shows_it() {
     assert!(Evidence::does_not_follow(0.1, Some(-0.1), chance) && Evidence::does_not_follow(0.1, None, chance));
     // A little that is sure is something, and so is much that comes in a few blocks.
     assert!(!Evidence::does_not_follow(0.1, Some(0.1), gain(0.001, 0.0002)));
-    assert!(!Evidence::does_not_follow(98.0, Some(98.0), gain(0.98, 0.9)) && !Evidence::does_not_follow(1.0, Some(98.0), chance));
+    assert!(
+        !Evidence::does_not_follow(98.0, Some(98.0), gain(0.98, 0.9))
+            && !Evidence::does_not_follow(1.0, Some(98.0), chance)
+    );
     // More is left than noise, on either part.
     assert_eq!(with(|e| e.left = 1.16), Verdict::NoneOfThese);
     assert_eq!(with(|e| e.held_out = Some(1.16)), Verdict::NoneOfThese);
