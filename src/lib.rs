@@ -25,8 +25,8 @@
 //! * [`pages`]: the pages of docs/ that are made from the registries.
 //! * [`cli`]: one file for each command.
 //!
-//! What is promised is what these pages show. `words` and `output` are the crate's own; `numerics`, `report`, `study` and
-//! `pages` can be reached, because the program and its tests need them, and may change with any version.
+//! What is promised is what these pages show. `output` is the crate's own; `words`, `numerics`, `report`, `study` and
+//! `pages` can be reached, because the program, its tests and examples need them, and may change with any version.
 //!
 //! ```
 //! use gearwise::{catalog::Catalog, design, requirement};
@@ -65,5 +65,5 @@ pub mod rules;
 #[doc(hidden)]
 pub mod study;
 pub mod units;
-#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "reports need all of them"))]
-mod words;
+#[doc(hidden)]
+pub mod words;

@@ -45,7 +45,7 @@ pub fn whole(steps: f64) -> usize {
 /// use gearwise::measured::signals::covering;
 /// assert_eq!((covering(0.3 / 0.1), covering(2.5), covering(0.0)), (3, 3, 1));
 /// ```
-pub(crate) fn covering(steps: f64) -> usize {
+pub fn covering(steps: f64) -> usize {
     ((steps - 1e-6).ceil() as usize).max(1)
 }
 

@@ -3,7 +3,7 @@
 //! The one idea: where the rates of a motion are those of its spline, the spline is the motion, and it is known
 //! between the samples too. It is cut where torque or speed changes its sign, with an instant on either side of
 //! each cut, so that efficiency and friction flip there and not at the next sample. What is left is divided until
-//! everything that limits and means are made of is a straight line from instant to instant, to [`RESOLUTION`] of its
+//! everything that limits and means are made of is a straight line from instant to instant, to `RESOLUTION` of its
 //! largest value. All that is done once, at reading; whatever comes after sees samples.
 //!
 //! Where the rates are given, what lies between the samples is not declared. There the motion stays as it is, and

@@ -1,7 +1,7 @@
 //! The Motor-Gearbox Database (github.com/ekrimsk/MGDB, collected for CORDS): a folder for each maker
 //! with `*_motors.csv`, `*_gearboxes.csv` and `*_compatibility.csv`, all in SI.
 //!
-//! Motors are taken as CORDS takes them, as equivalent DC machines; how is in [`ASSUMPTIONS`], and
+//! Motors are taken as CORDS takes them, as equivalent DC machines; how is in `ASSUMPTIONS`, and
 //! what is particular to a row is a remark of it.
 
 mod cells;

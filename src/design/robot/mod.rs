@@ -244,7 +244,7 @@ pub(crate) fn power_course(prepared: &Prepared, drive_efficiency: f64, ratio: f6
     power::Profile::of(prepared, drive_efficiency, ratio).course(ratio)
 }
 
-/// Largest power that all joints together draw at any instant \[W\], from the [`power_course`] of each; where they
+/// Largest power that all joints together draw at any instant \[W\], from the `power_course` of each; where they
 /// share no time base, the sum of their peaks.
 pub fn peak_power(robot: &Robot, courses: &[Vec<f64>]) -> f64 {
     power::largest(&power::Schedule::new(robot), courses).0

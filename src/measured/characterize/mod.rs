@@ -1,7 +1,7 @@
 //! From raw bench logs to a catalogue row: R, L, K_T, K_B, J, friction and heat of a motor, each with its
 //! uncertainty (design: Urs et al., section IV).
 //!
-//! The one idea: every test of a motor is one entry of [`TESTS`]. It takes its logs, says by which method it came to
+//! The one idea: every test of a motor is one entry of `TESTS`. It takes its logs, says by which method it came to
 //! which [`Quantity`] with which uncertainty, judges itself ([`Finding`]) and shows itself ([`Chart`]). What only
 //! several tests together can say is an entry of [`checks::CHECKS`]; the row is made of all of it by [`row`].
 
