@@ -318,8 +318,8 @@ pub fn run() -> ExitCode {
 }
 
 /// Runs the program on these arguments, the first of which is the program's own name, with the process's standard output
-/// and error. May be called any number of times. Exit status: 0 done and satisfied, 1 done but a requirement is not met, 2
-/// the input is wrong, 130 it was stopped.
+/// and error. May be called any number of times; Ctrl-C stops the first study of a process alone. Exit status: 0 done and
+/// satisfied, 1 done but a requirement is not met, 2 the input is wrong, 130 it was stopped.
 ///
 /// ```
 /// assert_eq!(gearwise::cli::run_with(["gearwise", "rule", "voltage-headroom"]), 0);
