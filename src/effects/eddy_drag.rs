@@ -27,7 +27,7 @@ impl Effect for EddyDrag {
     }
 
     fn shape(&self) -> Shape {
-        Shape::Speed(Search { from: 0.2, to: 1.2, starts: &[0.3, 0.8] })
+        Shape::Speed(Search { from: 0.05, to: 1.2, starts: &[0.3, 0.8] })
     }
 
     fn basis(&self, shape: f64, at: &Operating) -> [f64; 2] {
@@ -36,7 +36,7 @@ impl Effect for EddyDrag {
 
     fn plausible(&self, values: &[f64], scale: &Scale) -> Result<(), Doubt> {
         positive("the drag torque", values[0], scale.torque, "the largest torque on the bench")?;
-        if values[1] < 0.2 * scale.speed {
+        if values[1] < 0.045 * scale.speed {
             return Err(Doubt::Unnatural(format!(
                 "its knee at {:.3e} rad/s would make it Coulomb friction",
                 values[1]

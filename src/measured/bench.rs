@@ -2,6 +2,7 @@
 //! frames: currents and voltages on the power-invariant q axis, torque at the output.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::PathBuf;
 
 use crate::catalog::convention::{Commutation, Winding};
@@ -179,6 +180,12 @@ pub struct Log {
     pub gains: BTreeMap<Channel, f64>,
     /// Channels that drive the machine and hold a row's value until the next row, as a digital drive does.
     pub held: BTreeSet<Channel>,
+    /// Channels that are the driver's own estimate, not an instrument's.
+    pub estimated: BTreeSet<Channel>,
+    /// Stretches of time that are left out \[s\]: by the bench file, and what was found to be no data.
+    pub excluded: Vec<Range<f64>>,
+    /// Rows from one fresh value to the next, of channels whose driver repeats them; found, not declared.
+    pub fresh: BTreeMap<Channel, f64>,
     /// Channels that were measured at the motor and brought to the output by the ratio.
     pub from_motor: BTreeSet<Channel>,
     /// Time \[s\], increasing; row number for a steady table without time.
@@ -215,6 +222,15 @@ impl Log {
         let suspicious = |channel: Channel| !matches!(channel, Channel::Supply);
         let stuck = self.channels.iter().filter(|(channel, values)| suspicious(**channel) && is_constant(values));
         stuck.map(|(channel, _)| *channel).collect()
+    }
+
+    /// Keeps some rows only.
+    pub(crate) fn keep_rows(&mut self, keep: &[bool]) {
+        let chosen = |values: &[f64]| values.iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v).collect();
+        self.time = chosen(&self.time);
+        for values in self.channels.values_mut() {
+            *values = chosen(values);
+        }
     }
 
     /// Number of samples.

@@ -18,12 +18,13 @@ use crate::catalog::fitted::{Axis, Fit, Fitted, Provenance, settled, settled_dif
 use crate::catalog::{Conventions, FIELDS, Field, Identity, Motor, OwnConventions, Printed, Sheet, SourceKind};
 use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape, of_column, of_efficiency};
 use crate::input::Range;
+use crate::measured::answer::INTERVAL;
 use crate::measured::characterize::row::REDUNDANT;
 use crate::requirement::backdrive_efficiency;
 use crate::words::number;
 
 /// The declared actuator with the numbers that were fitted and the effects that were found. What the logs do not show is
-/// as declared, with its own ±; a fitted number's ± is two standard errors. `None` where the numbers make no row,
+/// as declared, with its own ±; a fitted number's ± is that of 95 %. `None` where the numbers make no row,
 /// which no bench file that was read leads to.
 pub fn fitted_actuator(bench: &Bench, reports: &[Report]) -> Option<Fitted> {
     let mut builder =
@@ -290,13 +291,13 @@ impl Builder<'_> {
         Some(FittedEffect { effect, values })
     }
 
-    /// A number as a file has it, with its ± of two standard errors.
+    /// A number as a file has it, with its ± (95 %).
     fn printed(&mut self, place: String, found: &Number, unit: &str) -> Printed {
         let error = self.fits.error(found).filter(|e| e.is_finite() && *e > 0.0);
         if !found.by.is_empty() {
             self.named.push((place, found.clone()));
         }
-        let tolerance = error.map(|e| settled_difference(2.0 * e));
+        let tolerance = error.map(|e| settled_difference(INTERVAL * e));
         Printed { value: settled(found.value, unit), tolerance }
     }
 

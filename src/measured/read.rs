@@ -75,6 +75,7 @@ struct Plan {
     controller: Option<Controller>,
     rotor: bool,
     select: Vec<Condition>,
+    exclude: Vec<Span<f64>>,
     columns: Vec<Column>,
 }
 
@@ -171,6 +172,8 @@ const ROTOR: Key = key("rotor", "of kind `random_torque`: whether the rotor was 
     .default("`installed`");
 const SELECT: Key = key("select", "which rows, where one file has several logs").value("table or list of tables");
 
+const EXCLUDE: Key = key("exclude", "stretches of time that are left out: `from`, `to`").value("table or list of tables");
+
 /// Every table that the reader looks into.
 const SKELETON: &str = "
 actuator = {}
@@ -182,6 +185,7 @@ rotor = {}
 [[log]]
 file = ''
 select = {}
+exclude = {}
 [[log]]
 pendulum = {}
 ";
@@ -286,6 +290,7 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
         .map_or((Vec::new(), true), |table| columns::read(table, common.frame));
     let columns = columns::merge(&common.columns, own);
     let select = read_select(&section);
+    let exclude = read_exclude(&section);
     let rotor = if section.has(ROTOR) { section.choice(ROTOR, ROTORS) } else { Some(true) };
     let columns = columns
         .into_iter()
@@ -301,7 +306,9 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
         }
     }
     let mut plan = None;
-    if let (Some(file), Some(usage), Some(kind), Some(select), Some(rotor)) = (file, usage, kind, select, rotor) {
+    if let (Some(file), Some(usage), Some(kind), Some(select), Some(exclude), Some(rotor)) =
+        (file, usage, kind, select, exclude, rotor)
+    {
         let path = section.source().folder().join(file.get_ref());
         match table::probe(&path) {
             Ok(()) => {
@@ -310,7 +317,7 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
                 let file_span = file.span();
                 let file = file.into_inner();
                 plan =
-                    Some(Plan { file, path, file_span, span, usage, kind, load, controller, rotor, select, columns });
+                    Some(Plan { file, path, file_span, span, usage, kind, load, controller, rotor, select, exclude, columns });
             }
             Err((message, help)) => {
                 let mut problem =
@@ -356,6 +363,35 @@ fn read_select(section: &Section) -> Option<Vec<Condition>> {
     }
     let tables = if section.is_list("select") { section.sections("select") } else { vec![section.section("select")?] };
     tables.into_iter().map(read_condition).collect()
+}
+
+/// Stretches of time that are left out. `None` where one of them is wrong.
+fn read_exclude(section: &Section) -> Option<Vec<Span<f64>>> {
+    if !section.has(EXCLUDE) {
+        return Some(Vec::new());
+    }
+    let tables =
+        if section.is_list("exclude") { section.sections("exclude") } else { vec![section.section("exclude")?] };
+    let one = |table: Section| {
+        let time = |asked: Key, end: f64| match table.has(asked) {
+            true => table.quantity(asked, &units::TIME, Range::Any),
+            false => Some(end),
+        };
+        let from = time(key("from", "the first time that is left out").default("the beginning"), f64::NEG_INFINITY);
+        let to = time(key("to", "up to this time").default("the end"), f64::INFINITY);
+        if !table.has("from") && !table.has("to") {
+            table.missing("from", "\"27 s\"");
+        }
+        let span = table.span();
+        let (from, to) = (from?, to?);
+        if from >= to {
+            table.note(Problem::at(span, "`exclude` ends before it begins", "`from` must be less than `to`"));
+            return None;
+        }
+        table.finish();
+        Some(from..to)
+    };
+    tables.into_iter().map(one).collect()
 }
 
 fn read_condition(table: Section) -> Option<Condition> {
@@ -526,6 +562,9 @@ fn assemble(plan: &Plan, hash: String, rows: Rows) -> Log {
         gains: plan.gains(),
         held: plan.held(),
         from_motor: plan.columns.iter().filter_map(from_motor).collect(),
+        estimated: plan.estimated(),
+        excluded: plan.exclude.clone(),
+        fresh: BTreeMap::new(),
         time: rows.time,
         channels: rows.channels,
         remarks,
@@ -546,6 +585,15 @@ impl Plan {
     fn held(&self) -> BTreeSet<Channel> {
         let of = |c: &Column| match c.target {
             Target::Channel(channel) if c.held => Some(channel),
+            _ => None,
+        };
+        self.columns.iter().filter_map(of).collect()
+    }
+
+    /// The channels that are the driver's own estimate.
+    fn estimated(&self) -> BTreeSet<Channel> {
+        let of = |c: &Column| match c.target {
+            Target::Channel(channel) if c.estimated => Some(channel),
             _ => None,
         };
         self.columns.iter().filter_map(of).collect()

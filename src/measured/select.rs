@@ -44,3 +44,13 @@ pub fn backward(pruner: &mut impl Pruner) {
         pruner.remove(term);
     }
 }
+
+/// Adds and takes out in turn: whatever is added, what it made superfluous goes before the next is asked. The judge sees to
+/// it that what went does not come back.
+pub fn in_turn<J: Judge + Pruner>(judge: &mut J, steps: usize) {
+    for _ in 0..steps {
+        let Some(candidate) = judge.next() else { return };
+        judge.add(candidate);
+        backward(judge);
+    }
+}

@@ -3,8 +3,10 @@
 //! The one idea: the table reads from top to bottom as the error goes down, from the model as declared to
 //! the model that the logs support, and ends in a sentence.
 
+mod findings;
 mod sentence;
 
+pub(super) use findings::words as finding_words;
 pub use sentence::sentence;
 
 use super::number;
@@ -86,23 +88,26 @@ fn listed(items: &[String]) -> String {
     }
 }
 
-/// An effect that the end of the story does not have any more is marked.
-fn stage_label(report: &Report, stage: &Stage) -> String {
+/// What the end of the story does not have any more is marked.
+fn stage_label(stage: &Stage) -> String {
     match stage.step {
         Step::Declared => "as declared".into(),
         Step::Artefacts => "artefacts taken out".into(),
         Step::Refit => "declared parameters refitted".into(),
         Step::Final => "final".into(),
-        Step::Added(effect, _) if report.effects.iter().any(|e| e.effect == effect) => {
-            format!("+ {}", stage.step.name())
-        }
-        Step::Added(..) | Step::Lag => format!("+ {} (taken back)", stage.step.name()),
+        Step::Added(..) | Step::Lag if stage.taken_back => format!("+ {} (taken back)", stage.step.name()),
+        Step::Added(..) | Step::Lag => format!("+ {}", stage.step.name()),
     }
 }
 
 /// For people. `written` names the files that were written.
 pub fn text(bench: &Bench, reports: &[Report], written: &[String]) -> String {
     let mut out = heading(bench);
+    let found = findings::lines(bench, reports);
+    if !found.is_empty() {
+        out.push_str("\nFound in the logs before anything was asked:\n");
+        found.iter().for_each(|line| out.push_str(&paragraph(line, 2, 4)));
+    }
     for report in reports {
         out.push_str(&equation(bench, report));
     }
@@ -325,7 +330,7 @@ pub(super) fn story_rows(report: &Report) -> (Vec<Column>, Vec<Vec<String>>) {
         .iter()
         .map(|stage| {
             let mut row = vec![
-                stage_label(report, stage),
+                stage_label(stage),
                 number(stage.fit),
                 held(stage.held_out, &number),
                 vaf(stage.fit_vaf),
@@ -358,7 +363,7 @@ pub(super) fn parameter_columns() -> Vec<Column> {
         Column::name("parameter"),
         Column::number("declared", ""),
         Column::number("fitted", ""),
-        Column::number("± 1 s.e.", ""),
+        Column::number("± 95 %", ""),
         Column::name("unit"),
         Column::number("change", "").dropped(1),
     ]
@@ -385,7 +390,7 @@ pub(super) fn parameter_rows(bench: &Bench, parameters: &[Parameter]) -> Vec<Vec
                 p.name.clone(),
                 p.declared.map_or_else(|| "–".into(), |d| number(d * factor)),
                 p.standard_error.map_or_else(|| "not identifiable, held".into(), |_| number(p.fitted * factor)),
-                p.standard_error.map_or_else(String::new, |e| format!("± {}", number(e * factor))),
+                p.tolerance().map_or_else(String::new, |e| format!("± {}", number(e * factor))),
                 unit.into(),
                 if p.standard_error.is_some() { change } else { String::new() },
             ]
@@ -402,7 +407,7 @@ pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found, width:
     let values: Vec<String> = effect
         .parameters
         .iter()
-        .map(|p| format!("{} = {}", p.name, with_error(p.fitted, p.standard_error, unit_on(bench, p.unit))))
+        .map(|p| format!("{} = {}", p.name, with_error(p.fitted, p.tolerance(), unit_on(bench, p.unit))))
         .collect();
     out.push_str(&say(&values.join(", ")));
     if let (Some(before), Some(after)) = (effect.held_out_before, effect.held_out_after) {
@@ -427,19 +432,22 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
     let number = super::csv_number;
     let mut rows: Vec<Vec<String>> = Vec::new();
     for report in reports {
-        let row = |part: &str, name: &str, numbers: [Option<f64>; 7], unit: &str, detail: &str| -> Vec<String> {
+        let row = |part: &str, name: &str, numbers: [Option<f64>; 8], unit: &str, detail: &str| -> Vec<String> {
             let mut row = vec![report.target.name().to_string(), part.into(), name.into()];
             row.extend(numbers.map(number));
             row.extend([unit.to_string(), detail.to_string()]);
             row
         };
-        let none = [None; 7];
+        let none = [None; 8];
+        for f in &report.findings {
+            rows.push(row("finding", &format!("{} of {}", f.about.name(), f.log), none, "", &findings::words(bench, &f.about)));
+        }
         for s in &report.stages {
-            let errors = [None, None, None, Some(s.fit), s.held_out, Some(s.fit_vaf), s.held_out_vaf];
+            let errors = [None, None, None, None, Some(s.fit), s.held_out, Some(s.fit_vaf), s.held_out_vaf];
             rows.push(row("stage", &s.step.name(), errors, report.unit, ""));
         }
         for a in &report.artefacts {
-            let numbers = [None, Some(a.value), None, None, None, None, None];
+            let numbers = [None, Some(a.value), None, None, None, None, None, None];
             rows.push(row(
                 "artefact",
                 &format!("{} of {}", a.kind.name(), a.channel),
@@ -449,10 +457,11 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
             ));
         }
         for e in &report.evidence.noise.estimates {
-            let numbers = [None, e.value.ok(), None, None, None, None, None];
+            let numbers = [None, e.value.ok(), None, None, None, None, None, None];
             rows.push(row("noise", e.method.name(), numbers, report.unit, e.value.err().unwrap_or("")));
         }
-        let values = |p: &Parameter| [p.declared, Some(p.fitted), p.standard_error, None, None, None, None];
+        let values =
+            |p: &Parameter| [p.declared, Some(p.fitted), p.tolerance(), p.standard_error, None, None, None, None];
         for p in &report.parameters {
             rows.push(row("parameter", &p.name, values(p), unit_on(bench, p.unit), ""));
         }
@@ -482,6 +491,7 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
             "name",
             "declared",
             "value",
+            "plus_minus_95",
             "standard_error",
             "fit_rmse",
             "held_out_rmse",

@@ -13,6 +13,8 @@ pub(crate) const BOUND: f64 = 0.03;
 /// What is left is noise up to this many times the instrument's: twice would admit three quarters of the error's
 /// variance.
 pub const AT_THE_NOISE: f64 = 1.15;
+/// Less than this many times the instrument's noise cannot be left.
+const BELOW_THE_NOISE: f64 = 0.8;
 /// Variance accounted for \[%\] below which a channel may not follow the model at all.
 const FOLLOWS: f64 = 10.0;
 /// Standard errors from nothing at which a model explains something.
@@ -139,10 +141,14 @@ pub struct Evidence {
     pub asked: Vec<Asked>,
     /// All of these together; `None` where that was not tried.
     pub together: Option<Gain>,
+    /// What a model with effects whose values are not believed would leave, where that is surely less \[unit\].
+    pub better: Option<f64>,
     /// Whether refitting the declared parameters made the left-out error worse.
     pub worse_by_refitting: bool,
     /// The channel that is explained, where no log has it moving.
     pub dead: Option<Channel>,
+    /// Whether channels contradict each other, so that nothing was asked.
+    pub contradicted: bool,
     /// Whether what is explained does not follow the model at all: see [`Evidence::does_not_follow`].
     pub unrelated: bool,
 }
@@ -162,7 +168,7 @@ impl Evidence {
 
     /// Whether the logs say nothing of the model: what is explained never moves, or does not follow it.
     pub fn teaches_nothing(&self) -> bool {
-        self.dead.is_some() || self.unrelated
+        self.dead.is_some() || self.unrelated || self.contradicted
     }
 
     /// The refused effect that would take away most.
@@ -188,6 +194,11 @@ impl Evidence {
         (times > AT_THE_NOISE && self.times_the_noise().is_some_and(|left| times > left)).then_some(times)
     }
 
+    /// Whether less is left than the instrument's own noise: then something explains noise, and no name is certain.
+    pub fn is_below_the_noise(&self) -> bool {
+        self.times_the_noise().is_some_and(|times| times < BELOW_THE_NOISE)
+    }
+
     /// Whether what is left is the instrument's noise, on what was held out too.
     fn is_noise(&self) -> bool {
         let within = |error: f64| self.noise.floor().is_some_and(|floor| error <= AT_THE_NOISE * floor);
@@ -199,8 +210,9 @@ impl Evidence {
 pub fn verdict(evidence: &Evidence) -> Verdict {
     let bounded = evidence.most().is_some_and(|most| most <= BOUND);
     match (evidence.unexplained, evidence.found) {
-        _ if evidence.teaches_nothing() => Verdict::NotResolved,
+        _ if evidence.teaches_nothing() || evidence.is_below_the_noise() => Verdict::NotResolved,
         (1.., _) => Verdict::UnexplainedStructure,
+        _ if evidence.better.is_some() => Verdict::NotResolved,
         (0, 1..) => Verdict::Explained,
         _ if !bounded => Verdict::NotResolved,
         _ if evidence.is_noise() && !evidence.worse_by_refitting && evidence.noise.line.is_none() => {

@@ -4,9 +4,11 @@
 //! tells it reads nothing else. Reasons are kinds first and words last.
 
 pub mod evidence;
+pub mod findings;
 pub mod noise;
 
 pub use evidence::{Evidence, Verdict};
+pub use findings::{About, Finding};
 
 use super::bench::Channel;
 use crate::effects::{Effect, Equation, Shape, Variable};
@@ -212,6 +214,8 @@ pub struct Stage {
     pub held_out: Option<f64>,
     /// Variance accounted for \[%\].
     pub held_out_vaf: Option<f64>,
+    /// Whether the final model does not have what was added here.
+    pub taken_back: bool,
 }
 
 impl Stage {
@@ -228,6 +232,7 @@ impl Stage {
             fit_vaf: fit.map_or(f64::NAN, |e| e.1),
             held_out: held_out.map(|e| e.0),
             held_out_vaf: held_out.map(|e| e.1),
+            taken_back: false,
         }
     }
 }
@@ -250,7 +255,15 @@ pub struct Parameter {
 /// By how much a fitted number must differ from the declared one to be called off: in standard errors, and as a share.
 const OFF: (f64, f64) = (3.0, 0.02);
 
+/// Standard errors of a 95 % interval.
+pub const INTERVAL: f64 = 1.96;
+
 impl Parameter {
+    /// Its ± (95 %); `None` where it was held.
+    pub fn tolerance(&self) -> Option<f64> {
+        self.standard_error.map(|error| INTERVAL * error)
+    }
+
     /// By what share the logs want it changed, where that is sure and enough to matter.
     pub fn shift(&self) -> Option<f64> {
         let (declared, error) = (self.declared.filter(|d| *d != 0.0)?, self.standard_error?);
@@ -393,6 +406,8 @@ pub struct Report {
     pub verdict: Verdict,
     /// The story, first as declared, last as it stands.
     pub stages: Vec<Stage>,
+    /// What was found in the logs before any effect was asked for.
+    pub findings: Vec<Finding>,
     /// Artefacts of the measurement.
     pub artefacts: Vec<Artefact>,
     /// Parameters of the declared model.
@@ -416,6 +431,21 @@ pub struct Report {
 }
 
 impl Report {
+    /// Marks the steps that the final model does not have: an effect, or of one with orders that order; a lag.
+    pub(crate) fn mark_what_was_taken_back(&mut self) {
+        let (effects, artefacts) = (&self.effects, &self.artefacts);
+        for stage in &mut self.stages {
+            stage.taken_back = match stage.step {
+                Step::Added(effect, shape) => !effects.iter().any(|found| {
+                    let orders = || found.instances.iter().any(|i| i.last() == Some(&shape));
+                    found.effect == effect && (effect.shape() != Shape::Order || orders())
+                }),
+                Step::Lag => !artefacts.iter().any(|a| a.kind == ArtefactKind::Lag),
+                _ => false,
+            };
+        }
+    }
+
     /// A lag of a channel \[s\], as the list of artefacts has it.
     pub(crate) fn lag(channel: &str, value: f64) -> Artefact {
         Artefact { kind: ArtefactKind::Lag, channel: channel.into(), value, unit: "s" }

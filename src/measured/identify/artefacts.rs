@@ -8,7 +8,7 @@ use super::regression::{Blocks, covariance, solve, squares};
 use super::work::{Kind, Work};
 use crate::effects::Variable;
 use crate::measured::answer::{Artefact, ArtefactKind, Target};
-use crate::measured::{Bench, BenchKind, signals};
+use crate::measured::{Bench, BenchKind, Channel, signals};
 use crate::numerics::line_search::golden_section;
 use crate::numerics::sums::paired;
 
@@ -18,6 +18,8 @@ const GAIN: f64 = 0.12;
 const SCATTER: f64 = 3.0 * 1.48;
 /// Least share of the squared error that a lag must take away.
 const WORTH: f64 = 0.02;
+/// Share of a passive torque's variance that its speed must make up to say its sign.
+const FOLLOWS: f64 = 0.3;
 /// Largest lag that is looked for \[s\].
 const LARGEST_LAG: f64 = 0.05;
 
@@ -64,7 +66,8 @@ pub(crate) fn band_of_structure(balance: &Balance) -> Option<f64> {
     let current = balance.variable(true, |at| at.current);
     let turns = balance.variables.contains(&Variable::Angle);
     let mut highest = 0.0_f64;
-    for log in 0..balance.rows.logs() {
+    let fits = |log: usize| balance.rows.block_log.iter().zip(&balance.rows.block_fits).any(|(l, f)| *l == log && *f);
+    for log in (0..balance.rows.logs()).filter(|l| fits(*l)) {
         let at: Vec<usize> = (0..balance.rows.len()).filter(|k| balance.rows.log[*k] == log).collect();
         let times: Vec<f64> = at.iter().map(|k| balance.rows.time[*k]).collect();
         let step = signals::median_step(&times);
@@ -128,14 +131,46 @@ pub fn find(bench: &Bench, balance: Balance, setting: &impl Fn(Corrections) -> S
     let mut corrections = Corrections::none(balance.logs.len());
     let target = balance.target;
     corrections.gains = gains(&balance);
+    for (gain, sign) in corrections.gains.iter_mut().zip(passive_signs(bench, &balance)) {
+        *gain *= sign;
+    }
     if shows_lags(bench, &balance) {
         corrections = lags(bench, target, corrections, setting, &errors);
     }
     corrections
 }
 
+/// The sign of each log's torque, where no current drives it: a machine that is driven takes power, and where its torque
+/// surely rises with its speed the sensor has the other sign.
+fn passive_signs(bench: &Bench, balance: &Balance) -> Vec<f64> {
+    let is_passive = |log: usize| bench.logs[balance.logs[log]].channel(Channel::Current).is_none();
+    if balance.target != Target::Torque || balance.step() == 0.0 {
+        return vec![1.0; balance.logs.len()];
+    }
+    let (speed, acceleration) = (balance.function(|at| at.speed), balance.acceleration());
+    let columns: [&[f64]; 2] = [&speed, &acceleration];
+    // The factor of the balance turns a torque that is needed into one that is missing at the sensor.
+    let blocks = Blocks::new(&balance.rows, &columns, &balance.target_column());
+    (0..balance.logs.len())
+        .map(|log| {
+            let own = |b: usize| balance.rows.block_log[b] == log;
+            let driven = matches!(bench.logs[balance.logs[log]].kind, BenchKind::Drag | BenchKind::Backdrive);
+            if !is_passive(log) || !driven || blocks.count(own) == 0 {
+                return 1.0;
+            }
+            let total = blocks.total(own);
+            let solution = solve(&total);
+            let error = covariance(&blocks, &solution, own)[(0, 0)].sqrt();
+            // Its zero is not known: only a torque that goes with the speed over much of its range says its sign.
+            let follows = squares(&total, &solution.coefficients) < (1.0 - FOLLOWS) * total[(2, 2)];
+            let sure = error.is_finite() && solution.coefficients[0] < -6.0 * error;
+            if sure && follows { -1.0 } else { 1.0 }
+        })
+        .collect()
+}
+
 /// Whether a late channel would show: over time, where something moves; and not beside a wind-up, which looks the same.
-fn shows_lags(bench: &Bench, balance: &Balance) -> bool {
+pub fn shows_lags(bench: &Bench, balance: &Balance) -> bool {
     let stands = balance.logs.iter().all(|l| bench.logs[*l].kind == BenchKind::Stall);
     balance.step() > 0.0 && balance.target != Target::WindUp && !stands
 }
@@ -199,7 +234,8 @@ pub fn zeros(work: &Work) -> Vec<Artefact> {
             }
         }
     }
-    for fixed in &work.fixed {
+    let ripple = work.ripple.iter().flat_map(|r| r.effects());
+    for fixed in work.fixed.iter().cloned().chain(ripple) {
         subtract(1.0, balance.effect_with_zero(fixed.effect, &fixed.values));
     }
     // What was held stays as declared.
@@ -255,12 +291,17 @@ fn gains(balance: &Balance) -> Vec<f64> {
             (error.is_finite() && slope.abs() > 6.0 * error && total[(0, 0)] > 0.0).then_some((slope, error))
         })
         .collect();
-    let known: Vec<(f64, f64)> = slopes.iter().flatten().copied().collect();
-    let mut found = usual_gains(&known, Some(declared)).into_iter();
-    for (gain, slope) in gains.iter_mut().zip(&slopes) {
-        if slope.is_some() {
-            *gain = found.next().unwrap_or(1.0);
-        }
+    // What is usual is for the logs to fit to say: what is held out is compared with them, one at a time.
+    let fits = |log: usize| balance.rows.block_log.iter().zip(&balance.rows.block_fits).any(|(l, f)| *l == log && *f);
+    let of_fit: Vec<usize> = (0..logs).filter(|l| slopes[*l].is_some() && fits(*l)).collect();
+    let known: Vec<(f64, f64)> = of_fit.iter().filter_map(|l| slopes[*l]).collect();
+    for (log, gain) in of_fit.iter().zip(usual_gains(&known, Some(declared))) {
+        gains[*log] = gain;
+    }
+    for log in (0..logs).filter(|l| !fits(*l)) {
+        let Some(slope) = slopes[log] else { continue };
+        let with: Vec<(f64, f64)> = known.iter().copied().chain([slope]).collect();
+        gains[log] = usual_gains(&with, Some(declared)).pop().unwrap_or(1.0);
     }
     gains
 }

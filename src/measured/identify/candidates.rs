@@ -1,14 +1,16 @@
 //! Forward selection: the best of what is left, if it is better than chance, plausible, and not a drift in
 //! disguise.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
 use super::balance::visible;
 use super::flexible::{drift, order_scores};
-use super::regression::{Blocks, projection, solve, squares};
+use super::regression::{Blocks, covariance, projection, solve};
+use super::scores::{Scores, informed};
+use super::travel;
 use super::work::{Fit, Kind, Term, Work};
 use crate::effects::{EFFECTS, Effect, Shape};
 use crate::measured::answer::evidence::{Asked, Gain};
@@ -21,6 +23,12 @@ use crate::numerics::sums::{finite_sum, paired};
 pub const WORTH: f64 = 0.06;
 /// A gain must be this many standard errors above zero between blocks.
 pub const SURE: f64 = 2.5;
+/// Share of the error by which an effect must win over a simpler one to be told instead of it.
+const NEAR: f64 = 0.02;
+/// Standard errors of a 95 % interval: a value within its own error of zero is none.
+const OWN_ERROR: f64 = 1.96;
+/// A shape this near to the end of its window, as a share, is not seen.
+const EDGE: f64 = 0.03;
 /// Repetitions with random signs.
 const REPETITIONS: usize = 400;
 /// Share of its gain that a candidate must keep beside a free drift in time.
@@ -46,17 +54,30 @@ pub struct Candidate {
     pub gain: f64,
     /// The gain in standard errors between blocks.
     pub sure: f64,
-    /// Score of each block, scaled so that its sum of squares over the candidate is comparable: the
-    /// projected column times the residual.
-    scores: Vec<DVector<f64>>,
+    /// What each block says of it.
+    scores: Scores,
     columns: Vec<Vec<f64>>,
+}
+
+impl Candidate {
+    /// How far its values are from zero.
+    pub fn statistic(&self) -> f64 {
+        self.scores.statistic()
+    }
+
+    /// Its columns.
+    pub fn columns(&self) -> &[Vec<f64>] {
+        &self.columns
+    }
 }
 
 /// A term that can be spared.
 pub(crate) struct Superfluous {
-    term: usize,
+    pub term: usize,
     /// Share of the left-out squared error that it takes away.
-    gain: f64,
+    pub gain: f64,
+    /// Why it can be spared.
+    pub reason: String,
 }
 
 /// The state of the selection: what was refused and why.
@@ -65,12 +86,21 @@ pub struct Selection {
     pub refused: Vec<Refused>,
     /// Effects that can be seen on this bench.
     pub open: Vec<&'static dyn Effect>,
+    /// What was taken back: it is not asked for again. Of an effect with orders, that order.
+    barred: Vec<(&'static dyn Effect, f64)>,
+    /// What logs say against each other of an effect that was accepted.
+    pub objections: Vec<(&'static dyn Effect, String)>,
+    /// The stage with the least left-out error of those whose effects all hold: its terms, and its errors.
+    best: Option<(Vec<Term>, Vec<f64>)>,
+    /// The least left-out squared errors of any stage.
+    least: Option<Vec<f64>>,
 }
 
 impl Selection {
     /// All effects that the bench can show.
     pub fn new(work: &Work) -> Selection {
-        let mut selection = Selection { refused: Vec::new(), open: Vec::new() };
+        let mut selection =
+            Selection { refused: Vec::new(), open: Vec::new(), barred: Vec::new(), objections: Vec::new(), best: None, least: None };
         for effect in EFFECTS {
             let declared = work
                 .terms
@@ -118,10 +148,15 @@ impl Selection {
         (asked, together)
     }
 
+    fn is_barred(&self, effect: &dyn Effect, shape: f64) -> bool {
+        self.barred.iter().any(|(e, s)| *e == effect && (effect.shape() != Shape::Order || *s == shape))
+    }
+
     /// The next effect to add, with its shape.
     pub fn next(&mut self, work: &Work) -> Option<(&'static dyn Effect, f64)> {
         let fit = work.fit();
         let mut candidates = evaluate_all(work, &fit, &self.open);
+        candidates.retain(|c| !self.is_barred(c.effect, c.shape));
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let threshold = chance_threshold(work, &candidates);
         let drift = drift(work);
@@ -146,12 +181,16 @@ impl Selection {
                     self.refuse_on(ground, name, reason);
                 }
             };
-            if let Some(reason) = lacks(candidate.gain, candidate.sure, statistic(&candidate.scores), threshold) {
+            if let Some(reason) = lacks(candidate.gain, candidate.sure, candidate.scores.statistic(), threshold) {
                 refuse(Ground::Judged, reason);
                 continue;
             }
             if let Err(doubt) = candidate.effect.plausible(&candidate.values, &work.balance.scale) {
                 refuse(Ground::Judged, doubt.to_string());
+                continue;
+            }
+            if let Err(doubt) = holds(work, &candidate) {
+                refuse(Ground::Judged, doubt);
                 continue;
             }
             if let Some(best) = accepted.as_ref().filter(|best| !is_told_instead(&candidate, best)) {
@@ -163,12 +202,15 @@ impl Selection {
                 refuse(Ground::Drift, "a drift in time explains it as well".into());
                 continue;
             }
-            if let Some(log) = log_that_objects(work, &candidate) {
-                refuse(
-                    Ground::Judged,
-                    format!("fitted on the other logs it makes `{}` worse", work.balance.names[log]),
-                );
-                continue;
+            match travel::of(work, &candidate.columns) {
+                Err(reason) => {
+                    refuse(Ground::Judged, reason);
+                    continue;
+                }
+                Ok(objection) => {
+                    self.objections.retain(|(e, _)| *e != candidate.effect);
+                    self.objections.extend(objection.map(|o| (candidate.effect, o)));
+                }
             }
             accepted = Some(candidate);
         }
@@ -211,54 +253,77 @@ impl Selection {
     }
 
     /// What later effects made superfluous: the term that takes away least, of those that take away too little, not surely,
-    /// or with a value that is not plausible.
+    /// or with a value that is not believed.
     pub fn superfluous(&self, work: &Work) -> Option<Superfluous> {
         let fit = work.fit();
         (0..work.terms.len())
             .filter(|t| work.terms[*t].effect().is_some() && work.terms[*t].declared.is_none())
             .filter(|t| !work.terms[*t].effect().is_some_and(|(e, _)| carries_another(work, e)))
-            .map(|t| {
+            .filter_map(|t| {
                 let without = work.left_out_without(t);
                 let gain = 1.0 - finite_sum(&fit.left_out) / finite_sum(&without);
-                (Superfluous { term: t, gain }, paired(&without, &fit.left_out))
+                let scores = scores_of(work, t);
+                let sure = informed(&without, &fit.left_out, &scores.expected_falls(), scores.variance());
+                let reason = if gain < 0.5 * WORTH || sure < SURE - 0.5 {
+                    "what was found later made it superfluous".to_string()
+                } else {
+                    believed(work, t).err().map(|doubt| format!("with all that was found, {doubt}"))?
+                };
+                Some(Superfluous { term: t, gain, reason })
             })
-            .filter(|(s, sure)| s.gain < 0.5 * WORTH || *sure < SURE - 0.5 || !self.still_plausible(work, &fit, s.term))
-            .min_by(|a, b| a.0.gain.total_cmp(&b.0.gain))
-            .map(|(superfluous, _)| superfluous)
+            .min_by(|a, b| a.gain.total_cmp(&b.gain))
     }
 
-    /// Takes it out, with its reason.
+    /// Takes it out, with its reason. It is not asked for again.
     pub fn remove(&mut self, work: &mut Work, superfluous: Superfluous) {
         let term = work.terms.remove(superfluous.term);
-        if let Some((effect, _)) = term.effect() {
-            let reason = if superfluous.gain < 0.5 * WORTH {
-                "what was found later made it superfluous".to_string()
-            } else {
-                "with all that was found its value is not plausible".to_string()
-            };
-            self.refuse(effect.name(), reason);
+        if let Some((effect, shape)) = term.effect() {
+            self.barred.push((effect, shape));
+            if !work.terms.iter().any(|t| is(t, effect)) {
+                self.refuse(effect.name(), superfluous.reason);
+            }
         }
     }
 
-    fn still_plausible(&self, work: &Work, fit: &Fit, term: usize) -> bool {
-        let Some((effect, shape)) = work.terms[term].effect() else { return true };
-        let offset = work.offset(term);
-        let values = values_of(effect, shape, (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]));
-        effect.plausible(&values, &work.balance.scale).is_ok()
+    /// Keeps a stage in mind.
+    pub fn remember(&mut self, work: &Work) {
+        let left_out = work.fit().left_out;
+        let is_less = |than: &Vec<f64>| finite_sum(&left_out) < finite_sum(than);
+        if self.least.as_ref().is_none_or(is_less) {
+            self.least = Some(left_out.clone());
+        }
+        let holds = (0..work.terms.len()).all(|t| work.terms[t].declared.is_some() || believed(work, t).is_ok());
+        if holds && self.best.as_ref().is_none_or(|(_, than)| is_less(than)) {
+            self.best = Some((work.terms.clone(), left_out));
+        }
+    }
+
+    /// Goes back to the best stage whose effects all held, where the last one is worse by more than blocks scatter.
+    pub fn back_to_the_best(&mut self, work: &mut Work) {
+        let now = work.fit().left_out;
+        let Some((terms, left_out)) = self.best.take() else { return };
+        if paired(&now, &left_out) > 1.0 && finite_sum(&left_out) < finite_sum(&now) && same_rows(&terms, work) {
+            work.terms = terms;
+        }
+    }
+
+    /// The left-out squared errors of a stage whose effects did not all hold, where it was better than the last by more than
+    /// blocks scatter.
+    pub fn better(&self, now: &[f64]) -> Option<&[f64]> {
+        let least = self.least.as_deref()?;
+        (paired(now, least) > 1.0 && finite_sum(least) < (1.0 - WORTH) * finite_sum(now)).then_some(least)
+    }
+
+    /// Another balance: what was remembered has other rows.
+    pub fn forget(&mut self) {
+        (self.best, self.least) = (None, None);
     }
 
     /// Effects that explain a term's part about as well: not significantly worse, and plausible.
     pub fn look_alikes(&self, work: &Work, term: usize) -> Vec<&'static dyn Effect> {
         let Some((own, _)) = work.terms[term].effect() else { return Vec::new() };
         let fit = work.fit();
-        let mut without = Work {
-            bench: work.bench,
-            balance: work.balance.clone(),
-            target: work.target.clone(),
-            terms: work.terms.clone(),
-            fixed: work.fixed.clone(),
-            folds: work.folds.clone(),
-        };
+        let mut without = work.clone();
         without.terms.remove(term);
         let base = without.fit();
         let lost = finite_sum(&base.left_out) - finite_sum(&fit.left_out);
@@ -300,7 +365,89 @@ fn lacks(gain: f64, sure: f64, statistic: f64, threshold: f64) -> Option<String>
 /// Whether an effect is told instead of another with a larger gain: the simpler of two that the data cannot tell apart.
 fn is_told_instead(candidate: &Candidate, best: &Candidate) -> bool {
     let tied = candidate.gain > 0.85 * best.gain && paired(&candidate.left_out, &best.left_out) < 2.0;
-    tied && rank(candidate.effect) < rank(best.effect)
+    let near = finite_sum(&candidate.left_out) < (1.0 + NEAR).powi(2) * finite_sum(&best.left_out);
+    (tied || near) && rank(candidate.effect) < rank(best.effect)
+}
+
+/// Whether terms have columns of this balance.
+fn same_rows(terms: &[Term], work: &Work) -> bool {
+    terms.iter().flat_map(|t| &t.columns).all(|c| c.len() == work.target.len())
+}
+
+/// Scores of a term's columns beside all others.
+fn scores_of(work: &Work, term: usize) -> Scores {
+    let mut columns = work.columns_without(term);
+    let p = columns.len();
+    columns.extend(work.terms[term].columns.iter().map(Vec::as_slice));
+    Scores::new(&Blocks::new(&work.balance.rows, &columns, &work.target), p, |b| work.fits(b))
+}
+
+/// Whether a candidate's values hold beside the model: beyond their own error, within the window of the shape, and with
+/// numbers of the declared model that keep a sign they can have.
+fn holds(work: &Work, candidate: &Candidate) -> Result<(), String> {
+    let mut with = work.clone();
+    with.terms.push(Term {
+        kind: Kind::Effect(candidate.effect, candidate.shape),
+        columns: candidate.columns.clone(),
+        declared: None,
+    });
+    believed(&with, with.terms.len() - 1)
+}
+
+/// Whether the values of a term are believed.
+///
+/// # Errors
+/// Why not.
+pub fn believed(work: &Work, term: usize) -> Result<(), String> {
+    let Some((effect, shape)) = work.terms[term].effect() else { return Ok(()) };
+    let fit = work.fit();
+    let offset = work.offset(term);
+    let coefficients: Vec<f64> = (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]).collect();
+    let values = values_of(effect, shape, coefficients.iter().copied());
+    effect.plausible(&values, &work.balance.scale).map_err(|doubt| doubt.to_string())?;
+    let covariance = covariance(&fit.blocks, &fit.solution, |b| work.fits(b));
+    // Two amplitudes are one value with a direction.
+    let own = covariance.view((offset, offset), (effect.linear(), effect.linear())).into_owned();
+    let beyond = if effect.linear() == 2 {
+        let value = nalgebra::DVector::from_vec(coefficients.clone());
+        own.cholesky().map_or(f64::INFINITY, |c| value.dot(&c.solve(&value))).sqrt() / 2.45 * OWN_ERROR
+    } else {
+        coefficients[0].abs() / own[(0, 0)].sqrt().max(f64::MIN_POSITIVE)
+    };
+    if beyond < OWN_ERROR {
+        return Err(format!("its value is not beyond its own error ({:.1} standard errors)", beyond));
+    }
+    if let Some((low, high)) = window(work, effect)
+        && !effect.is_of_torque_constant()
+        && (shape < low * (1.0 + EDGE) || shape > high * (1.0 - EDGE))
+    {
+        return Err("its shape lies at the end of what was searched".into());
+    }
+    // What was negative without it is not its doing.
+    let without = work.fit_columns(&work.columns_without(term)).solution.coefficients;
+    let negative = (0..work.terms.len()).filter(|t| *t != term).find_map(|t| {
+        let column = work.offset(t);
+        let before = without[if t > term { column - work.terms[term].columns.len() } else { column }];
+        let one = work.terms[t].columns.len() == 1;
+        let (value, error) = (fit.solution.coefficients[column], covariance[(column, column)].sqrt());
+        let declared = work.terms[t].declared.as_ref().is_none_or(|d| d[0] >= 0.0);
+        let may = work.terms[t].effect().is_some_and(|(e, _)| e.is_signed());
+        (one && declared && !may && before >= 0.0 && value < -2.0 * error).then(|| work.name(t))
+    });
+    match negative {
+        Some(name) => Err(format!("it needs a negative {name}")),
+        None => Ok(()),
+    }
+}
+
+/// Between which values the shape of an effect is looked for.
+fn window(work: &Work, effect: &dyn Effect) -> Option<(f64, f64)> {
+    let scale = &work.balance.scale;
+    match effect.shape() {
+        Shape::Speed(search) => Some((search.from * scale.speed, search.to * scale.speed)),
+        Shape::Current(search) => Some((search.from * scale.current, search.to * scale.current)),
+        Shape::None | Shape::Order => None,
+    }
 }
 
 fn is(term: &Term, effect: &dyn Effect) -> bool {
@@ -327,7 +474,7 @@ fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
     };
     match effect.shape() {
         Shape::None => vec![0.0],
-        Shape::Speed(search) => spaced(search.from * scale.speed, search.to * scale.speed, 8),
+        Shape::Speed(search) => spaced(search.from * scale.speed, search.to * scale.speed, 10),
         Shape::Current(search) => spaced(search.from * scale.current, search.to * scale.current, 8),
         Shape::Order => {
             let mut orders = order_scores(work, fit, effect);
@@ -370,7 +517,7 @@ fn is_preferred((plausible, gain): (bool, f64), (other_plausible, other_gain): (
     }
 }
 
-fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64) -> Option<Candidate> {
+pub fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64) -> Option<Candidate> {
     let columns = work.balance.effect_columns(effect, shape);
     if columns.iter().any(|c| c.iter().any(|v| !v.is_finite()) || c.iter().all(|v| *v == 0.0)) {
         return None;
@@ -388,8 +535,8 @@ fn evaluate(work: &Work, fit: &Fit, effect: &'static dyn Effect, shape: f64) -> 
     let left_out = blocks.left_out(&work.folds);
     let before = finite_sum(&fit.left_out);
     let gain = if before > 0.0 { 1.0 - finite_sum(&left_out) / before } else { 0.0 };
-    let sure = paired(&fit.left_out, &left_out);
-    let scores = block_scores(work, &blocks, p, columns.len());
+    let scores = Scores::new(&blocks, p, |b| work.fits(b));
+    let sure = informed(&fit.left_out, &left_out, &scores.expected_falls(), scores.variance());
     let values = values_of(effect, shape, (0..columns.len()).map(|j| solution.coefficients[p + j]));
     Some(Candidate { effect, shape, values, left_out, gain, sure, scores, columns })
 }
@@ -401,59 +548,14 @@ fn own_shares(total: &DMatrix<f64>, p: usize, extra: usize) -> Vec<f64> {
     (0..extra).map(|j| 1.0 - made_up(j) / total[(p + j, p + j)]).collect()
 }
 
-/// For each fitting block: the candidate's columns, less what the model's columns make of them, times the
-/// model's residual.
-fn block_scores(work: &Work, blocks: &Blocks, p: usize, extra: usize) -> Vec<DVector<f64>> {
-    let total = blocks.total(|b| work.fits(b));
-    let onto = projection(&total, p, extra);
-    let last = total.nrows() - 1;
-    let small = DMatrix::from_fn(p + 1, p + 1, |i, j| {
-        let at = |k: usize| if k == p { last } else { k };
-        total[(at(i), at(j))]
-    });
-    let beta = solve(&small).coefficients;
-    let mut scores = Vec::new();
-    for (b, m) in blocks.products.iter().enumerate() {
-        if !work.fits(b) {
-            continue;
-        }
-        let model_residual = m.view((0, last), (p, 1)) - m.view((0, 0), (p, p)) * &beta;
-        let own = m.view((p, last), (extra, 1)) - m.view((p, 0), (extra, p)) * &beta;
-        let score = own - onto.transpose() * model_residual;
-        scores.push(DVector::from_iterator(extra, score.iter().copied()));
-    }
-    scores
-}
-
-/// How far the sum of the scores is from zero, in units of their scatter.
-fn statistic(scores: &[DVector<f64>]) -> f64 {
-    signed_statistic(scores, |_| 1.0)
-}
-
-fn signed_statistic(scores: &[DVector<f64>], sign: impl Fn(usize) -> f64) -> f64 {
-    let Some(first) = scores.first() else { return 0.0 };
-    let d = first.len();
-    let mut sum = DVector::zeros(d);
-    let mut scatter = DMatrix::zeros(d, d);
-    for (b, score) in scores.iter().enumerate() {
-        sum += score * sign(b);
-        scatter += score * score.transpose();
-    }
-    let ridge = 1e-9 * scatter.trace() / d as f64;
-    for i in 0..d {
-        scatter[(i, i)] += ridge + f64::MIN_POSITIVE;
-    }
-    scatter.cholesky().map_or(0.0, |c| sum.dot(&c.solve(&sum))) / d as f64
-}
-
-/// What the best of all candidates reaches by chance: the blocks' scores with random signs.
+/// What the best of all candidates reaches by chance: what each leaves in the blocks, with random signs.
 fn chance_threshold(work: &Work, candidates: &[Candidate]) -> f64 {
     let blocks = work.folds.iter().flatten().count();
     let mut random = Pcg64Mcg::seed_from_u64(0x6765_6172_7769_7365);
     let mut largest: Vec<f64> = (0..REPETITIONS)
         .map(|_| {
             let signs: Vec<f64> = (0..blocks).map(|_| if random.next_u32() & 1 == 0 { 1.0 } else { -1.0 }).collect();
-            candidates.iter().map(|c| signed_statistic(&c.scores, |b| signs[b])).fold(0.0, f64::max)
+            candidates.iter().map(|c| c.scores.by_chance(&signs)).fold(0.0, f64::max)
         })
         .collect();
     largest.sort_by(f64::total_cmp);
@@ -476,55 +578,6 @@ fn gain_beside(work: &Work, candidate: &Candidate, others: &[Vec<f64>]) -> f64 {
     let with = work.fit_columns(&columns).left_out;
     let reference = finite_sum(&work.fit().left_out);
     (finite_sum(&without) - finite_sum(&with)) / reference.max(f64::MIN_POSITIVE)
-}
-
-/// A fitting log that gets clearly worse with the candidate fitted on the other logs.
-fn log_that_objects(work: &Work, candidate: &Candidate) -> Option<usize> {
-    let rows = &work.balance.rows;
-    let logs: Vec<usize> = {
-        let mut seen: Vec<usize> =
-            (0..rows.block_log.len()).filter(|b| work.fits(*b)).map(|b| rows.block_log[b]).collect();
-        seen.dedup();
-        seen
-    };
-    if logs.len() < 2 {
-        return None;
-    }
-    let mut columns = work.columns();
-    let p = columns.len();
-    columns.extend(candidate.columns.iter().map(Vec::as_slice));
-    let blocks = Blocks::new(rows, &columns, &work.target);
-    let plain: Vec<usize> = (0..p).collect();
-    let model = blocks.select(&plain);
-    logs.into_iter().find(|log| {
-        let own = |b: usize| work.fits(b) && rows.block_log[b] == *log;
-        let others = |b: usize| work.fits(b) && rows.block_log[b] != *log;
-        // The model itself is fitted on all logs: only the candidate has to travel.
-        let base = solve(&model.total(|b| work.fits(b))).coefficients;
-        let with = solve(&blocks.total(others)).coefficients;
-        let added: Vec<f64> = (0..candidate.columns.len()).map(|j| with[p + j]).collect();
-        // Refits the model's own parameters on the log with the candidate's values given.
-        let own_total = blocks.total(own);
-        let before = squares(&model.total(own), &base);
-        let after = squares_given(&own_total, p, &added);
-        let own_fit = squares(&model.total(own), &solve(&model.total(own)).coefficients);
-        after > 1.1 * own_fit && after > before
-    })
-}
-
-/// Sum of squares with the last coefficients given and the first `p` fitted.
-fn squares_given(total: &DMatrix<f64>, p: usize, given: &[f64]) -> f64 {
-    // New columns from old: the model's own, and the target less the given part.
-    let mut map = DMatrix::zeros(total.nrows(), p + 1);
-    for i in 0..p {
-        map[(i, i)] = 1.0;
-    }
-    for (j, value) in given.iter().enumerate() {
-        map[(p + j, p)] = -value;
-    }
-    map[(total.nrows() - 1, p)] = 1.0;
-    let small = map.transpose() * total * map;
-    squares(&small, &solve(&small).coefficients)
 }
 
 #[cfg(test)]

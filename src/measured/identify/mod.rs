@@ -11,24 +11,30 @@ pub(crate) mod balance;
 mod candidates;
 mod flexible;
 pub mod noise;
+mod machine;
 mod numbers;
+mod owning;
 pub(crate) mod origin;
+pub(crate) mod prepare;
 mod refit;
 pub(crate) mod regression;
 mod report;
+mod ripple;
+mod scores;
 mod structure;
+mod travel;
 mod work;
 
 pub use crate::measured::answer::evidence::{self, Evidence, Verdict};
 pub use crate::measured::answer::{
-    Artefact, ArtefactKind, Found, Ground, On, Parameter, Pictures, Refused, Report, Stage, Step, Target, Unexplained,
+    About, Artefact, ArtefactKind, Finding, Found, Ground, On, Parameter, Pictures, Refused, Report, Stage, Step, Target, Unexplained,
 };
 pub use balance::{Balance, Corrections, Setting, targets};
 
 use self::work::{Kind, Term, Work};
 use crate::effects::Effect;
 use crate::measured::select::{self, Judge, Pruner};
-use crate::measured::{Bench, simulate};
+use crate::measured::{Bench, Use, simulate};
 
 /// What identification is run with.
 #[derive(Debug, Clone, Default)]
@@ -47,6 +53,9 @@ const STEPS: usize = 16;
 /// # Errors
 /// In words, where the logs say nothing that can be compared.
 pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String> {
+    let (prepared, findings) = prepare::prepare(bench);
+    let bench = &prepared;
+    let contradicted = findings.iter().any(|f| f.about.contradicts());
     let targets = targets(bench);
     let simulated = simulate::serves(bench);
     if targets.is_empty() && !simulated {
@@ -54,9 +63,21 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
                     or a voltage, with a velocity or a position"
             .into());
     }
+    if contradicted {
+        let told = |target| report::as_declared(bench, target, options, &findings);
+        let mut reports: Vec<Report> = targets.into_iter().filter_map(told).collect();
+        if reports.is_empty() {
+            reports.push(report::contradicted(Target::Position, if bench.declared.motor.is_some() { "rad" } else { "m" }, &findings));
+        }
+        return Ok(reports);
+    }
     let mut reports: Vec<Report> = targets.into_iter().filter_map(|target| run(bench, target, options)).collect();
     if simulated {
         reports.extend(simulate::identify_servo(bench));
+    }
+    for report in &mut reports {
+        report.mark_what_was_taken_back();
+        report.findings.extend(findings.iter().cloned());
     }
     if reports.is_empty() {
         return Err("nothing can be learnt: no log has 16 samples in a row with all channels, moving".into());
@@ -64,7 +85,31 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
     Ok(reports)
 }
 
+/// Identifies one equation; again without the few seconds that own the error, where there are such.
 fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
+    let report = once(bench, target, options)?;
+    let owning = owning::seconds(&report.pictures, |log| {
+        bench.logs.iter().any(|l| l.name == report.pictures.names[log] && l.usage == Use::Fit)
+    });
+    if owning.is_empty() {
+        return Some(report);
+    }
+    let mut without = bench.clone();
+    let mut findings = Vec::new();
+    for (log, span, share) in owning {
+        let Some(log) = without.logs.iter_mut().find(|l| l.name == report.pictures.names[log]) else { continue };
+        let start = log.time.first().copied().unwrap_or(0.0);
+        let (from, to) = (start + span.start, start + span.end);
+        log.excluded.push(from..to);
+        prepare::leave_out(log);
+        findings.push(Finding { log: log.name.clone(), about: About::Owns { from, to, share } });
+    }
+    let mut again = once(&without, target, options)?;
+    again.findings = findings;
+    Some(again)
+}
+
+fn once(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     let wide = Setting {
         corrections: Corrections::none(bench.logs.len()),
         band: options.band,
@@ -81,15 +126,45 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     }
     let setting = |corrections| Setting { corrections, band, rows: ROWS, samples: usize::MAX };
     let as_declared = report::declared_stage(bench, &first);
+    let may_be_late = artefacts::shows_lags(bench, &first);
     let mut corrections = artefacts::find(bench, first, &setting);
     let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
     let mut work = Work::new(bench, balance);
     let mut stages = vec![as_declared, report::corrected_stage(&work)];
-    let held = work.hold_what_is_not_seen();
+    let mut held = work.hold_what_is_not_seen();
     let refit = work.fit();
     stages.push(work.stage(Step::Refit, &refit));
+    let mut ripple = ripple::find(bench, target, &setting(corrections.clone()), &work.balance, may_be_late);
+    if ripple.is_none() && corrections.motion_lag != 0.0 {
+        // Ripple that nobody expects looks like a lag: without it the orders may stand out.
+        let early = Corrections { motion_lag: 0.0, ..corrections.clone() };
+        let lag = -corrections.motion_lag;
+        let found = ripple::find(bench, target, &setting(early), &work.balance, may_be_late);
+        ripple = found.map(|r| ripple::Ripple { lag: r.lag + lag, ..r });
+    }
+    if let Some(lag) = ripple.as_ref().map(|r| r.lag).filter(|lag| *lag != 0.0) {
+        // Nothing tells a lag as sharply as teeth do.
+        corrections.motion_lag += lag;
+        work = Work::new(bench, Balance::new(bench, target, &setting(corrections.clone()))?);
+        held = work.hold_what_is_not_seen();
+    }
+    let (inside, ripple) = ripple.map_or((Vec::new(), None), |r| r.split(&work.balance));
+    if let Some(ripple) = &ripple {
+        work.take_out(ripple);
+        for line in &ripple.lines {
+            let fit = work.fit();
+            stages.push(work.stage(Step::Added(line.fitted.effect, line.fitted.values[2]), &fit));
+        }
+    }
+    for fitted in inside {
+        let Some(order) = fitted.values.last() else { continue };
+        let columns = work.balance.effect_columns(fitted.effect, *order);
+        work.terms.push(Term { kind: Kind::Effect(fitted.effect, *order), columns, declared: None });
+        let fit = work.fit();
+        stages.push(work.stage(Step::Added(fitted.effect, *order), &fit));
+    }
     let mut selection = candidates::Selection::new(&work);
-    select::forward(&mut OnBalance { work: &mut work, selection: &mut selection, stages: &mut stages }, STEPS);
+    explain(&mut work, &mut selection, &mut stages);
     // Lags are found again with the effects in: a late channel and friction look alike. What the gear
     // transmits follows from its loss.
     let gear_loss = work.gear_loss();
@@ -99,19 +174,33 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
         let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
         let terms = std::mem::take(&mut work.terms);
         work = Work::new(bench, balance);
-        work.hold_what_is_not_seen();
-        for term in terms {
-            if let (Kind::Effect(effect, shape), None) = (term.kind, &term.declared) {
-                let columns = work.balance.effect_columns(effect, shape);
-                work.terms.push(Term { columns, ..term });
-            }
+        selection.forget();
+        held = work.hold_what_is_not_seen();
+        if let Some(ripple) = &ripple {
+            work.take_out(ripple);
         }
+        work.add_again(terms);
         work.refine_shapes();
+        explain(&mut work, &mut selection, &mut stages);
     }
-    select::backward(&mut OnBalance { work: &mut work, selection: &mut selection, stages: &mut stages });
+    selection.back_to_the_best(&mut work);
+    // What was held before the effects were known may be seen beside them.
+    held.retain(|which| !work.release(*which));
     work.settle_saturation();
+    select::backward(&mut OnBalance { work: &mut work, selection: &mut selection, stages: &mut stages });
     let found = artefacts::list(&work, &corrections);
     Some(report::report(work, selection, stages, found, held))
+}
+
+/// Adds effects and takes them back until nothing more is to be said with certainty.
+fn explain(work: &mut Work, selection: &mut candidates::Selection, stages: &mut Vec<Stage>) {
+    for _ in 0..STEPS {
+        select::in_turn(&mut OnBalance { work, selection, stages }, STEPS);
+        selection.remember(work);
+        // Names that do not have the right shape are taken back: a wrong name is worse than none.
+        let Some(doubtful) = structure::doubtful(work) else { return };
+        selection.remove(work, doubtful);
+    }
 }
 
 /// The balance judges: by blocks of time that are left out of the fit in turn.

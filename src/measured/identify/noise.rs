@@ -36,12 +36,9 @@ pub struct Reading {
 impl Reading {
     /// Of the values of a channel, a unit of which is `scale` of the target.
     pub fn new(values: &[f64], scale: f64) -> Reading {
-        let steps: Vec<(usize, f64)> = values
-            .windows(2)
-            .enumerate()
-            .map(|(k, w)| (k, (w[1] - w[0]).abs()))
-            .filter(|(_, d)| d.is_finite() && *d > 0.0)
-            .collect();
+        let known: Vec<(usize, f64)> = values.iter().copied().enumerate().filter(|(_, v)| v.is_finite()).collect();
+        let steps: Vec<(usize, f64)> =
+            known.windows(2).map(|w| (w[0].0, (w[1].1 - w[0].1).abs())).filter(|(_, d)| *d > 0.0).collect();
         let quantum = steps.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
         let between = signals::median(steps.windows(2).map(|w| (w[1].0 - w[0].0) as f64).collect()).unwrap_or(1.0);
         let usual = signals::median(steps.iter().map(|s| s.1).collect()).unwrap_or(0.0);

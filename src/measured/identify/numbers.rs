@@ -3,7 +3,7 @@
 use super::candidates::Selection;
 use super::regression::{Blocks, Solution, covariance, solve};
 use super::work::{Kind, Term, Work};
-use crate::effects::{Named, Shape};
+use crate::effects::{Effect, Named, Shape};
 use crate::measured::answer::{Base, Found, Parameter};
 
 /// Names, covariance and values of every fitted number; shape parameters by their derivative.
@@ -117,6 +117,49 @@ pub fn parameters(
     list
 }
 
+/// Effects that were found at full bandwidth: their errors are of that.
+fn of_ripple(work: &Work, list: &mut Vec<Found>) {
+    let Some(ripple) = &work.ripple else { return };
+    for (effect, _, held) in &ripple.without {
+        let lines = ripple.lines.iter().filter(|l| l.fitted.effect == *effect);
+        let (mut parameters, mut instances, mut square) = (Vec::new(), Vec::new(), 0.0);
+        let mut confounded_with: Vec<&'static dyn Effect> = Vec::new();
+        for line in lines {
+            let values = &line.fitted.values;
+            for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
+                let named = Named::new(*effect, values.last().copied(), parameter.name).to_string();
+                parameters.push(Parameter {
+                    name: named.trim_start_matches(effect.name()).trim_start_matches('.').to_string(),
+                    declared: None,
+                    fitted: values[j],
+                    standard_error: Some(line.covariance[j][j].max(0.0).sqrt()),
+                    unit: parameter.kind.si,
+                });
+            }
+            let column = work.balance.variable(false, |at| work.balance.factor * effect.value(values, at));
+            square += column.iter().map(|v| v * v).sum::<f64>() / column.len().max(1) as f64;
+            instances.push(values.clone());
+            confounded_with.extend(line.twin.filter(|t| !confounded_with.contains(t)));
+        }
+        match list.iter_mut().find(|f| f.effect == *effect) {
+            Some(same) => {
+                same.parameters.extend(parameters);
+                same.instances.extend(instances);
+                same.size = same.size.hypot(square.sqrt());
+            }
+            None => list.push(Found {
+                effect: *effect,
+                parameters,
+                instances,
+                size: square.sqrt(),
+                held_out_before: *held,
+                held_out_after: ripple.after.1,
+                confounded_with,
+            }),
+        }
+    }
+}
+
 /// The effects that the declared model lacked.
 pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
     let fit = work.fit();
@@ -175,7 +218,11 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
             }),
         }
     }
+    of_ripple(work, &mut list);
     for entry in &mut list {
+        if entry.held_out_before.is_some() {
+            continue;
+        }
         // Without all orders of the effect.
         let columns: Vec<&[f64]> = work
             .terms

@@ -51,6 +51,12 @@ impl Signal {
         Signal { values, made_of: channel.into() }
     }
 
+    /// Of a channel that was made of others, too.
+    pub fn made_of(mut self, others: Channels) -> Signal {
+        self.made_of = self.made_of | others;
+        self
+    }
+
     /// Of nothing measured.
     pub fn constant(value: f64, count: usize) -> Signal {
         Signal { values: vec![value; count], made_of: Channels::NONE }

@@ -2,7 +2,7 @@
 
 use super::flexible::of_speed;
 use super::regression::{Blocks, covariance, solve, squares};
-use super::work::{Kind, Work};
+use super::work::{Kind, Term, Work};
 use crate::effects::Shape;
 use crate::measured::answer::Base;
 use crate::numerics::line_search::golden_section;
@@ -10,6 +10,8 @@ use crate::numerics::sums::finite_sum;
 
 /// Least share of the current's column that no function of speed makes up for K_T to be fitted.
 const OWN_SHARE: f64 = 0.05;
+/// A number of the declared model whose error is a larger share of it is not seen.
+const DOUBT: f64 = 0.3;
 
 impl Work<'_> {
     /// What share of a column neither the other columns nor any function of speed make up.
@@ -51,7 +53,7 @@ impl Work<'_> {
                     let error = covariance[(column, column)].sqrt();
                     let unseen = fit.solution.inverse[(column, column)] == 0.0;
                     let doubt = error / declared.abs().max(value.abs() * 0.5).max(f64::MIN_POSITIVE);
-                    (unseen || doubt > 0.3 || value < 0.0).then_some((t, index, if unseen { f64::MAX } else { doubt }))
+                    (unseen || doubt > DOUBT || value < 0.0).then_some((t, index, if unseen { f64::MAX } else { doubt }))
                 })
                 .max_by(|a, b| a.2.total_cmp(&b.2));
             let Some((t, ..)) = worst else { break };
@@ -101,6 +103,33 @@ impl Work<'_> {
             self.terms[t].columns = self.balance.effect_columns(effect, found);
             self.terms[t].kind = Kind::Effect(effect, found);
         }
+    }
+
+    /// Takes a parameter that was held back into the fit, where with all effects in the data show it; whether they do.
+    pub fn release(&mut self, which: Base) -> bool {
+        let Some(index) = self.balance.base.iter().position(|b| b.which == which) else { return false };
+        let Some(declared) = self.balance.base[index].declared.filter(|d| d.is_finite() && *d != 0.0) else {
+            return false;
+        };
+        let column = self.balance.base_column(index);
+        if column.iter().all(|v| *v == 0.0) {
+            return false;
+        }
+        let (before, target) = (self.fit(), self.target.clone());
+        for (y, c) in self.target.iter_mut().zip(&column) {
+            *y += declared * c;
+        }
+        self.terms.insert(0, Term { kind: Kind::Base(index), columns: vec![column], declared: Some(vec![declared]) });
+        let fit = self.fit();
+        let covariance = covariance(&fit.blocks, &fit.solution, |b| self.fits(b));
+        let (value, error) = (fit.solution.coefficients[0], covariance[(0, 0)].sqrt());
+        let is_seen = fit.solution.inverse[(0, 0)] > 0.0 && value > 0.0 && error < DOUBT * declared.abs();
+        let is_no_worse = finite_sum(&fit.left_out) < finite_sum(&before.left_out);
+        if !(is_seen && is_no_worse) {
+            self.terms.remove(0);
+            self.target = target;
+        }
+        is_seen && is_no_worse
     }
 
     /// Improves the shape parameters that are not orders.

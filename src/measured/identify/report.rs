@@ -1,15 +1,17 @@
 //! The report of one equation: its story, what was found, what is left, and what to measure next.
 
-use super::balance::{Balance, applies};
+use super::balance::{Balance, Corrections, Setting, applies};
 use super::candidates::Selection;
 use super::numbers::{errors, found, parameters};
 use super::structure::{self, Dependence};
-use super::work::{Kind, Work};
-use crate::effects::{FittedEffect, Shape, Side, separating_run};
+use super::work::Work;
+use super::{Options, ROWS};
+use crate::effects::{FittedEffect, Side, separating_run};
 use crate::measured::Bench;
 use crate::measured::answer::evidence::{Evidence, Gain, verdict};
-use crate::measured::answer::{Artefact, Base, Found, Ground, On, Pictures, Refused, Report, Stage, Step, Unexplained};
-use crate::numerics::sums::finite_sum;
+use crate::measured::answer::{
+    Artefact, Base, Finding, Found, Ground, Pictures, Report, Stage, Step, Target, Unexplained,
+};
 
 /// Residual of the declared model, with the zero of each log in it.
 fn declared_residual(bench: &Bench, balance: &Balance, with_zero: bool) -> Vec<f64> {
@@ -66,24 +68,64 @@ pub(crate) fn corrected_stage(work: &Work) -> Stage {
     stage_of(Step::Artefacts, &work.balance, &left, &work.balance.target_column())
 }
 
+/// What is said of logs whose channels contradict each other: their error as declared, and nothing else. `None` where the
+/// equation has no rows.
+pub fn as_declared(bench: &Bench, target: Target, options: &Options, findings: &[Finding]) -> Option<Report> {
+    let setting = Setting {
+        corrections: Corrections::none(bench.logs.len()),
+        band: options.band,
+        rows: ROWS,
+        samples: usize::MAX,
+    };
+    let balance = Balance::new(bench, target, &setting)?;
+    let declared = declared_stage(bench, &balance);
+    let last = Stage { step: Step::Final, ..declared.clone() };
+    let nothing = contradicted(target, balance.unit, findings);
+    let evidence = Evidence { left: declared.fit, held_out: declared.held_out, ..nothing.evidence.clone() };
+    Some(Report {
+        band: balance.band,
+        samples: (balance.samples(), balance.rows.len()),
+        evidence,
+        stages: vec![declared, last],
+        remarks: balance.remarks.clone(),
+        ..nothing
+    })
+}
+
+/// A report that says nothing but what contradicts itself.
+pub fn contradicted(target: Target, unit: &'static str, findings: &[Finding]) -> Report {
+    let evidence = Evidence { contradicted: true, left: f64::NAN, ..Evidence::default() };
+    Report {
+        target,
+        unit,
+        band: None,
+        samples: (0, 0),
+        verdict: verdict(&evidence),
+        evidence,
+        stages: Vec::new(),
+        findings: findings.to_vec(),
+        artefacts: Vec::new(),
+        parameters: Vec::new(),
+        effects: Vec::new(),
+        refused: Vec::new(),
+        unexplained: Vec::new(),
+        next_runs: Vec::new(),
+        remarks: Vec::new(),
+        fitted_names: Vec::new(),
+        covariance: Vec::new(),
+        pictures: Pictures::default(),
+    }
+}
+
 /// Makes the report.
 pub fn report(
-    mut work: Work,
+    work: Work,
     mut selection: Selection,
     mut stages: Vec<Stage>,
     mut artefacts: Vec<Artefact>,
     held: Vec<Base>,
 ) -> Report {
-    // Names that do not have the right shape are taken back: a wrong name is worse than none.
-    let (mut left, mut shares) = structure::left(&work, &work.fit());
-    while let Some((term, reason)) = doubtful(&work, &shares) {
-        let removed = work.terms.remove(term);
-        if let Kind::Effect(effect, _) = removed.kind {
-            selection.refused.retain(|r| r.name != effect.name());
-            selection.refused.push(Refused::new(effect.name(), reason));
-        }
-        (left, shares) = structure::left(&work, &work.fit());
-    }
+    let (left, _) = structure::left(&work, &work.fit());
     let fit = work.fit();
     let last = work.stage(Step::Final, &fit);
     let held_out = last.held_out;
@@ -107,7 +149,9 @@ pub fn report(
         noise: super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band),
         asked,
         together: Some(together),
+        better: selection.better(&fit.left_out).map(|left_out| work.root_mean_square(&fit, left_out)),
         worse_by_refitting: refitting.is_harm(),
+        contradicted: false,
         dead: channel.filter(|channel| work.bench.is_dead(*channel)),
         unrelated: channel.is_some() && Evidence::does_not_follow(accounted.0, accounted.1, explains),
     };
@@ -129,6 +173,9 @@ pub fn report(
     if work.balance.split_log {
         remarks.push("no log is held out: every fifth block of time judges instead".into());
     }
+    for (effect, objection) in selection.objections.iter().filter(|(e, _)| effects.iter().any(|f| f.effect == *e)) {
+        remarks.push(format!("{}: {objection}", effect.title()));
+    }
     let next_runs = next_runs(&effects, &selection, &left, &work);
     Report {
         target: work.balance.target,
@@ -138,6 +185,7 @@ pub fn report(
         verdict: verdict(&evidence),
         evidence,
         stages,
+        findings: Vec::new(),
         artefacts,
         parameters,
         effects,
@@ -161,36 +209,6 @@ fn block_squares(work: &Work, residual: &[f64]) -> Vec<f64> {
         sums[*block] += r * r;
     }
     sums
-}
-
-/// An effect whose own variable still explains much of what is left, measured by what the effect itself
-/// explains.
-fn doubtful(work: &Work, shares: &[(On, f64)]) -> Option<(usize, String)> {
-    let fit = work.fit();
-    let now = finite_sum(&fit.left_out);
-    (0..work.terms.len()).find_map(|t| {
-        let term = &work.terms[t];
-        let (effect, _) = term.effect()?;
-        if term.declared.is_some() || effect.shape() == Shape::Order {
-            return None;
-        }
-        let explains = finite_sum(&work.left_out_without(t)) - now;
-        let is_its_own = |on: On| matches!(on, On::Variable(v) if effect.needs().contains(&v));
-        let (on, share) = shares.iter().find(|(on, _)| is_its_own(*on))?;
-        let left = share * now;
-        // A shape parameter bends a wrong curve nearly right: what it leaves weighs more.
-        let tolerated = if effect.shape() == Shape::None { 0.15 } else { 0.04 };
-        (left > tolerated * explains && left > 0.0).then(|| {
-            let name = on.name();
-            (
-                t,
-                format!(
-                    "it has not the right shape: a free function of {name} takes away {:.0} % more than it does",
-                    100.0 * left / explains.max(f64::MIN_POSITIVE)
-                ),
-            )
-        })
-    })
 }
 
 /// Runs that would tell look-alikes apart, or show what this bench hides.

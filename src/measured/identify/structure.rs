@@ -4,6 +4,7 @@
 //! function; where one lowers the left-out error beyond chance, something is left, and it is said on what
 //! it depends.
 
+use super::candidates::Superfluous;
 use super::flexible::{drift, hats, order_scores};
 use super::work::{Fit, Work};
 use crate::effects::{EFFECTS, Equation, Operating, Shape, Variable};
@@ -153,6 +154,38 @@ pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(On, f64)>) {
     }
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
     (found, shares)
+}
+
+/// An effect whose own variable still explains much of what is left, measured by what the effect itself
+/// explains.
+pub fn doubtful(work: &Work) -> Option<Superfluous> {
+    let fit = work.fit();
+    let (_, shares) = left(work, &fit);
+    let now = finite_sum(&fit.left_out);
+    (0..work.terms.len()).find_map(|t| {
+        let term = &work.terms[t];
+        let (effect, _) = term.effect()?;
+        if term.declared.is_some() || effect.shape() == Shape::Order {
+            return None;
+        }
+        let explains = finite_sum(&work.left_out_without(t)) - now;
+        let is_its_own = |on: On| matches!(on, On::Variable(v) if effect.needs().contains(&v));
+        let (on, share) = shares.iter().find(|(on, _)| is_its_own(*on))?;
+        let left = share * now;
+        // A shape parameter bends a wrong curve nearly right: what it leaves weighs more.
+        let tolerated = if effect.shape() == Shape::None { 0.15 } else { 0.04 };
+        (left > tolerated * explains && left > 0.0).then(|| {
+            let name = on.name();
+            let more = 100.0 * left / explains.max(f64::MIN_POSITIVE);
+            Superfluous {
+                term: t,
+                gain: explains / (explains + now),
+                reason: format!(
+                    "it has not the right shape: a free function of {name} takes away {more:.0} % more than it does"
+                ),
+            }
+        })
+    })
 }
 
 /// A line in the spectrum of what is left: its frequency \[Hz\] and its share of the variance.

@@ -1,8 +1,11 @@
 //! The model at some point of the story: its terms, their columns, and its fit.
 
+use std::sync::Arc;
+
 use super::balance::{Balance, visible};
 use super::noise::Unfiltered;
 use super::regression::{Blocks, Solution, solve, squares};
+use super::ripple::Ripple;
 use crate::effects::{Effect, FittedEffect, of_efficiency};
 use crate::measured::answer::{Base, Hidden, Stage, Step};
 use crate::measured::{Bench, Use};
@@ -50,17 +53,20 @@ pub struct Fit {
 }
 
 /// Everything that the steps share.
+#[derive(Clone)]
 pub struct Work<'a> {
     /// The bench.
     pub bench: &'a Bench,
     /// The equation.
-    pub balance: Balance,
+    pub balance: Arc<Balance>,
     /// Target less what is known and less what is fixed.
     pub target: Vec<f64>,
     /// The model so far.
     pub terms: Vec<Term>,
     /// Declared effects that stay as declared, because they are made of the response.
     pub fixed: Vec<FittedEffect>,
+    /// What repeats with an angle, found at full bandwidth and taken out of the target.
+    pub ripple: Option<Arc<Ripple>>,
     /// Fold of each block; `None` judges only.
     pub folds: Vec<Option<usize>>,
 }
@@ -108,7 +114,27 @@ impl<'a> Work<'a> {
                 });
             }
         }
-        Work { bench, balance, target, terms, fixed, folds }
+        Work { bench, balance: Arc::new(balance), target, terms, fixed, ripple: None, folds }
+    }
+
+    /// Takes what repeats with an angle out of the target.
+    pub fn take_out(&mut self, ripple: &Ripple) {
+        for fitted in ripple.effects() {
+            let factor = self.balance.conversion(fitted.effect);
+            let column = self.balance.function(|at| factor * fitted.effect.value(&fitted.values, at));
+            self.target.iter_mut().zip(column).for_each(|(t, c)| *t -= c);
+        }
+        self.ripple = Some(Arc::new(ripple.clone()));
+    }
+
+    /// Effects that were found on another balance of the same logs, with their columns of this one.
+    pub fn add_again(&mut self, terms: Vec<Term>) {
+        for term in terms {
+            if let (Kind::Effect(effect, shape), None) = (term.kind, &term.declared) {
+                let columns = self.balance.effect_columns(effect, shape);
+                self.terms.push(Term { columns, ..term });
+            }
+        }
     }
 
     /// Columns of the terms, one after the other.
@@ -150,6 +176,7 @@ impl<'a> Work<'a> {
         let mut base: Vec<f64> =
             self.balance.base.iter().map(|b| b.declared.filter(|d| d.is_finite()).unwrap_or(0.0)).collect();
         let mut effects = self.fixed.clone();
+        effects.extend(self.ripple.iter().flat_map(|r| r.effects()));
         for (t, term) in self.terms.iter().enumerate() {
             let own = &coefficients[self.offset(t)..self.offset(t) + term.columns.len()];
             match term.kind {
@@ -197,13 +224,26 @@ impl<'a> Work<'a> {
 
     /// Root mean square of what is left out.
     pub fn left_out_error(&self, fit: &Fit) -> f64 {
+        self.root_mean_square(fit, &fit.left_out)
+    }
+
+    /// Root mean square over the rows for fitting, of squared errors of their blocks.
+    pub fn root_mean_square(&self, fit: &Fit, squares: &[f64]) -> f64 {
         let count = fit.blocks.count(|b| self.fits(b)).max(1);
-        (finite_sum(&fit.left_out) / count as f64).sqrt()
+        (finite_sum(squares) / count as f64).sqrt()
     }
 
     /// Whether a term is this parameter of the declared model.
     pub fn is_base(&self, term: usize, which: Base) -> bool {
         matches!(self.terms[term].kind, Kind::Base(i) if self.balance.base[i].which == which)
+    }
+
+    /// What a term is called.
+    pub fn name(&self, term: usize) -> String {
+        match self.terms[term].kind {
+            Kind::Base(index) => self.balance.base[index].which.name().replace('_', " "),
+            Kind::Effect(effect, _) => effect.title(),
+        }
     }
 
     /// The index of the first column of a term.

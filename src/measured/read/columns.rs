@@ -44,6 +44,8 @@ pub struct Column {
     pub gain_tolerance: Option<f64>,
     /// Whether a row's value holds until the next row, of what drives the machine.
     pub held: bool,
+    /// Whether it is the driver's own estimate, made of its current, and no instrument's.
+    pub estimated: bool,
     /// Whether it was measured at the motor and is brought to the output by the ratio.
     pub from_motor: bool,
     /// What was assumed.
@@ -271,6 +273,8 @@ fn read_column(
     } else {
         None
     };
+    let estimated = matches!(quantity, Quantity::Torque | Quantity::Force)
+        && section.boolean(about("estimated", ESTIMATED).default("false")) == Some(true);
     let held = read_held(&section, quantity, placed.map(|(target, _)| target));
     section.finish();
     let (target, factor) = placed?;
@@ -292,10 +296,13 @@ fn read_column(
         difference,
         gain_tolerance,
         held,
+        estimated,
         from_motor,
         remarks,
     })
 }
+
+const ESTIMATED: &str = "whether it is the driver's own estimate, made of its current, and no sensor's";
 
 const HELD: &str = "whether a row's value holds until the next row, as a digital drive holds a command: a current or force that was \
                     commanded has `true`, a duty of a loop much faster than the log `false`";

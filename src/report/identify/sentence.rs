@@ -13,6 +13,11 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     if let Some(channel) = reports.iter().find_map(|r| r.evidence.dead) {
         return format!("Nothing can be learnt: the {} has one value throughout.", channel_name(channel));
     }
+    if reports.iter().any(|r| r.evidence.contradicted) {
+        let said = reports.iter().flat_map(|r| &r.findings).find(|f| f.about.contradicts());
+        let said = said.map_or_else(String::new, |f| format!(" in {}: {}", f.log, super::finding_words(bench, &f.about)));
+        return format!("Nothing can be learnt: channels contradict each other{said}.");
+    }
     let nothing = |report: &&Report| report.evidence.unrelated;
     if let Some((report, channel)) = reports.iter().find(nothing).and_then(|r| Some((r, r.target.channel()?))) {
         let accounted = report.stages.last().and_then(|last| Stage::vaf(last.fit_vaf)).unwrap_or(0.0);
@@ -69,6 +74,25 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
         Verdict::NotResolved => {
             let strongest = reports.iter().filter_map(|r| r.evidence.strongest());
             let strongest = strongest.max_by(|a, b| a.gain.most().total_cmp(&b.gain.most()));
+            if let Some(times) = reports.iter().filter(|r| r.evidence.is_below_the_noise()).find_map(|r| r.evidence.times_the_noise()) {
+                parts.push(format!(
+                    "Less is left than the instrument's own noise ({} times): something explains noise, and no name is certain",
+                    number(round(times))
+                ));
+            }
+            if !names.is_empty() {
+                parts.push(format!("The declared model seems to lack {}", listed(&names)));
+            }
+            for report in reports {
+                if let Some(better) = report.evidence.better {
+                    parts.push(format!(
+                        "a model with effects whose values are not believed leaves {} instead of {} {}",
+                        number(better),
+                        number(report.evidence.left),
+                        report.unit
+                    ));
+                }
+            }
             parts.push("No effect could be named with certainty, and not all could be excluded".into());
             parts.push(match strongest {
                 Some(asked) => format!("the strongest of what was refused: {}", effects::in_words(&strength(asked))),

@@ -12,7 +12,7 @@ use crate::measured::identify::evidence::Gain as GainFact;
 use crate::measured::identify::{self as fact, Found, Ground, Report, Stage as StageFact, Step, Target};
 use crate::measured::simulate::{Errors as SimulationErrors, ForwardCheck};
 use crate::measured::{Bench, Log as LogFact};
-use crate::report::identify::{overall, refused, sentence, stuck, unit_on, used};
+use crate::report::identify::{finding_words, overall, refused, sentence, stuck, unit_on, used};
 
 /// What `identify` prints: the first equation at the top, with the effects, the refusals and what is unexplained of all
 /// equations; the others under `further`.
@@ -57,6 +57,8 @@ pub struct Equation<'a> {
     pub rows: usize,
     /// Error of the model, from the declared one to the final one.
     pub errors: Errors,
+    /// What was found in the logs before anything was asked.
+    pub findings: Vec<Finding<'a>>,
     /// Artefacts of the measurement.
     pub artefacts: Vec<Artefact<'a>>,
     /// Numbers of the declared model, fitted.
@@ -92,6 +94,10 @@ pub struct Evidence {
     pub refused: Vec<Asked>,
     /// What all of them together would do; `null` where that was not tried.
     pub refused_together: Option<Gain>,
+    /// What a model with effects whose values are not believed would leave, where that is surely less.
+    pub better_left_out_error: Option<f64>,
+    /// Whether less is left than the instrument's own noise.
+    pub below_the_noise: bool,
     /// Whether fitting the declared numbers again made the left-out error worse.
     pub worse_by_refitting: bool,
     /// Whether nothing can be learnt: what is explained never moves, or does not follow the model.
@@ -187,8 +193,24 @@ impl From<&StageFact> for Error {
 pub struct Added {
     /// What was added.
     pub name: String,
+    /// Whether the final model does not have it.
+    pub taken_back: bool,
     #[serde(flatten)]
     error: Error,
+}
+
+/// Something that was found in a log.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Finding<'a> {
+    /// Its kind: `scale`, `sign`, `unrelated`, `held`, `stale`, `clipped`, `spikes`, `irregular`, `owns_the_error` or
+    /// `estimated`.
+    pub kind: &'static str,
+    /// The log.
+    pub log: &'a str,
+    /// In words.
+    pub detail: String,
+    /// Whether channels contradict each other, so that nothing can be learnt.
+    pub contradicts: bool,
 }
 
 /// An artefact of the measurement.
@@ -213,6 +235,8 @@ pub struct Parameter<'a> {
     pub declared: Option<f64>,
     /// As fitted; the declared one where the logs do not show it.
     pub fitted: Option<f64>,
+    /// ± of 95 %; `null` where it was held.
+    pub plus_minus: Option<f64>,
     /// Standard error; `null` where it was held.
     pub standard_error: Option<f64>,
     /// Unit of all three.
@@ -386,6 +410,7 @@ impl<'a> Equation<'a> {
             samples: report.samples.0,
             rows: report.samples.1,
             errors: Errors::new(&report.stages),
+            findings: report.findings.iter().map(|f| Finding::new(bench, f)).collect(),
             artefacts: report.artefacts.iter().map(artefact).collect(),
             parameters: report.parameters.iter().map(|p| Parameter::new(bench, p)).collect(),
             effects: report.effects.iter().map(|e| Effect::new(bench, report, e)).collect(),
@@ -397,6 +422,17 @@ impl<'a> Equation<'a> {
                 names: &report.fitted_names,
                 matrix: report.covariance.iter().map(|row| row.iter().map(|v| finite(*v)).collect()).collect(),
             },
+        }
+    }
+}
+
+impl<'a> Finding<'a> {
+    fn new(bench: &Bench, finding: &'a fact::Finding) -> Finding<'a> {
+        Finding {
+            kind: finding.about.name(),
+            log: &finding.log,
+            detail: finding_words(bench, &finding.about),
+            contradicts: finding.about.contradicts(),
         }
     }
 }
@@ -416,6 +452,8 @@ impl Evidence {
             line_above_the_band_hz: evidence.noise.line.and_then(finite),
             refused: evidence.asked.iter().map(|a| Asked { name: a.name, gain: a.gain.into() }).collect(),
             refused_together: evidence.together.map(Gain::from),
+            better_left_out_error: evidence.better.and_then(finite),
+            below_the_noise: evidence.is_below_the_noise(),
             worse_by_refitting: evidence.worse_by_refitting,
             teaches_nothing: evidence.teaches_nothing(),
         }
@@ -432,7 +470,9 @@ impl Errors {
                 Step::Artefacts => errors.artefacts = Some(error),
                 Step::Refit => errors.refit = Some(error),
                 Step::Final => errors.last = Some(error),
-                Step::Added(..) | Step::Lag => errors.steps.push(Added { name: stage.step.name(), error }),
+                Step::Added(..) | Step::Lag => {
+                    errors.steps.push(Added { name: stage.step.name(), taken_back: stage.taken_back, error });
+                },
             }
         }
         errors
@@ -445,6 +485,7 @@ impl<'a> Parameter<'a> {
             name: &p.name,
             declared: p.declared.and_then(finite),
             fitted: finite(p.fitted),
+            plus_minus: p.tolerance().and_then(finite),
             standard_error: p.standard_error.and_then(finite),
             unit: unit_on(bench, p.unit),
         }

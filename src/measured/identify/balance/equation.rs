@@ -103,11 +103,12 @@ impl Balance {
                 remarks.push(format!("{}: {short} samples between gaps were left out", log.name));
             }
         }
-        if stretches.is_empty() {
+        if !stretches.iter().any(|s| s.fits) {
             return None;
         }
         let variables = variables(&stretches, target, declared);
-        let base = balanced.parameters(&model, declared, &bench.logs[logs[0]]);
+        let first = logs.iter().find(|l| bench.logs[**l].usage == Use::Fit).unwrap_or(&logs[0]);
+        let base = balanced.parameters(&model, declared, &bench.logs[*first]);
         let (factor, scale) = (balanced.factor(declared.ratio), scale(&stretches, &model, target));
         let band = choose_band(&mut stretches, target, factor, &scale, setting.band, &model);
         let usage: Vec<Use> = logs.iter().map(|l| bench.logs[*l].usage).collect();
@@ -139,7 +140,7 @@ impl Balance {
 fn variables(stretches: &[Stretch], target: Target, declared: &Declared) -> Vec<Variable> {
     let spread = |f: &dyn Fn(&Operating) -> f64| {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for p in stretches.iter().flat_map(|s| &s.points) {
+        for p in stretches.iter().filter(|s| s.fits).flat_map(|s| &s.points) {
             let v = f(p);
             if v.is_nan() {
                 return 0.0;
@@ -169,12 +170,12 @@ fn variables(stretches: &[Stretch], target: Target, declared: &Declared) -> Vec<
 
 fn scale(stretches: &[Stretch], model: &Model, target: Target) -> Scale {
     let largest = |f: &dyn Fn(&Operating) -> f64| {
-        let values = stretches.iter().flat_map(|s| &s.points).map(|p| f(p).abs()).collect();
+        let values = stretches.iter().filter(|s| s.fits).flat_map(|s| &s.points).map(|p| f(p).abs()).collect();
         signals::quantile(values, 0.995).unwrap_or(f64::NAN)
     };
     let current = largest(&|p| p.current);
     let torque = (model.torque_constant * current).max(largest(&|p| p.torque));
-    let volts = stretches.iter().flat_map(|s| &s.target).map(|v| v.abs()).collect();
+    let volts = stretches.iter().filter(|s| s.fits).flat_map(|s| &s.target).map(|v| v.abs()).collect();
     Scale {
         torque_constant: model.torque_constant,
         resistance: model.resistance,

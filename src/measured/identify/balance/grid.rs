@@ -40,6 +40,18 @@ impl Gridded<'_> {
         .map(|values| Signal::of(channel, values))
     }
 
+    /// Which points lie in a stretch that is left out.
+    pub fn excluded(&self) -> Vec<bool> {
+        let mut out = vec![false; self.count];
+        for stretch in &self.log.excluded {
+            for (k, one) in out.iter_mut().enumerate() {
+                let t = if self.step > 0.0 { self.start + k as f64 * self.step } else { self.log.time[self.range.start + k] };
+                *one |= stretch.contains(&t);
+            }
+        }
+        out
+    }
+
     /// A channel put right by its lag \[s\].
     pub fn shifted(&self, channel: Channel, lag: f64) -> Option<Signal> {
         self.get(channel).map(|signal| self.late(&signal, lag))

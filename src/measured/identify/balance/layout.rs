@@ -21,11 +21,13 @@ pub(super) fn choose_band(
     if stretches.iter().any(|s| s.step == 0.0) {
         return None;
     }
-    let slowest = stretches.iter().map(|s| 1.0 / s.step).fold(f64::INFINITY, f64::min);
+    // Nothing is taken from what is held out.
+    let fit: Vec<&Stretch> = stretches.iter().filter(|s| s.fits).collect();
+    let slowest = fit.iter().map(|s| 1.0 / s.fresh).fold(f64::INFINITY, f64::min);
     let inertia = model.inertia.unwrap_or(0.0) * factor.abs();
     let mut band = 0.2 * slowest;
     if target.equation() == Equation::Torque && inertia > 0.0 {
-        for s in stretches.iter() {
+        for s in &fit {
             let speed: Vec<f64> = s.points.iter().map(|p| p.speed).collect();
             let (of_speed, of_target) = (signals::noise_level(&speed), signals::noise_level(&s.target));
             let target = of_target.max(1e-6 * scale.torque * factor.abs());
@@ -36,6 +38,7 @@ pub(super) fn choose_band(
             }
         }
     }
+    // A log that is held out may be sampled more slowly: its filter ends where it can.
     let band = wanted.unwrap_or(band).min(0.45 * slowest);
     for s in stretches.iter_mut() {
         s.filter = Some(LowPass::new(band * s.step));
@@ -62,7 +65,8 @@ pub(super) fn lay_out(
             }
             _ => (0, 1),
         };
-        s.keep = (guard..n - guard).step_by(every.max(thin)).filter(|k| mask[*k]).collect();
+        let spoiled = near(&s.excluded, guard);
+        s.keep = (guard..n - guard).step_by(every.max(thin)).filter(|k| mask[*k] && !spoiled[*k]).collect();
     }
     let rows: usize = stretches.iter().map(|s| s.keep.len()).sum();
     // Blocks of equal numbers of rows within a log: at least 20, at most 60 in all.
@@ -82,7 +86,7 @@ pub(super) fn lay_out(
             for k in &s.keep {
                 layout.log.push(index);
                 layout.block.push(first + at / each);
-                layout.time.push(*k as f64 * s.step);
+                layout.time.push(s.start + *k as f64 * s.step);
                 at += 1;
             }
         }
@@ -100,6 +104,15 @@ pub(super) fn lay_out(
         }
     }
     (layout, split)
+}
+
+/// Samples that are marked, and those that the filter has brought something of them.
+fn near(marked: &[bool], guard: usize) -> Vec<bool> {
+    let mut out = vec![false; marked.len()];
+    for k in (0..marked.len()).filter(|k| marked[*k]) {
+        out[k.saturating_sub(guard)..(k + guard + 1).min(marked.len())].fill(true);
+    }
+    out
 }
 
 /// Samples that say something: the shaft moves, as far as the encoder can tell, and nothing is missing.

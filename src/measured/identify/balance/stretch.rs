@@ -10,7 +10,7 @@ use crate::measured::bench::volts_per_duty;
 use crate::measured::identify::noise::Reading;
 use crate::measured::identify::origin::{Channels, Origins, Signal};
 use crate::measured::signals::LowPass;
-use crate::measured::{BenchKind, Channel, Declared};
+use crate::measured::{BenchKind, Channel, Declared, Use};
 
 /// Corrections of the measurement that are applied before anything is compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +37,13 @@ impl Corrections {
 #[derive(Debug, Clone)]
 pub(super) struct Stretch {
     pub log: usize,
+    /// Whether its log is for fitting.
+    pub fits: bool,
+    /// When it begins, from the beginning of its log \[s\].
+    pub start: f64,
     pub step: f64,
+    /// Time between fresh values of the slowest channel \[s\].
+    pub fresh: f64,
     pub target: Vec<f64>,
     pub base: Vec<Vec<f64>>,
     /// A part of the target that is known and has no parameter.
@@ -46,6 +52,8 @@ pub(super) struct Stretch {
     pub origins: Origins,
     pub reading: Reading,
     pub acceleration: Vec<f64>,
+    /// Samples that are no data.
+    pub excluded: Vec<bool>,
     pub filter: Option<LowPass>,
     pub keep: Vec<usize>,
 }
@@ -100,7 +108,9 @@ pub(super) fn stretch(
     let rise = |c| grid.get(c).map(|t| t.map(|t| t - model.reference));
     let winding = rise(Channel::WindingTemperature);
     let housing = rise(Channel::HousingTemperature).or_else(|| winding.clone());
-    let sensor = grid.shifted(Channel::Torque, corrections.target_lag);
+    // The driver's estimate is made of its current.
+    let estimate = if log.estimated.contains(&Channel::Torque) { Channel::Current.into() } else { Channels::NONE };
+    let sensor = grid.shifted(Channel::Torque, corrections.target_lag).map(|s| s.made_of(estimate));
     let made_of = |s: &Option<Signal>| s.as_ref().map_or(Channels::NONE, |s| s.made_of);
     let seen = Seen {
         grid,
@@ -157,7 +167,10 @@ pub(super) fn stretch(
         .collect();
     Some(Stretch {
         log: index,
+        fits: log.usage == Use::Fit,
+        start: if grid.step > 0.0 { grid.start - log.time[0] } else { 0.0 },
         step: grid.step,
+        fresh: grid.step * log.fresh.values().copied().fold(1.0, f64::max),
         target: sides.response.values,
         base: sides.base,
         known: sides.known,
@@ -165,6 +178,7 @@ pub(super) fn stretch(
         origins,
         reading,
         acceleration: moved.motor_acceleration.values,
+        excluded: grid.excluded(),
         filter: None,
         keep: Vec::new(),
     })

@@ -101,7 +101,12 @@ impl Seen<'_> {
     /// How a channel was read, a unit of which is `scale` of the target.
     pub fn read(&self, channel: Channel, scale: f64) -> Reading {
         let values = self.grid.log.channel(channel).map_or(&[] as &[f64], |v| &v[self.grid.range.clone()]);
-        Reading::new(values, scale)
+        let reading = Reading::new(values, scale);
+        // What a driver repeats was found before.
+        match self.grid.log.fresh.get(&channel) {
+            Some(rows) => Reading { rows: *rows, ..reading },
+            None => reading,
+        }
     }
 
     /// How the terminal voltage was read.

@@ -111,6 +111,7 @@ pub(super) fn report(
         verdict: evidence::verdict(&evidence),
         evidence,
         stages,
+        findings: Vec::new(),
         artefacts,
         parameters,
         effects,

@@ -1,0 +1,143 @@
+//! Whether the channels of a log are of one machine: position against velocity, one side of the gear against the other.
+
+use crate::measured::answer::findings::About;
+use crate::measured::bench::{BenchKind, Channel, Log};
+use crate::measured::signals::{self, LowPass};
+
+/// Scales that differ by less are not told: estimates and coarse encoders are off by some per cent.
+const SCALE: f64 = 0.15;
+/// Correlation from which two channels follow each other, and below which they do not.
+const FOLLOWS: (f64, f64) = (0.9, 0.3);
+/// Least times its noise that a speed must move to be compared.
+const MOVES: f64 = 5.0;
+/// Share of the sampling rate up to which speeds are compared.
+const BAND: f64 = 0.05;
+/// Largest lag that is allowed for \[s\].
+const LAG: f64 = 0.05;
+
+/// What contradicts itself in a log of an actuator of a ratio.
+pub fn contradictions(log: &Log, ratio: f64, linear: bool, pole_pairs: Option<u32>) -> Vec<About> {
+    if matches!(log.kind, BenchKind::SteadyTable | BenchKind::Stall | BenchKind::ThermalStep) {
+        return Vec::new();
+    }
+    let speeds: Vec<(Channel, Vec<f64>)> = [
+        (Channel::MotorPosition, 1.0),
+        (Channel::OutputPosition, ratio),
+        (Channel::MotorVelocity, 1.0),
+        (Channel::OutputVelocity, ratio),
+    ]
+    .into_iter()
+    .filter_map(|(channel, factor)| Some((channel, speed(log, channel, factor, linear)?)))
+    .collect();
+    let Some(step) = longest(log).map(|r| signals::median_step(&log.time[r])) else { return Vec::new() };
+    let mut found = Vec::new();
+    // Each velocity against the first position that there is, and the second position against the first.
+    for (k, (channel, values)) in speeds.iter().enumerate().skip(1) {
+        let (against, reference) = &speeds[0];
+        found.extend(compare(*channel, values, *against, reference, step, ratio, pole_pairs));
+        if k == 3 || !found.is_empty() {
+            break;
+        }
+    }
+    found
+}
+
+/// The longest stretch between gaps.
+fn longest(log: &Log) -> Option<std::ops::Range<usize>> {
+    signals::stretches(&log.time).into_iter().max_by_key(std::ops::Range::len).filter(|r| r.len() >= 200)
+}
+
+/// Speed of the motor's shaft as a channel has it, slow enough to be compared; `None` where it does not move.
+fn speed(log: &Log, channel: Channel, factor: f64, linear: bool) -> Option<Vec<f64>> {
+    let values = log.channel(channel)?;
+    let range = longest(log)?;
+    let step = signals::median_step(&log.time[range.clone()]);
+    let is_position = matches!(channel, Channel::MotorPosition | Channel::OutputPosition);
+    let opened = if is_position && !linear { signals::unwrapped(values) } else { values.to_vec() };
+    let even = signals::on_grid(&log.time[range.clone()], &opened[range.clone()], log.time[range.start], step, range.len())?;
+    let filter = LowPass::new(BAND);
+    let speed = if is_position { signals::derivative(&even, step) } else { even };
+    let noise = signals::noise_level(&speed) * filter.noise_gain().sqrt();
+    let slow = filter.apply(&speed);
+    (spread(&slow) > MOVES * noise && spread(&slow) > 0.0).then(|| slow.iter().map(|v| v * factor).collect())
+}
+
+fn spread(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// Correlation at the lag at which it is largest in size.
+fn correlation(a: &[f64], b: &[f64], most: usize) -> f64 {
+    let n = a.len();
+    let at = |lag: isize| {
+        let (from, to) = (lag.max(0) as usize, (n as isize + lag.min(0)) as usize);
+        let (x, y) = (&a[from..to], &b[(from as isize - lag) as usize..(to as isize - lag) as usize]);
+        let (mx, my) = (x.iter().sum::<f64>() / x.len() as f64, y.iter().sum::<f64>() / y.len() as f64);
+        let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+        for (x, y) in x.iter().zip(y) {
+            xx += (x - mx).powi(2);
+            yy += (y - my).powi(2);
+            xy += (x - mx) * (y - my);
+        }
+        xy / (xx * yy).sqrt()
+    };
+    let most = most.min(n / 4) as isize;
+    let step = (most / 8).max(1);
+    let mut best = 0.0_f64;
+    let mut lag = -most;
+    while lag <= most {
+        let value = at(lag);
+        if value.abs() > best.abs() {
+            best = value;
+        }
+        lag += step;
+    }
+    best
+}
+
+fn compare(
+    channel: Channel,
+    values: &[f64],
+    against: Channel,
+    reference: &[f64],
+    step: f64,
+    ratio: f64,
+    pole_pairs: Option<u32>,
+) -> Option<About> {
+    let follows = correlation(values, reference, (LAG / step) as usize);
+    if follows.abs() < FOLLOWS.1 {
+        return Some(About::Unrelated { channel, against });
+    }
+    if follows < -FOLLOWS.0 {
+        return Some(About::Sign { channel, against });
+    }
+    let factor = spread(values) / spread(reference);
+    (follows > FOLLOWS.0 && (factor - 1.0).abs() > SCALE).then(|| About::Scale {
+        channel,
+        against,
+        factor,
+        reads: reads(factor, ratio, pole_pairs),
+    })
+}
+
+/// What a factor would be that two channels of one shaft differ by.
+fn reads(factor: f64, ratio: f64, pole_pairs: Option<u32>) -> Option<&'static str> {
+    use std::f64::consts::TAU;
+    let poles = pole_pairs.map_or(f64::NAN, f64::from);
+    let known = [
+        (ratio, "the ratio: it is on the motor's side of the gear"),
+        (1.0 / ratio, "one over the ratio: it is on the output's side of the gear"),
+        (60.0 / TAU, "that of revolutions a minute for radians a second"),
+        (TAU / 60.0, "that of radians a second for revolutions a minute"),
+        (TAU, "that of radians for turns"),
+        (1.0 / TAU, "that of turns for radians"),
+        (360.0 / TAU, "that of degrees for radians"),
+        (TAU / 360.0, "that of radians for degrees"),
+        (1e3, "a thousand: a unit of time or angle"),
+        (1e-3, "a thousandth: a unit of time or angle"),
+        (poles, "the pole pairs: it is electrical"),
+        (1.0 / poles, "one over the pole pairs: it is electrical"),
+    ];
+    known.into_iter().find(|(k, _)| (factor / k - 1.0).abs() < 0.03 && (k - 1.0).abs() > SCALE).map(|(_, what)| what)
+}

@@ -1,0 +1,274 @@
+//! Which samples are data, and whether they are of one machine: looked at before any effect is asked for.
+//!
+//! The one idea: a value that an instrument did not read is no sample. What a driver repeated, what a sensor could not
+//! show and what stood still while the machine moved is taken out before the filter sees it, and said; channels that
+//! contradict each other teach nothing until the bench file says which of them is right.
+
+use super::machine;
+use crate::measured::answer::findings::{About, Finding};
+use crate::measured::bench::{Bench, BenchKind, Channel, Log};
+use crate::measured::signals;
+
+/// Channels that an instrument reads from row to row.
+pub const MEASURED: [Channel; 8] = [
+    Channel::Current,
+    Channel::Voltage,
+    Channel::Torque,
+    Channel::MotorVelocity,
+    Channel::OutputVelocity,
+    Channel::OutputAcceleration,
+    Channel::MotorPosition,
+    Channel::OutputPosition,
+];
+/// A channel that repeats more than this share of its rows may be held.
+const REPEATS: f64 = 0.45;
+/// One that repeats less is read afresh at every row.
+const FRESH: f64 = 0.1;
+/// The longest that a driver holds a value \[s\].
+const HOLDS: f64 = 0.12;
+/// A value that is held jumps by more than this many of its smallest steps.
+const JUMPS: f64 = 1.5;
+/// Least rows, and time \[s\], that a channel must stand to be stale.
+const STALE: (usize, f64) = (6, 0.02);
+/// A spike is this many times further from its neighbours than samples usually are.
+const SPIKE: f64 = 30.0;
+/// Share of a log that may be left out.
+const LEFT_OUT: f64 = 0.2;
+/// Steps of time that differ by more, as a share of the usual one, are irregular.
+const IRREGULAR: f64 = 0.25;
+
+/// The bench with what is no data taken out, and what was found.
+pub fn prepare(bench: &Bench) -> (Bench, Vec<Finding>) {
+    let mut bench = bench.clone();
+    let mut findings = Vec::new();
+    let ratio = bench.declared.ratio;
+    let linear = bench.declared.motor.is_none();
+    let pole_pairs = bench.declared.motor.as_ref().and_then(|m| m.pole_pairs);
+    for log in &mut bench.logs {
+        let mut find = |about| findings.push(Finding { log: log.name.clone(), about });
+        log.estimated.iter().for_each(|c| find(About::Estimated(*c)));
+        if log.kind == BenchKind::SteadyTable || log.len() < 32 {
+            continue;
+        }
+        irregular(&log.time).into_iter().for_each(&mut find);
+        let held = held(log);
+        for about in held {
+            findings.push(Finding { log: log.name.clone(), about });
+        }
+        let mut found = Vec::new();
+        found.extend(spikes(log));
+        found.extend(clipped(log));
+        found.extend(stale(log));
+        found.extend(machine::contradictions(log, ratio, linear, pole_pairs));
+        findings.extend(found.into_iter().map(|about| Finding { log: log.name.clone(), about }));
+        leave_out(log);
+    }
+    (bench, findings)
+}
+
+/// Takes out what lies in the stretches that are excluded.
+pub fn leave_out(log: &mut Log) {
+    let excluded = log.excluded.clone();
+    if excluded.is_empty() {
+        return;
+    }
+    let time = &log.time;
+    for (channel, values) in &mut log.channels {
+        if !MEASURED[..6].contains(channel) {
+            continue;
+        }
+        for (value, t) in values.iter_mut().zip(time) {
+            if excluded.iter().any(|e| e.contains(t)) {
+                *value = f64::NAN;
+            }
+        }
+    }
+}
+
+fn irregular(time: &[f64]) -> Option<About> {
+    let steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+    let usual = signals::median(steps.clone())?;
+    let short = signals::quantile(steps.clone(), 0.05)?;
+    let long = signals::quantile(steps, 0.95)?;
+    (long - short > IRREGULAR * usual).then_some(About::Irregular { short, usual, long })
+}
+
+/// Places at which a channel has a value that differs from the last one, and the share of the others.
+fn fresh(values: &[f64]) -> (Vec<usize>, f64) {
+    let mut places = Vec::new();
+    let (mut last, mut known) = (f64::NAN, 0_usize);
+    for (k, v) in values.iter().enumerate().filter(|(_, v)| v.is_finite()) {
+        known += 1;
+        if *v != last {
+            places.push(k);
+        }
+        last = *v;
+    }
+    let repeats = 1.0 - places.len() as f64 / known.max(1) as f64;
+    (places, repeats)
+}
+
+/// Rows from one fresh value to the next, where a channel is held; not where a slow signal of few bits goes step by step.
+fn hold(values: &[f64], step: f64) -> Option<(f64, Vec<usize>)> {
+    let (places, repeats) = fresh(values);
+    if repeats < REPEATS || places.len() < 16 {
+        return None;
+    }
+    let gaps: Vec<f64> = places.windows(2).map(|w| (w[1] - w[0]) as f64).collect();
+    let rows = signals::median(gaps)?;
+    let jumps: Vec<f64> = places.windows(2).map(|w| (values[w[1]] - values[w[0]]).abs()).collect();
+    let quantum = jumps.iter().copied().fold(f64::INFINITY, f64::min);
+    let usual = signals::median(jumps)?;
+    (rows >= 2.0 && rows * step < HOLDS && usual > JUMPS * quantum).then_some((rows, places))
+}
+
+/// Finds the channels that repeat their values, and leaves their fresh ones.
+fn held(log: &mut Log) -> Vec<About> {
+    let step = signals::median_step(&log.time);
+    let measured: Vec<Channel> =
+        log.channels.keys().copied().filter(|c| MEASURED.contains(c) && !log.held.contains(c)).collect();
+    let holds: Vec<(Channel, f64, Vec<usize>)> = measured
+        .iter()
+        .filter_map(|c| hold(&log.channels[c], step).map(|(rows, places)| (*c, rows, places)))
+        .collect();
+    if holds.is_empty() {
+        return Vec::new();
+    }
+    let rows = holds.iter().map(|h| h.1).fold(0.0, f64::max);
+    let alike = holds.iter().all(|h| (h.1 - rows).abs() <= 1.0);
+    // Whatever is there and moves is held by the same number of rows: only the fresh rows are data.
+    let moves = |c: &Channel| fresh(&log.channels[c]).0.len() > 16;
+    if alike && measured.iter().filter(|c| moves(c)).count() == holds.len() && holds.len() > 1 {
+        let mut keep = vec![false; log.len()];
+        holds.iter().flat_map(|h| &h.2).for_each(|k| keep[*k] = true);
+        let channels = holds.iter().map(|h| h.0).collect();
+        log.keep_rows(&keep);
+        return vec![About::Held { channels, rows, whole: true }];
+    }
+    let mut found: Vec<About> = Vec::new();
+    for (channel, rows, places) in holds {
+        let mut own = vec![f64::NAN; log.len()];
+        if let Some(values) = log.channels.get_mut(&channel) {
+            places.iter().for_each(|k| own[*k] = values[*k]);
+            *values = own;
+        }
+        log.fresh.insert(channel, rows);
+        match found.iter_mut().find(|f| matches!(f, About::Held { rows: r, .. } if *r == rows)) {
+            Some(About::Held { channels, .. }) => channels.push(channel),
+            _ => found.push(About::Held { channels: vec![channel], rows, whole: false }),
+        }
+    }
+    found
+}
+
+/// Takes out single samples far off both neighbours, which agree; not where another channel leaps at the same time: then it
+/// is the machine that did.
+fn spikes(log: &mut Log) -> Vec<About> {
+    let mut leaps: Vec<(Channel, Vec<usize>)> = Vec::new();
+    for channel in MEASURED {
+        let Some(values) = log.channels.get(&channel).filter(|v| v.len() >= 64) else { continue };
+        let off: Vec<f64> = values.windows(3).map(|w| (w[1] - 0.5 * (w[0] + w[2])).abs()).collect();
+        let usual = signals::quantile(off.clone(), 0.9).unwrap_or(0.0);
+        let level = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
+        if usual > 1e-6 * level {
+            leaps.push((channel, (0..off.len()).filter(|k| off[*k] > 0.25 * SPIKE * usual).map(|k| k + 1).collect()));
+        }
+    }
+    let mut found = Vec::new();
+    for (channel, at) in &leaps {
+        if !MEASURED[..6].contains(channel) || log.fresh.contains_key(channel) {
+            continue;
+        }
+        let elsewhere = |k: usize| {
+            let mut others = leaps.iter().filter(|(c, _)| c != channel).flat_map(|(_, at)| at);
+            others.any(|o| o.abs_diff(k) <= 3)
+        };
+        let Some(values) = log.channels.get_mut(channel) else { continue };
+        let off = |k: usize| (values[k] - 0.5 * (values[k - 1] + values[k + 1])).abs();
+        let usual = signals::quantile((1..values.len() - 1).map(off).collect(), 0.9).unwrap_or(0.0);
+        let alone: Vec<usize> = at
+            .iter()
+            .copied()
+            .filter(|k| off(*k) > SPIKE * usual && (values[k + 1] - values[k - 1]).abs() < 0.3 * off(*k) && !elsewhere(*k))
+            .collect();
+        if alone.is_empty() || alone.len() as f64 > 0.01 * values.len() as f64 {
+            continue;
+        }
+        alone.iter().for_each(|k| values[*k] = f64::NAN);
+        found.push(About::Spikes { channel: *channel, count: alone.len() });
+    }
+    found
+}
+
+/// Stretches in which a channel that is read afresh at every row rests at its largest or least value.
+fn clipped(log: &mut Log) -> Vec<About> {
+    let mut found = Vec::new();
+    for (channel, values) in &log.channels {
+        if !MEASURED[..5].contains(channel) {
+            continue;
+        }
+        let (_, repeats) = fresh(values);
+        let known = || values.iter().copied().filter(|v| v.is_finite());
+        let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        for at in [high, low] {
+            let runs: Vec<_> = runs(values).into_iter().filter(|r| values[r.start] == at && r.len() >= 3).collect();
+            let count: usize = runs.iter().map(std::ops::Range::len).sum();
+            let share = count as f64 / values.len() as f64;
+            // Other values must not repeat: a staircase rests everywhere.
+            let others = repeats - share;
+            if at == 0.0 || share < 2e-3 || share > LEFT_OUT || others > FRESH {
+                continue;
+            }
+            for r in runs {
+                log.excluded.push(log.time[r.start]..log.time[r.end - 1] + f64::MIN_POSITIVE.max(1e-9));
+            }
+            found.push(About::Clipped { channel: *channel, at, share });
+        }
+    }
+    found
+}
+
+/// Stretches of equal values.
+fn runs(values: &[f64]) -> Vec<std::ops::Range<usize>> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    for k in 1..=values.len() {
+        if k == values.len() || values[k] != values[start] {
+            found.push(start..k);
+            start = k;
+        }
+    }
+    found
+}
+
+/// Stretches in which a channel that is read afresh at every row stands, while the machine moves.
+fn stale(log: &mut Log) -> Vec<About> {
+    let step = signals::median_step(&log.time);
+    let least = STALE.0.max((STALE.1 / step).ceil() as usize);
+    let readable: Vec<Channel> =
+        MEASURED.into_iter().filter(|c| log.channels.get(c).is_some_and(|v| fresh(v).1 < FRESH)).collect();
+    let mut found = Vec::new();
+    let mut excluded = Vec::new();
+    for channel in &readable {
+        let values = &log.channels[channel];
+        let mut long: Vec<std::ops::Range<usize>> =
+            runs(values).into_iter().filter(|r| r.len() >= least && values[r.start].is_finite()).collect();
+        // The machine moves meanwhile: another channel does not stand.
+        long.retain(|r| {
+            let others = readable.iter().filter(|c| *c != channel);
+            let stands = |c: &Channel| log.channels[c][r.clone()].windows(2).filter(|w| w[0] == w[1]).count();
+            others.clone().count() > 0 && others.into_iter().all(|c| 2 * stands(c) < r.len())
+        });
+        let all: usize = long.iter().map(std::ops::Range::len).sum();
+        if all as f64 > LEFT_OUT * values.len() as f64 {
+            continue;
+        }
+        for r in long {
+            let (from, to) = (log.time[r.start], log.time[r.end - 1]);
+            excluded.push(from..to + 0.5 * step);
+            found.push(About::Stale { channel: *channel, from, to });
+        }
+    }
+    log.excluded.extend(excluded);
+    found
+}

@@ -1,0 +1,197 @@
+//! What each block of time says of columns that are not in the model.
+//!
+//! The one idea: blocks do not know equally much. An effect that lives in slow passages, in steps or in the minutes of
+//! warm-up is seen by few of them; the others say neither yes nor no. So every block is weighed by its own information,
+//! and scatter is that of what the blocks say against what their information lets expect.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::regression::{Blocks, projection, solve};
+
+/// Blocks with less than this share of the most information have no say in the scatter.
+const SILENT: f64 = 1e-4;
+
+/// Scores of columns under a model, block by block: the columns, less what the model's columns make of them, times what
+/// the model leaves.
+#[derive(Debug, Clone)]
+pub struct Scores {
+    /// One for each fitting block; which, and what it says.
+    blocks: Vec<Score>,
+    /// Where blocks lie among all.
+    places: Vec<usize>,
+    /// How many blocks there are in all.
+    count: usize,
+    /// Coefficients of the columns, fitted beside the model.
+    value: DVector<f64>,
+    /// The inverse of all information.
+    inverse: DMatrix<f64>,
+    /// Variance of what is left, in units of information.
+    variance: f64,
+}
+
+/// What a block says.
+#[derive(Debug, Clone)]
+struct Score {
+    score: DVector<f64>,
+    information: DMatrix<f64>,
+    /// What the block says beyond the fitted value, in standard deviations of white noise of variance one.
+    left: DVector<f64>,
+    root: DMatrix<f64>,
+}
+
+impl Scores {
+    /// Of blocks in which the model's `p` columns come first, then those that are asked.
+    pub fn new(blocks: &Blocks, p: usize, take: impl Fn(usize) -> bool) -> Scores {
+        let total = blocks.total(&take);
+        let last = total.nrows() - 1;
+        let extra = last - p;
+        let onto = projection(&total, p, extra);
+        let small = DMatrix::from_fn(p + 1, p + 1, |i, j| {
+            let at = |k: usize| if k == p { last } else { k };
+            total[(at(i), at(j))]
+        });
+        let beta = solve(&small).coefficients;
+        let mut parts = Vec::new();
+        let mut places = Vec::new();
+        for (b, m) in blocks.products.iter().enumerate().filter(|(b, _)| take(*b)) {
+            let of_model = m.view((0, last), (p, 1)) - m.view((0, 0), (p, p)) * &beta;
+            let own = m.view((p, last), (extra, 1)) - m.view((p, 0), (extra, p)) * &beta;
+            let score = own - onto.transpose() * of_model;
+            let cross = m.view((p, 0), (extra, p)) * &onto;
+            let information =
+                m.view((p, p), (extra, extra)) - &cross - cross.transpose() + onto.transpose() * m.view((0, 0), (p, p)) * &onto;
+            parts.push((DVector::from_iterator(extra, score.iter().copied()), information));
+            places.push(b);
+        }
+        let mut information = DMatrix::zeros(extra, extra);
+        let mut sum = DVector::zeros(extra);
+        for (score, own) in &parts {
+            information += own;
+            sum += score;
+        }
+        let inverse = invert(&information);
+        let value = &inverse * &sum;
+        let most = parts.iter().map(|(_, own)| own.trace()).fold(0.0, f64::max);
+        let mut scores: Vec<Score> = parts
+            .into_iter()
+            .map(|(score, information)| {
+                let root = root(&information);
+                // What one block alone decides is not confirmed by itself: less its own leverage.
+                let leverage = (&inverse * &information).trace() / extra as f64;
+                let beyond = (&score - &information * &value) / (1.0 - leverage).max(0.05);
+                let left = if information.trace() > SILENT * most { solve_lower(&root, &beyond) } else { beyond * 0.0 };
+                Score { score, information, left, root }
+            })
+            .collect();
+        let said: f64 = scores.iter().filter(|s| s.information.trace() > SILENT * most).count() as f64;
+        let sum: f64 = scores.iter().map(|s| s.left.norm_squared()).sum();
+        let variance = sum / (extra as f64 * said.max(1.0));
+        for s in &mut scores {
+            s.left /= variance.sqrt().max(f64::MIN_POSITIVE);
+        }
+        Scores { blocks: scores, places, count: blocks.products.len(), value, inverse, variance }
+    }
+
+    /// Variance of what is left, as the blocks scatter.
+    pub fn variance(&self) -> f64 {
+        self.variance
+    }
+
+    /// How far the columns' coefficients are from zero: `s'I⁻¹s` over its expectation without an effect.
+    pub fn statistic(&self) -> f64 {
+        let sum = self.blocks.iter().fold(DVector::zeros(self.value.len()), |sum, b| sum + &b.score);
+        sum.dot(&(&self.inverse * &sum)) / (self.variance * self.value.len() as f64).max(f64::MIN_POSITIVE)
+    }
+
+    /// The same where the blocks say what they scatter by, with other signs.
+    pub fn by_chance(&self, signs: &[f64]) -> f64 {
+        let sum = self
+            .blocks
+            .iter()
+            .zip(signs)
+            .fold(DVector::zeros(self.value.len()), |sum, (b, sign)| sum + &b.root * &b.left * *sign);
+        sum.dot(&(&self.inverse * &sum)) / self.value.len() as f64
+    }
+
+    /// By how much the squared error of each block should fall, by its information; NaN where a block is not for fitting.
+    pub fn expected_falls(&self) -> Vec<f64> {
+        let mut falls = vec![f64::NAN; self.count];
+        for (place, block) in self.places.iter().zip(&self.blocks) {
+            falls[*place] = (&block.information * &self.value).dot(&self.value).max(0.0);
+        }
+        falls
+    }
+
+    /// Of groups of blocks (logs): what each says alone of the columns, as information and score.
+    pub fn by_group(&self, group: impl Fn(usize) -> usize) -> Vec<(usize, DVector<f64>, DMatrix<f64>)> {
+        let mut groups: Vec<(usize, DVector<f64>, DMatrix<f64>)> = Vec::new();
+        for (place, block) in self.places.iter().zip(&self.blocks) {
+            let own = group(*place);
+            match groups.iter_mut().find(|g| g.0 == own) {
+                Some(g) => {
+                    g.1 += &block.score;
+                    g.2 += &block.information;
+                }
+                None => groups.push((own, block.score.clone(), block.information.clone())),
+            }
+        }
+        groups
+    }
+
+    /// The fitted coefficients.
+    pub fn value(&self) -> &DVector<f64> {
+        &self.value
+    }
+}
+
+/// How sure a fall of the left-out squared error is, in standard errors: blocks count by the fall that their information
+/// lets expect, `λ = Σd/Σe`, and scatter is that of `d − λe`, each without the block itself, but no less than that of
+/// noise of this variance (`4 e σ²`). Where one block has all the information it is zero: one event is not enough.
+pub fn informed(before: &[f64], after: &[f64], expected: &[f64], variance: f64) -> f64 {
+    let blocks: Vec<(f64, f64)> = before
+        .iter()
+        .zip(after)
+        .zip(expected)
+        .map(|((a, b), e)| (a - b, *e))
+        .filter(|(d, e)| d.is_finite() && e.is_finite())
+        .collect();
+    let (fall, all) = blocks.iter().fold((0.0, 0.0), |(d, e), b| (d + b.0, e + b.1));
+    if blocks.len() < 4 || all.is_nan() || all <= 0.0 {
+        return 0.0;
+    }
+    let mut scatter = 0.0;
+    for (d, e) in &blocks {
+        let leverage = e / all;
+        if leverage > 0.95 {
+            return 0.0;
+        }
+        scatter += ((d - fall / all * e) / (1.0 - leverage)).powi(2);
+    }
+    let scatter = scatter.max(4.0 * all * variance);
+    if scatter > 0.0 { fall / scatter.sqrt() } else { 0.0 }
+}
+
+fn invert(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let ridge = 1e-12 * matrix.trace() / n as f64 + f64::MIN_POSITIVE;
+    let mut safe = matrix.clone();
+    for i in 0..n {
+        safe[(i, i)] += ridge;
+    }
+    safe.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse())
+}
+
+/// A lower triangle whose square is the matrix; zero where that is none.
+fn root(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    let mut safe = matrix.clone();
+    let ridge = 1e-9 * matrix.trace().abs() / n as f64 + f64::MIN_POSITIVE;
+    for i in 0..n {
+        safe[(i, i)] += ridge;
+    }
+    safe.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.l())
+}
+
+fn solve_lower(root: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    root.solve_lower_triangular(right).filter(|v| v.iter().all(|x| x.is_finite())).unwrap_or_else(|| right * 0.0)
+}

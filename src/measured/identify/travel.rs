@@ -1,0 +1,104 @@
+//! Whether an effect travels: what some logs say of it, the others have to confirm.
+//!
+//! The one idea: a log weighs as much as it knows. One short log does not veto what the others are sure of, and one log
+//! alone does not make a name; where logs differ beyond their errors, that is said.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::regression::{Blocks, solve, squares};
+use super::scores::Scores;
+use super::work::Work;
+use nalgebra::{DMatrix, DVector};
+
+/// Least share of what it should take away that an effect takes away of logs that it was not fitted on.
+const TRAVELS: f64 = 0.3;
+/// Chance below which logs are said to differ.
+const DIFFER: f64 = 1e-3;
+
+/// How the logs for fitting agree on columns beside the model: `Ok` with what is to be told of their disagreement.
+///
+/// # Errors
+/// Why the logs do not carry it.
+pub fn of(work: &Work, candidate: &[Vec<f64>]) -> Result<Option<String>, String> {
+    let rows = &work.balance.rows;
+    let mut logs: Vec<usize> = (0..rows.block_log.len()).filter(|b| work.fits(*b)).map(|b| rows.block_log[b]).collect();
+    logs.dedup();
+    if logs.len() < 2 {
+        return Ok(None);
+    }
+    let mut columns = work.columns();
+    let p = columns.len();
+    columns.extend(candidate.iter().map(Vec::as_slice));
+    let blocks = Blocks::new(rows, &columns, &work.target);
+    let scores = Scores::new(&blocks, p, |b| work.fits(b));
+    let variance = scores.variance().max(f64::MIN_POSITIVE);
+    let together = scores.value();
+    let plain: Vec<usize> = (0..p).collect();
+    let model = blocks.select(&plain);
+    let (mut falls, mut expected, mut heterogeneity, mut free) = (0.0, 0.0, 0.0, 0.0);
+    let mut worst: Option<(f64, usize)> = None;
+    for log in &logs {
+        let own = |b: usize| work.fits(b) && rows.block_log[b] == *log;
+        let others = |b: usize| work.fits(b) && rows.block_log[b] != *log;
+        let elsewhere = solve(&blocks.total(others)).coefficients;
+        let given: Vec<f64> = (0..candidate.len()).map(|j| elsewhere[p + j]).collect();
+        // The model's own numbers are refitted on the log: only what is asked has to travel.
+        let of_model = model.total(own);
+        let without = squares(&of_model, &solve(&of_model).coefficients);
+        let fall = without - squares_given(&blocks.total(own), p, &given);
+        let alone = Scores::new(&blocks, p, own);
+        let [(_, _, information)] = &alone.by_group(|_| 0)[..] else { continue };
+        let should = (information * together).dot(together).max(0.0);
+        falls += fall;
+        expected += should;
+        if fall < 0.0 && worst.is_none_or(|(w, _)| fall < w) && fall < -2.0 * (4.0 * should * variance).sqrt() {
+            worst = Some((fall, *log));
+        }
+        let known = information.trace() > 1e-4 * scores_information(&scores).trace();
+        if known {
+            let off: DVector<f64> = alone.value() - together;
+            heterogeneity += (information * &off).dot(&off) / variance;
+            free += candidate.len() as f64;
+        }
+    }
+    let name = |log: usize| &work.balance.names[log];
+    if falls < TRAVELS * expected {
+        let what = match worst {
+            Some((_, log)) => format!("fitted on the other logs it makes `{}` worse", name(log)),
+            None => "fitted on some logs it does not lower the error of the others".into(),
+        };
+        return Err(what);
+    }
+    let free = free - candidate.len() as f64;
+    let chance = if free > 0.0 && heterogeneity.is_finite() {
+        ChiSquared::new(free).map_or(1.0, |law| 1.0 - law.cdf(heterogeneity))
+    } else {
+        1.0
+    };
+    let told = worst.map(|(_, log)| format!("fitted on the other logs it makes `{}` worse", name(log))).or_else(|| {
+        let spread = (heterogeneity / free.max(1.0)).sqrt();
+        (chance < DIFFER && spread > 2.0)
+            .then(|| format!("from log to log it scatters by {spread:.1} times its own error"))
+    });
+    Ok(told)
+}
+
+fn scores_information(scores: &Scores) -> DMatrix<f64> {
+    let n = scores.value().len();
+    scores.by_group(|_| 0).into_iter().map(|g| g.2).next().unwrap_or_else(|| DMatrix::zeros(n, n))
+}
+
+/// Sum of squares with the last coefficients given and the first `p` fitted.
+fn squares_given(total: &DMatrix<f64>, p: usize, given: &[f64]) -> f64 {
+    // New columns from old: the model's own, and the target less the given part.
+    let mut map = DMatrix::zeros(total.nrows(), p + 1);
+    for i in 0..p {
+        map[(i, i)] = 1.0;
+    }
+    for (j, value) in given.iter().enumerate() {
+        map[(p + j, p)] = -value;
+    }
+    map[(total.nrows() - 1, p)] = 1.0;
+    let small = map.transpose() * total * map;
+    squares(&small, &solve(&small).coefficients)
+}

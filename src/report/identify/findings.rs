@@ -1,0 +1,108 @@
+//! What was found in the logs before anything was asked, in words.
+
+use super::{channel_name, percent, round};
+use crate::measured::Bench;
+use crate::measured::identify::{About, Report};
+use crate::report::number;
+use crate::words::handy::handy;
+
+/// One line for each finding; what several logs have in common once.
+pub fn lines(bench: &Bench, reports: &[Report]) -> Vec<String> {
+    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    for finding in reports.iter().flat_map(|r| &r.findings) {
+        let text = words(bench, &finding.about);
+        match lines.iter_mut().find(|(t, _)| *t == text) {
+            Some((_, logs)) if logs.contains(&finding.log.as_str()) => {}
+            Some((_, logs)) => logs.push(&finding.log),
+            None => lines.push((text, vec![&finding.log])),
+        }
+    }
+    let of = |logs: &[&str]| match logs {
+        [.., _] if logs.len() > 3 => format!("{} logs", logs.len()),
+        _ => logs.join(", "),
+    };
+    lines.into_iter().map(|(text, logs)| format!("{}: {text}", of(&logs))).collect()
+}
+
+/// A finding in words.
+pub fn words(bench: &Bench, about: &About) -> String {
+    let seconds = |t: f64| format!("{} s", number((1e4 * t).round() / 1e4));
+    let milli = |t: f64| number((1e4 * t).round() / 10.0);
+    let list = |channels: &[_]| channels.iter().map(|c| channel_name(*c)).collect::<Vec<_>>().join(", ");
+    match about {
+        About::Scale { channel, against, factor, reads } => {
+            let reads = reads.map_or_else(String::new, |what| format!(", {what}"));
+            format!(
+                "{} is {} times what {} says{reads}; check unit, side and scale of both columns",
+                channel_name(*channel),
+                number(round(*factor)),
+                channel_name(*against)
+            )
+        }
+        About::Sign { channel, against } => format!(
+            "{} has the other sign than {}: one of the two columns needs `sign = -1`",
+            channel_name(*channel),
+            channel_name(*against)
+        ),
+        About::Unrelated { channel, against } => {
+            format!("{} does not follow {}; check both columns", channel_name(*channel), channel_name(*against))
+        }
+        About::Held { channels, rows, whole: true } => format!(
+            "{} repeat each value for {} rows: only the fresh rows are data",
+            list(channels),
+            number(*rows)
+        ),
+        About::Held { channels, rows, .. } => {
+            format!("{}: each value is repeated for {} rows; only the fresh ones are data", list(channels), number(*rows))
+        }
+        About::Stale { channel, from, to } => format!(
+            "{} stands still from {} to {} while the machine moves: left out",
+            channel_name(*channel),
+            seconds(*from),
+            seconds(*to)
+        ),
+        About::Clipped { channel, at, share } => {
+            let unit = match bench.declared.motor.is_some() {
+                true => unit_of(*channel),
+                false => "",
+            };
+            let (value, unit) = handy(*at, unit);
+            format!(
+                "{} stops at {} {unit} in {} % of the samples: these are left out",
+                channel_name(*channel),
+                number(value),
+                percent(*share)
+            )
+        }
+        About::Spikes { channel, count } => {
+            let (samples, are) = if *count == 1 { ("sample", "is") } else { ("samples", "are") };
+            format!("{}: {count} single {samples} far off both neighbours {are} left out", channel_name(*channel))
+        }
+        About::Irregular { short, usual, long } => format!(
+            "samples come at uneven times: {} to {} ms for nine of ten, {} ms is usual",
+            milli(*short),
+            milli(*long),
+            milli(*usual)
+        ),
+        About::Owns { from, to, share } => format!(
+            "the time from {} to {} owns {} % of the squared error of all logs for fitting: left out",
+            seconds(*from),
+            seconds(*to),
+            percent(*share)
+        ),
+        About::Estimated(channel) => {
+            format!("{} is the driver's own estimate, made of its current, and no sensor's", channel_name(*channel))
+        }
+    }
+}
+
+fn unit_of(channel: crate::measured::Channel) -> &'static str {
+    use crate::measured::Channel;
+    match channel {
+        Channel::Current => "A",
+        Channel::Voltage => "V",
+        Channel::Torque => "N*m",
+        Channel::MotorVelocity | Channel::OutputVelocity => "rad/s",
+        _ => "",
+    }
+}
