@@ -6,4 +6,5 @@ mod forward;
 mod held_commands;
 mod identification;
 mod identification_numbers;
+mod scoring;
 mod simulator_selftest;
