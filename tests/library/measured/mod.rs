@@ -6,5 +6,6 @@ mod forward;
 mod held_commands;
 mod identification;
 mod identification_numbers;
+mod negative_controls;
 mod scoring;
 mod simulator_selftest;
