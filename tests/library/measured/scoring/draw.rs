@@ -216,12 +216,20 @@ fn effects(kind: Kind, has: Has, random: &mut Random) -> (Vec<Effect>, Has) {
     let first = visible[random.index(visible.len())];
     let has = fit(first);
     if random.chance(0.25) {
-        let second: Vec<Effect> = visible.into_iter().filter(|e| *e != first && seen(*e, has)).collect();
+        let second: Vec<Effect> =
+            visible.into_iter().filter(|e| *e != first && seen(*e, has) && !excludes(*e, first)).collect();
         if !second.is_empty() {
             return (vec![first, second[random.index(second.len())]], has);
         }
     }
     (vec![first], has)
+}
+
+/// Whether two effects cannot be in one machine: an asymmetry is of the friction that the row declares.
+fn excludes(a: Effect, b: Effect) -> bool {
+    let of_row = |e: Effect| matches!(e, Effect::ViscousFriction | Effect::CoulombFriction);
+    let asymmetry = |e: Effect| e == Effect::DirectionAsymmetry;
+    (of_row(a) && asymmetry(b)) || (asymmetry(a) && of_row(b))
 }
 
 /// What is unfriendly about it: each at random where the bench can have it, at most one that breaks the equation.

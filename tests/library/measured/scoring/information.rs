@@ -158,8 +158,12 @@ impl Logs<'_> {
         match self.equation {
             Equation::Target => self.column(|_, log| log.apart[k].clone()),
             Equation::WindUp => {
-                let ratio = self.truth.machine.ratio;
-                self.at_rows(|trace, k| trace.motor_angle[k] / ratio - trace.output_angle[k])
+                // Each part of the angle alone: both are there in a pair.
+                let nature = &self.truth.nature;
+                match self.case.effects[k] {
+                    Effect::Backlash => self.at_rows(|t, k| 0.5 * nature.backlash * sign(t.torque[k])),
+                    _ => self.at_rows(|t, k| nature.compliance * t.torque[k]),
+                }
             }
         }
     }

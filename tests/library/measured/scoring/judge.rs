@@ -197,7 +197,8 @@ impl Judgement {
             }
         };
         let artefacts: Vec<(Unkind, bool)> = case.artefacts().map(|u| (u, answer.names_artefact(u))).collect();
-        let is_incomplete = information.is_there() || !artefacts.is_empty();
+        // An artefact that is named is not passed over.
+        let is_incomplete = information.is_there() || artefacts.iter().any(|(_, named)| !named);
         let false_completeness = is_incomplete && answer.verdict == Some(Verdict::NothingMissing);
         Judgement { question, right, false_names, false_completeness, is_incomplete, artefacts }
     }

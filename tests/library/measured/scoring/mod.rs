@@ -11,10 +11,11 @@ mod table;
 mod visible;
 
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use gearwise::measured::identify::{Options, identify};
-use rayon::prelude::*;
 
 use self::draw::{Case, draw};
 use self::information::Information;
@@ -39,11 +40,29 @@ fn said(bench: &Path, band: Option<f64>) -> Answer {
     Answer::of(&read, identify(&read, &Options { band }))
 }
 
-/// Runs cases, one a thread.
-fn run_all(seeds: Vec<u64>) -> Table {
-    // The library's own threads would wait for each other: a case has one.
-    let rows = seeds.into_par_iter().map(run).collect();
-    Table { rows }
+/// Runs cases, one a thread: the library's own threads stay within their case.
+fn run_all(seeds: &[u64]) -> Table {
+    let next = AtomicUsize::new(0);
+    let rows = Mutex::new(Vec::new());
+    let panicked = Mutex::new(Vec::new());
+    let worker = || {
+        let own = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        while let Some(seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
+            match own.install(|| std::panic::catch_unwind(|| run(*seed))) {
+                Ok(row) => rows.lock().expect("no panic here").push(row),
+                Err(_) => panicked.lock().expect("no panic here").push(*seed),
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        (0..rayon::current_num_threads()).for_each(|_| {
+            scope.spawn(worker);
+        });
+    });
+    let (mut rows, panicked) =
+        (rows.into_inner().expect("no panic here"), panicked.into_inner().expect("no panic here"));
+    rows.sort_by_key(|row| row.case.seed);
+    Table { rows, panicked }
 }
 
 /// A number of the environment.
@@ -65,7 +84,7 @@ fn seeds(first: u64, clean: u64, affected: u64) -> Vec<u64> {
 fn score() {
     let first = number("GEARWISE_SCORE_FIRST", 1);
     let seeds = seeds(first, number("GEARWISE_SCORE_CLEAN", 1000), number("GEARWISE_SCORE_AFFECTED", 2000));
-    let table = run_all(seeds);
+    let table = run_all(&seeds);
     if let Some(path) = std::env::var_os("GEARWISE_SCORE_OUT") {
         std::fs::write(&path, table.cases()).unwrap_or_else(|e| panic!("{}: {e}", Path::new(&path).display()));
     }
@@ -73,6 +92,7 @@ fn score() {
         std::fs::write(&path, table.summary()).unwrap_or_else(|e| panic!("{}: {e}", Path::new(&path).display()));
     }
     println!("{}", table.markdown());
+    assert!(table.panicked.is_empty(), "seeds that panicked: {:?}", table.panicked);
 }
 
 /// What the score may not fall below, or rise above, in the small sample of every run.
@@ -107,8 +127,9 @@ fn is_at_most(share: Share, bound: f64) -> bool {
 
 #[test]
 fn a_tenth_of_the_score() {
-    let table = run_all(crate::cases::cases(SMALL.0, SMALL.1).collect());
+    let table = run_all(&crate::cases::cases(SMALL.0, SMALL.1).collect::<Vec<u64>>());
     let text = table.markdown();
+    assert!(table.panicked.is_empty(), "seeds that panicked: {:?}", table.panicked);
     assert!(is_at_least(table.right(), TODAY.right), "{text}");
     assert!(is_at_most(table.false_on_clean(), TODAY.false_on_clean), "{text}");
     assert!(is_at_most(table.false_effects(), TODAY.false_on_any), "{text}");

@@ -19,6 +19,8 @@ pub struct Row {
 /// All cases.
 pub struct Table {
     pub rows: Vec<Row>,
+    /// Seeds that gave none.
+    pub panicked: Vec<u64>,
 }
 
 /// So many of so many.
