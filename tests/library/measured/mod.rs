@@ -9,3 +9,4 @@ mod identification_numbers;
 mod negative_controls;
 mod scoring;
 mod simulator_selftest;
+mod simulator_unfriendly;
