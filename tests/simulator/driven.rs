@@ -1,4 +1,7 @@
 //! The motor without current, turned by a machine that is told a random torque.
+//!
+//! The driving machine is so strong that it moves as its own inertia and drag would have it, whatever the actuator does: so
+//! an effect is felt at the sensor alone, and does not change the motion that it is seen by.
 
 use super::world::{self, Drive, Nature, State, Trace};
 
@@ -8,7 +11,7 @@ const RISE: f64 = 0.3;
 /// The driving machine, at the output.
 #[derive(Debug, Clone, Copy)]
 pub struct Machine {
-    /// Its inertia \[kg·m²\]: it turns the actuator, not the other way round.
+    /// Its inertia \[kg·m²\].
     pub inertia: f64,
     /// Its own drag \[N·m·s/rad\], without which a random torque would make it run away.
     pub damping: f64,
@@ -17,14 +20,13 @@ pub struct Machine {
 impl Machine {
     /// One that is fit for an actuator.
     pub fn of(actuator: &world::Machine) -> Self {
-        let reflected = (actuator.inertia + actuator.gear_inertia) * actuator.ratio.powi(2);
-        let inertia = 20.0 * reflected;
-        Machine { inertia, damping: (inertia + reflected) / RISE }
+        let inertia = 20.0 * (actuator.inertia + actuator.gear_inertia) * actuator.ratio.powi(2);
+        Machine { inertia, damping: inertia / RISE }
     }
 
     /// The torque that holds a speed of the output \[N·m\].
-    pub fn torque_for(self, speed: f64, actuator: &world::Machine) -> f64 {
-        self.damping * speed + actuator.ratio * (actuator.coulomb + actuator.viscous * speed * actuator.ratio)
+    pub fn torque_for(self, speed: f64) -> f64 {
+        self.damping * speed
     }
 }
 
@@ -40,24 +42,14 @@ pub fn random_torque(nature: &Nature, mut drive: Drive) -> Trace {
     let (mut position, mut speed) = (0.0_f64, 0.0_f64);
     for k in 0..drive.steps() {
         let told = drive.current.value();
+        let acceleration = (told - driving.damping * speed) / driving.inertia;
         state.slide(nature, n * speed, k as f64 * h, h);
         let drag = state.drag(nature, n * position, n * speed);
         let direction = if speed == 0.0 { 0.0 } else { speed.signum() };
         let gravity =
             if nature.gravity == 0.0 { 0.0 } else { nature.gravity * (position + nature.gravity_angle).sin() };
-        // What the gear transmits, from the side of the output: −(J α + drag) N, less the gear's loss.
-        let transmitted = |acceleration: f64| {
-            let given = -(inertia * n * acceleration + drag);
-            n * given / (1.0 + nature.load_dependent * direction * given.signum())
-        };
-        let free = (told - driving.damping * speed) / (driving.inertia + inertia * n * n);
-        let ideal = free - n * drag / (driving.inertia + inertia * n * n);
-        // The loss is small: two rounds settle it.
-        let mut acceleration = ideal;
-        for _ in 0..3 {
-            let beyond = transmitted(acceleration) + n * (inertia * n * acceleration + drag) - gravity;
-            acceleration = ideal + beyond / (driving.inertia + inertia * n * n);
-        }
+        let given = -(inertia * n * acceleration + drag);
+        let through = n * given / (1.0 + nature.load_dependent * direction * given.signum());
         trace.motor_angle.push(n * position);
         trace.motor_speed.push(n * speed);
         trace.motor_acceleration.push(n * acceleration);
@@ -66,7 +58,7 @@ pub fn random_torque(nature: &Nature, mut drive: Drive) -> Trace {
         trace.output_acceleration.push(acceleration);
         trace.current.push(0.0);
         trace.current_rate.push(0.0);
-        trace.torque.push(transmitted(acceleration) - gravity);
+        trace.torque.push(through - gravity);
         trace.voltage.push(m.torque_constant * n * speed);
         trace.winding.push(state.winding);
         trace.housing.push(state.housing);

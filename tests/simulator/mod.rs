@@ -330,6 +330,7 @@ impl Bench {
         };
         let (motion, current) = match self.kind {
             Kind::Servo if self.excitation.poor => (Profile::constant(step, 0.5), Profile::constant(step, 0.0)),
+            Kind::Drag if self.excitation.poor => (Profile::constant(step, 0.4 * speed), Profile::constant(step, 0.0)),
             _ if self.excitation.poor => {
                 (Profile::constant(step, 0.4 * speed), Profile::constant(step, 0.4 * m.peak_current))
             }
@@ -337,7 +338,7 @@ impl Bench {
             Kind::Backdrive => (staircase(step, self.duration, speed, &mut random), Profile::constant(step, 0.0)),
             Kind::Drag => (Profile::random(step, self.duration, &shape, &mut random), Profile::constant(step, 0.0)),
             Kind::RandomTorque => {
-                let push = Shape { peak: driven::Machine::of(m).torque_for(speed, m), corner: 40.0, ..shape };
+                let push = Shape { peak: driven::Machine::of(m).torque_for(speed), corner: 40.0, ..shape };
                 (Profile::constant(step, 0.0), Profile::random(step, self.duration, &push, &mut random))
             }
             Kind::Servo => {

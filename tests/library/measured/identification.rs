@@ -224,7 +224,7 @@ fn nulls() {
 }
 
 /// The story of a report, for reading.
-fn story(report: &Report) -> String {
+pub(super) fn story(report: &Report) -> String {
     let mut text = format!(
         "{} [{}] {:?} band {:?} samples {:?} floor {:.4e}\n",
         report.target.name(),

@@ -1,7 +1,8 @@
 //! The simulator's benches without current, and what is unfriendly about a bench, judged by themselves.
 
 use crate::simulator::{
-    Bench, Channel, Colour, Effect, Kind, Stale, Truth, Unfriendly, Velocity, clean, driven::Machine,
+    Bench, Channel, Colour, Effect, Kind, Nature, Stale, Truth, Unfriendly, Velocity, clean, driven::Machine,
+    random::Random,
 };
 
 fn written(bench: &Bench) -> (tempfile::TempDir, Truth) {
@@ -33,17 +34,25 @@ fn neighbours(values: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_random_torque_turns_both_machines() {
+fn a_random_torque_turns_the_machine_and_the_sensor_has_the_actuator() {
     for effect in [Effect::CoulombFriction, Effect::LoadDependentFriction, Effect::EddyDrag] {
         let (_folder, truth) = written(&short(Kind::RandomTorque, |_| {}).with_noise(effect, 5.0));
         let (trace, machine) = (&truth.logs[0].trace, Machine::of(&truth.machine));
         let largest = trace.command.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-        for k in 0..trace.command.len() {
-            // What is told turns the driving machine, its own drag and, through the sensor, the actuator.
+        let (m, ratio) = (&truth.machine, truth.machine.ratio);
+        for k in (0..trace.command.len()).step_by(7) {
             let turned = machine.inertia * trace.output_acceleration[k] + machine.damping * trace.output_speed[k];
-            let error = trace.command[k] + trace.torque[k] - turned;
-            assert!(error.abs() < 2e-3 * largest, "{effect:?} at {k}: {error} of {largest}");
+            let error = trace.command[k] - turned;
+            assert!(error.abs() < 1e-9 * largest, "{effect:?} at {k}: {error} of {largest}");
+            // The sensor has what the actuator takes: its inertia, and a drag that never drives.
+            let drag = -trace.torque[k] / ratio - m.inertia * trace.motor_acceleration[k];
+            let settled = trace.motor_speed[k].abs() > 0.05 * m.peak_speed;
+            assert!(!settled || drag * trace.motor_speed[k] > 0.0, "{effect:?} at {k}: {drag}");
         }
+        // The motion is the same without it.
+        let plain =
+            short(Kind::RandomTorque, |_| {}).simulate(&Nature::new(m.clone(), &[], &mut Random::new(1, "")), 0);
+        assert_eq!(plain.motor_speed, trace.motor_speed);
         let fastest = trace.motor_speed.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
         assert!((0.3..2.0).contains(&(fastest / truth.machine.peak_speed)), "{fastest}");
         assert!(trace.motor_speed.iter().any(|w| *w < 0.0) && trace.motor_speed.iter().any(|w| *w > 0.0));

@@ -31,11 +31,12 @@ pub enum Unkind {
     WrongAmpere,
     WrongDeclared,
     HighOrder,
+    Poor,
 }
 
 impl Unkind {
     /// All of them.
-    pub const ALL: [Unkind; 12] = [
+    pub const ALL: [Unkind; 13] = [
         Unkind::Coloured,
         Unkind::Blue,
         Unkind::AntiAlias,
@@ -48,6 +49,7 @@ impl Unkind {
         Unkind::WrongAmpere,
         Unkind::WrongDeclared,
         Unkind::HighOrder,
+        Unkind::Poor,
     ];
 
     /// Its name in tables.
@@ -65,6 +67,7 @@ impl Unkind {
             Unkind::WrongAmpere => "wrong ampere convention",
             Unkind::WrongDeclared => "wrong K_T, J, R",
             Unkind::HighOrder => "orders above the band",
+            Unkind::Poor => "one speed and one current",
         }
     }
 
@@ -119,6 +122,16 @@ impl Case {
     /// Names of its effects.
     pub fn names(&self) -> Vec<&'static str> {
         self.effects.iter().map(|e| e.name()).collect()
+    }
+
+    /// What else is true of a machine with its effects: flanks of a gap bend, and of what differs between directions a
+    /// part is constant.
+    pub fn companions(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.effects.iter().filter_map(|e| match e {
+            Effect::Backlash => Some("gear_compliance"),
+            Effect::DirectionAsymmetry => Some("torque_offset"),
+            _ => None,
+        })
     }
 
     /// What it is, in one line.
@@ -187,11 +200,11 @@ fn kind(random: &mut Random) -> Kind {
 
 /// How long and how fast the logs are.
 fn sample(bench: &mut Bench, random: &mut Random) {
-    let rate = [200.0, 250.0, 400.0, 500.0][random.index(4)];
+    let rate = [200.0, 200.0, 250.0, 400.0, 500.0][random.index(5)];
     (bench.duration, bench.rate) = match bench.kind {
         Kind::Stall => (20.0, 100.0),
         Kind::Servo => (12.0, 200.0),
-        _ => (random.within(12.0, 20.0).round(), rate),
+        _ => (random.within(12.0, 16.0).round(), rate),
     };
 }
 
@@ -236,6 +249,14 @@ fn excludes(a: Effect, b: Effect) -> bool {
 fn unkindness(kind: Kind, effects: &[Effect], random: &mut Random) -> Vec<Unkind> {
     let velocity = !matches!(kind, Kind::Stall | Kind::Servo);
     let current = matches!(kind, Kind::Dynamometer | Kind::Free | Kind::Stall | Kind::Electrical);
+    // What shows only where the motion changes would have no size.
+    let steady = matches!(kind, Kind::Dynamometer | Kind::Free | Kind::Drag | Kind::Electrical)
+        && !effects.iter().any(|e| {
+            matches!(
+                e,
+                Effect::DirectionAsymmetry | Effect::GearCompliance | Effect::Backlash | Effect::LoadDependentFriction
+            )
+        });
     let ripples = effects
         .iter()
         .any(|e| matches!(e, Effect::Cogging { .. } | Effect::TorqueRipple { .. } | Effect::GearRipple { .. }));
@@ -250,6 +271,7 @@ fn unkindness(kind: Kind, effects: &[Effect], random: &mut Random) -> Vec<Unkind
             Unkind::WrongDeclared => 0.5,
             Unkind::Coloured | Unkind::AntiAlias | Unkind::Quantised => 0.25,
             Unkind::Blue => 0.15,
+            Unkind::Poor => f64::from(u8::from(steady)) * 0.2,
             _ => 0.1,
         };
         let clashes = |other: &Unkind| match unkind {
@@ -364,6 +386,7 @@ fn spoil(bench: &mut Bench, unkind: Unkind, random: &mut Random) {
             bench.declared.inertia = random.within(0.85, 1.15);
             bench.declared.resistance = random.within(0.85, 1.15);
         }
+        Unkind::Poor => bench.excitation.poor = true,
         Unkind::HighOrder => {}
     }
 }

@@ -229,6 +229,14 @@ impl Logs<'_> {
                 columns.push(self.logs.iter().flat_map(|(n, log)| vec![own(*n); log.times.len()]).collect());
             }
         }
+        match self.case.effects[k] {
+            // Flanks bend.
+            Effect::Backlash => columns.push(self.at_rows(|t, k| t.torque[k])),
+            Effect::DirectionAsymmetry if !self.case.kind().has_zero() => {
+                columns.extend(self.shapes(Effect::TorqueOffset).remove(0));
+            }
+            _ => {}
+        }
         let others = (0..self.case.effects.len()).filter(|o| *o != k);
         columns
             .extend(others.filter(|o| equation(self.case.effects[*o]) == self.equation).map(|o| self.contribution(o)));
@@ -301,7 +309,9 @@ impl Logs<'_> {
             Effect::CoulombFriction => self.bench().declared.coulomb.is_some(),
             _ => false,
         };
-        let own = |e: Effect| self.case.effects.iter().any(|o| o.name() == e.name());
+        let own = |e: Effect| {
+            self.case.names().contains(&e.name()) || self.case.companions().any(|companion| companion == e.name())
+        };
         Effect::LIBRARY
             .into_iter()
             .filter(|e| equation(*e) == self.equation && !own(*e) && !declared(*e))

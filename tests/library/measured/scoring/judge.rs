@@ -173,10 +173,16 @@ impl Judgement {
     pub fn of(case: &Case, information: &Information, answer: &Answer) -> Judgement {
         let wanted = case.names();
         let question = Question::of(case, information);
-        let is_true = |name: &Name| wanted.iter().any(|w| name.may_be(w));
+        let companions: Vec<&str> = case.companions().collect();
+        let is_true = |name: &Name| wanted.iter().chain(&companions).any(|w| name.may_be(w));
         let false_names: Vec<&'static str> = answer.named.iter().filter(|n| !is_true(n)).map(|n| n.name).collect();
         let told = |effect: &str| match wanted.len() {
-            1 => answer.named.first().is_some_and(|n| n.tells(effect)),
+            // A companion may come first.
+            1 => answer
+                .named
+                .iter()
+                .find(|n| n.tells(effect) || !companions.contains(&n.name))
+                .is_some_and(|n| n.tells(effect)),
             _ => answer.named.iter().any(|n| n.tells(effect)),
         };
         let all_told = wanted.iter().all(|w| told(w));

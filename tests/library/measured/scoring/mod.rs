@@ -29,9 +29,11 @@ fn run(seed: u64) -> Row {
     let folder = tempfile::tempdir().expect("a folder");
     let truth = case.bench.write(folder.path());
     let information = Information::of(&case, &truth);
+    let prepared = start.elapsed();
     let answer = said(&truth.bench, case.band);
+    let library = (start.elapsed() - prepared).as_secs_f64();
     let judgement = Judgement::of(&case, &information, &answer);
-    Row { information, answer, judgement, seconds: start.elapsed().as_secs_f64(), case }
+    Row { information, answer, judgement, seconds: (prepared.as_secs_f64(), library), case }
 }
 
 /// What the library says of a bench file.
@@ -93,6 +95,22 @@ fn score() {
     }
     println!("{}", table.markdown());
     assert!(table.panicked.is_empty(), "seeds that panicked: {:?}", table.panicked);
+}
+
+/// One case in full, for reading: `GEARWISE_SCORE_FIRST=136 … one_case`.
+#[test]
+#[ignore = "for reading"]
+fn one_case() {
+    let case = draw(number("GEARWISE_SCORE_FIRST", 1));
+    let folder = tempfile::tempdir().expect("a folder");
+    let truth = case.bench.write(folder.path());
+    println!("{}\n{:?}\nvisible {:?}", case.describe(), truth.effects, case.visible());
+    println!("{:?}", Information::of(&case, &truth));
+    let read = gearwise::measured::read::read(&truth.bench).unwrap_or_else(|e| panic!("{e:?}"));
+    match identify(&read, &Options { band: case.band }) {
+        Ok(reports) => reports.iter().for_each(|r| println!("{}", super::identification::story(r))),
+        Err(why) => println!("{why}"),
+    }
 }
 
 /// What the score may not fall below, or rise above, in the small sample of every run.

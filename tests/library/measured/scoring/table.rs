@@ -13,7 +13,8 @@ pub struct Row {
     pub information: Information,
     pub answer: Answer,
     pub judgement: Judgement,
-    pub seconds: f64,
+    /// To draw, simulate and weigh it; of the library.
+    pub seconds: (f64, f64),
 }
 
 /// All cases.
@@ -139,8 +140,10 @@ impl Table {
 
     /// Tables in Markdown.
     pub fn markdown(&self) -> String {
-        let seconds: f64 = self.rows.iter().map(|r| r.seconds).sum();
-        let mut text = format!("{} cases, {:.2} s each\n\n", self.rows.len(), seconds / self.rows.len().max(1) as f64);
+        let count = self.rows.len().max(1) as f64;
+        let mean = |of: fn(&Row) -> f64| self.rows.iter().map(of).sum::<f64>() / count;
+        let (own, library) = (mean(|r| r.seconds.0), mean(|r| r.seconds.1));
+        let mut text = format!("{} cases; each {own:.2} s to make and {library:.2} s to identify\n\n", self.rows.len());
         text.push_str("| what | share (count; 95 % interval) |\n|---|---|\n");
         for (what, share) in self.shares() {
             let _ = writeln!(text, "| {what} | {share} |");
@@ -225,7 +228,7 @@ impl Table {
     pub fn cases(&self) -> String {
         let mut text =
             "seed,kind,effects,size,unfriendly,band,noncentrality,separation,twin,visible,question,verdict,named,\
-                        right,false,false completeness,artefacts named,seconds\n"
+                        right,false,false completeness,artefacts named,seconds to make,to identify\n"
                 .to_string();
         for row in &self.rows {
             let (case, judgement) = (&row.case, &row.judgement);
@@ -252,7 +255,8 @@ impl Table {
                 judgement.false_names.join(" + "),
                 judgement.false_completeness.to_string(),
                 artefacts.join("; "),
-                format!("{:.2}", row.seconds),
+                format!("{:.2}", row.seconds.0),
+                format!("{:.2}", row.seconds.1),
             ];
             let _ = writeln!(text, "{}", cells.join(","));
         }
