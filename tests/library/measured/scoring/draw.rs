@@ -254,7 +254,11 @@ fn unkindness(kind: Kind, effects: &[Effect], random: &mut Random) -> Vec<Unkind
         && !effects.iter().any(|e| {
             matches!(
                 e,
-                Effect::DirectionAsymmetry | Effect::GearCompliance | Effect::Backlash | Effect::LoadDependentFriction
+                Effect::StribeckFriction
+                    | Effect::DirectionAsymmetry
+                    | Effect::GearCompliance
+                    | Effect::Backlash
+                    | Effect::LoadDependentFriction
             )
         });
     let ripples = effects

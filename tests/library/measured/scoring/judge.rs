@@ -116,7 +116,7 @@ impl Answer {
 }
 
 /// What a case is asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Question {
     /// Nothing was put in: nothing may be named.
     Clean,
@@ -131,7 +131,8 @@ pub enum Question {
 }
 
 impl Question {
-    fn of(case: &Case, information: &Information) -> Question {
+    /// Of a case, from its truth.
+    pub fn of(case: &Case, information: &Information) -> Question {
         match () {
             () if case.unkind.iter().any(|u| u.breaks_the_equation()) => Question::Broken,
             () if case.effects.is_empty() => Question::Clean,

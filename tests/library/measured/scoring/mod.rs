@@ -10,6 +10,7 @@ mod judge;
 mod table;
 mod visible;
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,7 +20,7 @@ use gearwise::measured::identify::{Options, identify};
 
 use self::draw::{Case, draw};
 use self::information::Information;
-use self::judge::{Answer, Judgement};
+use self::judge::{Answer, Judgement, Question};
 use self::table::{Row, Share, Table};
 
 /// Runs one case.
@@ -44,13 +45,20 @@ fn said(bench: &Path, band: Option<f64>) -> Answer {
 
 /// Runs cases, one a thread: the library's own threads stay within their case.
 fn run_all(seeds: &[u64]) -> Table {
+    let (mut rows, panicked) = each(seeds, run);
+    rows.sort_by_key(|row| row.case.seed);
+    Table { rows, panicked }
+}
+
+/// Something of each seed, in any order, and the seeds that panicked.
+fn each<T: Send>(seeds: &[u64], of: fn(u64) -> T) -> (Vec<T>, Vec<u64>) {
     let next = AtomicUsize::new(0);
     let rows = Mutex::new(Vec::new());
     let panicked = Mutex::new(Vec::new());
     let worker = || {
         let own = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
         while let Some(seed) = seeds.get(next.fetch_add(1, Ordering::Relaxed)) {
-            match own.install(|| std::panic::catch_unwind(|| run(*seed))) {
+            match own.install(|| std::panic::catch_unwind(|| of(*seed))) {
                 Ok(row) => rows.lock().expect("no panic here").push(row),
                 Err(_) => panicked.lock().expect("no panic here").push(*seed),
             }
@@ -61,10 +69,7 @@ fn run_all(seeds: &[u64]) -> Table {
             scope.spawn(worker);
         });
     });
-    let (mut rows, panicked) =
-        (rows.into_inner().expect("no panic here"), panicked.into_inner().expect("no panic here"));
-    rows.sort_by_key(|row| row.case.seed);
-    Table { rows, panicked }
+    (rows.into_inner().expect("no panic here"), panicked.into_inner().expect("no panic here"))
 }
 
 /// A number of the environment.
@@ -95,6 +100,30 @@ fn score() {
     }
     println!("{}", table.markdown());
     assert!(table.panicked.is_empty(), "seeds that panicked: {:?}", table.panicked);
+}
+
+/// What the cases of the score ask, without the library's answers: how many of each cell there are, and that all can be made.
+#[test]
+#[ignore = "slow: the plan of the score"]
+fn plan() {
+    let seeds = seeds(
+        number("GEARWISE_SCORE_FIRST", 1),
+        number("GEARWISE_SCORE_CLEAN", 1000),
+        number("GEARWISE_SCORE_AFFECTED", 2000),
+    );
+    let asked = |seed: u64| {
+        let case = draw(seed);
+        let folder = tempfile::tempdir().expect("a folder");
+        let question = Question::of(&case, &Information::of(&case, &case.bench.write(folder.path())));
+        case.effects.iter().map(|e| (question, e.name(), case.kind().name())).collect::<Vec<_>>()
+    };
+    let (cells, panicked) = each(&seeds, asked);
+    let mut counts: BTreeMap<(Question, &str, &str), usize> = BTreeMap::new();
+    cells.into_iter().flatten().for_each(|cell| *counts.entry(cell).or_default() += 1);
+    for ((question, effect, kind), count) in counts {
+        println!("{},{effect},{kind},{count}", question.word());
+    }
+    assert!(panicked.is_empty(), "seeds that panicked: {panicked:?}");
 }
 
 /// One case in full, for reading: `GEARWISE_SCORE_FIRST=136 … one_case`.
