@@ -6,7 +6,7 @@
 //! to the target of the bench (torque, current times N K_T, voltage, force, position of a servo) over
 //! the noise on that target. Where an effect that large would be no real machine's, the noise is
 //! made smaller instead.
-#![allow(dead_code, reason = "each test file uses its part")]
+#![allow(dead_code, unused_imports, reason = "each test file uses its part")]
 
 pub mod driven;
 mod kind;
