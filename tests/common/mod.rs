@@ -1,6 +1,8 @@
 //! What several tests need.
 #![allow(dead_code, reason = "each test file uses its part")]
 
+pub mod real;
+
 use std::path::Path;
 use std::sync::Arc;
 

@@ -6,97 +6,26 @@
 //! to the target of the bench (torque, current times N K_T, voltage, force, position of a servo) over
 //! the noise on that target. Where an effect that large would be no real machine's, the noise is
 //! made smaller instead.
-#![allow(dead_code, reason = "each test file uses its part")]
+#![allow(dead_code, unused_imports, reason = "each test file uses its part")]
 
+pub mod driven;
+mod kind;
 pub mod profile;
 pub mod random;
+mod scenarios;
 pub mod sense;
+pub mod unfriendly;
 pub mod world;
 mod write;
 
+pub use kind::Kind;
 use profile::{Profile, Shape};
 use random::Random;
+pub use scenarios::{clean, outside, pair, scenario, shuffled};
 pub use sense::{Channel, Sensors, Velocity};
 use std::path::{Path, PathBuf};
+pub use unfriendly::{Colour, Stale, Unfriendly};
 pub use world::{Drive, Effect, Machine, Nature, Servo, Trace};
-
-/// Kind of bench, as in the bench file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    Dynamometer,
-    Free,
-    Electrical,
-    SteadyTable,
-    Stall,
-    Backdrive,
-    Servo,
-    Linear,
-}
-
-impl Kind {
-    /// Its name in the bench file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Dynamometer => "dynamometer",
-            Kind::Free => "free",
-            Kind::Electrical => "electrical",
-            Kind::SteadyTable => "steady_table",
-            Kind::Stall => "stall",
-            Kind::Backdrive => "backdrive",
-            Kind::Servo => "servo",
-            Kind::Linear => "linear",
-        }
-    }
-
-    /// The channel whose noise counts.
-    pub fn target_channel(self) -> Channel {
-        match self {
-            Kind::Dynamometer | Kind::SteadyTable | Kind::Stall => Channel::Torque,
-            Kind::Free => Channel::Current,
-            Kind::Electrical | Kind::Backdrive => Channel::Voltage,
-            Kind::Servo => Channel::Position,
-            Kind::Linear => Channel::Force,
-        }
-    }
-
-    /// Unit of sizes and noise.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Kind::Dynamometer | Kind::SteadyTable | Kind::Stall | Kind::Free => "N*m",
-            Kind::Electrical | Kind::Backdrive => "V",
-            Kind::Servo => "rad",
-            Kind::Linear => "N",
-        }
-    }
-
-    fn channels(self) -> &'static [Channel] {
-        use Channel::{
-            Current, Duty, Force, Goal, HousingTemperature, OutputPosition, OutputVelocity, Position, Supply, Torque,
-            Velocity, Voltage, WindingTemperature,
-        };
-        match self {
-            Kind::Dynamometer => &[
-                Position,
-                Velocity,
-                OutputPosition,
-                OutputVelocity,
-                Current,
-                Torque,
-                WindingTemperature,
-                HousingTemperature,
-            ],
-            Kind::Free => {
-                &[Position, Velocity, OutputPosition, OutputVelocity, Current, WindingTemperature, HousingTemperature]
-            }
-            Kind::Electrical => &[Position, Velocity, Current, Voltage, WindingTemperature, HousingTemperature],
-            Kind::SteadyTable => &[Velocity, Current, Torque, WindingTemperature, HousingTemperature],
-            Kind::Stall => &[Current, Torque, WindingTemperature, HousingTemperature],
-            Kind::Backdrive => &[Velocity, Voltage],
-            Kind::Servo => &[Position, Duty, Goal, Supply],
-            Kind::Linear => &[Position, Velocity, Force],
-        }
-    }
-}
 
 /// How strong an effect is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,6 +114,10 @@ pub struct LogTruth {
     pub noise: Vec<f64>,
     /// What all effects together contribute to the target at each row.
     pub contribution: Vec<f64>,
+    /// What each effect alone contributes, in their order.
+    pub apart: Vec<Vec<f64>>,
+    /// What quantising the target's channel added, in the target's unit.
+    pub rounding: Vec<f64>,
     /// Constant added to the target's channel, in the target's unit.
     pub zero: f64,
     /// The noise-free world; empty for a steady table.
@@ -260,7 +193,7 @@ impl Bench {
                 output_counts: if kind == Kind::Servo { 4096.0 } else { 262_144.0 },
                 torque_corner: if table { f64::INFINITY } else { random.within(150.0, 300.0) },
                 lags: Vec::new(),
-                zeros: if matches!(kind, Kind::Dynamometer | Kind::SteadyTable | Kind::Stall) { 3.0 } else { 0.0 },
+                zeros: if kind.has_zero() { 3.0 } else { 0.0 },
                 gain_error: None,
                 wrong_sign: None,
                 reversed: None,
@@ -270,6 +203,7 @@ impl Bench {
                 dropouts: 0.0,
                 hidden: vec![Channel::OutputPosition, Channel::OutputVelocity],
                 phase_amplitude: false,
+                unfriendly: Unfriendly::default(),
             },
             excitation: Excitation { speed: 1.0, slow: 0.3, slow_level: 0.05, corner: 8.0, poor: false },
             noise: 0.01,
@@ -396,11 +330,17 @@ impl Bench {
         };
         let (motion, current) = match self.kind {
             Kind::Servo if self.excitation.poor => (Profile::constant(step, 0.5), Profile::constant(step, 0.0)),
+            Kind::Drag if self.excitation.poor => (Profile::constant(step, 0.4 * speed), Profile::constant(step, 0.0)),
             _ if self.excitation.poor => {
                 (Profile::constant(step, 0.4 * speed), Profile::constant(step, 0.4 * m.peak_current))
             }
             Kind::Stall => (Profile::constant(step, 0.0), staircase(step, self.duration, m.peak_current, &mut random)),
             Kind::Backdrive => (staircase(step, self.duration, speed, &mut random), Profile::constant(step, 0.0)),
+            Kind::Drag => (Profile::random(step, self.duration, &shape, &mut random), Profile::constant(step, 0.0)),
+            Kind::RandomTorque => {
+                let push = Shape { peak: driven::Machine::of(m).torque_for(speed), corner: 40.0, ..shape };
+                (Profile::constant(step, 0.0), Profile::random(step, self.duration, &push, &mut random))
+            }
             Kind::Servo => {
                 let goal = Shape {
                     peak: 1.4,
@@ -427,19 +367,21 @@ impl Bench {
         Drive { step, duration: self.duration, motion, current, winding, housing, seed }
     }
 
-    fn simulate(&self, nature: &Nature, log: usize) -> Trace {
+    /// A log's noise-free world with what acts in it.
+    pub fn simulate(&self, nature: &Nature, log: usize) -> Trace {
         let drive = self.drive(log);
         match self.kind {
             Kind::Free | Kind::Linear => world::free(nature, drive),
             Kind::Servo => world::servo(nature, self.servo, drive),
             Kind::SteadyTable => world::steady_table(nature, &drive),
+            Kind::RandomTorque => driven::random_torque(nature, drive),
             _ => world::dynamometer(nature, drive),
         }
     }
 
     /// What is left of the target when the declared machine (without friction) is taken off, at one
     /// sample of a trace: differences of it are contributions.
-    fn balance(&self, trace: &Trace, k: usize) -> f64 {
+    pub fn balance(&self, trace: &Trace, k: usize) -> f64 {
         let m = &self.machine;
         let n = m.ratio;
         let inertia = (m.inertia + m.gear_inertia) * n;
@@ -592,83 +534,4 @@ fn staircase(step: f64, duration: f64, peak: f64, random: &mut Random) -> Profil
         segments.push(profile::Segment { start: (f64::from(k) + 0.3) * hold, level, sines: 0.0 });
     }
     Profile::new(step, 20.0, segments, &[])
-}
-
-/// A bench that can show an effect, at a size in rms of the noise.
-pub fn scenario(name: &str, size: f64, seed: u64) -> Bench {
-    let effect = Effect::named(name).unwrap_or_else(|| panic!("no effect {name}"));
-    fit_for(&[effect], seed).with(effect, Size::Noise(size))
-}
-
-/// A bench of a kind with nothing missing.
-pub fn clean(kind: Kind, seed: u64) -> Bench {
-    Bench::new(kind, seed)
-}
-
-/// A bench with something that no effect of the library is, clearly (5 × noise unless changed).
-pub fn outside(name: &str, seed: u64) -> Bench {
-    scenario(name, 5.0, seed)
-}
-
-/// Two effects on one bench that can show both.
-pub fn pair(a: &str, b: &str, size: f64, seed: u64) -> Bench {
-    let find = |name| Effect::named(name).unwrap_or_else(|| panic!("no effect {name}"));
-    let (a, b) = (find(a), find(b));
-    fit_for(&[a, b], seed).with(a, Size::Noise(size)).with(b, Size::Noise(size))
-}
-
-/// A null: what an effect contributed, cut into pieces and put in random order with random signs, so
-/// that it depends on nothing.
-pub fn shuffled(name: &str, size: f64, seed: u64) -> Bench {
-    Bench { shuffled: true, ..scenario(name, size, seed) }
-}
-
-/// The kinds of bench that can show an effect, the best first. Two masses show in torque only where
-/// the load, not a dynamometer, is behind the spring or the gap: with a sensor at the output the
-/// motor's own motion balances whatever the gear does.
-pub fn benches_for(effect: Effect) -> &'static [Kind] {
-    match effect {
-        Effect::WindingTemperature | Effect::InverterDeadTime => &[Kind::Electrical],
-        Effect::SupplySag => &[Kind::Servo],
-        Effect::Gravity | Effect::TorqueOffset | Effect::GearCompliance | Effect::Backlash => &[Kind::Free],
-        Effect::TorqueConstantSaturation | Effect::TorqueConstantTemperature => &[Kind::Dynamometer],
-        Effect::ZeroStep | Effect::LoadMemory => &[Kind::Dynamometer],
-        Effect::LoadDependentFriction => &[Kind::Dynamometer, Kind::Servo],
-        _ => &[Kind::Dynamometer, Kind::Free],
-    }
-}
-
-/// A bench fit for all of some effects.
-fn fit_for(effects: &[Effect], seed: u64) -> Bench {
-    let kinds = benches_for(effects[0]);
-    let kind = kinds
-        .iter()
-        .find(|kind| effects.iter().all(|e| benches_for(*e).contains(kind)))
-        .unwrap_or_else(|| panic!("no bench shows all of {effects:?}"));
-    let mut bench = Bench::new(*kind, seed);
-    for effect in effects {
-        match effect {
-            // Slow enough for the sampling to see the teeth.
-            Effect::Cogging { order } | Effect::TorqueRipple { order } => {
-                let fastest = 0.5 * bench.rate * std::f64::consts::TAU / (4.0 * f64::from(*order));
-                bench.excitation.speed = bench.excitation.speed.min(fastest / bench.machine.peak_speed);
-            }
-            Effect::StribeckFriction => {
-                bench.excitation.slow = 0.5;
-                bench.excitation.slow_level = 0.1;
-            }
-            Effect::GearCompliance | Effect::Backlash => {
-                (bench.rate, bench.duration) = (1000.0, 20.0);
-                bench.sensors.hidden.retain(|c| !matches!(c, Channel::OutputPosition | Channel::OutputVelocity));
-            }
-            Effect::SupplySag => bench.sensors.hidden.push(Channel::Supply),
-            _ => {}
-        }
-        match effect {
-            Effect::ViscousFriction => bench.declared.viscous = None,
-            Effect::CoulombFriction => bench.declared.coulomb = None,
-            _ => {}
-        }
-    }
-    bench
 }

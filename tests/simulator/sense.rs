@@ -1,6 +1,7 @@
 //! What the instruments make of a trace: late, quantised, filtered, noisy, with holes.
 
 use super::random::Random;
+use super::unfriendly::Unfriendly;
 use super::world::Trace;
 use std::f64::consts::TAU;
 
@@ -20,6 +21,8 @@ pub enum Channel {
     Goal,
     Supply,
     Force,
+    /// What the driving machine was told.
+    Command,
 }
 
 /// How a log comes by its velocity.
@@ -62,6 +65,8 @@ pub struct Sensors {
     pub hidden: Vec<Channel>,
     /// The log's current is the phase amplitude instead of the q-axis.
     pub phase_amplitude: bool,
+    /// What a good lab's bench doesn't have.
+    pub unfriendly: Unfriendly,
 }
 
 impl Sensors {
@@ -171,6 +176,7 @@ pub fn read(channel: Channel, trace: &Trace, times: &[f64], sensors: &Sensors, r
         Channel::Duty => plain(&trace.duty),
         Channel::Goal => plain(&trace.goal),
         Channel::Supply => plain(&trace.supply),
+        Channel::Command => plain(&trace.command),
     }
 }
 

@@ -600,7 +600,7 @@ impl State {
     }
 
     /// Everything inside the motor that its torque has to overcome beside inertia and load \[N·m\].
-    fn drag(&self, nature: &Nature, angle: f64, speed: f64) -> f64 {
+    pub fn drag(&self, nature: &Nature, angle: f64, speed: f64) -> f64 {
         let mut torque = self.friction(nature, speed) + nature.offset;
         if nature.eddy != 0.0 && speed != 0.0 {
             torque += 2.0 * nature.eddy / (speed / nature.eddy_knee + nature.eddy_knee / speed);
@@ -652,6 +652,8 @@ pub struct Trace {
     pub duty: Vec<f64>,
     pub goal: Vec<f64>,
     pub supply: Vec<f64>,
+    /// What the driving machine was told \[N·m\].
+    pub command: Vec<f64>,
     /// Heat of friction, of every kind \[W\].
     pub friction_power: Vec<f64>,
 }
@@ -671,7 +673,8 @@ pub struct Drive {
 }
 
 impl Drive {
-    fn steps(&self) -> usize {
+    /// Samples of the trace.
+    pub fn steps(&self) -> usize {
         (self.duration / self.step).round() as usize + 1
     }
 }

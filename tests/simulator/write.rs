@@ -2,7 +2,7 @@
 
 use super::random::Random;
 use super::world::{Nature, Trace};
-use super::{Bench, Channel, EffectTruth, Kind, LogTruth, Truth, sense};
+use super::{Bench, Channel, EffectTruth, Kind, LogTruth, Truth, sense, unfriendly};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
@@ -36,6 +36,7 @@ fn column(bench: &Bench, channel: Channel) -> (&'static str, &'static str, &'sta
         Channel::Goal => ("goal", "goal_rad", "rad", ", side = \"output\", held = false"),
         Channel::Supply => ("supply", "supply_v", "V", ""),
         Channel::Force => ("force", "force_n", "N", ""),
+        Channel::Command => ("command", "command_a", "A", ""),
     }
 }
 
@@ -101,14 +102,24 @@ fn write_log(bench: &Bench, nature: &Nature, noise_rms: f64, log: usize, base: T
     let channels: Vec<Channel> =
         bench.kind.channels().iter().copied().filter(|c| !bench.sensors.hidden.contains(c)).collect();
     let times = sense::times(bench.rate, bench.duration, &bench.sensors, &mut random);
-    let noise: Vec<f64> =
-        sense::noise(&times, bench.sensors.colored, &mut random).iter().map(|n| n * noise_rms).collect();
+    let unfriendly = &bench.sensors.unfriendly;
+    let plain = sense::noise(&times, bench.sensors.colored, &mut random);
+    let mut own = Random::new(bench.seed, &format!("unfriendly noise {log}"));
+    let mut noise: Vec<f64> = unfriendly
+        .noise(&times, base.step, bench.sensors.colored, &mut own)
+        .unwrap_or(plain)
+        .iter()
+        .map(|n| n * noise_rms)
+        .collect();
     let full = bench.simulate(nature, log);
-    let fine: Vec<f64> =
-        (0..full.motor_angle.len()).map(|k| bench.balance(&full, k) - bench.balance(&base, k)).collect();
-    let mut contribution: Vec<f64> = times.iter().map(|&t| sense::at(&fine, full.step, t)).collect();
+    let mut contribution = difference(bench, &full, &base, &times);
+    let mut apart = apart(bench, nature, log, &base, &times, &contribution);
     // In a shuffled log the machine is the plain one and the pieces come as noise.
-    let trace = if bench.shuffled { base } else { full };
+    let mut trace = if bench.shuffled { base } else { full };
+    let noise_free = trace.clone();
+    if let Some(corner) = unfriendly.anti_alias {
+        filter_target(bench.kind, &mut trace, corner);
+    }
     if bench.shuffled {
         contribution = shuffle(&contribution, (0.25 * bench.rate) as usize, &mut random);
     }
@@ -124,16 +135,21 @@ fn write_log(bench: &Bench, nature: &Nature, noise_rms: f64, log: usize, base: T
             sense::read(read, &trace, &times, &bench.sensors, &mut random)
         })
         .collect();
+    let mut rounding = Vec::new();
     for (channel, values) in channels.iter().zip(&mut table) {
         if *channel == target {
             for (k, value) in values.iter_mut().enumerate() {
                 let extra = if bench.shuffled { contribution[k] } else { 0.0 };
                 *value = (*value + (zero + noise[k] + extra) / scale) * gain;
             }
+            let before = values.clone();
             if bench.kind == Kind::Servo {
-                let quantum = TAU / bench.sensors.output_counts;
-                values.iter_mut().for_each(|v| *v = (*v / quantum).round() * quantum);
+                unfriendly::quantise(values, TAU / bench.sensors.output_counts);
             }
+            if let Some(quantum) = unfriendly.quantum {
+                unfriendly::quantise(values, quantum * noise_rms / scale);
+            }
+            rounding = values.iter().zip(&before).map(|(v, b)| (v - b) * scale).collect();
         } else if *channel == Channel::Current {
             // A current sensor of a hundredth of a percent beside a better judge.
             values.iter_mut().for_each(|v| *v += 1e-4 * bench.machine.peak_current * random.normal());
@@ -145,6 +161,13 @@ fn write_log(bench: &Bench, nature: &Nature, noise_rms: f64, log: usize, base: T
                 values.iter_mut().for_each(|v| *v = -*v);
             }
         }
+    }
+    for (channel, values) in channels.iter().zip(&mut table) {
+        unfriendly.spoil(*channel, log, &times, values);
+    }
+    // What the rows repeat of the target they repeat of its parts.
+    for part in [&mut noise, &mut contribution, &mut rounding].into_iter().chain(&mut apart) {
+        unfriendly::hold(part, unfriendly.rows_held(target));
     }
     let mut text = String::new();
     let header: Vec<&str> = channels.iter().map(|&c| column(bench, c).1).collect();
@@ -162,7 +185,46 @@ fn write_log(bench: &Bench, nature: &Nature, noise_rms: f64, log: usize, base: T
         text.push('\n');
     }
     fs::write(&file, text).expect("the log can be written");
-    LogTruth { file, held_out, times, noise, contribution, zero, trace }
+    LogTruth { file, held_out, times, noise, contribution, apart, rounding, zero, trace: noise_free }
+}
+
+/// What one world's target has more than another's, at the rows, behind the filter of the target.
+fn difference(bench: &Bench, one: &Trace, other: &Trace, times: &[f64]) -> Vec<f64> {
+    let mut fine: Vec<f64> =
+        (0..one.motor_angle.len()).map(|k| bench.balance(one, k) - bench.balance(other, k)).collect();
+    if let Some(corner) = bench.sensors.unfriendly.anti_alias {
+        fine = sense::low_pass(&fine, one.step, corner);
+    }
+    times.iter().map(|&t| sense::at(&fine, one.step, t)).collect()
+}
+
+/// What each effect alone contributes.
+fn apart(bench: &Bench, nature: &Nature, log: usize, base: &Trace, times: &[f64], all: &[f64]) -> Vec<Vec<f64>> {
+    if bench.effects.len() < 2 {
+        return bench.effects.iter().map(|_| all.to_vec()).collect();
+    }
+    let without = |kept: usize| {
+        let mut alone = nature.clone();
+        for (k, (effect, _)) in bench.effects.iter().enumerate() {
+            if k != kept {
+                alone.set(*effect, 0.0);
+            }
+        }
+        alone
+    };
+    (0..bench.effects.len()).map(|k| difference(bench, &bench.simulate(&without(k), log), base, times)).collect()
+}
+
+/// The filter before the sampling, on what the target's instrument sees.
+fn filter_target(kind: Kind, trace: &mut Trace, corner: f64) {
+    let step = trace.step;
+    let seen = match kind.target_channel() {
+        Channel::Torque => &mut trace.torque,
+        Channel::Voltage => &mut trace.voltage,
+        Channel::Position => &mut trace.output_angle,
+        _ => &mut trace.current,
+    };
+    *seen = sense::low_pass(seen, step, corner);
 }
 
 /// A number with seven digits, as a logger writes it.

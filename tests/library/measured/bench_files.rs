@@ -10,7 +10,7 @@ use gearwise::effects::FittedEffect;
 use gearwise::measured::read::{STANDARD_GRAVITY, read};
 use gearwise::measured::{Bench, BenchKind, Channel, Use};
 
-use crate::common::repository;
+use crate::common::real::on_each;
 
 /// q axis per ampere of phase amplitude, √(3/2).
 const AMPLITUDE: f64 = 1.224_744_871_391_589;
@@ -523,14 +523,10 @@ fn a_long_log_with_many_columns() {
 
 /// Reads a bench of real data, or says that the data are not there.
 fn real(name: &str) -> Option<Bench> {
-    if !repository("../shared/data").is_dir() {
-        println!("skipped: ../shared/data is not there");
-        return None;
-    }
-    let path = repository("tests/fixtures/benches").join(name);
-    Some(read(Path::new(&path)).unwrap_or_else(|errors| {
-        panic!("{}", errors.iter().map(ToString::to_string).collect::<String>());
-    }))
+    let bench = |_: &str, path: &Path| {
+        read(path).unwrap_or_else(|errors| panic!("{}", errors.iter().map(ToString::to_string).collect::<String>()))
+    };
+    on_each(&[name], bench).pop()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -545,7 +541,7 @@ fn has_mean(bench: &Bench, log: usize, channel: Channel, expected: f64) {
 
 #[test]
 fn ri50_drag() {
-    let Some(bench) = real("ri50_drag.toml") else { return };
+    let Some(bench) = real("ri50_drag") else { return };
     assert_eq!(bench.logs.iter().map(|l| l.len()).collect::<Vec<_>>(), [4741]);
     assert_eq!(bench.logs[0].kind, BenchKind::Backdrive);
     // Motor 2 is under test: what it delivers is what the sensor has, negative.
@@ -556,7 +552,7 @@ fn ri50_drag() {
 
 #[test]
 fn ri50_slow_turns() {
-    let Some(bench) = real("ri50_slow.toml") else { return };
+    let Some(bench) = real("ri50_slow") else { return };
     assert_eq!(bench.logs.iter().map(|l| l.len()).collect::<Vec<_>>(), [4924, 1666]);
     has_mean(&bench, 0, Channel::Torque, -0.01935371405361495);
     has_mean(&bench, 1, Channel::Torque, -0.010714282833133257);
@@ -565,7 +561,7 @@ fn ri50_slow_turns() {
 
 #[test]
 fn ri50_stall() {
-    let Some(bench) = real("ri50_stall.toml") else { return };
+    let Some(bench) = real("ri50_stall") else { return };
     assert_eq!(bench.logs.iter().map(|l| l.len()).collect::<Vec<_>>(), [3935, 4146, 7268, 9785, 2244, 1636]);
     has_mean(&bench, 0, Channel::Torque, 0.3432291296060991);
     has_mean(&bench, 1, Channel::Torque, -0.3122366136034732);
@@ -578,7 +574,7 @@ fn ri50_stall() {
 
 #[test]
 fn emps() {
-    let Some(bench) = real("emps.toml") else { return };
+    let Some(bench) = real("emps") else { return };
     assert_eq!(bench.logs.iter().map(|l| l.len()).collect::<Vec<_>>(), [24841, 24841]);
     has_mean(&bench, 0, Channel::Current, -3.2438308777980516);
     has_mean(&bench, 0, Channel::OutputPosition, 0.1237644152047019);
@@ -589,7 +585,7 @@ fn emps() {
 
 #[test]
 fn d5065() {
-    let Some(bench) = real("d5065.toml") else { return };
+    let Some(bench) = real("d5065") else { return };
     assert_eq!(bench.logs.iter().map(|l| l.len()).collect::<Vec<_>>(), [261, 81]);
     has_mean(&bench, 0, Channel::Torque, 0.7301578544061302);
     has_mean(&bench, 0, Channel::Current, AMPLITUDE * 25.986025148773944);
@@ -600,7 +596,7 @@ fn d5065() {
 
 #[test]
 fn xl330() {
-    let Some(bench) = real("xl330.toml") else { return };
+    let Some(bench) = real("xl330") else { return };
     assert_eq!(
         bench.logs.iter().map(|l| l.len()).collect::<Vec<_>>(),
         [1124, 1510, 1116, 1116, 1116, 1513, 1120, 1110, 1125, 1499, 1123, 1131, 1117, 1509, 1113, 1110]

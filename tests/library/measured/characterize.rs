@@ -1,8 +1,6 @@
 //! `characterize` against numbers that the paper states, against real logs, and against a simulated bench: are the
 //! estimates unbiased, and do the intervals cover the truth as often as they say?
 
-use std::path::{Path, PathBuf};
-
 use approx::assert_relative_eq;
 use gearwise::measured::bench::{Bench, BenchKind, Channel};
 use gearwise::measured::characterize::estimate::{
@@ -57,17 +55,13 @@ fn the_numbers_of_the_paper() {
     assert_eq!(format!("{:.1} {:.0}", 100.0 * off.value, 100.0 * off.half_width()), "11.7 3");
 }
 
-fn shared(path: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(path);
-    path.exists().then_some(path)
-}
-
 /// The bench file of real RI50 runs: `(run, kind)`.
 fn ri50(runs: &[(&str, &str)], more: &str) -> Option<Bench> {
-    let Some(data) = shared("embir_ri50_direct/embir_ri50_direct.csv") else {
-        eprintln!("skipped: ../shared/data/embir_ri50_direct is not here");
+    let data = crate::common::real::data().join("embir_ri50_direct/embir_ri50_direct.csv");
+    if !data.exists() {
+        println!("not run: 1 sets");
         return None;
-    };
+    }
     let folder = tempfile::tempdir().unwrap();
     let file = data.canonicalize().unwrap();
     let logs: String = runs

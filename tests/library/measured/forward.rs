@@ -1,7 +1,6 @@
 //! The model simulated forward: against closed forms, against the suite's own simulator, and on real logs.
 
 use std::f64::consts::TAU;
-use std::path::PathBuf;
 
 use gearwise::effects::effect;
 use gearwise::measured::identify::{Found, Options, Report, Target, Verdict, identify};
@@ -12,7 +11,7 @@ use gearwise::numerics::least_squares::{Unknown, minimise};
 use gearwise::report::forward;
 use gearwise::report::json::identify::Forward;
 
-use crate::common::repository;
+use crate::common::real::on_each;
 use crate::simulator;
 
 /// A machine without a motor's own inertia, driven by nothing.
@@ -153,22 +152,9 @@ fn friction_never_makes_energy() {
     }
 }
 
-/// A bench of real data, where the data are there: in `GEARWISE_SHARED`, or beside the repository.
+/// A bench of real data, where the data are there.
 fn real(name: &str) -> Option<Bench> {
-    let shared = std::env::var_os("GEARWISE_SHARED").map_or_else(|| repository("../shared"), PathBuf::from);
-    if !shared.join("data").is_dir() {
-        println!("skipped: ../shared/data is not there");
-        return None;
-    }
-    // The bench files name the data relative to their own place; a copy names them where they are.
-    let folder = tempfile::tempdir().unwrap();
-    let benches = repository("tests/fixtures/benches");
-    for file in [name, "xl330_motor.csv"] {
-        let text = std::fs::read_to_string(benches.join(file)).unwrap();
-        let text = text.replace("../../../../shared", &shared.canonicalize().unwrap().to_string_lossy());
-        std::fs::write(folder.path().join(file), text).unwrap();
-    }
-    Some(read(&folder.path().join(name)).unwrap_or_else(|e| panic!("{e:?}")))
+    on_each(&[name], |_, path| read(path).unwrap_or_else(|e| panic!("{e:?}"))).pop()
 }
 
 /// An effect as a report has it.
@@ -218,7 +204,7 @@ fn axis(values: &[f64]) -> Machine {
 
 #[test]
 fn emps_from_rest_as_its_readme_has_it() {
-    let Some(bench) = real("emps.toml") else { return };
+    let Some(bench) = real("emps") else { return };
     let published = [95.1089, 203.5034, 20.3935, -3.1648];
     let machine = axis(&published);
     // 6.81 and 9.17 mm with another integrator.
@@ -242,7 +228,7 @@ fn emps_from_rest_as_its_readme_has_it() {
 
 #[test]
 fn emps_simulated_from_its_force() {
-    let Some(bench) = real("emps.toml") else { return };
+    let Some(bench) = real("emps") else { return };
     assert!(bench.logs.iter().all(|l| l.kind == BenchKind::Linear));
     let published: [(&str, &[f64]); 3] =
         [("viscous_friction", &[203.5034]), ("coulomb_friction", &[20.3935]), ("torque_offset", &[-3.1648])];
@@ -260,7 +246,7 @@ fn emps_simulated_from_its_force() {
 
 #[test]
 fn emps_as_identified() {
-    let Some(bench) = real("emps.toml") else { return };
+    let Some(bench) = real("emps") else { return };
     let report = identify(&bench, &Options::default()).unwrap().remove(0);
     for e in &report.effects {
         println!("{} {:?}", e.name(), e.instances);
@@ -273,7 +259,7 @@ fn emps_as_identified() {
 
 #[test]
 fn xl330_through_its_controller() {
-    let Some(bench) = real("xl330.toml") else { return };
+    let Some(bench) = real("xl330") else { return };
     let report = identify_servo(&bench).unwrap();
     for s in &report.stages {
         println!("{:28} {:.4} {:?}", s.step.name(), s.fit, s.held_out);

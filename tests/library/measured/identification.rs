@@ -6,6 +6,7 @@ use std::path::Path;
 
 use gearwise::measured::identify::{ArtefactKind, Options, Report, Verdict, identify};
 
+use crate::common::real::on_each;
 use crate::simulator::{self, Bench, Kind, Truth, world::Effect};
 
 /// Runs a simulated bench.
@@ -223,7 +224,7 @@ fn nulls() {
 }
 
 /// The story of a report, for reading.
-fn story(report: &Report) -> String {
+pub(super) fn story(report: &Report) -> String {
     let mut text = format!(
         "{} [{}] {:?} band {:?} samples {:?} floor {:.4e}\n",
         report.target.name(),
@@ -272,13 +273,11 @@ fn story(report: &Report) -> String {
 #[test]
 #[ignore = "for reading"]
 fn real_sets() {
-    for name in ["emps", "ri50_drag", "ri50_slow", "ri50_stall", "d5065", "xl330"] {
-        if only().is_some_and(|o| !name.contains(&o)) {
-            continue;
-        }
+    let all = ["emps", "ri50_drag", "ri50_slow", "ri50_stall", "d5065", "xl330"];
+    let wanted: Vec<&str> = all.into_iter().filter(|n| only().is_none_or(|o| n.contains(&o))).collect();
+    on_each(&wanted, |name, path| {
         let start = std::time::Instant::now();
-        let path = format!("tests/fixtures/benches/{name}.toml");
-        match gearwise::measured::read::read(Path::new(&path)) {
+        match gearwise::measured::read::read(path) {
             Err(errors) => println!("{name}: {}", errors.len()),
             Ok(bench) => {
                 println!("=== {name}");
@@ -290,7 +289,7 @@ fn real_sets() {
             }
         }
         println!("    {:.1} s", start.elapsed().as_secs_f64());
-    }
+    });
 }
 
 /// A shorter bench, for tests that run every time.
@@ -352,12 +351,11 @@ fn the_same_logs_say_the_same_with_any_number_of_threads() {
 
 /// A bench of a real set; `None`, said so, where the set is not at hand.
 fn real(name: &str) -> Option<Report> {
-    if !Path::new("../shared/data").exists() {
-        println!("skipped: ../shared/data is not there");
-        return None;
-    }
-    let bench = gearwise::measured::read::read(Path::new(&format!("tests/fixtures/benches/{name}.toml"))).unwrap();
-    Some(identify(&bench, &Options::default()).unwrap().remove(0))
+    let report = |_: &str, path: &Path| {
+        let bench = gearwise::measured::read::read(path).unwrap();
+        identify(&bench, &Options::default()).unwrap().remove(0)
+    };
+    on_each(&[name], report).pop()
 }
 
 fn parameter(report: &Report, effect: &str, name: &str) -> f64 {

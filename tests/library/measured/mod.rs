@@ -6,4 +6,7 @@ mod forward;
 mod held_commands;
 mod identification;
 mod identification_numbers;
+mod negative_controls;
+mod scoring;
 mod simulator_selftest;
+mod simulator_unfriendly;

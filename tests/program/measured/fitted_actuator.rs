@@ -1,6 +1,5 @@
 //! One fitted actuator: made once, written, read back. Numbers on paper for how it follows from what was fitted.
 
-use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
 
@@ -16,6 +15,7 @@ use gearwise::measured::{Bench, Declared};
 use gearwise::report::fitted::text;
 use gearwise::requirement::GearModel;
 
+use crate::common::real::on_each;
 use crate::common::{motor, repository};
 use crate::simulator;
 
@@ -86,25 +86,13 @@ fn the_shipped_bench_is_read_back() {
     identified(&read(&repository("requirements/bench/leg_actuator.toml")).unwrap());
 }
 
-/// The benches of real logs, where those are there: in `GEARWISE_SHARED`, or beside the repository.
+/// The benches of real logs, where those are there.
 #[test]
 fn real_benches_are_read_back() {
-    let shared = std::env::var_os("GEARWISE_SHARED").map_or_else(|| repository("../shared"), PathBuf::from);
-    if !shared.join("data").is_dir() {
-        println!("skipped: ../shared/data is not there");
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    for entry in std::fs::read_dir(repository("tests/fixtures/benches")).unwrap() {
-        let path = entry.unwrap().path();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let text = text.replace("../../../../shared", &shared.canonicalize().unwrap().to_string_lossy());
-        std::fs::write(folder.path().join(path.file_name().unwrap()), text).unwrap();
-    }
-    for name in ["d5065", "emps", "ri50_drag", "ri50_slow", "ri50_stall", "xl330"] {
+    on_each(&["d5065", "emps", "ri50_drag", "ri50_slow", "ri50_stall", "xl330"], |name, path| {
         println!("{name}");
-        identified(&read(&folder.path().join(format!("{name}.toml"))).unwrap());
-    }
+        identified(&read(path).unwrap());
+    });
 }
 
 /// The suite's simulator, a bench of each kind, with effects with orders, with shapes and with columns of their own.
