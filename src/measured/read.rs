@@ -172,7 +172,8 @@ const ROTOR: Key = key("rotor", "of kind `random_torque`: whether the rotor was 
     .default("`installed`");
 const SELECT: Key = key("select", "which rows, where one file has several logs").value("table or list of tables");
 
-const EXCLUDE: Key = key("exclude", "stretches of time that are left out: `from`, `to`").value("table or list of tables");
+const EXCLUDE: Key =
+    key("exclude", "stretches of time that are left out: `from`, `to`").value("table or list of tables");
 
 /// Every table that the reader looks into.
 const SKELETON: &str = "
@@ -316,8 +317,20 @@ fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
                 let controller = controller.or(common.controller);
                 let file_span = file.span();
                 let file = file.into_inner();
-                plan =
-                    Some(Plan { file, path, file_span, span, usage, kind, load, controller, rotor, select, exclude, columns });
+                plan = Some(Plan {
+                    file,
+                    path,
+                    file_span,
+                    span,
+                    usage,
+                    kind,
+                    load,
+                    controller,
+                    rotor,
+                    select,
+                    exclude,
+                    columns,
+                });
             }
             Err((message, help)) => {
                 let mut problem =

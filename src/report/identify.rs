@@ -440,7 +440,13 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
         };
         let none = [None; 8];
         for f in &report.findings {
-            rows.push(row("finding", &format!("{} of {}", f.about.name(), f.log), none, "", &findings::words(bench, &f.about)));
+            rows.push(row(
+                "finding",
+                &format!("{} of {}", f.about.name(), f.log),
+                none,
+                "",
+                &findings::words(bench, &f.about),
+            ));
         }
         for s in &report.stages {
             let errors = [None, None, None, None, Some(s.fit), s.held_out, Some(s.fit_vaf), s.held_out_vaf];

@@ -20,6 +20,8 @@ const SCATTER: f64 = 3.0 * 1.48;
 const WORTH: f64 = 0.02;
 /// Share of a passive torque's variance that its speed must make up to say its sign.
 const FOLLOWS: f64 = 0.3;
+/// How many times its slow speed its fast one must be for that.
+const RANGES: f64 = 2.0;
 /// Largest lag that is looked for \[s\].
 const LARGEST_LAG: f64 = 0.05;
 
@@ -148,6 +150,7 @@ fn passive_signs(bench: &Bench, balance: &Balance) -> Vec<f64> {
         return vec![1.0; balance.logs.len()];
     }
     let (speed, acceleration) = (balance.function(|at| at.speed), balance.acceleration());
+    let turning = balance.variable(true, |at| at.speed);
     let columns: [&[f64]; 2] = [&speed, &acceleration];
     // The factor of the balance turns a torque that is needed into one that is missing at the sensor.
     let blocks = Blocks::new(&balance.rows, &columns, &balance.target_column());
@@ -164,7 +167,12 @@ fn passive_signs(bench: &Bench, balance: &Balance) -> Vec<f64> {
             // Its zero is not known: only a torque that goes with the speed over much of its range says its sign.
             let follows = squares(&total, &solution.coefficients) < (1.0 - FOLLOWS) * total[(2, 2)];
             let sure = error.is_finite() && solution.coefficients[0] < -6.0 * error;
-            if sure && follows { -1.0 } else { 1.0 }
+            // At one speed it is the torque that makes the speed waver.
+            let own_speeds = || (0..balance.rows.len()).filter(|k| balance.rows.log[*k] == log).map(|k| turning[k]);
+            let at = |share| signals::quantile(own_speeds().collect(), share).unwrap_or(0.0);
+            let (low, high) = (at(0.1), at(0.9));
+            let ranges = low * high < 0.0 || low.abs().max(high.abs()) > RANGES * low.abs().min(high.abs());
+            if sure && follows && ranges { -1.0 } else { 1.0 }
         })
         .collect()
 }

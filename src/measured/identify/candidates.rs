@@ -81,26 +81,26 @@ pub(crate) struct Superfluous {
 }
 
 /// The state of the selection: what was refused and why.
+#[derive(Default)]
 pub struct Selection {
     /// Every refusal, the last word for each effect.
     pub refused: Vec<Refused>,
     /// Effects that can be seen on this bench.
     pub open: Vec<&'static dyn Effect>,
     /// What was taken back: it is not asked for again. Of an effect with orders, that order.
-    barred: Vec<(&'static dyn Effect, f64)>,
+    pub(super) barred: Vec<(&'static dyn Effect, f64)>,
     /// What logs say against each other of an effect that was accepted.
     pub objections: Vec<(&'static dyn Effect, String)>,
     /// The stage with the least left-out error of those whose effects all hold: its terms, and its errors.
-    best: Option<(Vec<Term>, Vec<f64>)>,
+    pub(super) best: Option<(Vec<Term>, Vec<f64>)>,
     /// The least left-out squared errors of any stage.
-    least: Option<Vec<f64>>,
+    pub(super) least: Option<Vec<f64>>,
 }
 
 impl Selection {
     /// All effects that the bench can show.
     pub fn new(work: &Work) -> Selection {
-        let mut selection =
-            Selection { refused: Vec::new(), open: Vec::new(), barred: Vec::new(), objections: Vec::new(), best: None, least: None };
+        let mut selection = Selection::default();
         for effect in EFFECTS {
             let declared = work
                 .terms

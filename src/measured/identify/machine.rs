@@ -54,7 +54,8 @@ fn speed(log: &Log, channel: Channel, factor: f64, linear: bool) -> Option<Vec<f
     let step = signals::median_step(&log.time[range.clone()]);
     let is_position = matches!(channel, Channel::MotorPosition | Channel::OutputPosition);
     let opened = if is_position && !linear { signals::unwrapped(values) } else { values.to_vec() };
-    let even = signals::on_grid(&log.time[range.clone()], &opened[range.clone()], log.time[range.start], step, range.len())?;
+    let even =
+        signals::on_grid(&log.time[range.clone()], &opened[range.clone()], log.time[range.start], step, range.len())?;
     let filter = LowPass::new(BAND);
     let speed = if is_position { signals::derivative(&even, step) } else { even };
     let noise = signals::noise_level(&speed) * filter.noise_gain().sqrt();

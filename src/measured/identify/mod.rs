@@ -10,11 +10,11 @@ pub mod artefacts;
 pub(crate) mod balance;
 mod candidates;
 mod flexible;
-pub mod noise;
 mod machine;
+pub mod noise;
 mod numbers;
-mod owning;
 pub(crate) mod origin;
+mod owning;
 pub(crate) mod prepare;
 mod refit;
 pub(crate) mod regression;
@@ -27,7 +27,8 @@ mod work;
 
 pub use crate::measured::answer::evidence::{self, Evidence, Verdict};
 pub use crate::measured::answer::{
-    About, Artefact, ArtefactKind, Finding, Found, Ground, On, Parameter, Pictures, Refused, Report, Stage, Step, Target, Unexplained,
+    About, Artefact, ArtefactKind, Finding, Found, Ground, On, Parameter, Pictures, Refused, Report, Stage, Step,
+    Target, Unexplained,
 };
 pub use balance::{Balance, Corrections, Setting, targets};
 
@@ -67,7 +68,11 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
         let told = |target| report::as_declared(bench, target, options, &findings);
         let mut reports: Vec<Report> = targets.into_iter().filter_map(told).collect();
         if reports.is_empty() {
-            reports.push(report::contradicted(Target::Position, if bench.declared.motor.is_some() { "rad" } else { "m" }, &findings));
+            reports.push(report::contradicted(
+                Target::Position,
+                if bench.declared.motor.is_some() { "rad" } else { "m" },
+                &findings,
+            ));
         }
         return Ok(reports);
     }

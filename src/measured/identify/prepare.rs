@@ -127,10 +127,8 @@ fn held(log: &mut Log) -> Vec<About> {
     let step = signals::median_step(&log.time);
     let measured: Vec<Channel> =
         log.channels.keys().copied().filter(|c| MEASURED.contains(c) && !log.held.contains(c)).collect();
-    let holds: Vec<(Channel, f64, Vec<usize>)> = measured
-        .iter()
-        .filter_map(|c| hold(&log.channels[c], step).map(|(rows, places)| (*c, rows, places)))
-        .collect();
+    let holds: Vec<(Channel, f64, Vec<usize>)> =
+        measured.iter().filter_map(|c| hold(&log.channels[c], step).map(|(rows, places)| (*c, rows, places))).collect();
     if holds.is_empty() {
         return Vec::new();
     }
@@ -189,7 +187,9 @@ fn spikes(log: &mut Log) -> Vec<About> {
         let alone: Vec<usize> = at
             .iter()
             .copied()
-            .filter(|k| off(*k) > SPIKE * usual && (values[k + 1] - values[k - 1]).abs() < 0.3 * off(*k) && !elsewhere(*k))
+            .filter(|k| {
+                off(*k) > SPIKE * usual && (values[k + 1] - values[k - 1]).abs() < 0.3 * off(*k) && !elsewhere(*k)
+            })
             .collect();
         if alone.is_empty() || alone.len() as f64 > 0.01 * values.len() as f64 {
             continue;
@@ -216,7 +216,7 @@ fn clipped(log: &mut Log) -> Vec<About> {
             let share = count as f64 / values.len() as f64;
             // Other values must not repeat: a staircase rests everywhere.
             let others = repeats - share;
-            if at == 0.0 || share < 2e-3 || share > LEFT_OUT || others > FRESH {
+            if at == 0.0 || !(2e-3..=LEFT_OUT).contains(&share) || others > FRESH {
                 continue;
             }
             for r in runs {

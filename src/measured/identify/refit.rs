@@ -53,7 +53,11 @@ impl Work<'_> {
                     let error = covariance[(column, column)].sqrt();
                     let unseen = fit.solution.inverse[(column, column)] == 0.0;
                     let doubt = error / declared.abs().max(value.abs() * 0.5).max(f64::MIN_POSITIVE);
-                    (unseen || doubt > DOUBT || value < 0.0).then_some((t, index, if unseen { f64::MAX } else { doubt }))
+                    (unseen || doubt > DOUBT || value < 0.0).then_some((
+                        t,
+                        index,
+                        if unseen { f64::MAX } else { doubt },
+                    ))
                 })
                 .max_by(|a, b| a.2.total_cmp(&b.2));
             let Some((t, ..)) = worst else { break };

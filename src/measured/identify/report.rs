@@ -10,7 +10,7 @@ use crate::effects::{FittedEffect, Side, separating_run};
 use crate::measured::Bench;
 use crate::measured::answer::evidence::{Evidence, Gain, verdict};
 use crate::measured::answer::{
-    Artefact, Base, Finding, Found, Ground, Pictures, Report, Stage, Step, Target, Unexplained,
+    Artefact, Base, Finding, Found, Ground, Parameter, Pictures, Report, Stage, Step, Target, Unexplained,
 };
 
 /// Residual of the declared model, with the zero of each log in it.
@@ -176,6 +176,7 @@ pub fn report(
     for (effect, objection) in selection.objections.iter().filter(|(e, _)| effects.iter().any(|f| f.effect == *e)) {
         remarks.push(format!("{}: {objection}", effect.title()));
     }
+    remarks.extend(parameters.iter().filter_map(convention));
     let next_runs = next_runs(&effects, &selection, &left, &work);
     Report {
         target: work.balance.target,
@@ -200,6 +201,26 @@ pub fn report(
         covariance: matrix.row_iter().map(|r| r.iter().copied().collect()).collect(),
         pictures,
     }
+}
+
+/// Which conventions of ampere a torque constant would be off by as much as this one is, where that is sure.
+fn convention(parameter: &Parameter) -> Option<String> {
+    let of_current = [
+        (1.5_f64.sqrt(), "a phase amplitude that is taken for the q axis"),
+        (3.0_f64.sqrt(), "a phase current in rms that is taken for the q axis"),
+        (2.0_f64.sqrt(), "a current in rms that is taken for an amplitude"),
+        (1.5_f64.sqrt().recip(), "a current of the q axis that is taken for a phase amplitude"),
+        (3.0_f64.sqrt().recip(), "a current of the q axis that is taken for a phase current in rms"),
+        (2.0_f64.sqrt().recip(), "an amplitude that is taken for a current in rms"),
+    ];
+    if parameter.name != Base::TorqueConstant.name() {
+        return None;
+    }
+    let (ratio, error) = (1.0 + parameter.shift()?, parameter.tolerance()? / parameter.declared?);
+    let (_, what) = of_current.into_iter().find(|(f, _)| (ratio / f - 1.0).abs() < 0.015 + error.min(0.01))?;
+    Some(format!(
+        "the torque constant is {ratio:.3} times the declared one, as {what} would make it: check `convention`"
+    ))
 }
 
 /// Squared residuals of each block that is for fitting; NaN of the others.

@@ -140,7 +140,7 @@ pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, 
     };
     let small: Vec<&'static dyn Effect> =
         effects.iter().copied().filter(|e| has(&work, *e) && worth(&work, *e) < WORTH.1).collect();
-    work.terms.retain(|t| !t.effect().is_some_and(|(e, _)| small.iter().any(|s| *s == e)));
+    work.terms.retain(|t| !t.effect().is_some_and(|(e, _)| small.contains(&e)));
     if work.terms.is_empty() {
         return None;
     }
@@ -374,7 +374,8 @@ impl Angles {
 }
 
 fn width(angle: &[f64], span: &[usize]) -> f64 {
-    let (low, high) = span.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), k| (l.min(angle[*k]), h.max(angle[*k])));
+    let (low, high) =
+        span.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), k| (l.min(angle[*k]), h.max(angle[*k])));
     high - low
 }
 
@@ -420,7 +421,8 @@ fn next(
                 continue;
             }
             let taken = work.terms.iter().any(|t| {
-                t.effect().is_some_and(|(e, h)| e == effect && (h - order).abs() < 1.5 / angles.turns * scale_of(e, geometry))
+                t.effect()
+                    .is_some_and(|(e, h)| e == effect && (h - order).abs() < 1.5 / angles.turns * scale_of(e, geometry))
             });
             if taken {
                 continue;

@@ -40,6 +40,19 @@ struct Score {
 }
 
 impl Scores {
+    /// Of no block.
+    #[cfg(test)]
+    pub fn of_nothing() -> Scores {
+        Scores {
+            blocks: Vec::new(),
+            places: Vec::new(),
+            count: 0,
+            value: DVector::zeros(1),
+            inverse: DMatrix::zeros(1, 1),
+            variance: 0.0,
+        }
+    }
+
     /// Of blocks in which the model's `p` columns come first, then those that are asked.
     pub fn new(blocks: &Blocks, p: usize, take: impl Fn(usize) -> bool) -> Scores {
         let total = blocks.total(&take);
@@ -58,8 +71,8 @@ impl Scores {
             let own = m.view((p, last), (extra, 1)) - m.view((p, 0), (extra, p)) * &beta;
             let score = own - onto.transpose() * of_model;
             let cross = m.view((p, 0), (extra, p)) * &onto;
-            let information =
-                m.view((p, p), (extra, extra)) - &cross - cross.transpose() + onto.transpose() * m.view((0, 0), (p, p)) * &onto;
+            let information = m.view((p, p), (extra, extra)) - &cross - cross.transpose()
+                + onto.transpose() * m.view((0, 0), (p, p)) * &onto;
             parts.push((DVector::from_iterator(extra, score.iter().copied()), information));
             places.push(b);
         }
@@ -194,4 +207,79 @@ fn root(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 
 fn solve_lower(root: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     root.solve_lower_triangular(right).filter(|v| v.iter().all(|x| x.is_finite())).unwrap_or_else(|| right * 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// Blocks of one column with so much information and such a score each, beside no model.
+    fn of(blocks: &[(f64, f64)]) -> Scores {
+        let one =
+            |(information, score): &(f64, f64)| DMatrix::from_row_slice(2, 2, &[*information, *score, *score, 99.0]);
+        let blocks = Blocks { products: blocks.iter().map(one).collect(), counts: vec![10; blocks.len()] };
+        Scores::new(&blocks, 0, |_| true)
+    }
+
+    /// β = 6/4; what is left, without the block's own part: −2/3, 2/3, 0; its mean square 8/27.
+    #[test]
+    fn blocks_weigh_by_their_information() {
+        let scores = of(&[(1.0, 1.0), (1.0, 2.0), (2.0, 3.0)]);
+        assert_relative_eq!(scores.value()[0], 1.5, max_relative = 1e-9);
+        assert_relative_eq!(scores.variance(), 8.0 / 27.0, max_relative = 1e-6);
+        assert_relative_eq!(scores.statistic(), 9.0 / (8.0 / 27.0), max_relative = 1e-6);
+        assert_relative_eq!(scores.expected_falls()[..], [2.25, 2.25, 4.5], max_relative = 1e-9);
+        // By chance: what they scatter by cancels, or adds up to 4/3 over √(8/27), squared over 4.
+        assert_relative_eq!(scores.by_chance(&[1.0, 1.0, 1.0]), 0.0, epsilon = 1e-9);
+        assert_relative_eq!(scores.by_chance(&[-1.0, 1.0, 1.0]), 1.5, max_relative = 1e-6);
+        // Two blocks know it, the others nothing: these change neither the value nor the scatter of what is said.
+        let few = of(&[(1.0, 1.0), (1.0, 1.1), (0.0, 0.0), (0.0, 0.0)]);
+        let two = of(&[(1.0, 1.0), (1.0, 1.1)]);
+        assert_relative_eq!(few.statistic(), two.statistic(), max_relative = 1e-6);
+    }
+
+    /// Beside a model the columns count with what the model does not make up of them.
+    #[test]
+    fn beside_a_model_the_value_is_that_of_the_whole_fit() {
+        let noise = crate::measured::identify::steady::noise;
+        let rows = crate::measured::identify::regression::Rows {
+            log: vec![0; 300],
+            block: (0..300).map(|k| k / 10).collect(),
+            time: vec![0.0; 300],
+            block_log: vec![0; 30],
+            block_fits: vec![true; 30],
+        };
+        let model: Vec<f64> = (0..300).map(noise).collect();
+        let own: Vec<f64> = (0..300).map(|k| 0.7 * model[k] + noise(k + 1000)).collect();
+        let target: Vec<f64> = (0..300).map(|k| model[k] + 0.3 * own[k] + 0.2 * noise(k + 5000)).collect();
+        let blocks = Blocks::new(&rows, &[&model, &own], &target);
+        let scores = Scores::new(&blocks, 1, |_| true);
+        let whole = solve(&blocks.total(|_| true));
+        assert_relative_eq!(scores.value()[0], whole.coefficients[1], max_relative = 1e-9);
+        // The noise is uniform and of variance 0.04/3, and the statistic (β/σ)² times the information.
+        assert_relative_eq!(scores.variance(), 0.04 / 3.0, max_relative = 0.5);
+        let by_hand = whole.coefficients[1].powi(2) / whole.inverse[(1, 1)] / scores.variance();
+        assert_relative_eq!(scores.statistic(), by_hand, max_relative = 1e-9);
+    }
+
+    /// An effect that two of many blocks show is sure; one event is not, nor what some blocks gain and others lose.
+    #[test]
+    fn a_fall_is_as_sure_as_information_lets_it_be() {
+        let before = [10.0; 12];
+        let fall = |falls: &[f64]| -> Vec<f64> { before.iter().zip(falls).map(|(b, f)| b - f).collect() };
+        let mut rare = [0.0; 12];
+        (rare[3], rare[8]) = (6.0, 6.2);
+        // Plain scatter between blocks would say 12.2/√(12 · 5.6) = 1.5.
+        let sure = informed(&before, &fall(&rare), &rare, 0.01);
+        assert_relative_eq!(sure, 12.2 / (4.0_f64 * 12.2 * 0.01).sqrt(), max_relative = 1e-6);
+        let mut one = [0.0; 12];
+        one[5] = 8.0;
+        assert_eq!(informed(&before, &fall(&one), &one, 0.01), 0.0);
+        let expected = [1.0; 12];
+        let wild: Vec<f64> = (0..12).map(|k| if k % 2 == 0 { 7.0 } else { -5.0 }).collect();
+        assert!(informed(&before, &fall(&wild), &expected, 0.01) < 1.0);
+        assert!(informed(&before, &fall(&expected), &expected, 0.01) > 10.0);
+        assert_eq!(informed(&before[..3], &before[..3], &expected[..3], 0.01), 0.0);
+    }
 }

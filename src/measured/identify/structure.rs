@@ -159,8 +159,12 @@ pub fn left(work: &Work, fit: &Fit) -> (Vec<Dependence>, Vec<(On, f64)>) {
 /// An effect whose own variable still explains much of what is left, measured by what the effect itself
 /// explains.
 pub fn doubtful(work: &Work) -> Option<Superfluous> {
+    doubtful_by(work, &left(work, &work.fit()).1)
+}
+
+/// The same by what free functions take away.
+pub(crate) fn doubtful_by(work: &Work, shares: &[(On, f64)]) -> Option<Superfluous> {
     let fit = work.fit();
-    let (_, shares) = left(work, &fit);
     let now = finite_sum(&fit.left_out);
     (0..work.terms.len()).find_map(|t| {
         let term = &work.terms[t];

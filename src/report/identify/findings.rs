@@ -47,13 +47,15 @@ pub fn words(bench: &Bench, about: &About) -> String {
         About::Unrelated { channel, against } => {
             format!("{} does not follow {}; check both columns", channel_name(*channel), channel_name(*against))
         }
-        About::Held { channels, rows, whole: true } => format!(
-            "{} repeat each value for {} rows: only the fresh rows are data",
-            list(channels),
-            number(*rows)
-        ),
+        About::Held { channels, rows, whole: true } => {
+            format!("{} repeat each value for {} rows: only the fresh rows are data", list(channels), number(*rows))
+        }
         About::Held { channels, rows, .. } => {
-            format!("{}: each value is repeated for {} rows; only the fresh ones are data", list(channels), number(*rows))
+            format!(
+                "{}: each value is repeated for {} rows; only the fresh ones are data",
+                list(channels),
+                number(*rows)
+            )
         }
         About::Stale { channel, from, to } => format!(
             "{} stands still from {} to {} while the machine moves: left out",

@@ -15,7 +15,8 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     }
     if reports.iter().any(|r| r.evidence.contradicted) {
         let said = reports.iter().flat_map(|r| &r.findings).find(|f| f.about.contradicts());
-        let said = said.map_or_else(String::new, |f| format!(" in {}: {}", f.log, super::finding_words(bench, &f.about)));
+        let said =
+            said.map_or_else(String::new, |f| format!(" in {}: {}", f.log, super::finding_words(bench, &f.about)));
         return format!("Nothing can be learnt: channels contradict each other{said}.");
     }
     let nothing = |report: &&Report| report.evidence.unrelated;
@@ -74,7 +75,9 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
         Verdict::NotResolved => {
             let strongest = reports.iter().filter_map(|r| r.evidence.strongest());
             let strongest = strongest.max_by(|a, b| a.gain.most().total_cmp(&b.gain.most()));
-            if let Some(times) = reports.iter().filter(|r| r.evidence.is_below_the_noise()).find_map(|r| r.evidence.times_the_noise()) {
+            if let Some(times) =
+                reports.iter().filter(|r| r.evidence.is_below_the_noise()).find_map(|r| r.evidence.times_the_noise())
+            {
                 parts.push(format!(
                     "Less is left than the instrument's own noise ({} times): something explains noise, and no name is certain",
                     number(round(times))

@@ -472,7 +472,7 @@ impl Errors {
                 Step::Final => errors.last = Some(error),
                 Step::Added(..) | Step::Lag => {
                     errors.steps.push(Added { name: stage.step.name(), taken_back: stage.taken_back, error });
-                },
+                }
             }
         }
         errors

@@ -606,6 +606,7 @@ fn reports_make_a_fitted_motor() {
         evidence: Default::default(),
         verdict: Verdict::Explained,
         stages: Vec::new(),
+        findings: Vec::new(),
         artefacts: Vec::new(),
         parameters: vec![
             parameter("torque_constant", 0.09, Some(0.001)),

@@ -203,6 +203,7 @@ fn report(target: Target, parameters: &[(&str, f64, f64)]) -> Report {
         evidence: Default::default(),
         verdict: Verdict::Explained,
         stages: Vec::new(),
+        findings: Vec::new(),
         artefacts: Vec::new(),
         parameters: all.collect(),
         effects: Vec::new(),

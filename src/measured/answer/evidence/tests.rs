@@ -26,6 +26,8 @@ fn clean() -> Evidence {
         ],
         together: Some(gain(0.02, 0.005)),
         worse_by_refitting: false,
+        better: None,
+        contradicted: false,
         dead: None,
         unrelated: false,
     }

@@ -82,7 +82,7 @@ fn lags_are_looked_for_where_there_is_time() {
     let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), noise(k + 900)]).collect();
     let steady = bench(6.0, &[points], 0);
     let of_steady = work(&steady);
-    assert_eq!(find(&steady, of_steady.balance.clone(), &setting), Corrections::none(1));
+    assert_eq!(find(&steady, Balance::clone(&of_steady.balance), &setting), Corrections::none(1));
     assert_eq!(refine(&steady, &of_steady, &Corrections::none(1), &setting), None);
     // A late sensor, over time: found, and found again from nothing; from what was found it does not move.
     let row = |k: usize| {
@@ -94,7 +94,7 @@ fn lags_are_looked_for_where_there_is_time() {
     };
     let late = bench_of("dynamometer", 6.0, &OVER_TIME, &[(0..3000).map(row).collect()], 0);
     let of_late = work(&late);
-    let corrected = find(&late, of_late.balance.clone(), &setting);
+    let corrected = find(&late, Balance::clone(&of_late.balance), &setting);
     assert!((corrected.target_lag - 0.006).abs() < 2e-4 && corrected.gains == [1.0], "{corrected:?}");
     let mut with_friction = work(&late);
     add(&mut with_friction, "viscous_friction", 0.0);
@@ -110,7 +110,7 @@ fn lags_are_looked_for_where_there_is_time() {
         "torque = { name = \"2\", unit = \"N*m\", side = \"output\" }",
     ];
     let stall = bench_of("stall", 6.0, &columns, &[stall], 0);
-    let corrected = find(&stall, work(&stall).balance.clone(), &setting);
+    let corrected = find(&stall, Balance::clone(&work(&stall).balance), &setting);
     assert_eq!((corrected.target_lag, corrected.motion_lag), (0.0, 0.0));
     let balance = |bench: &Bench| work(bench).balance.clone();
     let shows = [&steady, &late, &stall].map(|bench| shows_lags(bench, &balance(bench)));
@@ -158,7 +158,7 @@ fn artefacts_are_told_with_their_channels() {
         (Target::WindUp, "position"),
         (Target::Position, "position"),
     ] {
-        of_one.balance.target = target;
+        std::sync::Arc::make_mut(&mut of_one.balance).target = target;
         assert_eq!(told(&of_one, &late), [entry("lag", channel, 0.002, "s")]);
     }
 }
@@ -179,9 +179,9 @@ fn gains_are_looked_for_where_a_sensor_says_them() {
     let found = gains(&of_logs.balance);
     assert_eq!((found[0], found[1], found[3]), (1.0, -1.0, 1.0));
     assert!((found[2] * 0.7 - 1.0).abs() < 0.03, "{found:?}");
-    of_logs.balance.base[0].declared = None;
+    std::sync::Arc::make_mut(&mut of_logs.balance).base[0].declared = None;
     assert_eq!(gains(&of_logs.balance), [1.0; 4]);
-    of_logs.balance.target = Target::Voltage;
+    std::sync::Arc::make_mut(&mut of_logs.balance).target = Target::Voltage;
     assert_eq!(gains(&of_logs.balance), [1.0; 4]);
 }
 
@@ -205,6 +205,6 @@ fn positions_have_no_lag() {
     let bench = bench_of("dynamometer", 6.0, &columns, &[(0..2000).map(row).collect()], 0);
     let work = work_on(&bench, Target::WindUp);
     assert!(!shows_lags(&bench, &work.balance) && shows_lags(&bench, &work_on(&bench, Target::Torque).balance));
-    assert_eq!(find(&bench, work.balance.clone(), &setting), Corrections::none(1));
+    assert_eq!(find(&bench, Balance::clone(&work.balance), &setting), Corrections::none(1));
     assert_eq!(refine(&bench, &work, &Corrections::none(1), &setting), None);
 }

@@ -95,7 +95,8 @@ impl Balance {
 
     /// Time between fresh values of the slowest log for fitting \[s\]; zero for steady tables.
     pub fn slowest_fresh_step(&self) -> f64 {
-        let steps = self.stretches.iter().filter(|s| s.fits).map(|s| if s.step > 0.0 { s.fresh } else { f64::INFINITY });
+        let steps =
+            self.stretches.iter().filter(|s| s.fits).map(|s| if s.step > 0.0 { s.fresh } else { f64::INFINITY });
         let slowest = steps.fold(0.0, f64::max);
         if slowest.is_finite() { slowest } else { 0.0 }
     }

@@ -45,7 +45,11 @@ impl Gridded<'_> {
         let mut out = vec![false; self.count];
         for stretch in &self.log.excluded {
             for (k, one) in out.iter_mut().enumerate() {
-                let t = if self.step > 0.0 { self.start + k as f64 * self.step } else { self.log.time[self.range.start + k] };
+                let t = if self.step > 0.0 {
+                    self.start + k as f64 * self.step
+                } else {
+                    self.log.time[self.range.start + k]
+                };
                 *one |= stretch.contains(&t);
             }
         }

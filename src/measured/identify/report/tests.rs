@@ -2,7 +2,8 @@ use super::super::steady::{CONSTANT, add, bench, noise, work};
 use super::*;
 use crate::effects::Named;
 use crate::effects::{EFFECTS, Variable, effect};
-use crate::measured::answer::{ArtefactKind, Hidden};
+use crate::measured::answer::{ArtefactKind, Hidden, On, Refused};
+use crate::numerics::sums::finite_sum;
 
 /// What was found, with effects that the data cannot tell from it.
 fn found(name: &'static str, confounded_with: &[&'static str]) -> Found {
@@ -59,7 +60,7 @@ fn runs_are_proposed_for_what_is_open() {
     let points: Vec<[f64; 3]> = (0..200).map(|k| [50.0 * noise(k), 5.0 * noise(k + 500), 0.0]).collect();
     let (geared, direct) = (bench(6.0, std::slice::from_ref(&points), 0), bench(1.0, &[points], 0));
     let (geared, direct) = (work(&geared), work(&direct));
-    let selection = |refused: Vec<Refused>| Selection { refused, open: Vec::new() };
+    let selection = |refused: Vec<Refused>| Selection { refused, ..Selection::default() };
     let none = selection(Vec::new());
     // Look-alikes are named together.
     let alike = found("cogging", &["torque_ripple", "gear_ripple"]);
@@ -118,6 +119,8 @@ fn a_name_of_the_wrong_shape_is_doubtful() {
         assert!(just < 1.0, "{name} explains {just}");
         let on = On::Variable;
         let speed = |share: f64| vec![(On::Time, 0.9), (on(Variable::Current), 0.9), (on(Variable::Speed), share)];
+        let doubtful =
+            |work: &Work, shares: &[(On, f64)]| structure::doubtful_by(work, shares).map(|s| (s.term, s.reason));
         assert_eq!(doubtful(&work, &speed(0.99 * just)), None);
         let (term, reason) = doubtful(&work, &speed(1.01 * just)).expect("it is doubtful");
         assert_eq!(term, 1);
@@ -169,12 +172,12 @@ fn parameters_are_told_with_their_errors() {
     assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
     assert_eq!((told[0].fitted, told[0].standard_error, told[0].unit), (1.25, Some(0.02), "N*m/A"));
     // 0.1/1.25 = 0.08, with 0.1 · 0.02/1.25².
-    work.balance.base[0].which = Base::LoadScale;
+    std::sync::Arc::make_mut(&mut work.balance).base[0].which = Base::LoadScale;
     let told = parameters(&work, &["load_scale".to_string()], &matrix, &[1.25], &[]);
     assert_eq!((told.len(), told[0].name.as_str(), told[0].declared), (1, "torque_constant", Some(CONSTANT)));
     assert!((told[0].fitted - 0.08).abs() < 1e-15 && told[0].unit == "N*m/A");
     assert!((told[0].standard_error.unwrap() - 0.00128).abs() < 1e-15);
-    work.balance.base[0].which = first;
+    std::sync::Arc::make_mut(&mut work.balance).base[0].which = first;
     let held = parameters(&work, &[], &matrix, &[], &[first]);
     assert_eq!(
         (held.len(), held[0].declared, held[0].fitted, held[0].standard_error),

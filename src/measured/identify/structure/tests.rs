@@ -156,7 +156,7 @@ fn a_drift_is_free_in_each_log() {
     let mut apart = super::super::steady::work(&bench);
     for k in 0..rows.len() {
         if rows.log[k] == 1 {
-            apart.balance.rows.time[k] = 40.0 + 3.0 * rows.time[k];
+            std::sync::Arc::make_mut(&mut apart.balance).rows.time[k] = 40.0 + 3.0 * rows.time[k];
         }
     }
     for (column, same) in drift(&apart).iter().zip(&columns) {
@@ -206,7 +206,7 @@ fn a_free_function_of_speed_has_kinks_and_a_jump() {
         assert!(inside || share > 0.1);
     }
     // Where nothing turns there is none.
-    work.balance.variables.retain(|v| *v != Variable::Speed);
+    std::sync::Arc::make_mut(&mut work.balance).variables.retain(|v| *v != Variable::Speed);
     assert!(of_speed(&work).is_empty());
 }
 
@@ -215,7 +215,7 @@ fn a_free_function_of_speed_has_kinks_and_a_jump() {
 fn a_hum_takes_some_rows() {
     let rows_of = |samples: usize| {
         let bench = moving(samples, false);
-        let rows = work(&bench).balance.rows;
+        let rows = work(&bench).balance.rows.clone();
         (0..rows.len()).filter(|k| rows.log[*k] == 0).count()
     };
     let some = rows_of(600);

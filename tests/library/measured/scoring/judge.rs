@@ -1,7 +1,6 @@
 //! Whether what was said of a case is right.
 
-use gearwise::measured::Bench;
-use gearwise::measured::identify::{ArtefactKind, Ground, Report, Verdict};
+use gearwise::measured::identify::{About, Ground, Report, Verdict};
 
 use super::draw::{Case, Unkind};
 use super::information::Information;
@@ -35,65 +34,38 @@ pub struct Answer {
     pub verdict: Option<Verdict>,
     /// Refusals: name and ground.
     refused: Vec<(String, Ground)>,
-    /// Whether some report says that the logs teach nothing.
-    teaches_nothing: bool,
-    /// Kind and channel of each artefact but zeros.
-    artefacts: Vec<(ArtefactKind, String)>,
-    /// Every sentence, in small letters.
-    words: String,
+    /// What was found in the logs.
+    findings: Vec<About>,
+    /// What should be known.
+    remarks: Vec<String>,
 }
 
 impl Answer {
     /// Of reports, or of the reason why there is none.
-    pub fn of(bench: &Bench, said: Result<Vec<Report>, String>) -> Answer {
+    pub fn of(said: &Result<Vec<Report>, String>) -> Answer {
         let reports = said.as_deref().unwrap_or_default();
-        let mut sentences: Vec<String> = bench.logs.iter().flat_map(|l| l.remarks.clone()).collect();
-        sentences.extend(said.as_ref().err().cloned());
-        for report in reports {
-            sentences.extend(report.remarks.iter().chain(&report.next_runs).cloned());
-            sentences.extend(report.unexplained.iter().map(|u| u.detail.clone()));
-            sentences.extend(report.refused.iter().map(|r| r.reason.clone()));
-        }
         let name = |found: &gearwise::measured::identify::Found| Name {
             name: found.name(),
             ties: found.confounded_with.iter().map(|e| e.name()).collect(),
         };
-        let artefacts = reports.iter().flat_map(|r| &r.artefacts).filter(|a| a.kind != ArtefactKind::Zero);
         Answer {
             named: reports.iter().flat_map(|r| &r.effects).map(name).collect(),
             verdict: (!reports.is_empty()).then(|| Verdict::over(reports.iter().map(|r| r.verdict))),
             refused: reports.iter().flat_map(|r| &r.refused).map(|r| (r.name.clone(), r.ground)).collect(),
-            teaches_nothing: said.is_err() || reports.iter().any(|r| r.evidence.teaches_nothing()),
-            artefacts: artefacts.map(|a| (a.kind, a.channel.to_lowercase())).collect(),
-            words: sentences.join("\n").to_lowercase(),
+            findings: reports.iter().flat_map(|r| &r.findings).map(|f| f.about.clone()).collect(),
+            remarks: reports.iter().flat_map(|r| &r.remarks).cloned().collect(),
         }
     }
 
-    /// Whether an artefact is named. The one place that reads words: what the library calls each of them.
+    /// Whether an artefact is named: among what was found in the logs, or for an ampere in a remark of its own.
     fn names_artefact(&self, unkind: Unkind) -> bool {
-        let listed = |kind: ArtefactKind, channels: &[&str]| {
-            self.artefacts.iter().any(|(k, channel)| *k == kind && channels.iter().any(|c| channel.contains(c)))
-        };
-        let said = |all: &[&[&str]]| {
-            self.words.lines().any(|line| all.iter().all(|any| any.iter().any(|word| line.contains(word))))
-        };
+        let found = |is: fn(&About) -> bool| self.findings.iter().any(is);
         match unkind {
-            Unkind::WrongScale => {
-                self.teaches_nothing
-                    || listed(ArtefactKind::Gain, &["velocity", "position"])
-                    || said(&[&["velocity", "speed"], &["position", "angle"], &["scale", "times", "unit", "ratio"]])
-            }
-            Unkind::WrongSign => {
-                self.teaches_nothing
-                    || listed(ArtefactKind::Sign, &["velocity", "position"])
-                    || said(&[&["velocity", "speed"], &["sign"]])
-            }
-            Unkind::WrongAmpere => {
-                listed(ArtefactKind::Gain, &["current"])
-                    || said(&[&["current", "ampere"], &["convention", "amplitude", "rms"]])
-            }
-            Unkind::Stale => said(&[&["stale", "frozen", "squared error", "does not change"]]),
-            Unkind::HeldChannel => said(&[&["repeats", "repeated for", "held for", "is held", "holds"]]),
+            Unkind::WrongScale => found(|about| matches!(about, About::Scale { .. } | About::Unrelated { .. })),
+            Unkind::WrongSign => found(|about| matches!(about, About::Sign { .. })),
+            Unkind::WrongAmpere => self.remarks.iter().any(|line| line.contains("check `convention`")),
+            Unkind::Stale => found(|about| matches!(about, About::Stale { .. } | About::Owns { .. })),
+            Unkind::HeldChannel => found(|about| matches!(about, About::Held { .. })),
             other => panic!("{other:?} is no artefact"),
         }
     }

@@ -40,7 +40,7 @@ fn run(seed: u64) -> Row {
 /// What the library says of a bench file.
 fn said(bench: &Path, band: Option<f64>) -> Answer {
     let read = gearwise::measured::read::read(bench).unwrap_or_else(|e| panic!("{}: {e:?}", bench.display()));
-    Answer::of(&read, identify(&read, &Options { band }))
+    Answer::of(&identify(&read, &Options { band }))
 }
 
 /// Runs cases, one a thread: the library's own threads stay within their case.
