@@ -45,6 +45,10 @@ impl Effect for EddyDrag {
         positive("the knee", values[1], 1.3 * scale.speed, "the largest speed: below its knee it is viscous friction")
     }
 
+    fn drifts_with_band(&self) -> bool {
+        true
+    }
+
     fn enters(&self, _values: &[f64]) -> Enters {
         Enters::Evaluated(|values, at| {
             let x = at.speed / values[1];

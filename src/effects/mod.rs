@@ -229,6 +229,17 @@ pub trait Effect: Sync {
         false
     }
 
+    /// Whether its value may drift with the band that it is seen in, because its curve is only nearly that of nature: presliding,
+    /// drag, warm-up.
+    fn drifts_with_band(&self) -> bool {
+        self.needs_temperature()
+    }
+
+    /// Whether it repeats once a turn of the output: an order of one may be it.
+    fn once_a_turn(&self) -> bool {
+        false
+    }
+
     /// Whether, where it is weak, the data show only its coefficient over the square of its shape, and physics says that
     /// the coefficient is the torque constant.
     fn is_of_torque_constant(&self) -> bool {

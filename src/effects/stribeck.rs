@@ -43,6 +43,10 @@ impl Effect for StribeckFriction {
         positive("the Stribeck speed", values[1], 0.25 * scale.speed, "a quarter of the largest speed")
     }
 
+    fn drifts_with_band(&self) -> bool {
+        true
+    }
+
     fn enters(&self, _values: &[f64]) -> Enters {
         Enters::Evaluated(|values, at| -2.0 * at.speed / values[1].powi(2) * StribeckFriction.value(values, at))
     }

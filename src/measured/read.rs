@@ -386,17 +386,18 @@ fn read_exclude(section: &Section) -> Option<Vec<Span<f64>>> {
     let tables =
         if section.is_list("exclude") { section.sections("exclude") } else { vec![section.section("exclude")?] };
     let one = |table: Section| {
-        let time = |asked: Key, end: f64| match table.has(asked) {
-            true => table.quantity(asked, &units::TIME, Range::Any),
-            false => Some(end),
-        };
-        let from = time(key("from", "the first time that is left out").default("the beginning"), f64::NEG_INFINITY);
-        let to = time(key("to", "up to this time").default("the end"), f64::INFINITY);
+        let from = table.quantity(
+            key("from", "the first time that is left out").default("the beginning"),
+            &units::TIME,
+            Range::Any,
+        );
+        let to = table.quantity(key("to", "up to this time").default("the end"), &units::TIME, Range::Any);
         if !table.has("from") && !table.has("to") {
             table.missing("from", "\"27 s\"");
         }
         let span = table.span();
-        let (from, to) = (from?, to?);
+        let end = |name: &'static str, given: Option<f64>, end: f64| if table.has(name) { given } else { Some(end) };
+        let (from, to) = (end("from", from, f64::NEG_INFINITY)?, end("to", to, f64::INFINITY)?);
         if from >= to {
             table.note(Problem::at(span, "`exclude` ends before it begins", "`from` must be less than `to`"));
             return None;

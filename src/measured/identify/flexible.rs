@@ -8,6 +8,8 @@ use crate::measured::signals;
 
 /// Knots of a flexible function.
 pub(super) const KNOTS: usize = 9;
+/// Share of its information that an order must have within the band to be searched there.
+const IN_BAND: f64 = 0.2;
 /// Highest order that is searched.
 const ORDERS: usize = 120;
 /// Piecewise linear functions over knots at the quantiles of a variable.
@@ -82,9 +84,13 @@ pub(crate) fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(
         .into_par_iter()
         .map(|order| {
             let h = order as f64;
-            let (mut a, mut b, mut norm) = (0.0, 0.0, 0.0);
+            let (mut a, mut b, mut norm, mut all) = (0.0, 0.0, 0.0, 0.0);
             for k in 0..residual.len() {
-                if !fits[k] || (h * speed[k]).abs() > 0.8 * band {
+                if !fits[k] {
+                    continue;
+                }
+                all += probes[0][k] * probes[0][k];
+                if (h * speed[k]).abs() > 0.8 * band {
                     continue;
                 }
                 let (sine, cosine) = (h * angle[k]).sin_cos();
@@ -92,7 +98,8 @@ pub(crate) fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(
                 b += residual[k] * probes[0][k] * sine;
                 norm += probes[0][k] * probes[0][k];
             }
-            (h, if norm > 0.0 { (a * a + b * b) / norm } else { 0.0 })
+            // Seen in few slow moments only, it is for the search at full bandwidth.
+            (h, if norm > IN_BAND * all { (a * a + b * b) / norm } else { 0.0 })
         })
         .collect()
 }

@@ -8,11 +8,13 @@
 
 pub mod artefacts;
 pub(crate) mod balance;
+mod band;
 mod candidates;
 mod flexible;
 mod machine;
 pub mod noise;
 mod numbers;
+mod orders;
 pub(crate) mod origin;
 mod owning;
 pub(crate) mod prepare;
@@ -46,6 +48,8 @@ pub struct Options {
 
 /// Most rows that regressions see.
 const ROWS: usize = 24_000;
+/// How often the band is halved to find one that values do not depend on.
+const NARROWED: usize = 2;
 /// Most effects and orders that are added one after the other.
 const STEPS: usize = 16;
 
@@ -114,7 +118,13 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     Some(again)
 }
 
+/// Identifies one equation, in a band in which the values of what is named do not depend on it.
 fn once(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
+    narrowed(bench, target, options, if options.band.is_some() { NARROWED } else { 0 })
+}
+
+/// The same after the band was halved so many times.
+fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> Option<Report> {
     let wide = Setting {
         corrections: Corrections::none(bench.logs.len()),
         band: options.band,
@@ -145,7 +155,7 @@ fn once(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
         let early = Corrections { motion_lag: 0.0, ..corrections.clone() };
         let lag = -corrections.motion_lag;
         let found = ripple::find(bench, target, &setting(early), &work.balance, may_be_late);
-        ripple = found.map(|r| ripple::Ripple { lag: r.lag + lag, ..r });
+        ripple = found.map(|r| orders::Ripple { lag: r.lag + lag, ..r });
     }
     if let Some(lag) = ripple.as_ref().map(|r| r.lag).filter(|lag| *lag != 0.0) {
         // Nothing tells a lag as sharply as teeth do.
@@ -193,6 +203,24 @@ fn once(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
     held.retain(|which| !work.release(*which));
     work.settle_saturation();
     select::backward(&mut OnBalance { work: &mut work, selection: &mut selection, stages: &mut stages });
+    let here = Setting { band: work.balance.band, ..setting(corrections.clone()) };
+    for depends in band::dependent(&work, &here) {
+        let band = work.balance.band?;
+        if times < NARROWED {
+            let half = Options { band: Some(0.5 * band) };
+            let mut report = narrowed(bench, target, &half, times + 1)?;
+            report.remarks.insert(0, depends.narrowed(band));
+            return Some(report);
+        }
+        if options.band.is_some() && times == NARROWED {
+            let is_it = |t: &usize| work.terms[*t].effect().is_some_and(|(e, _)| e == depends.effect);
+            if let Some(term) = (0..work.terms.len()).find(is_it) {
+                let reason = depends.refused(band);
+                selection.remove(&mut work, candidates::Superfluous { term, gain: 0.0, reason });
+                explain(&mut work, &mut selection, &mut stages);
+            }
+        }
+    }
     let found = artefacts::list(&work, &corrections);
     Some(report::report(work, selection, stages, found, held))
 }

@@ -3,7 +3,7 @@
 use super::candidates::Selection;
 use super::regression::{Blocks, Solution, covariance, solve};
 use super::work::{Kind, Term, Work};
-use crate::effects::{Effect, Named, Shape};
+use crate::effects::{EFFECTS, Effect, Named, Shape, Variable};
 use crate::measured::answer::{Base, Found, Parameter};
 
 /// Names, covariance and values of every fitted number; shape parameters by their derivative.
@@ -219,6 +219,13 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
         }
     }
     of_ripple(work, &mut list);
+    // Once a turn of the output may be a weight as well as a wheel.
+    let of_output = |e: &dyn Effect| e.shape() == Shape::Order && e.needs().contains(&Variable::OutputAngle);
+    for entry in list.iter_mut().filter(|f| of_output(f.effect) && f.instances.iter().any(|i| i.last() == Some(&1.0))) {
+        let weights = EFFECTS.iter().copied().filter(|e| e.once_a_turn());
+        let new: Vec<&'static dyn Effect> = weights.filter(|e| !entry.confounded_with.contains(e)).collect();
+        entry.confounded_with.extend(new);
+    }
     for entry in &mut list {
         if entry.held_out_before.is_some() {
             continue;
@@ -234,5 +241,7 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
         let without = work.fit_columns(&columns);
         entry.held_out_before = work.error(&without, false).map(|e| e.0);
     }
+    // What repeats with an angle was found first; friction is what one wants to hear first.
+    list.sort_by_key(|found| found.effect.shape() == Shape::Order);
     list
 }

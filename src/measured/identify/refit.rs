@@ -66,6 +66,16 @@ impl Work<'_> {
         held
     }
 
+    /// Holds what another model of the same logs holds.
+    pub fn hold_as(&mut self, other: &Work) {
+        for which in self.balance.base.iter().map(|b| b.which).collect::<Vec<Base>>() {
+            let is_fitted = (0..other.terms.len()).any(|t| other.is_base(t, which));
+            if let Some(t) = (0..self.terms.len()).find(|t| !is_fitted && self.is_base(*t, which)) {
+                self.hold(t);
+            }
+        }
+    }
+
     /// Takes a parameter of the declared model out of the fit, at its declared value; which it was.
     fn hold(&mut self, term: usize) -> Option<Base> {
         let term = self.terms.remove(term);

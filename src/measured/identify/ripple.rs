@@ -11,6 +11,7 @@ use realfft::RealFftPlanner;
 use super::balance::{Balance, Setting, visible};
 use super::candidates::{Candidate, evaluate};
 use super::flexible::{hats, of_speed};
+use super::orders::{Line, Ripple};
 use super::regression::covariance;
 use super::travel;
 use super::work::{Kind, Term, Work};
@@ -37,8 +38,6 @@ const WORTH: (f64, f64) = (0.02, 0.06);
 const SURE: f64 = 2.5;
 /// The statistic of an order among all that are looked at.
 const STATISTIC: f64 = 15.0;
-/// Share of its power that an order keeps in the band to be fitted there.
-const IN_BAND: f64 = 0.25;
 /// Most orders.
 const MOST: usize = 10;
 /// Lags that are tried on either side, and their step \[s\].
@@ -46,56 +45,6 @@ const LAGS: i32 = 20;
 const LAG_STEP: f64 = 5e-4;
 /// Turns of the motor that one spectrum spans.
 const TURNS: f64 = 256.0;
-
-/// An order of an effect, with its values.
-#[derive(Debug, Clone)]
-pub struct Line {
-    /// The effect with cosine, sine and order.
-    pub fitted: FittedEffect,
-    /// Covariance of cosine and sine.
-    pub covariance: [[f64; 2]; 2],
-    /// Another effect that has the same columns: an order of the motor that is one of the output, too.
-    pub twin: Option<&'static dyn Effect>,
-}
-
-/// What repeats with an angle.
-#[derive(Debug, Clone)]
-pub struct Ripple {
-    /// The orders, the strongest first.
-    pub lines: Vec<Line>,
-    /// How much later than so far thought the angle is \[s\]: where the strongest order stands out most.
-    pub lag: f64,
-    /// The full band \[Hz\].
-    pub band: f64,
-    /// Error at full bandwidth on the logs for fitting and on what was held out, with all orders.
-    pub after: (Option<f64>, Option<f64>),
-    /// The same without the orders of one effect.
-    pub without: Vec<(&'static dyn Effect, Option<f64>, Option<f64>)>,
-}
-
-impl Ripple {
-    /// Orders whose columns keep enough in the band of a balance are terms like any other; the rest stays as found here.
-    pub fn split(mut self, balance: &Balance) -> (Vec<FittedEffect>, Option<Ripple>) {
-        let share = |fitted: &FittedEffect| {
-            let square = |filtered: bool| -> f64 {
-                let column = balance.variable(filtered, |at| fitted.effect.value(&fitted.values, at));
-                column.iter().map(|v| v * v).sum()
-            };
-            square(true) / square(false).max(f64::MIN_POSITIVE)
-        };
-        let (inside, above): (Vec<Line>, Vec<Line>) =
-            std::mem::take(&mut self.lines).into_iter().partition(|l| share(&l.fitted) > IN_BAND);
-        self.without.retain(|(e, ..)| above.iter().any(|l| l.fitted.effect == *e));
-        self.lines = above;
-        let inside = inside.into_iter().map(|l| l.fitted).collect();
-        (inside, (!self.lines.is_empty()).then_some(self))
-    }
-
-    /// The orders as effects.
-    pub fn effects(&self) -> Vec<FittedEffect> {
-        self.lines.iter().map(|l| l.fitted.clone()).collect()
-    }
-}
 
 /// Looks for orders at full bandwidth. A lag that blurs them is found, too, where it `may_shift`.
 pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, may_shift: bool) -> Option<Ripple> {

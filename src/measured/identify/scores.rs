@@ -151,6 +151,12 @@ impl Scores {
         groups
     }
 
+    /// By how much the uncertainty of the coefficients raises the squared error of blocks with such information, for a
+    /// variance of one.
+    pub fn uncertainty_for(&self, information: &DMatrix<f64>) -> f64 {
+        (information * &self.inverse).trace()
+    }
+
     /// The fitted coefficients.
     pub fn value(&self) -> &DVector<f64> {
         &self.value

@@ -48,6 +48,12 @@ pub fn of(work: &Work, candidate: &[Vec<f64>]) -> Result<Option<String>, String>
         let fall = without - squares_given(&blocks.total(own), p, &given);
         let alone = Scores::new(&blocks, p, own);
         let [(_, _, information)] = &alone.by_group(|_| 0)[..] else { continue };
+        // What the others know of it is uncertain, too: that alone would do harm.
+        let of_others = Scores::new(&blocks, p, others);
+        let they_say = (information * of_others.value()).dot(of_others.value());
+        if 4.0 * variance * of_others.uncertainty_for(information) > they_say {
+            continue;
+        }
         let should = (information * together).dot(together).max(0.0);
         falls += fall;
         expected += should;

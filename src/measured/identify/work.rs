@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::balance::{Balance, visible};
 use super::noise::Unfiltered;
+use super::orders::Ripple;
 use super::regression::{Blocks, Solution, solve, squares};
-use super::ripple::Ripple;
+
 use crate::effects::{Effect, FittedEffect, of_efficiency};
 use crate::measured::answer::{Base, Hidden, Stage, Step};
 use crate::measured::{Bench, Use};

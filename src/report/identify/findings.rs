@@ -58,7 +58,7 @@ pub fn words(bench: &Bench, about: &About) -> String {
             )
         }
         About::Stale { channel, from, to } => format!(
-            "{} stands still from {} to {} while the machine moves: left out",
+            "{} does not change from {} to {} while the machine moves: left out",
             channel_name(*channel),
             seconds(*from),
             seconds(*to)

@@ -178,7 +178,7 @@ fn benches_are_documented() {
     let pendulum = format!(
         "kind = \"dynamometer\"\nactuator = {{ motor = \"t-motor-ri50\", ratio = 7.5 }}\ncontroller = {{ gain = 1, {NO} }}\n\
          [pendulum]\nmass = \"1 kg\"\nlength = \"1 m\"\n{NO}\n{}",
-        log(&format!("select = {{ column = \"t\", equals = \"0\", {NO} }}"))
+        log(&format!("select = {{ column = \"t\", equals = \"0\", {NO} }}\nexclude = {{ from = \"1 s\", {NO} }}"))
     );
     let linear = format!("kind = \"linear\"\nactuator = {{ mass = \"1 kg\", {NO} }}\n{}", log(""));
     compare(BENCH, &[ask(&rotary), ask(&pendulum), ask(&linear)]);

@@ -65,11 +65,11 @@ fn checked(bench: &Bench, reports: &[Report]) -> String {
             let size = (fit.covariance[a][a] * fit.covariance[b][b]).sqrt();
             assert!(value.abs() <= size * (1.0 + 1e-6), "{} and {}", fit.names[a], fit.names[b]);
         }
-        // Each ± is two square roots of the diagonal.
+        // Each ± is 1.96 square roots of the diagonal.
         let column = gearwise::catalog::FIELDS.iter().find(|f| format!("motor.{}", f.name) == fit.names[a]);
         let printed = column.zip(sheet).and_then(|(f, sheet)| (f.get)(sheet));
         if let Some(tolerance) = printed.and_then(|p| p.tolerance) {
-            assert!((tolerance / 2.0 / row[a].sqrt() - 1.0).abs() < 1e-6, "{}", fit.names[a]);
+            assert!((tolerance / 1.96 / row[a].sqrt() - 1.0).abs() < 1e-6, "{}", fit.names[a]);
         }
     }
     text
@@ -249,7 +249,7 @@ fn damping_is_back_emf_and_viscous_friction() {
     close(whole, 0.0042);
     // ∂b/∂K_T = −2 K_T/R = −0.08: variance 1e-8 + 0.08² 1e-6 − 2·0.08·5e-8.
     let variance: f64 = 1e-8 + 0.0064 * 1e-6 - 0.16 * 5e-8;
-    close(fitted.sheet.viscous_friction.unwrap().tolerance.unwrap(), 2.0 * variance.sqrt());
+    close(fitted.sheet.viscous_friction.unwrap().tolerance.unwrap(), 1.96 * variance.sqrt());
     let text = checked(&bench, &[seen]);
     assert!(text.contains("motor.viscous_friction") && !text.contains("motor.damping"), "{text}");
     // Friction that the row declares was in the simulation beside the damping.
@@ -285,7 +285,7 @@ fn of_two_equations_the_surer_is_used_alone_and_the_other_told() {
         // In whatever order they come: neither the first nor the last.
         close(fitted.torque_constant, 0.09);
         close(fitted.rotor_inertia.unwrap(), 1.1e-5);
-        close(fitted.sheet.rotor_inertia.unwrap().tolerance.unwrap(), 1e-7);
+        close(fitted.sheet.rotor_inertia.unwrap().tolerance.unwrap(), 0.98e-7);
         assert_eq!(fitted.effects, [FittedEffect::new("stribeck_friction", vec![0.02, 9.0]).unwrap()]);
         assert!(fitted.note.contains("surer is used for inertia"), "{}", fitted.note);
         assert!(fitted.note.contains("which disagrees"), "{}", fitted.note);
@@ -305,12 +305,12 @@ fn a_load_that_seems_scaled_scales_what_was_fitted_beside_it() {
     seen.effects = vec![found("coulomb_friction", &[("torque", 0.008, 1e-5)], vec![vec![0.008]])];
     let fitted = fitted_motor(&bench, std::slice::from_ref(&seen)).unwrap();
     close(fitted.torque_constant, 0.125);
-    close(fitted.sheet.torque_constant.unwrap().tolerance.unwrap(), 2.0 * 0.125 * 0.125 / 0.1 * 0.0064);
+    close(fitted.sheet.torque_constant.unwrap().tolerance.unwrap(), 1.96 * 0.125 * 0.125 / 0.1 * 0.0064);
     close(fitted.rotor_inertia.unwrap(), 1e-5);
     close(fitted.coulomb_friction.unwrap(), 0.01);
     // J = J_s/s: variance (σ/s)² + (J_s σ_s/s²)².
     let variance: f64 = (1e-8_f64 / 0.8).powi(2) + (8e-6 * 0.0064 / 0.64_f64).powi(2);
-    close(fitted.sheet.rotor_inertia.unwrap().tolerance.unwrap(), 2.0 * variance.sqrt());
+    close(fitted.sheet.rotor_inertia.unwrap().tolerance.unwrap(), 1.96 * variance.sqrt());
     checked(&bench, &[seen]);
 }
 
@@ -325,7 +325,7 @@ fn a_quotient_takes_the_resistance_that_was_seen() {
     close(fitted.torque_constant, 0.08 * 2.5 / 2.0);
     close(fitted.resistance, 2.5);
     // One per cent each.
-    close(fitted.sheet.torque_constant.unwrap().tolerance.unwrap(), 2.0 * 0.1 * 0.01 * 2.0_f64.sqrt());
+    close(fitted.sheet.torque_constant.unwrap().tolerance.unwrap(), 1.96 * 0.1 * 0.01 * 2.0_f64.sqrt());
     checked(&bench, &reports);
     // An equation that sees K_T itself goes before, however unsure.
     let torque = report(Target::Torque, &[("torque_constant", 0.11, 5e-3)]);
@@ -357,7 +357,8 @@ fn a_gear_and_orders_have_their_places() {
     // ∂η/∂γ = −1/1.25² = −0.64, ∂η_b/∂γ = −1.
     close(fit.covariance[0][0], 0.4096e-4);
     close(fit.covariance[0][1], 0.64e-4);
-    let expected: Vec<(String, f64)> = ["cosine", "sine"].iter().map(|p| (format!("cogging.12.{p}"), 2e-4)).collect();
+    let expected: Vec<(String, f64)> =
+        ["cosine", "sine"].iter().map(|p| (format!("cogging.12.{p}"), 1.96e-4)).collect();
     assert_eq!(fit.tolerances, expected);
     checked(&bench, &[seen]);
 }
