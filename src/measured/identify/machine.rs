@@ -142,3 +142,47 @@ fn reads(factor: f64, ratio: f64, pole_pairs: Option<u32>) -> Option<&'static st
     ];
     known.into_iter().find(|(k, _)| (factor / k - 1.0).abs() < 0.03 && (k - 1.0).abs() > SCALE).map(|(_, what)| what)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::steady::{bench_of, noise};
+    use super::*;
+
+    /// Position and velocity of the motor, the velocity times a factor and with so much noise.
+    fn said(factor: f64, wild: f64) -> Vec<About> {
+        let columns = [
+            "time = { name = \"0\", unit = \"s\" }",
+            "motor_position = { name = \"1\", unit = \"rad\" }",
+            "motor_velocity = { name = \"2\", unit = \"rad/s\" }",
+            "current = { name = \"3\", unit = \"A\", convention = \"q_axis\" }",
+            "torque = { name = \"4\", unit = \"N*m\", side = \"output\" }",
+        ];
+        let row = |k: usize| {
+            let t = 2e-3 * k as f64;
+            let angle = 20.0 * (3.0 * t).sin() + 4.0 * (7.1 * t).cos();
+            let speed = 60.0 * (3.0 * t).cos() - 28.4 * (7.1 * t).sin();
+            let own = if wild > 0.0 { wild * (40.0 * t + 3.0 * (1.3 * t).sin()).sin() } else { speed };
+            vec![t, angle, factor * own + 0.1 * noise(k), noise(k + 900), noise(k + 1900)]
+        };
+        let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
+        contradictions(&bench.logs[0], 9.0, false, Some(7))
+    }
+
+    #[test]
+    fn a_velocity_that_is_not_that_of_its_position_contradicts_it() {
+        assert_eq!(said(1.0, 0.0), []);
+        // Ten per cent is what estimates are off by.
+        assert_eq!(said(1.1, 0.0), []);
+        for (factor, reads) in
+            [(9.0, "the ratio"), (1.0 / 9.0, "one over the ratio"), (9.549, "revolutions"), (7.0, "pole pairs")]
+        {
+            let said = said(factor, 0.0);
+            let [About::Scale { factor: told, reads: Some(what), .. }] = said[..] else { panic!("{factor}: {said:?}") };
+            assert!((told / factor - 1.0).abs() < 0.02 && what.contains(reads), "{factor}: {told} {what}");
+        }
+        assert!(matches!(said(2.3, 0.0)[..], [About::Scale { reads: None, .. }]));
+        assert!(matches!(said(-1.0, 0.0)[..], [About::Sign { channel: Channel::MotorVelocity, .. }]));
+        assert!(matches!(said(1.0, 60.0)[..], [About::Unrelated { .. }]));
+        assert!(said(-1.0, 0.0)[0].contradicts());
+    }
+}

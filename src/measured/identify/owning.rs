@@ -70,3 +70,34 @@ pub fn seconds(pictures: &Pictures, fits: impl Fn(usize) -> bool) -> Vec<(usize,
         .map(|(log, span, square)| (log, span.start as f64 * width..span.end as f64 * width, square / total))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::steady::noise;
+    use super::*;
+
+    /// What is left of two logs of 50 s, with so much more in some windows of one second.
+    fn pictures(wild: &[(usize, usize)]) -> Pictures {
+        let place = |log: usize, k: usize| (log, k as f64 * 0.05, 1000 * log + k);
+        let rows: Vec<(usize, f64, usize)> = (0..2).flat_map(|log| (0..1000).map(move |k| place(log, k))).collect();
+        let size = |log: usize, t: f64| if wild.contains(&(log, t as usize)) { 40.0 } else { 1.0 };
+        Pictures {
+            time: rows.iter().map(|r| r.1).collect(),
+            log: rows.iter().map(|r| r.0).collect(),
+            after: rows.iter().map(|r| size(r.0, r.1) * noise(r.2)).collect(),
+            ..Pictures::default()
+        }
+    }
+
+    #[test]
+    fn one_bad_second_owns_the_error_and_what_comes_again_does_not() {
+        assert_eq!(seconds(&pictures(&[]), |_| true), []);
+        let one = seconds(&pictures(&[(1, 27)]), |_| true);
+        let [(log, span, share)] = &one[..] else { panic!("{one:?}") };
+        assert!(*log == 1 && span.contains(&27.5) && span.end - span.start < 2.0 && *share > 0.8, "{one:?}");
+        // Of a log that only judges nothing is taken.
+        assert_eq!(seconds(&pictures(&[(1, 27)]), |log| log == 0), []);
+        // Five events are no accident, and belong to the machine.
+        assert_eq!(seconds(&pictures(&[(0, 5), (0, 15), (0, 25), (1, 10), (1, 30)]), |_| true), []);
+    }
+}

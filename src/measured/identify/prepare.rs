@@ -253,6 +253,8 @@ fn stale(log: &mut Log) -> Vec<About> {
         let values = &log.channels[channel];
         let mut long: Vec<std::ops::Range<usize>> =
             runs(values).into_iter().filter(|r| r.len() >= least && values[r.start].is_finite()).collect();
+        // What is left out already needs no second reason.
+        long.retain(|r| !log.excluded.iter().any(|e| e.contains(&log.time[r.start])));
         // The machine moves meanwhile: another channel does not stand.
         long.retain(|r| {
             let others = readable.iter().filter(|c| *c != channel);
@@ -272,3 +274,6 @@ fn stale(log: &mut Log) -> Vec<About> {
     log.excluded.extend(excluded);
     found
 }
+
+#[cfg(test)]
+mod tests;

@@ -134,7 +134,6 @@ fn a_held_out_response_of_noise_changes_nothing_but_its_own_errors() {
 }
 
 #[test]
-#[ignore = "fails: held-out log chooses the band"]
 fn a_held_out_log_of_noise_changes_nothing_but_its_own_errors() {
     for (bench, column) in benches() {
         only_its_own_errors_change(&bench, |file| {

@@ -54,7 +54,8 @@ pub(super) fn lay_out(
     usage: &[Use],
     most: usize,
 ) -> (Rows, bool) {
-    let total: usize = stretches.iter().map(|s| s.target.len()).sum();
+    // How long a block is, and how many rows are enough, is for the logs to fit to say.
+    let total: usize = stretches.iter().filter(|s| s.fits).map(|s| s.target.len()).sum();
     let thin = total.div_ceil(most.max(1));
     let masks: Vec<Vec<bool>> = stretches.iter().map(|s| usable(s, target)).collect();
     for (s, mask) in stretches.iter_mut().zip(masks) {
@@ -68,7 +69,7 @@ pub(super) fn lay_out(
         let spoiled = near(&s.excluded, guard);
         s.keep = (guard..n - guard).step_by(every.max(thin)).filter(|k| mask[*k] && !spoiled[*k]).collect();
     }
-    let rows: usize = stretches.iter().map(|s| s.keep.len()).sum();
+    let rows: usize = stretches.iter().filter(|s| s.fits).map(|s| s.keep.len()).sum();
     // Blocks of equal numbers of rows within a log: at least 20, at most 60 in all.
     let wanted = (rows / 40).clamp(20, 60);
     let length = rows.div_ceil(wanted).max(1);
