@@ -85,8 +85,20 @@ pub(crate) fn on_grid(time: &[f64], values: &[f64], start: f64, step: f64, count
     Some(resampled.collect())
 }
 
-/// Opens wrapped angles: a jump of more than half a turn between samples is a wrap.
+/// Opens wrapped angles: a jump of more than half a turn between samples is a wrap. An angle that goes beyond a turn is
+/// not wrapped: there a jump is what was turned while nothing was logged.
+///
+/// ```
+/// use gearwise::measured::signals::unwrapped;
+/// assert_eq!(unwrapped(&[3.0, -3.0])[1], -3.0 + std::f64::consts::TAU);
+/// assert_eq!(unwrapped(&[0.0, 3.0, 9.0, 20.0]), [0.0, 3.0, 9.0, 20.0]);
+/// ```
 pub fn unwrapped(values: &[f64]) -> Vec<f64> {
+    let known = || values.iter().copied().filter(|v| v.is_finite());
+    let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if high - low > 1.02 * std::f64::consts::TAU {
+        return values.to_vec();
+    }
     let mut turns = 0.0;
     let mut last = f64::NAN;
     values
