@@ -19,9 +19,9 @@ const SCATTER: f64 = 3.0 * 1.48;
 /// Least share of the squared error that a lag must take away.
 const WORTH: f64 = 0.02;
 /// Share of a passive torque's variance that its speed must make up to say its sign.
-const FOLLOWS: f64 = 0.3;
-/// How many times its slow speed its fast one must be for that.
-const RANGES: f64 = 2.0;
+const FOLLOWS: f64 = 0.5;
+/// How many times its speed one way the speed the other way may be for that.
+const RANGES: f64 = 5.0;
 /// Largest lag that is looked for \[s\].
 const LARGEST_LAG: f64 = 0.05;
 
@@ -171,7 +171,8 @@ fn passive_signs(bench: &Bench, balance: &Balance) -> Vec<f64> {
             let own_speeds = || (0..balance.rows.len()).filter(|k| balance.rows.log[*k] == log).map(|k| turning[k]);
             let at = |share| signals::quantile(own_speeds().collect(), share).unwrap_or(0.0);
             let (low, high) = (at(0.1), at(0.9));
-            let ranges = low * high < 0.0 || low.abs().max(high.abs()) > RANGES * low.abs().min(high.abs());
+            // Driven both ways, clearly: what wavers about one speed says nothing of the sign.
+            let ranges = low * high < 0.0 && low.abs().max(high.abs()) < RANGES * low.abs().min(high.abs());
             if sure && follows && ranges { -1.0 } else { 1.0 }
         })
         .collect()

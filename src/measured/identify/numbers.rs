@@ -117,6 +117,22 @@ pub fn parameters(
     list
 }
 
+/// Adds a wave to that of the same order, where there is one; whether there is.
+fn add_to_its_order(found: &mut Found, values: &[f64], covariance: &[[f64; 2]; 2]) -> bool {
+    let (Some(order), effect) = (values.last(), found.effect) else { return false };
+    let Some(instance) = found.instances.iter_mut().find(|i| i.last() == Some(order)) else { return false };
+    for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
+        instance[j] += values[j];
+        let named = Named::new(effect, Some(*order), parameter.name).to_string();
+        let name = named.trim_start_matches(effect.name()).trim_start_matches('.');
+        for own in found.parameters.iter_mut().filter(|p| p.name == name) {
+            own.fitted += values[j];
+            own.standard_error = own.standard_error.map(|e| e.hypot(covariance[j][j].max(0.0).sqrt()));
+        }
+    }
+    true
+}
+
 /// Effects that were found at full bandwidth: their errors are of that.
 fn of_ripple(work: &Work, list: &mut Vec<Found>) {
     let Some(ripple) = &work.ripple else { return };
@@ -126,6 +142,11 @@ fn of_ripple(work: &Work, list: &mut Vec<Found>) {
         let mut confounded_with: Vec<&'static dyn Effect> = Vec::new();
         for line in lines {
             let values = &line.fitted.values;
+            // What the band shows of the same order beside it is one wave with it.
+            let same = list.iter_mut().find(|f| f.effect == *effect);
+            if same.is_some_and(|found| add_to_its_order(found, values, &line.covariance)) {
+                continue;
+            }
             for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
                 let named = Named::new(*effect, values.last().copied(), parameter.name).to_string();
                 parameters.push(Parameter {
