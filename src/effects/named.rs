@@ -46,6 +46,14 @@ impl Named {
         Some(Named { effect, order, parameter })
     }
 
+    /// Its name among those of its effect: `parameter`, of an order `order.parameter`.
+    pub fn within(&self) -> String {
+        match self.order {
+            Some(order) => format!("{order}.{}", self.parameter),
+            None => self.parameter.to_string(),
+        }
+    }
+
     /// The place of the parameter among those of its effect.
     pub fn index(&self) -> usize {
         self.effect.parameters().iter().position(|p| p.name == self.parameter).unwrap_or(0)
@@ -59,9 +67,6 @@ impl Named {
 
 impl fmt::Display for Named {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self.order {
-            Some(order) => write!(f, "{}.{order}.{}", self.effect.name(), self.parameter),
-            None => write!(f, "{}.{}", self.effect.name(), self.parameter),
-        }
+        write!(f, "{}.{}", self.effect.name(), self.within())
     }
 }

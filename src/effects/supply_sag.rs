@@ -1,4 +1,5 @@
-use super::{Doubt, Effect, Enters, Equation, Operating, Parameter, Run, Scale, Variable, View, positive, seen};
+use super::torque_constant_saturation::TorqueConstantSaturation;
+use super::{Doubt, Effect, Enters, Equation, Mimic, Operating, Parameter, Run, Scale, Variable, View, positive, seen};
 use crate::units;
 
 /// The supply sags with the current drawn from it: voltage `R_s d² i` at the motor for duty d.
@@ -36,6 +37,10 @@ impl Effect for SupplySag {
 
     fn enters(&self, _values: &[f64]) -> Enters {
         Enters::NotAtAll("the requirement says what the bus delivers")
+    }
+
+    fn mimics(&self) -> Option<Mimic> {
+        Some(Mimic { of: &TorqueConstantSaturation, run: "a log with the voltage of the supply would separate them" })
     }
 
     fn separated_by(&self) -> Option<Run> {

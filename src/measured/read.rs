@@ -23,6 +23,7 @@ use crate::catalog::Catalog;
 use crate::catalog::convention::Commutation;
 use crate::input::{Description, Form, InputError, InputFile, Key, Problem, Range, Section, Source, key};
 use crate::units;
+use crate::words::number;
 
 /// Standard gravity \[m/s²\].
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
@@ -631,8 +632,14 @@ impl Plan {
 
 impl Condition {
     fn label(&self) -> Option<String> {
+        let column = &self.column;
         match self.equals.as_slice() {
-            [] => None,
+            [] => match (self.min, self.max) {
+                (Some(min), Some(max)) => Some(format!("{column} {} to {}", number(min), number(max))),
+                (Some(min), None) => Some(format!("{column} from {}", number(min))),
+                (None, Some(max)) => Some(format!("{column} up to {}", number(max))),
+                (None, None) => None,
+            },
             [one] => Some(format!("{} {one}", self.column)),
             [one, .., last] => Some(format!("{} {one} … {last}", self.column)),
         }

@@ -6,7 +6,7 @@
 mod findings;
 mod sentence;
 
-pub(super) use findings::words as finding_words;
+pub(super) use findings::{lines as finding_lines, words as finding_words};
 pub use sentence::sentence;
 
 use super::number;
@@ -103,7 +103,7 @@ fn stage_label(stage: &Stage) -> String {
 /// For people. `written` names the files that were written.
 pub fn text(bench: &Bench, reports: &[Report], written: &[String]) -> String {
     let mut out = heading(bench);
-    let found = findings::lines(bench, reports);
+    let found = finding_lines(bench, reports);
     if !found.is_empty() {
         out.push_str("\nFound in the logs before anything was asked:\n");
         found.iter().for_each(|line| out.push_str(&paragraph(line, 2, 4)));

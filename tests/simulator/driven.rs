@@ -50,12 +50,7 @@ pub fn random_torque(nature: &Nature, mut drive: Drive) -> Trace {
             if nature.gravity == 0.0 { 0.0 } else { nature.gravity * (position + nature.gravity_angle).sin() };
         let given = -(inertia * n * acceleration + drag);
         let through = n * given / (1.0 + nature.load_dependent * direction * given.signum());
-        trace.motor_angle.push(n * position);
-        trace.motor_speed.push(n * speed);
-        trace.motor_acceleration.push(n * acceleration);
-        trace.output_angle.push(position);
-        trace.output_speed.push(speed);
-        trace.output_acceleration.push(acceleration);
+        trace.push_motion(n, position, speed, acceleration);
         trace.current.push(0.0);
         trace.current_rate.push(0.0);
         trace.torque.push(through - gravity);

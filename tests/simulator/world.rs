@@ -658,6 +658,18 @@ pub struct Trace {
     pub friction_power: Vec<f64>,
 }
 
+impl Trace {
+    /// Adds how an output moves, and the motor behind a stiff gear of a ratio.
+    pub fn push_motion(&mut self, ratio: f64, position: f64, speed: f64, acceleration: f64) {
+        self.motor_angle.push(ratio * position);
+        self.motor_speed.push(ratio * speed);
+        self.motor_acceleration.push(ratio * acceleration);
+        self.output_angle.push(position);
+        self.output_speed.push(speed);
+        self.output_acceleration.push(acceleration);
+    }
+}
+
 /// What a bench imposes on the machine in one log.
 pub struct Drive {
     pub step: f64,
@@ -888,12 +900,7 @@ pub fn servo(nature: &Nature, servo: Servo, mut drive: Drive) -> Trace {
         let factor = 1.0 + nature.load_dependent * state.direction * ideal.signum();
         let acceleration = (given - factor * load) / (factor * pendulum + inertia - pendulum);
         let lost = (factor - 1.0) * (load + pendulum * acceleration);
-        trace.motor_angle.push(n * position);
-        trace.motor_speed.push(n * speed);
-        trace.motor_acceleration.push(n * acceleration);
-        trace.output_angle.push(position);
-        trace.output_speed.push(speed);
-        trace.output_acceleration.push(acceleration);
+        trace.push_motion(n, position, speed, acceleration);
         trace.current.push(current);
         trace.current_rate.push(0.0);
         trace.torque.push(load + pendulum * acceleration);

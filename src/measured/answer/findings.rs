@@ -91,6 +91,15 @@ pub enum About {
         /// Share of the squared error of all logs for fitting.
         share: f64,
     },
+    /// The zero of a sensor would be larger than anything that it read.
+    Zero {
+        /// Which channel.
+        channel: Channel,
+        /// The zero, SI.
+        zero: f64,
+        /// The largest value of the log in size, SI.
+        most: f64,
+    },
     /// The bench file says that a channel is the driver's own estimate.
     Estimated(Channel),
 }
@@ -108,6 +117,7 @@ impl About {
             About::Spikes { .. } => "spikes",
             About::Irregular { .. } => "irregular",
             About::Owns { .. } => "owns_the_error",
+            About::Zero { .. } => "zero",
             About::Estimated(_) => "estimated",
         }
     }

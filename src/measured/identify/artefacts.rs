@@ -5,9 +5,10 @@
 
 use super::balance::{Balance, Corrections, Setting};
 use super::regression::{Blocks, covariance, solve, squares};
+use super::robust;
 use super::work::{Kind, Work};
 use crate::effects::Variable;
-use crate::measured::answer::{Artefact, ArtefactKind, Target};
+use crate::measured::answer::{About, Artefact, ArtefactKind, Finding, Target};
 use crate::measured::{Bench, BenchKind, Channel, signals};
 use crate::numerics::line_search::golden_section;
 use crate::numerics::sums::paired;
@@ -24,6 +25,9 @@ const FOLLOWS: f64 = 0.5;
 const RANGES: f64 = 5.0;
 /// Largest lag that is looked for \[s\].
 const LARGEST_LAG: f64 = 0.05;
+
+/// A zero that is this many times the largest value that its sensor read is none.
+const BEYOND: f64 = 1.05;
 
 /// Columns of the generous model.
 fn generous(balance: &Balance) -> Vec<Vec<f64>> {
@@ -68,8 +72,7 @@ pub(crate) fn band_of_structure(balance: &Balance) -> Option<f64> {
     let current = balance.variable(true, |at| at.current);
     let turns = balance.variables.contains(&Variable::Angle);
     let mut highest = 0.0_f64;
-    let fits = |log: usize| balance.rows.block_log.iter().zip(&balance.rows.block_fits).any(|(l, f)| *l == log && *f);
-    for log in (0..balance.rows.logs()).filter(|l| fits(*l)) {
+    for log in (0..balance.rows.logs()).filter(|l| balance.rows.fits(*l)) {
         let at: Vec<usize> = (0..balance.rows.len()).filter(|k| balance.rows.log[*k] == log).collect();
         let times: Vec<f64> = at.iter().map(|k| balance.rows.time[*k]).collect();
         let step = signals::median_step(&times);
@@ -119,13 +122,7 @@ pub(crate) fn band_of_structure(balance: &Balance) -> Option<f64> {
 fn errors(balance: &Balance) -> Vec<f64> {
     let columns = generous(balance);
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let target = balance.target_column();
-    let blocks = Blocks::new(&balance.rows, &columns, &target);
-    let solution = solve(&blocks.total(|b| balance.rows.block_fits[b]));
-    (0..blocks.products.len())
-        .filter(|b| balance.rows.block_fits[*b])
-        .map(|b| blocks.squares(b, &solution.coefficients))
-        .collect()
+    robust::errors(&balance.rows, &columns, &balance.target_column())
 }
 
 /// Finds sign, gain and lag. `balance` is uncorrected.
@@ -215,8 +212,32 @@ pub fn list(work: &Work, corrections: &Corrections) -> Vec<Artefact> {
     found
 }
 
-/// The zero of each log: what the model as it was found leaves of its mean.
-pub fn zeros(work: &Work) -> Vec<Artefact> {
+/// The zero of each log, and those that no sensor has which reads what the log says.
+pub fn zeros(work: &Work) -> (Vec<Artefact>, Vec<Finding>) {
+    let balance = &work.balance;
+    let zeros = zero_of_logs(work);
+    let largest = |log: usize| {
+        let values = balance.target.channel().and_then(|c| work.bench.logs[balance.logs[log]].channel(c));
+        let read = values.unwrap_or_default().iter().filter(|v| v.is_finite());
+        read.fold(0.0_f64, |most, v| most.max(v.abs()))
+    };
+    let is_beyond =
+        |(log, zero): &&(usize, f64)| balance.target == Target::Torque && zero.abs() > BEYOND * largest(*log);
+    let beyond = zeros.iter().filter(is_beyond).map(|(log, zero)| Finding {
+        log: balance.names[*log].clone(),
+        about: About::Zero { channel: Channel::Torque, zero: *zero, most: largest(*log) },
+    });
+    let artefact = |(log, zero): &(usize, f64)| Artefact {
+        kind: ArtefactKind::Zero,
+        channel: format!("{} of {}", balance.target.name(), balance.names[*log]),
+        value: *zero,
+        unit: balance.unit,
+    };
+    (zeros.iter().map(artefact).collect(), beyond.collect())
+}
+
+/// What the model as it was found leaves of the mean of each log that has a zero.
+fn zero_of_logs(work: &Work) -> Vec<(usize, f64)> {
     let balance = &work.balance;
     if !balance.target.has_zero() {
         return Vec::new();
@@ -254,20 +275,12 @@ pub fn zeros(work: &Work) -> Vec<Artefact> {
         }
     }
     let mut sums = vec![(0.0, 0.0); balance.rows.logs()];
-    for (value, log) in left.iter().zip(&balance.rows.log) {
-        sums[*log].0 += value;
-        sums[*log].1 += 1.0;
+    for (k, (value, log)) in left.iter().zip(&balance.rows.log).enumerate() {
+        let weight = balance.rows.weight(k);
+        sums[*log].0 += weight * value;
+        sums[*log].1 += weight;
     }
-    sums.iter()
-        .zip(&balance.names)
-        .filter(|((_, n), _)| *n > 0.0)
-        .map(|((sum, n), name)| Artefact {
-            kind: ArtefactKind::Zero,
-            channel: format!("{} of {name}", balance.target.name()),
-            value: sum / n,
-            unit: balance.unit,
-        })
-        .collect()
+    sums.iter().enumerate().filter(|(_, (_, n))| *n > 0.0).map(|(log, (sum, n))| (log, sum / n)).collect()
 }
 
 /// A gain for each log whose torque constant differs from the others' far beyond its error.
@@ -301,13 +314,12 @@ fn gains(balance: &Balance) -> Vec<f64> {
         })
         .collect();
     // What is usual is for the logs to fit to say: what is held out is compared with them, one at a time.
-    let fits = |log: usize| balance.rows.block_log.iter().zip(&balance.rows.block_fits).any(|(l, f)| *l == log && *f);
-    let of_fit: Vec<usize> = (0..logs).filter(|l| slopes[*l].is_some() && fits(*l)).collect();
+    let of_fit: Vec<usize> = (0..logs).filter(|l| slopes[*l].is_some() && balance.rows.fits(*l)).collect();
     let known: Vec<(f64, f64)> = of_fit.iter().filter_map(|l| slopes[*l]).collect();
     for (log, gain) in of_fit.iter().zip(usual_gains(&known, Some(declared))) {
         gains[*log] = gain;
     }
-    for log in (0..logs).filter(|l| !fits(*l)) {
+    for log in (0..logs).filter(|l| !balance.rows.fits(*l)) {
         let Some(slope) = slopes[log] else { continue };
         let with: Vec<(f64, f64)> = known.iter().copied().chain([slope]).collect();
         gains[log] = usual_gains(&with, Some(declared)).pop().unwrap_or(1.0);
@@ -420,12 +432,7 @@ pub fn refine(
         let mut columns: Vec<Vec<f64>> = (0..balance.base.len()).map(|i| balance.base_column(i)).collect();
         columns.extend(effects.iter().flat_map(|(e, s)| balance.effect_columns(*e, *s)));
         let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let blocks = Blocks::new(&balance.rows, &columns, &balance.target_column());
-        let solution = solve(&blocks.total(|b| balance.rows.block_fits[b]));
-        (0..blocks.products.len())
-            .filter(|b| balance.rows.block_fits[*b])
-            .map(|b| blocks.squares(b, &solution.coefficients))
-            .collect()
+        robust::errors(&balance.rows, &columns, &balance.target_column())
     };
     let better = lags(bench, target, corrections.clone(), setting, &with_effects);
     let moved = (better.target_lag - corrections.target_lag).abs() + (better.motion_lag - corrections.motion_lag).abs();

@@ -93,3 +93,42 @@ pub fn dependent(work: &Work, setting: &Setting) -> Vec<Dependent> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::steady::{CONSTANT, OVER_TIME, add, bench_of, noise};
+    use super::*;
+    use crate::measured::answer::Target;
+
+    /// Friction of either sign on a machine that turns back and forth, seen so much later \[s\].
+    fn dependent_with(late: f64) -> Vec<&'static str> {
+        let row = |k: usize| {
+            let t = 2e-3 * k as f64;
+            let speed = |t: f64| 40.0 * (25.0 * t).sin() + 15.0 * (14.3 * t).cos();
+            let i = 3.0 * (4.0 * t).sin() + 2.0 * (2.3 * t).cos();
+            let friction = 0.1 * f64::tanh(speed(t - late) / 0.5);
+            vec![t, speed(t), i, 6.0 * (CONSTANT * i - friction) + 0.01 * noise(k)]
+        };
+        let bench = bench_of("dynamometer", 6.0, &OVER_TIME, &[(0..6000).map(row).collect()], 0);
+        let setting = Setting::uncorrected(&bench, Some(20.0));
+        let mut work = Work::new(&bench, Balance::new(&bench, Target::Torque, &setting).expect("rows"));
+        add(&mut work, "coulomb_friction", 0.0);
+        dependent(&work, &setting).iter().map(|d| d.effect.name()).collect()
+    }
+
+    #[test]
+    fn a_value_that_depends_on_the_band_is_none_of_the_machine() {
+        assert!(dependent_with(0.0).is_empty());
+        assert_eq!(dependent_with(0.02), ["coulomb_friction"]);
+    }
+
+    #[test]
+    fn what_depends_is_told_with_both_values() {
+        let depends = Dependent { effect: crate::effects::effect("coulomb_friction").unwrap(), values: (0.5, 0.25) };
+        assert_eq!(
+            depends.narrowed(20.0),
+            "Coulomb friction is 0.5 N*m up to 20 Hz and 0.25 up to 10 Hz: the band is narrowed to 10 Hz"
+        );
+        assert!(depends.refused(20.0).ends_with("is no property of the machine"));
+    }
+}

@@ -14,21 +14,25 @@ use super::travel;
 use super::work::{Fit, Kind, Term, Work};
 use crate::effects::{EFFECTS, Effect, Shape};
 use crate::measured::answer::evidence::{Asked, Gain};
-use crate::measured::answer::{Ground, Refused};
+use crate::measured::answer::{Base, Ground, INTERVAL, Refused};
 use crate::measured::select::CHANCE;
 use crate::numerics::sums::{finite_sum, paired};
 
-/// Least share of the left-out squared error that an effect must take away to be worth a name: 3 % of the
+/// Least share of the left-out squared error that an effect must take away to be worth a name: 2 % of the
 /// error itself.
-pub const WORTH: f64 = 0.06;
+pub const WORTH: f64 = 0.04;
 /// A gain must be this many standard errors above zero between blocks.
 pub const SURE: f64 = 2.5;
 /// Share of the error by which an effect must win over a simpler one to be told instead of it.
 const NEAR: f64 = 0.02;
-/// Standard errors of a 95 % interval: a value within its own error of zero is none.
-const OWN_ERROR: f64 = 1.96;
+/// What holds 95 % of the lengths of two values of standard error one, as [`INTERVAL`] does of one.
+const INTERVAL_OF_TWO: f64 = 2.45;
 /// A shape this near to the end of its window, as a share, is not seen.
 const EDGE: f64 = 0.03;
+/// How many of the candidates that do not earn a name alone are asked two at a time.
+const NEAR_ENOUGH: usize = 4;
+/// Share of what an effect takes away that something else must, to look like it.
+const RECOVERS: f64 = 0.7;
 /// Repetitions with random signs.
 const REPETITIONS: usize = 400;
 /// Share of its gain that a candidate must keep beside a free drift in time.
@@ -55,20 +59,9 @@ pub struct Candidate {
     /// The gain in standard errors between blocks.
     pub sure: f64,
     /// What each block says of it.
-    scores: Scores,
-    columns: Vec<Vec<f64>>,
-}
-
-impl Candidate {
-    /// How far its values are from zero.
-    pub fn statistic(&self) -> f64 {
-        self.scores.statistic()
-    }
-
+    pub scores: Scores,
     /// Its columns.
-    pub fn columns(&self) -> &[Vec<f64>] {
-        &self.columns
-    }
+    pub columns: Vec<Vec<f64>>,
 }
 
 /// A term that can be spared.
@@ -152,71 +145,88 @@ impl Selection {
         self.barred.iter().any(|(e, s)| *e == effect && (effect.shape() != Shape::Order || *s == shape))
     }
 
-    /// The next effect to add, with its shape.
-    pub fn next(&mut self, work: &Work) -> Option<(&'static dyn Effect, f64)> {
-        let fit = work.fit();
-        let mut candidates = evaluate_all(work, &fit, &self.open);
+    /// What to add next: an effect with its shape, or two of which each is hidden by what the other leaves.
+    pub fn next(&mut self, work: &Work) -> Vec<(&'static dyn Effect, f64)> {
+        let asked = Asking::new(work, &self.open);
+        let mut candidates = asked.candidates.clone();
         candidates.retain(|c| !self.is_barred(c.effect, c.shape));
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let threshold = chance_threshold(work, &candidates);
-        let drift = drift(work);
-        let drift_gain = gain_of(work, &fit, &drift);
-        let basics = self.basics_suffice(work, &fit, &candidates);
+        let basics = self.basics_suffice(work, &asked.fit, &candidates);
         let mut accepted: Option<Candidate> = None;
+        let mut hidden: Vec<Candidate> = Vec::new();
         for candidate in candidates {
             let name = candidate.effect.name();
-            if work.terms.iter().any(|t| is(t, candidate.effect)) && candidate.effect.shape() != Shape::Order {
+            let already = work.terms.iter().any(|t| is(t, candidate.effect));
+            if already && candidate.effect.shape() != Shape::Order {
                 continue;
             }
-            let already = work.terms.iter().any(|t| is(t, candidate.effect));
             if basics && !candidate.effect.is_basic() {
                 continue;
             }
-            if let Some(first) = self.comes_after(work, &fit, candidate.effect) {
+            if let Some(first) = self.comes_after(work, &asked.fit, candidate.effect) {
                 self.refuse(name, format!("`{first}` comes first"));
                 continue;
             }
-            let mut refuse = |ground: Ground, reason: String| {
-                if !already {
-                    self.refuse_on(ground, name, reason);
+            match asked.earns(work, &candidate) {
+                Err((ground, reason)) => {
+                    if !already {
+                        self.refuse_on(ground, name, reason);
+                        hidden.push(candidate);
+                    }
                 }
-            };
-            if let Some(reason) = lacks(candidate.gain, candidate.sure, candidate.scores.statistic(), threshold) {
-                refuse(Ground::Judged, reason);
-                continue;
-            }
-            if let Err(doubt) = candidate.effect.plausible(&candidate.values, &work.balance.scale) {
-                refuse(Ground::Judged, doubt.to_string());
-                continue;
-            }
-            if let Err(doubt) = holds(work, &candidate) {
-                refuse(Ground::Judged, doubt);
-                continue;
-            }
-            if let Some(best) = accepted.as_ref().filter(|best| !is_told_instead(&candidate, best)) {
-                refuse(Ground::Judged, format!("`{}` explains more", best.effect.name()));
-                continue;
-            }
-            let beside = gain_beside(work, &candidate, &drift);
-            if drift_gain > 1.15 * candidate.gain && beside < BESIDE_DRIFT * candidate.gain {
-                refuse(Ground::Drift, "a drift in time explains it as well".into());
-                continue;
-            }
-            match travel::of(work, &candidate.columns) {
-                Err(reason) => {
-                    refuse(Ground::Judged, reason);
-                    continue;
+                Ok(_) if accepted.as_ref().is_some_and(|best| !is_told_instead(&candidate, best)) => {
+                    let best = accepted.as_ref().map_or("", |best| best.effect.name());
+                    if !already {
+                        self.refuse(name, format!("`{best}` explains more"));
+                    }
                 }
                 Ok(objection) => {
-                    self.objections.retain(|(e, _)| *e != candidate.effect);
-                    self.objections.extend(objection.map(|o| (candidate.effect, o)));
+                    self.objects(candidate.effect, objection);
+                    accepted = Some(candidate);
                 }
             }
-            accepted = Some(candidate);
         }
-        let accepted = accepted?;
-        self.refused.retain(|r| r.name != accepted.effect.name());
-        Some((accepted.effect, accepted.shape))
+        let found = match accepted {
+            Some(one) => vec![one],
+            None => self.two_at_once(work, &hidden),
+        };
+        self.refused.retain(|r| !found.iter().any(|c| c.effect.name() == r.name));
+        found.into_iter().map(|c| (c.effect, c.shape)).collect()
+    }
+
+    /// Keeps in mind what logs say against each other of an effect.
+    fn objects(&mut self, effect: &'static dyn Effect, objection: Option<String>) {
+        self.objections.retain(|(e, _)| *e != effect);
+        self.objections.extend(objection.map(|o| (effect, o)));
+    }
+
+    /// Two effects of which none earns its name alone, because what the other leaves hides it: where each does beside the
+    /// other, those that take away most together.
+    fn two_at_once(&mut self, work: &Work, hidden: &[Candidate]) -> Vec<Candidate> {
+        let near: Vec<&Candidate> = hidden.iter().filter(|c| c.gain > 0.5 * WORTH).take(NEAR_ENOUGH).collect();
+        let open: Vec<&'static dyn Effect> = near.iter().map(|c| c.effect).collect();
+        let mut best: Option<(f64, [Candidate; 2], [Option<String>; 2])> = None;
+        for (k, first) in near.iter().enumerate().filter(|_| near.len() > 1) {
+            let with = with(work, first);
+            let beside = Asking::new(&with, &open);
+            for second in beside.candidates.iter().filter(|c| open[k + 1..].contains(&c.effect)) {
+                let left = finite_sum(&second.left_out);
+                if best.as_ref().is_some_and(|b| b.0 <= left) || self.is_barred(second.effect, second.shape) {
+                    continue;
+                }
+                let Ok(own) = beside.earns(&with, second) else { continue };
+                let other = self::with(work, second);
+                let back = Asking::new(&other, &open);
+                let again = back.candidates.iter().find(|c| c.effect == first.effect);
+                let Some((first, Ok(its))) = again.map(|c| (c, back.earns(&other, c))) else { continue };
+                best = Some((left, [first.clone(), second.clone()], [its, own]));
+            }
+        }
+        let Some((_, pair, objections)) = best else { return Vec::new() };
+        for (candidate, objection) in pair.iter().zip(objections) {
+            self.objects(candidate.effect, objection);
+        }
+        pair.to_vec()
     }
 
     /// What an effect is defined beyond, where that is not in the model yet and worth it: asymmetry is what
@@ -302,7 +312,7 @@ impl Selection {
     pub fn back_to_the_best(&mut self, work: &mut Work) {
         let now = work.fit().left_out;
         let Some((terms, left_out)) = self.best.take() else { return };
-        if paired(&now, &left_out) > 1.0 && finite_sum(&left_out) < finite_sum(&now) && same_rows(&terms, work) {
+        if paired(&now, &left_out) > 1.0 && finite_sum(&left_out) < finite_sum(&now) {
             work.terms = terms;
         }
     }
@@ -334,11 +344,77 @@ impl Selection {
             .filter(|c| {
                 let recovered = finite_sum(&base.left_out) - finite_sum(&c.left_out);
                 let worse = paired(&c.left_out, &fit.left_out);
-                c.effect.plausible(&c.values, &work.balance.scale).is_ok() && worse < 2.0 && recovered > 0.7 * lost
+                c.effect.plausible(&c.values, &work.balance.scale).is_ok() && worse < 2.0 && recovered > RECOVERS * lost
             })
             .map(|c| c.effect)
             .collect()
     }
+}
+
+/// A parameter that is held as declared, another value of which would explain an effect's part about as well.
+pub fn held_look_alike(work: &Work, term: usize, held: &[Base]) -> Option<Base> {
+    let fit = work.fit();
+    let without = work.columns_without(term);
+    let base = finite_sum(&work.fit_columns(&without).left_out);
+    let lost = base - finite_sum(&fit.left_out);
+    let index = |which: &Base| work.balance.base.iter().position(|b| b.which == *which);
+    held.iter().copied().find(|which| {
+        let Some(column) = index(which).map(|i| work.balance.base_column(i)) else { return false };
+        let columns: Vec<&[f64]> = without.iter().copied().chain([column.as_slice()]).collect();
+        let with = work.fit_columns(&columns).left_out;
+        base - finite_sum(&with) > RECOVERS * lost && paired(&with, &fit.left_out) < 2.0
+    })
+}
+
+/// What effects would do for a model, and what they have to beat.
+struct Asking {
+    fit: Fit,
+    /// Each at its best shape.
+    candidates: Vec<Candidate>,
+    /// The statistic that the best of all reaches by chance.
+    threshold: f64,
+    /// A free drift in time, and the share of the left-out error that it takes away.
+    drift: (Vec<Vec<f64>>, f64),
+}
+
+impl Asking {
+    fn new(work: &Work, open: &[&'static dyn Effect]) -> Asking {
+        let fit = work.fit();
+        let candidates = evaluate_all(work, &fit, open);
+        let threshold = chance_threshold(work, &candidates);
+        let drift = drift(work);
+        let gain = gain_of(work, &fit, &drift);
+        Asking { fit, candidates, threshold, drift: (drift, gain) }
+    }
+
+    /// Whether a candidate earns its name beside the model, and what logs say against each other of it all the same.
+    ///
+    /// # Errors
+    /// Why not.
+    fn earns(&self, work: &Work, candidate: &Candidate) -> Result<Option<String>, (Ground, String)> {
+        let judged = |reason: String| (Ground::Judged, reason);
+        let statistic = candidate.scores.statistic();
+        lacks(candidate.gain, candidate.sure, statistic, self.threshold).map_or(Ok(()), |r| Err(judged(r)))?;
+        candidate.effect.plausible(&candidate.values, &work.balance.scale).map_err(|d| judged(d.to_string()))?;
+        holds(work, candidate).map_err(judged)?;
+        let (drift, drift_gain) = &self.drift;
+        let beside = gain_beside(work, candidate, drift);
+        if *drift_gain > 1.15 * candidate.gain && beside < BESIDE_DRIFT * candidate.gain {
+            return Err((Ground::Drift, "a drift in time explains it as well".into()));
+        }
+        travel::of(work, &candidate.columns).map_err(judged)
+    }
+}
+
+/// A model with a candidate.
+fn with<'w>(work: &Work<'w>, candidate: &Candidate) -> Work<'w> {
+    let mut with = work.clone();
+    with.terms.push(Term {
+        kind: Kind::Effect(candidate.effect, candidate.shape),
+        columns: candidate.columns.clone(),
+        declared: None,
+    });
+    with
 }
 
 /// What a candidate lacks to earn a name: a gain that is worth it, surer than its scatter between blocks, and a statistic
@@ -349,7 +425,7 @@ fn lacks(gain: f64, sure: f64, statistic: f64, threshold: f64) -> Option<String>
         return Some(if percent < 0.05 {
             "it would not lower the left-out error".into()
         } else {
-            format!("it would lower the left-out error by {percent:.1} %, less than 3 %")
+            format!("it would lower the left-out error by {percent:.1} %, less than 2 %")
         });
     }
     if sure < SURE {
@@ -369,11 +445,6 @@ fn is_told_instead(candidate: &Candidate, best: &Candidate) -> bool {
     (tied || near) && rank(candidate.effect) < rank(best.effect)
 }
 
-/// Whether terms have columns of this balance.
-fn same_rows(terms: &[Term], work: &Work) -> bool {
-    terms.iter().flat_map(|t| &t.columns).all(|c| c.len() == work.target.len())
-}
-
 /// Scores of a term's columns beside all others.
 fn scores_of(work: &Work, term: usize) -> Scores {
     let mut columns = work.columns_without(term);
@@ -385,12 +456,7 @@ fn scores_of(work: &Work, term: usize) -> Scores {
 /// Whether a candidate's values hold beside the model: beyond their own error, within the window of the shape, and with
 /// numbers of the declared model that keep a sign they can have.
 fn holds(work: &Work, candidate: &Candidate) -> Result<(), String> {
-    let mut with = work.clone();
-    with.terms.push(Term {
-        kind: Kind::Effect(candidate.effect, candidate.shape),
-        columns: candidate.columns.clone(),
-        declared: None,
-    });
+    let with = with(work, candidate);
     believed(&with, with.terms.len() - 1)
 }
 
@@ -410,12 +476,12 @@ pub fn believed(work: &Work, term: usize) -> Result<(), String> {
     let own = covariance.view((offset, offset), (effect.linear(), effect.linear())).into_owned();
     let beyond = if effect.linear() == 2 {
         let value = nalgebra::DVector::from_vec(coefficients.clone());
-        own.cholesky().map_or(f64::INFINITY, |c| value.dot(&c.solve(&value))).sqrt() / 2.45 * OWN_ERROR
+        own.cholesky().map_or(f64::INFINITY, |c| value.dot(&c.solve(&value))).sqrt() / INTERVAL_OF_TWO * INTERVAL
     } else {
         coefficients[0].abs() / own[(0, 0)].sqrt().max(f64::MIN_POSITIVE)
     };
-    if beyond < OWN_ERROR {
-        return Err(format!("its value is not beyond its own error ({:.1} standard errors)", beyond));
+    if beyond < INTERVAL {
+        return Err(format!("its value is not beyond its own error ({beyond:.1} standard errors)"));
     }
     if let Some((low, high)) = window(work, effect)
         && !effect.is_of_torque_constant()
@@ -468,14 +534,14 @@ fn values_of(effect: &dyn Effect, shape: f64, linear: impl Iterator<Item = f64>)
 
 /// Shapes to try.
 fn shapes(work: &Work, fit: &Fit, effect: &'static dyn Effect) -> Vec<f64> {
-    let scale = &work.balance.scale;
-    let spaced = |low: f64, high: f64, n: usize| -> Vec<f64> {
+    let spaced = |n: usize| -> Vec<f64> {
+        let Some((low, high)) = window(work, effect) else { return Vec::new() };
         (0..n).map(|k| low * (high / low).powf(k as f64 / (n - 1) as f64)).collect()
     };
     match effect.shape() {
         Shape::None => vec![0.0],
-        Shape::Speed(search) => spaced(search.from * scale.speed, search.to * scale.speed, 10),
-        Shape::Current(search) => spaced(search.from * scale.current, search.to * scale.current, 8),
+        Shape::Speed(_) => spaced(10),
+        Shape::Current(_) => spaced(8),
         Shape::Order => {
             let mut orders = order_scores(work, fit, effect);
             orders.retain(|(order, _)| {

@@ -68,7 +68,7 @@ pub fn of_speed(work: &Work) -> Vec<Vec<f64>> {
 /// Share of the residual that each order explains, roughly: without the filter, where it is slow enough to
 /// pass it.
 pub(crate) fn order_scores(work: &Work, fit: &Fit, effect: &dyn Effect) -> Vec<(f64, f64)> {
-    let residual = work.residual(fit);
+    let residual = work.weighed(work.residual(fit));
     let balance = &work.balance;
     let probes = [0.0_f64, 1.0].map(|shape| {
         // At order zero the cosine is one: what the harmonics are multiplied with.

@@ -10,6 +10,8 @@ const SCALE: f64 = 0.15;
 const FOLLOWS: (f64, f64) = (0.9, 0.3);
 /// Least times its noise that a speed must move to be compared.
 const MOVES: f64 = 5.0;
+/// A speed whose mean is this many times its changes is one speed.
+const STEADY: f64 = 3.0;
 /// Share of the sampling rate up to which speeds are compared.
 const BAND: f64 = 0.05;
 /// Largest lag that is allowed for \[s\].
@@ -29,17 +31,12 @@ pub fn contradictions(log: &Log, ratio: f64, linear: bool, pole_pairs: Option<u3
     .into_iter()
     .filter_map(|(channel, factor)| Some((channel, speed(log, channel, factor, linear)?)))
     .collect();
+    // Each against the first position that there is; one contradiction is enough.
+    let Some(((against, reference), others)) = speeds.split_first() else { return Vec::new() };
     let Some(step) = longest(log).map(|r| signals::median_step(&log.time[r])) else { return Vec::new() };
-    let mut found = Vec::new();
-    // Each velocity against the first position that there is, and the second position against the first.
-    for (k, (channel, values)) in speeds.iter().enumerate().skip(1) {
-        let (against, reference) = &speeds[0];
-        found.extend(compare(*channel, values, *against, reference, step, ratio, pole_pairs));
-        if k == 3 || !found.is_empty() {
-            break;
-        }
-    }
-    found
+    let mut found =
+        others.iter().filter_map(|(channel, own)| compare(*channel, own, *against, reference, step, ratio, pole_pairs));
+    found.next().into_iter().collect()
 }
 
 /// The longest stretch between gaps.
@@ -60,26 +57,30 @@ fn speed(log: &Log, channel: Channel, factor: f64, linear: bool) -> Option<Vec<f
     let speed = if is_position { signals::derivative(&even, step) } else { even };
     let noise = signals::noise_level(&speed) * filter.noise_gain().sqrt();
     let slow = filter.apply(&speed);
-    (spread(&slow) > MOVES * noise && spread(&slow) > 0.0).then(|| slow.iter().map(|v| v * factor).collect())
+    let moves = size(&slow, mean(&slow)).max(mean(&slow).abs());
+    (moves > MOVES * noise && moves > 0.0).then(|| slow.iter().map(|v| v * factor).collect())
 }
 
-fn spread(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Correlation at the lag at which it is largest in size.
-fn correlation(a: &[f64], b: &[f64], most: usize) -> f64 {
+/// Root mean square about a level.
+fn size(values: &[f64], level: f64) -> f64 {
+    (values.iter().map(|v| (v - level).powi(2)).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// Correlation of what two speeds are beyond their levels, at the lag at which it is largest in size.
+fn correlation(a: &[f64], b: &[f64], (of_a, of_b): (f64, f64), most: usize) -> f64 {
     let n = a.len();
     let at = |lag: isize| {
         let (from, to) = (lag.max(0) as usize, (n as isize + lag.min(0)) as usize);
         let (x, y) = (&a[from..to], &b[(from as isize - lag) as usize..(to as isize - lag) as usize]);
-        let (mx, my) = (x.iter().sum::<f64>() / x.len() as f64, y.iter().sum::<f64>() / y.len() as f64);
         let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
         for (x, y) in x.iter().zip(y) {
-            xx += (x - mx).powi(2);
-            yy += (y - my).powi(2);
-            xy += (x - mx) * (y - my);
+            xx += (x - of_a).powi(2);
+            yy += (y - of_b).powi(2);
+            xy += (x - of_a) * (y - of_b);
         }
         xy / (xx * yy).sqrt()
     };
@@ -106,14 +107,17 @@ fn compare(
     ratio: f64,
     pole_pairs: Option<u32>,
 ) -> Option<About> {
-    let follows = correlation(values, reference, (LAG / step) as usize);
+    // What turns at one speed says by its level what it is; what turns both ways by how it changes, whatever its zero.
+    let turns = mean(reference).abs() > STEADY * size(reference, mean(reference));
+    let levels = if turns { (0.0, 0.0) } else { (mean(values), mean(reference)) };
+    let follows = correlation(values, reference, levels, (LAG / step) as usize);
     if follows.abs() < FOLLOWS.1 {
         return Some(About::Unrelated { channel, against });
     }
     if follows < -FOLLOWS.0 {
         return Some(About::Sign { channel, against });
     }
-    let factor = spread(values) / spread(reference);
+    let factor = size(values, levels.0) / size(reference, levels.1);
     (follows > FOLLOWS.0 && (factor - 1.0).abs() > SCALE).then(|| About::Scale {
         channel,
         against,
@@ -184,5 +188,29 @@ mod tests {
         assert!(matches!(said(-1.0, 0.0)[..], [About::Sign { channel: Channel::MotorVelocity, .. }]));
         assert!(matches!(said(1.0, 60.0)[..], [About::Unrelated { .. }]));
         assert!(said(-1.0, 0.0)[0].contradicts());
+    }
+
+    /// At one speed the level says what the velocity is.
+    #[test]
+    fn what_turns_at_one_speed_is_compared_by_its_level() {
+        let said = |factor: f64| {
+            let columns = [
+                "time = { name = \"0\", unit = \"s\" }",
+                "motor_position = { name = \"1\", unit = \"rad\" }",
+                "motor_velocity = { name = \"2\", unit = \"rad/s\" }",
+                "current = { name = \"3\", unit = \"A\", convention = \"q_axis\" }",
+                "torque = { name = \"4\", unit = \"N*m\", side = \"output\" }",
+            ];
+            let row = |k: usize| {
+                let t = 2e-3 * k as f64;
+                vec![t, 40.0 * t, factor * (40.0 + 0.2 * noise(k)), noise(k + 900), noise(k + 1900)]
+            };
+            let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
+            contradictions(&bench.logs[0], 9.0, false, Some(7))
+        };
+        assert_eq!(said(1.0), []);
+        assert_eq!(said(1.1), []);
+        assert!(matches!(said(9.0)[..], [About::Scale { reads: Some(_), .. }]));
+        assert!(matches!(said(-1.0)[..], [About::Sign { .. }]));
     }
 }

@@ -22,6 +22,7 @@ mod refit;
 pub(crate) mod regression;
 mod report;
 mod ripple;
+mod robust;
 mod scores;
 mod structure;
 mod travel;
@@ -46,8 +47,6 @@ pub struct Options {
     pub band: Option<f64>,
 }
 
-/// Most rows that regressions see.
-const ROWS: usize = 24_000;
 /// How often the band is halved to find one that values do not depend on.
 const NARROWED: usize = 2;
 /// Most effects and orders that are added one after the other.
@@ -114,7 +113,7 @@ fn run(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
         findings.push(Finding { log: log.name.clone(), about: About::Owns { from, to, share } });
     }
     let mut again = once(&without, target, options)?;
-    again.findings = findings;
+    again.findings.extend(findings);
     Some(again)
 }
 
@@ -125,12 +124,7 @@ fn once(bench: &Bench, target: Target, options: &Options) -> Option<Report> {
 
 /// The same after the band was halved so many times.
 fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> Option<Report> {
-    let wide = Setting {
-        corrections: Corrections::none(bench.logs.len()),
-        band: options.band,
-        rows: ROWS,
-        samples: usize::MAX,
-    };
+    let wide = Setting::uncorrected(bench, options.band);
     let mut first = Balance::new(bench, target, &wide)?;
     let mut band = options.band;
     if band.is_none()
@@ -139,7 +133,8 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         band = Some(narrower);
         first = Balance::new(bench, target, &Setting { band, ..wide })?;
     }
-    let setting = |corrections| Setting { corrections, band, rows: ROWS, samples: usize::MAX };
+    robust::weigh(&mut first);
+    let setting = |corrections| Setting { corrections, ..Setting::uncorrected(bench, band) };
     let as_declared = report::declared_stage(bench, &first);
     let may_be_late = artefacts::shows_lags(bench, &first);
     let mut corrections = artefacts::find(bench, first, &setting);
@@ -150,12 +145,15 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
     let refit = work.fit();
     stages.push(work.stage(Step::Refit, &refit));
     let mut ripple = ripple::find(bench, target, &setting(corrections.clone()), &work.balance, may_be_late);
-    if ripple.is_none() && corrections.motion_lag != 0.0 {
+    if ripple.is_none() && (corrections.motion_lag, corrections.target_lag) != (0.0, 0.0) {
         // Ripple that nobody expects looks like a lag: without it the orders may stand out.
-        let early = Corrections { motion_lag: 0.0, ..corrections.clone() };
-        let lag = -corrections.motion_lag;
-        let found = ripple::find(bench, target, &setting(early), &work.balance, may_be_late);
-        ripple = found.map(|r| orders::Ripple { lag: r.lag + lag, ..r });
+        let early = Corrections { motion_lag: 0.0, target_lag: 0.0, ..corrections.clone() };
+        ripple = ripple::find(bench, target, &setting(early.clone()), &work.balance, may_be_late);
+        if ripple.is_some() {
+            corrections = early;
+            work = Work::new(bench, Balance::new(bench, target, &setting(corrections.clone()))?);
+            held = work.hold_what_is_not_seen();
+        }
     }
     if let Some(lag) = ripple.as_ref().map(|r| r.lag).filter(|lag| *lag != 0.0) {
         // Nothing tells a lag as sharply as teeth do.
@@ -244,18 +242,20 @@ struct OnBalance<'w, 'b> {
 }
 
 impl Judge for OnBalance<'_, '_> {
-    type Candidate = (&'static dyn Effect, f64);
+    type Candidate = Vec<(&'static dyn Effect, f64)>;
 
     fn next(&mut self) -> Option<Self::Candidate> {
-        self.selection.next(self.work)
+        Some(self.selection.next(self.work)).filter(|found| !found.is_empty())
     }
 
-    fn add(&mut self, (effect, shape): Self::Candidate) {
-        let columns = self.work.balance.effect_columns(effect, shape);
-        self.work.terms.push(Term { kind: Kind::Effect(effect, shape), columns, declared: None });
-        self.work.refine_shapes();
-        let fit = self.work.fit();
-        self.stages.push(self.work.stage(Step::Added(effect, shape), &fit));
+    fn add(&mut self, found: Self::Candidate) {
+        for (effect, shape) in found {
+            let columns = self.work.balance.effect_columns(effect, shape);
+            self.work.terms.push(Term { kind: Kind::Effect(effect, shape), columns, declared: None });
+            self.work.refine_shapes();
+            let fit = self.work.fit();
+            self.stages.push(self.work.stage(Step::Added(effect, shape), &fit));
+        }
     }
 }
 

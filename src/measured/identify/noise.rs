@@ -267,6 +267,7 @@ fn level(left: &[f64], columns: &[Vec<f64>], at: usize, length: usize, independe
         log: vec![0; length],
         block: vec![0; length],
         time: vec![0.0; length],
+        weight: Vec::new(),
         block_log: vec![0],
         block_fits: vec![true],
     };

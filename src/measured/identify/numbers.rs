@@ -123,8 +123,7 @@ fn add_to_its_order(found: &mut Found, values: &[f64], covariance: &[[f64; 2]; 2
     let Some(instance) = found.instances.iter_mut().find(|i| i.last() == Some(order)) else { return false };
     for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
         instance[j] += values[j];
-        let named = Named::new(effect, Some(*order), parameter.name).to_string();
-        let name = named.trim_start_matches(effect.name()).trim_start_matches('.');
+        let name = Named::new(effect, Some(*order), parameter.name).within();
         for own in found.parameters.iter_mut().filter(|p| p.name == name) {
             own.fitted += values[j];
             own.standard_error = own.standard_error.map(|e| e.hypot(covariance[j][j].max(0.0).sqrt()));
@@ -148,9 +147,8 @@ fn of_ripple(work: &Work, list: &mut Vec<Found>) {
                 continue;
             }
             for (j, parameter) in effect.parameters()[..effect.linear()].iter().enumerate() {
-                let named = Named::new(*effect, values.last().copied(), parameter.name).to_string();
                 parameters.push(Parameter {
-                    name: named.trim_start_matches(effect.name()).trim_start_matches('.').to_string(),
+                    name: Named::new(*effect, values.last().copied(), parameter.name).within(),
                     declared: None,
                     fitted: values[j],
                     standard_error: Some(line.covariance[j][j].max(0.0).sqrt()),
@@ -160,7 +158,8 @@ fn of_ripple(work: &Work, list: &mut Vec<Found>) {
             let column = work.balance.variable(false, |at| work.balance.factor * effect.value(values, at));
             square += column.iter().map(|v| v * v).sum::<f64>() / column.len().max(1) as f64;
             instances.push(values.clone());
-            confounded_with.extend(line.twin.filter(|t| !confounded_with.contains(t)));
+            let new: Vec<_> = line.twins.iter().copied().filter(|t| !confounded_with.contains(t)).collect();
+            confounded_with.extend(new);
         }
         match list.iter_mut().find(|f| f.effect == *effect) {
             Some(same) => {
@@ -193,7 +192,8 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
         let mut instance: Vec<f64> = (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]).collect();
         let mut parameters = Vec::new();
         for (index, parameter) in effect.parameters().iter().enumerate() {
-            let name = Named::new(effect, Some(shape), parameter.name).to_string();
+            let named = Named::new(effect, Some(shape), parameter.name);
+            let name = named.to_string();
             if effect.is_of_torque_constant() && index == effect.linear() {
                 // Its depth goes with slope over current squared.
                 let slope =
@@ -207,7 +207,7 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
                 });
             } else if let Some(i) = names.iter().position(|n| *n == name) {
                 parameters.push(Parameter {
-                    name: name.trim_start_matches(effect.name()).trim_start_matches('.').to_string(),
+                    name: named.within(),
                     declared: None,
                     fitted: values[i],
                     standard_error: Some(matrix[(i, i)].max(0.0).sqrt()),
@@ -234,7 +234,7 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
                 instances: vec![instance],
                 size: square.sqrt(),
                 held_out_before: None,
-                held_out_after: work.error(&fit, false).map(|e| e.0),
+                held_out_after: work.error(&work.columns(), &fit, false).map(|e| e.0),
                 confounded_with: selection.look_alikes(work, t),
             }),
         }
@@ -260,7 +260,7 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
             .map(Vec::as_slice)
             .collect();
         let without = work.fit_columns(&columns);
-        entry.held_out_before = work.error(&without, false).map(|e| e.0);
+        entry.held_out_before = work.error(&columns, &without, false).map(|e| e.0);
     }
     // What repeats with an angle was found first; friction is what one wants to hear first.
     list.sort_by_key(|found| found.effect.shape() == Shape::Order);

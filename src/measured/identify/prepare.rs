@@ -9,17 +9,23 @@ use crate::measured::answer::findings::{About, Finding};
 use crate::measured::bench::{Bench, BenchKind, Channel, Log};
 use crate::measured::signals;
 
-/// Channels that an instrument reads from row to row.
-pub const MEASURED: [Channel; 8] = [
+/// Channels that an instrument reads from row to row, but for positions.
+const VALUES: [Channel; 6] = [
     Channel::Current,
     Channel::Voltage,
     Channel::Torque,
     Channel::MotorVelocity,
     Channel::OutputVelocity,
     Channel::OutputAcceleration,
-    Channel::MotorPosition,
-    Channel::OutputPosition,
 ];
+/// Positions, which go on where a value is left out.
+const POSITIONS: [Channel; 2] = [Channel::MotorPosition, Channel::OutputPosition];
+
+/// All of them.
+fn measured() -> impl Iterator<Item = Channel> {
+    VALUES.into_iter().chain(POSITIONS)
+}
+
 /// A channel that repeats more than this share of its rows may be held.
 const REPEATS: f64 = 0.45;
 /// One that repeats less is read afresh at every row.
@@ -32,8 +38,12 @@ const JUMPS: f64 = 1.5;
 const STALE: (usize, f64) = (6, 0.02);
 /// A spike is this many times further from its neighbours than samples usually are.
 const SPIKE: f64 = 30.0;
+/// Fewest samples of a log that is looked at.
+const FEWEST: usize = 32;
 /// Share of a log that may be left out.
 const LEFT_OUT: f64 = 0.2;
+/// So much later is another sample \[s\].
+const JUST_AFTER: f64 = 1e-9;
 /// Steps of time that differ by more, as a share of the usual one, are irregular.
 const IRREGULAR: f64 = 0.25;
 
@@ -45,41 +55,29 @@ pub fn prepare(bench: &Bench) -> (Bench, Vec<Finding>) {
     let linear = bench.declared.motor.is_none();
     let pole_pairs = bench.declared.motor.as_ref().and_then(|m| m.pole_pairs);
     for log in &mut bench.logs {
-        let mut find = |about| findings.push(Finding { log: log.name.clone(), about });
-        log.estimated.iter().for_each(|c| find(About::Estimated(*c)));
-        if log.kind == BenchKind::SteadyTable || log.len() < 32 {
-            continue;
+        let mut found: Vec<About> = log.estimated.iter().map(|c| About::Estimated(*c)).collect();
+        if log.kind != BenchKind::SteadyTable && log.len() >= FEWEST {
+            found.extend(irregular(&log.time));
+            found.extend(held(log));
+            found.extend(spikes(log));
+            found.extend(clipped(log));
+            found.extend(stale(log));
+            found.extend(machine::contradictions(log, ratio, linear, pole_pairs));
+            leave_out(log);
         }
-        irregular(&log.time).into_iter().for_each(&mut find);
-        let held = held(log);
-        for about in held {
-            findings.push(Finding { log: log.name.clone(), about });
-        }
-        let mut found = Vec::new();
-        found.extend(spikes(log));
-        found.extend(clipped(log));
-        found.extend(stale(log));
-        found.extend(machine::contradictions(log, ratio, linear, pole_pairs));
         findings.extend(found.into_iter().map(|about| Finding { log: log.name.clone(), about }));
-        leave_out(log);
     }
     (bench, findings)
 }
 
 /// Takes out what lies in the stretches that are excluded.
 pub fn leave_out(log: &mut Log) {
-    let excluded = log.excluded.clone();
-    if excluded.is_empty() {
-        return;
-    }
-    let time = &log.time;
-    for (channel, values) in &mut log.channels {
-        if !MEASURED[..6].contains(channel) {
-            continue;
-        }
-        for (value, t) in values.iter_mut().zip(time) {
-            if excluded.iter().any(|e| e.contains(t)) {
-                *value = f64::NAN;
+    for stretch in &log.excluded {
+        let from = log.time.partition_point(|t| *t < stretch.start);
+        let to = log.time.partition_point(|t| *t < stretch.end);
+        for channel in VALUES {
+            if let Some(values) = log.channels.get_mut(&channel) {
+                values[from..to.max(from)].fill(f64::NAN);
             }
         }
     }
@@ -126,7 +124,7 @@ fn hold(values: &[f64], step: f64) -> Option<(f64, Vec<usize>)> {
 fn held(log: &mut Log) -> Vec<About> {
     let step = signals::median_step(&log.time);
     let measured: Vec<Channel> =
-        log.channels.keys().copied().filter(|c| MEASURED.contains(c) && !log.held.contains(c)).collect();
+        log.channels.keys().copied().filter(|c| measured().any(|m| m == *c) && !log.held.contains(c)).collect();
     let holds: Vec<(Channel, f64, Vec<usize>)> =
         measured.iter().filter_map(|c| hold(&log.channels[c], step).map(|(rows, places)| (*c, rows, places))).collect();
     if holds.is_empty() {
@@ -159,38 +157,41 @@ fn held(log: &mut Log) -> Vec<About> {
     found
 }
 
+/// How far the middle one of three samples is from the mean of the others.
+fn off_its_neighbours(three: &[f64]) -> f64 {
+    (three[1] - 0.5 * (three[0] + three[2])).abs()
+}
+
 /// Takes out single samples far off both neighbours, which agree; not where another channel leaps at the same time: then it
 /// is the machine that did.
 fn spikes(log: &mut Log) -> Vec<About> {
-    let mut leaps: Vec<(Channel, Vec<usize>)> = Vec::new();
-    for channel in MEASURED {
+    // Of each channel how far samples usually are off their neighbours, and where they are far off.
+    let mut leaps: Vec<(Channel, f64, Vec<usize>)> = Vec::new();
+    for channel in measured() {
         let Some(values) = log.channels.get(&channel).filter(|v| v.len() >= 64) else { continue };
-        let off: Vec<f64> = values.windows(3).map(|w| (w[1] - 0.5 * (w[0] + w[2])).abs()).collect();
+        let off: Vec<f64> = values.windows(3).map(off_its_neighbours).collect();
         let usual = signals::quantile(off.clone(), 0.9).unwrap_or(0.0);
         let level = values.iter().filter(|v| v.is_finite()).map(|v| v.abs()).fold(0.0, f64::max);
         if usual > 1e-6 * level {
-            leaps.push((channel, (0..off.len()).filter(|k| off[*k] > 0.25 * SPIKE * usual).map(|k| k + 1).collect()));
+            let far = (0..off.len()).filter(|k| off[*k] > 0.25 * SPIKE * usual).map(|k| k + 1).collect();
+            leaps.push((channel, usual, far));
         }
     }
     let mut found = Vec::new();
-    for (channel, at) in &leaps {
-        if !MEASURED[..6].contains(channel) || log.fresh.contains_key(channel) {
+    for (channel, usual, at) in &leaps {
+        if !VALUES.contains(channel) || log.fresh.contains_key(channel) {
             continue;
         }
         let elsewhere = |k: usize| {
-            let mut others = leaps.iter().filter(|(c, _)| c != channel).flat_map(|(_, at)| at);
+            let mut others = leaps.iter().filter(|(c, ..)| c != channel).flat_map(|(.., at)| at);
             others.any(|o| o.abs_diff(k) <= 3)
         };
         let Some(values) = log.channels.get_mut(channel) else { continue };
-        let off = |k: usize| (values[k] - 0.5 * (values[k - 1] + values[k + 1])).abs();
-        let usual = signals::quantile((1..values.len() - 1).map(off).collect(), 0.9).unwrap_or(0.0);
-        let alone: Vec<usize> = at
-            .iter()
-            .copied()
-            .filter(|k| {
-                off(*k) > SPIKE * usual && (values[k + 1] - values[k - 1]).abs() < 0.3 * off(*k) && !elsewhere(*k)
-            })
-            .collect();
+        let is_wild = |k: &usize| {
+            let off = off_its_neighbours(&values[k - 1..=k + 1]);
+            off > SPIKE * usual && (values[k + 1] - values[k - 1]).abs() < 0.3 * off && !elsewhere(*k)
+        };
+        let alone: Vec<usize> = at.iter().copied().filter(is_wild).collect();
         if alone.is_empty() || alone.len() as f64 > 0.01 * values.len() as f64 {
             continue;
         }
@@ -204,7 +205,7 @@ fn spikes(log: &mut Log) -> Vec<About> {
 fn clipped(log: &mut Log) -> Vec<About> {
     let mut found = Vec::new();
     for (channel, values) in &log.channels {
-        if !MEASURED[..5].contains(channel) {
+        if !VALUES.contains(channel) || *channel == Channel::OutputAcceleration {
             continue;
         }
         let (_, repeats) = fresh(values);
@@ -220,7 +221,7 @@ fn clipped(log: &mut Log) -> Vec<About> {
                 continue;
             }
             for r in runs {
-                log.excluded.push(log.time[r.start]..log.time[r.end - 1] + f64::MIN_POSITIVE.max(1e-9));
+                log.excluded.push(log.time[r.start]..log.time[r.end - 1] + JUST_AFTER);
             }
             found.push(About::Clipped { channel: *channel, at, share });
         }
@@ -246,7 +247,7 @@ fn stale(log: &mut Log) -> Vec<About> {
     let step = signals::median_step(&log.time);
     let least = STALE.0.max((STALE.1 / step).ceil() as usize);
     let readable: Vec<Channel> =
-        MEASURED.into_iter().filter(|c| log.channels.get(c).is_some_and(|v| fresh(v).1 < FRESH)).collect();
+        measured().filter(|c| log.channels.get(c).is_some_and(|v| fresh(v).1 < FRESH)).collect();
     let mut found = Vec::new();
     let mut excluded = Vec::new();
     for channel in &readable {

@@ -15,6 +15,8 @@ pub struct Rows {
     pub block: Vec<usize>,
     /// Time of each row \[s\].
     pub time: Vec<f64>,
+    /// How much each row weighs; empty where all weigh one.
+    pub weight: Vec<f64>,
     /// Log of each block.
     pub block_log: Vec<usize>,
     /// Whether each block is for fitting; the others only judge.
@@ -37,12 +39,23 @@ impl Rows {
         self.log.iter().max().map_or(0, |l| l + 1)
     }
 
+    /// Whether a log is for fitting, at least in part.
+    pub fn fits(&self, log: usize) -> bool {
+        self.block_log.iter().zip(&self.block_fits).any(|(l, fits)| *l == log && *fits)
+    }
+
+    /// How much a row weighs.
+    pub fn weight(&self, row: usize) -> f64 {
+        self.weight.get(row).copied().unwrap_or(1.0)
+    }
+
     /// Takes the mean of each log off a column: its zero is the log's, not the actuator's.
     pub fn without_means(&self, column: &mut [f64]) {
         let mut sums = vec![(0.0, 0.0); self.logs()];
-        for (value, log) in column.iter().zip(&self.log) {
-            sums[*log].0 += value;
-            sums[*log].1 += 1.0;
+        for (k, (value, log)) in column.iter().zip(&self.log).enumerate() {
+            let weight = self.weight(k);
+            sums[*log].0 += weight * value;
+            sums[*log].1 += weight;
         }
         for (value, log) in column.iter_mut().zip(&self.log) {
             *value -= sums[*log].0 / sums[*log].1;
@@ -81,6 +94,10 @@ impl Blocks {
                 *slot = column[k];
             }
             row[size - 1] = target[k];
+            let weight = rows.weight(k);
+            if weight != 1.0 {
+                row.iter_mut().for_each(|value| *value *= weight.sqrt());
+            }
             let matrix = &mut products[rows.block[k]];
             counts[rows.block[k]] += 1;
             for i in 0..size {
@@ -217,6 +234,7 @@ mod tests {
             log: (0..n).map(|k| k / 100).collect(),
             block: (0..n).map(|k| k / 10).collect(),
             time: (0..n).map(|k| k as f64).collect(),
+            weight: Vec::new(),
             block_log: (0..20).map(|b| b / 10).collect(),
             block_fits: vec![true; 20],
         };

@@ -1,11 +1,11 @@
 //! The report of one equation: its story, what was found, what is left, and what to measure next.
 
-use super::balance::{Balance, Corrections, Setting, applies};
-use super::candidates::Selection;
+use super::balance::{Balance, Setting, applies};
+use super::candidates::{Selection, held_look_alike};
 use super::numbers::{errors, found, parameters};
 use super::structure::{self, Dependence};
 use super::work::Work;
-use super::{Options, ROWS};
+use super::{Options, robust};
 use crate::effects::{FittedEffect, Side, separating_run};
 use crate::measured::Bench;
 use crate::measured::answer::evidence::{Evidence, Gain, verdict};
@@ -45,9 +45,10 @@ fn stage_of(step: Step, balance: &Balance, left: &[f64], target: &[f64]) -> Stag
         let (mut squares, mut total, mut count) = (0.0, 0.0, 0.0);
         for k in 0..left.len() {
             if balance.rows.block_fits[balance.rows.block[k]] == fitting {
-                squares += left[k] * left[k];
-                total += target[k] * target[k];
-                count += 1.0;
+                let weight = balance.rows.weight(k);
+                squares += weight * left[k] * left[k];
+                total += weight * target[k] * target[k];
+                count += weight;
             }
         }
         let vaf = if total > 0.0 { 100.0 * (1.0 - squares / total) } else { 0.0 };
@@ -71,13 +72,8 @@ pub(crate) fn corrected_stage(work: &Work) -> Stage {
 /// What is said of logs whose channels contradict each other: their error as declared, and nothing else. `None` where the
 /// equation has no rows.
 pub fn as_declared(bench: &Bench, target: Target, options: &Options, findings: &[Finding]) -> Option<Report> {
-    let setting = Setting {
-        corrections: Corrections::none(bench.logs.len()),
-        band: options.band,
-        rows: ROWS,
-        samples: usize::MAX,
-    };
-    let balance = Balance::new(bench, target, &setting)?;
+    let mut balance = Balance::new(bench, target, &Setting::uncorrected(bench, options.band))?;
+    robust::weigh(&mut balance);
     let declared = declared_stage(bench, &balance);
     let last = Stage { step: Step::Final, ..declared.clone() };
     let nothing = contradicted(target, balance.unit, findings);
@@ -149,13 +145,14 @@ pub fn report(
         noise: super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band),
         asked,
         together: Some(together),
-        better: selection.better(&fit.left_out).map(|left_out| work.root_mean_square(&fit, left_out)),
+        better: selection.better(&fit.left_out).map(|left_out| work.root_mean_square(left_out)),
         worse_by_refitting: refitting.is_harm(),
         contradicted: false,
         dead: channel.filter(|channel| work.bench.is_dead(*channel)),
         unrelated: channel.is_some() && Evidence::does_not_follow(accounted.0, accounted.1, explains),
     };
-    artefacts.extend(super::artefacts::zeros(&work));
+    let (zeros, findings) = super::artefacts::zeros(&work);
+    artefacts.extend(zeros);
     let (names, matrix, solution, _) = errors(&work);
     let parameters = parameters(&work, &names, &matrix, &solution, &held);
     let pictures = Pictures {
@@ -173,8 +170,20 @@ pub fn report(
     if work.balance.split_log {
         remarks.push("no log is held out: every fifth block of time judges instead".into());
     }
+    remarks.extend(robust::said(&work, &fit));
+    remarks.extend(work.ripple.iter().flat_map(|r| r.said(work.balance.band, work.balance.unit)));
     for (effect, objection) in selection.objections.iter().filter(|(e, _)| effects.iter().any(|f| f.effect == *e)) {
         remarks.push(format!("{}: {objection}", effect.title()));
+    }
+    for (t, term) in work.terms.iter().enumerate().filter(|(_, t)| t.declared.is_none()) {
+        let alike = term.effect().and_then(|(effect, _)| Some((effect, held_look_alike(&work, t, &held)?)));
+        remarks.extend(alike.map(|(effect, which)| {
+            format!(
+                "`{}` is held as declared; another value of it would explain `{}` as well",
+                which.name(),
+                effect.name()
+            )
+        }));
     }
     remarks.extend(parameters.iter().filter_map(convention));
     let next_runs = next_runs(&effects, &selection, &left, &work);
@@ -186,7 +195,7 @@ pub fn report(
         verdict: verdict(&evidence),
         evidence,
         stages,
-        findings: Vec::new(),
+        findings,
         artefacts,
         parameters,
         effects,
@@ -226,8 +235,9 @@ fn convention(parameter: &Parameter) -> Option<String> {
 /// Squared residuals of each block that is for fitting; NaN of the others.
 fn block_squares(work: &Work, residual: &[f64]) -> Vec<f64> {
     let mut sums: Vec<f64> = work.folds.iter().map(|fold| fold.map_or(f64::NAN, |_| 0.0)).collect();
-    for (r, block) in residual.iter().zip(&work.balance.rows.block) {
-        sums[*block] += r * r;
+    let rows = &work.balance.rows;
+    for (k, r) in residual.iter().enumerate() {
+        sums[rows.block[k]] += rows.weight(k) * r * r;
     }
     sums
 }

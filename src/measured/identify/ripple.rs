@@ -14,11 +14,13 @@ use super::flexible::{hats, of_speed};
 use super::orders::{Line, Ripple};
 use super::regression::covariance;
 use super::travel;
-use super::work::{Kind, Term, Work};
+use super::work::{Fit, Kind, Term, Work};
 use crate::effects::{EFFECTS, Effect, Equation, FittedEffect, Shape, Variable};
 use crate::measured::Bench;
 use crate::measured::answer::Target;
 use crate::measured::signals;
+use crate::numerics::line_search::golden_section;
+use crate::numerics::sums::finite_sum;
 
 /// Share of the sampling rate that is the full band.
 const FULL: f64 = 0.4;
@@ -33,13 +35,21 @@ const LINE: (f64, f64) = (25.0, 12.0);
 /// Orders on either side that are a line's neighbourhood, in steps of the spectrum.
 const NEIGHBOURS: usize = 60;
 /// Least share of the squared error at full bandwidth that an order takes away, and that all orders of an effect do.
-const WORTH: (f64, f64) = (0.02, 0.06);
+const WORTH: (f64, f64) = (0.02, 0.04);
 /// In standard errors between blocks.
 const SURE: f64 = 2.5;
 /// The statistic of an order among all that are looked at.
 const STATISTIC: f64 = 15.0;
+/// Least share of the rows at which an order is slower than the band.
+const PASSES: f64 = 0.1;
+/// A speed, or a current, that varies by a smaller share of its mean is one speed, or one current.
+const STEADY: f64 = 0.1;
+/// To what part of one over the turns of the motor an order is known.
+const RESOLVED: f64 = 0.25;
 /// Most orders.
 const MOST: usize = 10;
+/// Rows of a span that are enough to tell a lag.
+const ENOUGH: usize = 8000;
 /// Lags that are tried on either side, and their step \[s\].
 const LAGS: i32 = 20;
 const LAG_STEP: f64 = 5e-4;
@@ -76,16 +86,16 @@ pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, 
         return find(bench, target, &setting, narrow, false).map(|r| Ripple { lag, ..r });
     }
     for _ in 0..MOST {
-        let Some((effect, order)) = next(&work, &angles, &geometry, &effects) else { break };
+        let Some((effect, order)) = next(&work, &angles, &geometry, &effects, band) else { break };
         let columns = work.balance.effect_columns(effect, order);
         work.terms.push(Term { kind: Kind::Effect(effect, order), columns, declared: None });
     }
     // An effect of which all orders together are worth too little has no name.
     let fit = work.fit();
-    let total: f64 = crate::numerics::sums::finite_sum(&fit.left_out);
+    let total: f64 = finite_sum(&fit.left_out);
     let worth = |work: &Work, effect: &dyn Effect| {
         let without = work.fit_columns(&columns_without(work, effect)).left_out;
-        1.0 - total / crate::numerics::sums::finite_sum(&without)
+        1.0 - total / finite_sum(&without)
     };
     let small: Vec<&'static dyn Effect> =
         effects.iter().copied().filter(|e| has(&work, *e) && worth(&work, *e) < WORTH.1).collect();
@@ -105,14 +115,18 @@ pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, 
         let k = work.offset(t);
         let values = vec![fit.solution.coefficients[k], fit.solution.coefficients[k + 1], order];
         let own = |i: usize, j: usize| matrix[(k + i, k + j)];
-        let twin = effects.iter().copied().find(|e| *e != effect && geometry.is_twin(effect, order, *e));
+        let twins = effects.iter().copied().filter(|e| *e != effect && geometry.is_twin(effect, order, *e, &angles));
         lines.push(Line {
             fitted: FittedEffect { effect, values },
             covariance: [[own(0, 0), own(0, 1)], [own(1, 0), own(1, 1)]],
-            twin,
+            twins: twins.collect(),
         });
     }
-    let after = (work.error(&fit, true).map(|e| e.0), work.error(&fit, false).map(|e| e.0));
+    let errors = |columns: &[&[f64]], fit: &Fit| {
+        let error = |fitting| work.error(columns, fit, fitting).map(|e| e.0);
+        (error(true), error(false))
+    };
+    let after = errors(&columns, &fit);
     let without = effects
         .iter()
         .filter(|e| has(&work, **e))
@@ -120,7 +134,8 @@ pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, 
             let mut columns = columns_without(&work, *e);
             columns.extend(smooth.iter().map(Vec::as_slice));
             let fit = work.fit_columns(&columns);
-            (*e, work.error(&fit, true).map(|e| e.0), work.error(&fit, false).map(|e| e.0))
+            let (fitted, held_out) = errors(&columns, &fit);
+            (*e, fitted, held_out)
         })
         .collect();
     Some(Ripple { lines, lag: 0.0, band, after, without })
@@ -149,10 +164,7 @@ fn take_out_what_is_smooth(work: &mut Work) -> Vec<Vec<f64>> {
     let mut columns = work.columns();
     columns.extend(smooth.iter().map(Vec::as_slice));
     let fit = work.fit_columns(&columns);
-    let mut left = work.target.clone();
-    for (column, value) in columns.iter().zip(fit.solution.coefficients.iter()) {
-        left.iter_mut().zip(*column).for_each(|(l, c)| *l -= value * c);
-    }
+    let left = work.left_by(&columns, &fit);
     let taken = columns.into_iter().map(<[f64]>::to_vec).collect();
     work.target = left;
     work.terms.clear();
@@ -178,14 +190,20 @@ impl Geometry {
         of_poles.into_iter().chain(usual).any(|h| h > 0.0 && (order - h).abs() < 2.0 * resolution)
     }
 
-    /// Whether an effect on the other side of the gear has the same columns.
-    fn is_twin(&self, effect: &dyn Effect, order: f64, other: &dyn Effect) -> bool {
+    /// Whether another effect has the same columns in these logs: on the other side of the gear, or with a current that hardly
+    /// changes.
+    fn is_twin(&self, effect: &dyn Effect, order: f64, other: &dyn Effect, angles: &Angles) -> bool {
         let of_current = |e: &dyn Effect| e.needs().contains(&Variable::Current);
-        if of_output(effect) == of_output(other) || of_current(effect) || of_current(other) {
+        if of_current(effect) != of_current(other) && !angles.one_current {
             return false;
         }
+        if of_output(effect) == of_output(other) {
+            return of_current(effect) != of_current(other);
+        }
         let seen = if of_output(effect) { order / self.ratio } else { order * self.ratio };
-        (seen - seen.round()).abs() < 1e-3 * seen.max(1.0) && seen.round() >= 1.0
+        // An order is known to a part of one over the turns that were made.
+        let known = RESOLVED / angles.turns.max(1.0) * if of_output(other) { self.ratio } else { 1.0 };
+        (seen - seen.round()).abs() < (1e-3 * seen.max(1.0)).max(known.min(0.2)) && seen.round() >= 1.0
     }
 }
 
@@ -198,6 +216,9 @@ struct Angles {
     spans: Vec<Vec<usize>>,
     /// Turns of the widest span.
     turns: f64,
+    /// Whether speed, and current, hardly change: then an order is a line in time too, and the current a number.
+    one_speed: bool,
+    one_current: bool,
 }
 
 impl Angles {
@@ -227,7 +248,14 @@ impl Angles {
         }
         spans.retain(|s| s.len() > 64);
         let turns = spans.iter().map(|s| width(&angle, s) / TAU).fold(0.0, f64::max);
-        (turns > 0.0).then_some(Angles { angle, speed, current, spans, turns })
+        let steady = |values: &[f64]| {
+            let all: Vec<f64> = spans.iter().flatten().map(|k| values[*k]).collect();
+            let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+            let square = all.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / all.len().max(1) as f64;
+            square.sqrt() < STEADY * mean.abs()
+        };
+        let (one_speed, one_current) = (steady(&speed), steady(&current));
+        (turns > 0.0).then_some(Angles { angle, speed, current, spans, turns, one_speed, one_current })
     }
 
     /// Power over orders of the motor, equally spaced, of what is left times a factor.
@@ -259,7 +287,7 @@ impl Angles {
     /// The lag \[s\] at which an order that the geometry lets expect stands out, where without it none does.
     fn lag(&self, work: &Work, geometry: &Geometry, effects: &[&'static dyn Effect]) -> f64 {
         let with_current = effects.iter().any(|e| e.needs().contains(&Variable::Current));
-        let left = &work.target;
+        let left = &work.weighed(work.target.clone());
         let orders = [2.0, 6.0, 12.0].map(|k| k * geometry.poles);
         let (mut best, mut now) = ((0.0, 0.0_f64), 0.0_f64);
         for order in orders.into_iter().filter(|h| *h > 0.0) {
@@ -270,7 +298,7 @@ impl Angles {
                 let factor = |k: usize| if of_current { self.current[k] } else { 1.0 };
                 // What stands beside the order says how much is chance.
                 let beside: Vec<f64> = [-7.3, -4.6, -3.1, 3.4, 4.9, 7.7]
-                    .map(|d| self.power_at(left, &factor, order + d / self.turns.max(1.0), 0.0))
+                    .map(|d| self.power(left, &factor, order + d / self.turns.max(1.0), 0.0, ENOUGH))
                     .to_vec();
                 let usual = signals::median(beside).unwrap_or(0.0);
                 if usual <= 0.0 {
@@ -278,7 +306,7 @@ impl Angles {
                 }
                 for k in -LAGS..=LAGS {
                     let lag = f64::from(k) * LAG_STEP;
-                    let times = self.power_at(left, &factor, order, lag) / usual;
+                    let times = self.power(left, &factor, order, lag, ENOUGH) / usual;
                     if k == 0 {
                         now = now.max(times);
                     }
@@ -291,27 +319,19 @@ impl Angles {
         if best.1 > 2.0 * LINE.0 && best.1 > 1.5 * now { best.0 } else { 0.0 }
     }
 
-    /// Power of what is left at one order, with the angle so much later.
-    fn power_at(&self, left: &[f64], factor: &dyn Fn(usize) -> f64, order: f64, lag: f64) -> f64 {
-        let one = |span: &Vec<usize>| {
-            let (mut a, mut b) = (0.0, 0.0);
-            for k in span.iter().step_by(1 + span.len() / 8000) {
-                let (sine, cosine) = (order * (self.angle[*k] + lag * self.speed[*k])).sin_cos();
-                let value = left[*k] * factor(*k);
-                a += value * cosine;
-                b += value * sine;
-            }
-            a * a + b * b
-        };
-        self.spans.iter().map(one).sum()
+    /// Share of the rows at which an order is slower than the band: what is faster is seen as something slower.
+    fn passes(&self, order: f64, band: f64) -> f64 {
+        let rows = || self.spans.iter().flatten();
+        let slow = rows().filter(|k| order * self.speed[**k].abs() < TAU * band).count();
+        slow as f64 / rows().count().max(1) as f64
     }
 
-    /// Power of what is left at one order.
-    fn power(&self, left: &[f64], factor: &dyn Fn(usize) -> f64, order: f64) -> f64 {
+    /// Power of what is left at one order, with the angle so much later \[s\], over at most so many rows of a span.
+    fn power(&self, left: &[f64], factor: &dyn Fn(usize) -> f64, order: f64, lag: f64, most: usize) -> f64 {
         let one = |span: &Vec<usize>| {
             let (mut a, mut b) = (0.0, 0.0);
-            for k in span {
-                let (sine, cosine) = (order * self.angle[*k]).sin_cos();
+            for k in span.iter().step_by(1 + span.len() / most) {
+                let (sine, cosine) = (order * (self.angle[*k] + lag * self.speed[*k])).sin_cos();
                 let value = left[*k] * factor(*k);
                 a += value * cosine;
                 b += value * sine;
@@ -334,9 +354,10 @@ fn next(
     angles: &Angles,
     geometry: &Geometry,
     effects: &[&'static dyn Effect],
+    band: f64,
 ) -> Option<(&'static dyn Effect, f64)> {
     let fit = work.fit();
-    let left = work.residual(&fit);
+    let left = work.weighed(work.residual(&fit));
     let highest = geometry.highest();
     let least = PERIODS / angles.turns;
     let with_current = effects.iter().any(|e| e.needs().contains(&Variable::Current));
@@ -351,11 +372,11 @@ fn next(
         for (at, times) in peaks(&power) {
             let order = at as f64 * spacing;
             let needed = if geometry.expects(order, resolution) { LINE.1 } else { LINE.0 };
-            if order < least || times < needed {
+            if order < least || times < needed || angles.passes(order, band) < PASSES {
                 continue;
             }
-            let score = |h: f64| -angles.power(&left, &factor, h);
-            let refined = crate::numerics::line_search::golden_section(&score, order - spacing, order + spacing, 18);
+            let score = |h: f64| -angles.power(&left, &factor, h, 0.0, usize::MAX);
+            let refined = golden_section(&score, order - spacing, order + spacing, 18);
             orders.push((refined, times));
         }
     }
@@ -364,7 +385,7 @@ fn next(
     let mut best: Option<Candidate> = None;
     for (order, _) in orders {
         for effect in effects.iter().copied() {
-            let Some(order) = on_side(effect, order, geometry, angles.turns) else { continue };
+            let Some(order) = on_side(effect, order, geometry, angles) else { continue };
             // Once a turn of the output is gravity first: the band is for that.
             if of_output(effect) && order < 1.5 {
                 continue;
@@ -377,7 +398,7 @@ fn next(
                 continue;
             }
             let Some(candidate) = evaluate(work, &fit, effect, order) else { continue };
-            let earns = candidate.gain > WORTH.0 && candidate.sure > SURE && candidate.statistic() > STATISTIC;
+            let earns = candidate.gain > WORTH.0 && candidate.sure > SURE && candidate.scores.statistic() > STATISTIC;
             if !earns || candidate.effect.plausible(&candidate.values, &work.balance.scale).is_err() {
                 continue;
             }
@@ -385,7 +406,7 @@ fn next(
             if best.as_ref().is_some_and(|b| candidate.gain < 1.02 * b.gain + 1e-3) {
                 continue;
             }
-            if travel::of(work, candidate.columns()).is_ok() {
+            if travel::of(work, &candidate.columns).is_ok() {
                 best = Some(candidate);
             }
         }
@@ -404,14 +425,18 @@ fn scale_of(effect: &dyn Effect, geometry: &Geometry) -> f64 {
 
 /// An order of the motor as one of an effect: whole where it is whole within what the logs resolve. What is no whole order of
 /// the motor is none of its magnets and slots.
-fn on_side(effect: &dyn Effect, order: f64, geometry: &Geometry, turns: f64) -> Option<f64> {
+fn on_side(effect: &dyn Effect, order: f64, geometry: &Geometry, angles: &Angles) -> Option<f64> {
     let scale = scale_of(effect, geometry);
     let own = order * scale;
-    let resolution = scale / turns.max(1.0);
+    let resolution = scale / angles.turns.max(1.0);
     let whole = own.round();
     let off = (own - whole).abs();
     let is_whole = whole >= 1.0 && off < (0.6 * resolution).max(1e-3 * own).min(0.2);
-    let snapped = if whole >= 1.0 && off < 0.25 * resolution && off < 0.2 { whole } else { own };
+    let snapped = if whole >= 1.0 && off < RESOLVED * resolution && off < 0.2 { whole } else { own };
+    // At one speed a line over the angle is a line in time, which only a whole order tells from a hum.
+    if angles.one_speed && (whole < 1.0 || off > 0.6 * resolution) {
+        return None;
+    }
     match (!of_output(effect), is_whole) {
         (true, true) | (false, _) => Some(snapped),
         (true, false) => None,
@@ -441,4 +466,44 @@ fn peaks(power: &[f64]) -> Vec<(usize, f64)> {
     found.sort_by(|a: &(usize, f64), b| b.1.total_cmp(&a.1));
     found.truncate(24);
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::steady::{CONSTANT, OVER_TIME, bench_of, noise};
+    use super::*;
+
+    /// Effects and orders that are found where torque at the output waves so much \[N·m\] so often a turn of the motor.
+    fn found(amplitude: f64, order: f64, ratio: f64) -> Vec<(&'static str, f64)> {
+        let row = |k: usize| {
+            let t = 2e-3 * k as f64;
+            let (speed, angle) = (6.0 + 2.0 * (0.9 * t).sin(), 6.0 * t - 2.0 / 0.9 * (0.9 * t).cos());
+            let i = 2.0 * (1.7 * t).sin();
+            let torque = ratio * (CONSTANT * i + amplitude * (order * angle).cos());
+            vec![t, speed, i, torque + 0.02 * noise(k), angle]
+        };
+        let position = "motor_position = { name = \"4\", unit = \"rad\" }";
+        let columns: Vec<&str> = OVER_TIME.iter().copied().chain([position]).collect();
+        let bench = bench_of("dynamometer", ratio, &columns, &[(0..10_000).map(row).collect()], 0);
+        // The band ends far below what order 42 has at 6 rad/s: 40 Hz.
+        let setting = Setting::uncorrected(&bench, Some(8.0));
+        let narrow = Balance::new(&bench, Target::Torque, &setting).expect("rows");
+        let found = find(&bench, Target::Torque, &setting, &narrow, false);
+        found.iter().flat_map(|r| &r.lines).map(|l| (l.fitted.effect.name(), l.fitted.values[2])).collect()
+    }
+
+    #[test]
+    fn orders_far_above_the_band_are_found_and_none_where_nothing_waves() {
+        for order in [42.0, 137.0] {
+            let [(name, told)] = found(0.01, order, 6.0)[..] else { panic!("{order}") };
+            assert!(name == "cogging" && told == order, "{name} {told}");
+        }
+        assert!(found(0.0, 42.0, 6.0).is_empty());
+    }
+
+    #[test]
+    fn an_order_of_the_output_is_one_of_the_gear() {
+        let [(name, told)] = found(0.01, 15.0 / 6.3, 6.3)[..] else { panic!("one") };
+        assert!(name == "gear_ripple" && (told - 15.0).abs() < 0.05, "{name} {told}");
+    }
 }

@@ -135,20 +135,10 @@ impl Scores {
         falls
     }
 
-    /// Of groups of blocks (logs): what each says alone of the columns, as information and score.
-    pub fn by_group(&self, group: impl Fn(usize) -> usize) -> Vec<(usize, DVector<f64>, DMatrix<f64>)> {
-        let mut groups: Vec<(usize, DVector<f64>, DMatrix<f64>)> = Vec::new();
-        for (place, block) in self.places.iter().zip(&self.blocks) {
-            let own = group(*place);
-            match groups.iter_mut().find(|g| g.0 == own) {
-                Some(g) => {
-                    g.1 += &block.score;
-                    g.2 += &block.information;
-                }
-                None => groups.push((own, block.score.clone(), block.information.clone())),
-            }
-        }
-        groups
+    /// What all blocks know of the columns.
+    pub fn information(&self) -> DMatrix<f64> {
+        let n = self.value.len();
+        self.blocks.iter().fold(DMatrix::zeros(n, n), |sum, b| sum + &b.information)
     }
 
     /// By how much the uncertainty of the coefficients raises the squared error of blocks with such information, for a
@@ -253,6 +243,7 @@ mod tests {
             log: vec![0; 300],
             block: (0..300).map(|k| k / 10).collect(),
             time: vec![0.0; 300],
+            weight: Vec::new(),
             block_log: vec![0; 30],
             block_fits: vec![true; 30],
         };

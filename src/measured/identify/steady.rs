@@ -3,9 +3,9 @@
 
 use std::fmt::Write;
 
-use super::balance::{Balance, Corrections, Setting};
+use super::Target;
+use super::balance::{Balance, Setting};
 use super::work::{Kind, Term, Work};
-use super::{ROWS, Target};
 use crate::effects::effect;
 use crate::measured::{Bench, read};
 
@@ -106,9 +106,7 @@ pub fn work(bench: &Bench) -> Work<'_> {
 
 /// The same of another equation.
 pub(crate) fn work_on(bench: &Bench, target: Target) -> Work<'_> {
-    let logs = bench.logs.len();
-    let setting = Setting { corrections: Corrections::none(logs), band: None, rows: ROWS, samples: usize::MAX };
-    Work::new(bench, Balance::new(bench, target, &setting).expect("rows"))
+    Work::new(bench, Balance::new(bench, target, &Setting::uncorrected(bench, None)).expect("rows"))
 }
 
 /// Adds an effect that the declared model lacks.

@@ -12,6 +12,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Least share of what it should take away that an effect takes away of logs that it was not fitted on.
 const TRAVELS: f64 = 0.3;
+/// Least share of all information for a log to be asked whether it differs.
+const KNOWN: f64 = 1e-4;
 /// Chance below which logs are said to differ.
 const DIFFER: f64 = 1e-3;
 
@@ -33,6 +35,7 @@ pub fn of(work: &Work, candidate: &[Vec<f64>]) -> Result<Option<String>, String>
     let scores = Scores::new(&blocks, p, |b| work.fits(b));
     let variance = scores.variance().max(f64::MIN_POSITIVE);
     let together = scores.value();
+    let of_all = scores.information();
     let plain: Vec<usize> = (0..p).collect();
     let model = blocks.select(&plain);
     let (mut falls, mut expected, mut heterogeneity, mut free) = (0.0, 0.0, 0.0, 0.0);
@@ -40,16 +43,14 @@ pub fn of(work: &Work, candidate: &[Vec<f64>]) -> Result<Option<String>, String>
     for log in &logs {
         let own = |b: usize| work.fits(b) && rows.block_log[b] == *log;
         let others = |b: usize| work.fits(b) && rows.block_log[b] != *log;
-        let elsewhere = solve(&blocks.total(others)).coefficients;
-        let given: Vec<f64> = (0..candidate.len()).map(|j| elsewhere[p + j]).collect();
+        let of_others = Scores::new(&blocks, p, others);
         // The model's own numbers are refitted on the log: only what is asked has to travel.
         let of_model = model.total(own);
         let without = squares(&of_model, &solve(&of_model).coefficients);
-        let fall = without - squares_given(&blocks.total(own), p, &given);
+        let fall = without - squares_given(&blocks.total(own), p, of_others.value().as_slice());
         let alone = Scores::new(&blocks, p, own);
-        let [(_, _, information)] = &alone.by_group(|_| 0)[..] else { continue };
+        let information = &alone.information();
         // What the others know of it is uncertain, too: that alone would do harm.
-        let of_others = Scores::new(&blocks, p, others);
         let they_say = (information * of_others.value()).dot(of_others.value());
         if 4.0 * variance * of_others.uncertainty_for(information) > they_say {
             continue;
@@ -60,8 +61,7 @@ pub fn of(work: &Work, candidate: &[Vec<f64>]) -> Result<Option<String>, String>
         if fall < 0.0 && worst.is_none_or(|(w, _)| fall < w) && fall < -2.0 * (4.0 * should * variance).sqrt() {
             worst = Some((fall, *log));
         }
-        let known = information.trace() > 1e-4 * scores_information(&scores).trace();
-        if known {
+        if information.trace() > KNOWN * of_all.trace() {
             let off: DVector<f64> = alone.value() - together;
             heterogeneity += (information * &off).dot(&off) / variance;
             free += candidate.len() as f64;
@@ -88,11 +88,6 @@ pub fn of(work: &Work, candidate: &[Vec<f64>]) -> Result<Option<String>, String>
             .then(|| format!("from log to log it scatters by {spread:.1} times its own error"))
     });
     Ok(told)
-}
-
-fn scores_information(scores: &Scores) -> DMatrix<f64> {
-    let n = scores.value().len();
-    scores.by_group(|_| 0).into_iter().map(|g| g.2).next().unwrap_or_else(|| DMatrix::zeros(n, n))
 }
 
 /// Sum of squares with the last coefficients given and the first `p` fitted.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::balance::{Balance, visible};
 use super::noise::Unfiltered;
 use super::orders::Ripple;
-use super::regression::{Blocks, Solution, solve, squares};
-
+use super::regression::{Blocks, Solution, solve};
+use super::robust;
 use crate::effects::{Effect, FittedEffect, of_efficiency};
 use crate::measured::answer::{Base, Hidden, Stage, Step};
 use crate::measured::{Bench, Use};
@@ -74,7 +74,8 @@ pub struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// The model as declared on a balance: its parameters, and its effects where they can be seen.
-    pub fn new(bench: &'a Bench, balance: Balance) -> Work<'a> {
+    pub fn new(bench: &'a Bench, mut balance: Balance) -> Work<'a> {
+        robust::weigh(&mut balance);
         let mut next = 0;
         let folds = balance
             .rows
@@ -195,8 +196,13 @@ impl<'a> Work<'a> {
 
     /// What the model leaves of the target, row by row.
     pub fn residual(&self, fit: &Fit) -> Vec<f64> {
+        self.left_by(&self.columns(), fit)
+    }
+
+    /// The same of any columns with their fit.
+    pub fn left_by(&self, columns: &[&[f64]], fit: &Fit) -> Vec<f64> {
         let mut residual = self.target.clone();
-        for (column, coefficient) in self.columns().iter().zip(fit.solution.coefficients.iter()) {
+        for (column, coefficient) in columns.iter().zip(fit.solution.coefficients.iter()) {
             for (r, c) in residual.iter_mut().zip(*column) {
                 *r -= coefficient * c;
             }
@@ -204,34 +210,47 @@ impl<'a> Work<'a> {
         residual
     }
 
-    /// Root mean square error and variance accounted for, on blocks for fitting or on the others.
-    pub fn error(&self, fit: &Fit, fitting: bool) -> Option<(f64, f64)> {
-        let take = |b: usize| self.fits(b) == fitting;
-        let count = fit.blocks.count(take);
-        if count == 0 {
-            return None;
+    /// Root mean square error and variance accounted for of columns with their fit, on blocks for fitting or on the others: of
+    /// each row as much as it weighs.
+    pub fn error(&self, columns: &[&[f64]], fit: &Fit, fitting: bool) -> Option<(f64, f64)> {
+        let left = self.left_by(columns, fit);
+        let (mut squares, mut total, mut count) = (0.0, 0.0, 0.0);
+        for k in (0..left.len()).filter(|k| self.fits(self.balance.rows.block[*k]) == fitting) {
+            let weight = self.balance.rows.weight(k);
+            squares += weight * left[k] * left[k];
+            total += weight * self.target[k] * self.target[k];
+            count += weight;
         }
-        let products = fit.blocks.total(take);
-        let squares = squares(&products, &fit.solution.coefficients);
-        let last = products.nrows() - 1;
-        let total = products[(last, last)];
-        Some(((squares / count as f64).sqrt(), if total > 0.0 { 100.0 * (1.0 - squares / total) } else { 0.0 }))
+        let accounted = if total > 0.0 { 100.0 * (1.0 - squares / total) } else { 0.0 };
+        (count > 0.0).then(|| ((squares / count).sqrt(), accounted))
+    }
+
+    /// What is left of each row, as much as it weighs.
+    pub fn weighed(&self, mut left: Vec<f64>) -> Vec<f64> {
+        left.iter_mut().enumerate().for_each(|(k, l)| *l *= self.balance.rows.weight(k));
+        left
     }
 
     /// Where the story stands.
     pub fn stage(&self, step: Step, fit: &Fit) -> Stage {
-        Stage::new(step, self.error(fit, true), self.error(fit, false))
+        let columns = self.columns();
+        Stage::new(step, self.error(&columns, fit, true), self.error(&columns, fit, false))
     }
 
-    /// Root mean square of what is left out.
+    /// Root mean square of what is left out, of all rows alike.
     pub fn left_out_error(&self, fit: &Fit) -> f64 {
-        self.root_mean_square(fit, &fit.left_out)
+        let rows = &self.balance.rows;
+        let fits: Vec<usize> = (0..rows.len()).filter(|k| self.fits(rows.block[*k])).collect();
+        let left = self.residual(fit);
+        let wild: f64 = fits.iter().map(|k| (1.0 - rows.weight(*k)) * left[*k] * left[*k]).sum();
+        ((finite_sum(&fit.left_out) + wild) / fits.len().max(1) as f64).sqrt()
     }
 
     /// Root mean square over the rows for fitting, of squared errors of their blocks.
-    pub fn root_mean_square(&self, fit: &Fit, squares: &[f64]) -> f64 {
-        let count = fit.blocks.count(|b| self.fits(b)).max(1);
-        (finite_sum(squares) / count as f64).sqrt()
+    pub fn root_mean_square(&self, squares: &[f64]) -> f64 {
+        let rows = &self.balance.rows;
+        let count: f64 = (0..rows.len()).filter(|k| self.fits(rows.block[*k])).map(|k| rows.weight(k)).sum();
+        (finite_sum(squares) / count.max(1.0)).sqrt()
     }
 
     /// Whether a term is this parameter of the declared model.

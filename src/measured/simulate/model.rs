@@ -72,14 +72,14 @@ pub(super) fn scale(tracks: &[Track], machine: &Machine) -> Scale {
         let step = signals::median_step(&t.time).max(f64::MIN_POSITIVE);
         // Over some samples, so that the encoder's steps are no speed.
         let over = signals::covering(0.02 / step);
-        speeds.extend(
-            (over..t.len()).map(|k| n * (t.position[k] - t.position[k - over]).abs() / (t.time[k] - t.time[k - over])),
-        );
+        let path = t.path();
+        speeds
+            .extend((over..path.len()).map(|k| n * (path[k] - path[k - over]).abs() / (t.time[k] - t.time[k - over])));
         match &t.input {
             Input::Current(i) => inputs.extend(i.iter().map(|i| i.abs())),
             Input::Duty(d) => inputs.extend(d.iter().zip(&t.supply).map(|(d, v)| (d * v).abs())),
             Input::Goal { goal, gain, limit, .. } => {
-                inputs.extend((0..t.len()).map(|k| (gain * (goal[k] - t.position[k])).abs().min(*limit) * t.supply[k]))
+                inputs.extend((0..path.len()).map(|k| (gain * (goal[k] - path[k])).abs().min(*limit) * t.supply[k]))
             }
         }
         torques.push(t.load_gravity / n);

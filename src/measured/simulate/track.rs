@@ -1,5 +1,7 @@
 //! A log made ready for simulation: what goes in, what position comes out, where it starts.
 
+use std::ops::Range;
+
 use super::machine::{Machine, Sample, State};
 use crate::measured::bench::volts_per_duty;
 use crate::measured::{Channel, Declared, Log, Use, signals};
@@ -66,7 +68,7 @@ pub struct Track {
     pub winding: Vec<f64>,
     /// Housing.
     pub housing: Vec<f64>,
-    /// First samples of stretches between gaps, and the state there.
+    /// First samples of stretches between gaps and after what is left out, and the state there.
     pub starts: Vec<(usize, State)>,
 }
 
@@ -136,6 +138,30 @@ fn parabola(time: &[f64], position: &[f64], window: f64) -> Option<(f64, f64)> {
     Some((fit[1] / window, (left * inverse[(1, 1)]).sqrt() / window))
 }
 
+/// Rows of a log that are left out, in order.
+fn excluded(log: &Log) -> Vec<Range<usize>> {
+    let at = |time: f64| log.time.partition_point(|t| *t < time);
+    let mut rows: Vec<Range<usize>> = log.excluded.iter().map(|e| at(e.start)..at(e.end)).collect();
+    rows.retain(|r| !r.is_empty());
+    rows.sort_by_key(|r| r.start);
+    rows
+}
+
+/// A stretch in parts that begin after what is left out of it.
+fn parts(stretch: Range<usize>, left_out: &[Range<usize>]) -> Vec<Range<usize>> {
+    let mut begins = vec![stretch.start];
+    for end in left_out.iter().map(|r| r.end) {
+        let is_covered = left_out.iter().any(|r| r.contains(&end));
+        if stretch.contains(&end) && end > stretch.start && !is_covered {
+            begins.push(end);
+        }
+    }
+    begins.sort_unstable();
+    begins.dedup();
+    let ends = begins.iter().skip(1).copied().chain([stretch.end]);
+    begins.iter().zip(ends).map(|(from, to)| *from..to).collect()
+}
+
 impl Track {
     /// A log as a track; `None` where it lacks a position or what drives it. A closed loop is simulated as
     /// one where controller and goal are there, otherwise the logged duty cycle or current goes in.
@@ -147,7 +173,7 @@ impl Track {
         }
         let opened = |c: Channel| log.channel(c).map(|v| if linear { v.to_vec() } else { signals::unwrapped(v) });
         let ratio = declared.ratio;
-        let position = opened(Channel::OutputPosition)
+        let mut position: Vec<f64> = opened(Channel::OutputPosition)
             .or_else(|| opened(Channel::MotorPosition).map(|p| p.iter().map(|v| v / ratio).collect()))?;
         let speed = log
             .channel(Channel::OutputVelocity)
@@ -177,8 +203,12 @@ impl Track {
         let rise = |c| get(c).map_or_else(Vec::new, |t| t.into_iter().map(|t| t - reference).collect::<Vec<f64>>());
         let winding = rise(Channel::WindingTemperature);
         let housing = Some(rise(Channel::HousingTemperature)).filter(|h| !h.is_empty()).unwrap_or(winding.clone());
+        // What is left out judges nothing; after it the machine is where it was measured.
+        let left_out = excluded(log);
+        left_out.iter().for_each(|r| position[r.clone()].fill(f64::NAN));
         let starts = signals::stretches(&time)
             .into_iter()
+            .flat_map(|r| parts(r, &left_out))
             .map(|r| {
                 let v = speed.as_ref().map(|v| v[r.start]);
                 (r.start, start(&time[r.clone()], &position[r], v))
@@ -200,6 +230,11 @@ impl Track {
             housing,
             starts,
         })
+    }
+
+    /// The measured position with its missing samples bridged; nothing where there are fewer than two.
+    pub fn path(&self) -> Vec<f64> {
+        bridged(&self.time, &self.position, false).unwrap_or_default()
     }
 
     /// Number of samples.
@@ -224,14 +259,7 @@ impl Track {
         out
     }
 
-    fn stretch(
-        &self,
-        machine: &Machine,
-        range: std::ops::Range<usize>,
-        start: State,
-        longest: f64,
-        out: &mut Vec<f64>,
-    ) {
+    fn stretch(&self, machine: &Machine, range: Range<usize>, start: State, longest: f64, out: &mut Vec<f64>) {
         let mut state = start;
         let mut delay = Delay::new(machine.lag);
         let last = |values: &Vec<f64>, k: usize| values.get(k).copied().unwrap_or(f64::NAN);
@@ -382,5 +410,27 @@ impl Delay {
             Some((t1, v1)) if wanted > t => v + (v1 - v) * (wanted - t) / (t1 - t),
             _ => v,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stretches_begin_again_after_what_is_left_out() {
+        let begins = |stretch: Range<usize>, left_out: &[(usize, usize)]| {
+            let left_out: Vec<Range<usize>> = left_out.iter().map(|(from, to)| *from..*to).collect();
+            let parts = parts(stretch.clone(), &left_out);
+            assert_eq!(parts.last().map(|p| p.end), Some(stretch.end));
+            assert!(parts.windows(2).all(|p| p[0].end == p[1].start));
+            parts.iter().map(|p| p.start).collect::<Vec<usize>>()
+        };
+        assert_eq!(begins(0..100, &[]), [0]);
+        assert_eq!(begins(0..100, &[(20, 30), (50, 60)]), [0, 30, 60]);
+        // At either end, over each other, and in another stretch.
+        assert_eq!(begins(0..100, &[(0, 10), (90, 100)]), [0, 10]);
+        assert_eq!(begins(0..100, &[(20, 40), (30, 60)]), [0, 60]);
+        assert_eq!(begins(200..300, &[(20, 30)]), [200]);
     }
 }

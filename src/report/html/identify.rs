@@ -6,8 +6,8 @@ use crate::measured::Bench;
 use crate::measured::identify::Report;
 use crate::measured::simulate::ForwardCheck;
 use crate::report::identify::{
-    effect_text, equation_title, noise_lines, parameter_columns, parameter_rows, refused, sentence, story_rows, stuck,
-    unit_on, used,
+    effect_text, equation_title, finding_lines, noise_lines, parameter_columns, parameter_rows, refused, sentence,
+    story_rows, stuck, unit_on, used,
 };
 use crate::report::plot::residual as plot;
 use crate::report::table::PLAIN_WIDTH;
@@ -61,6 +61,7 @@ fn warnings(bench: &Bench, reports: &[Report]) -> Vec<String> {
     for left in reports.iter().flat_map(|r| &r.unexplained) {
         all.push(format!("left unexplained, depends on {}: {}", left.depends_on.name(), left.detail));
     }
+    all.extend(finding_lines(bench, reports));
     for log in &bench.logs {
         all.extend(log.remarks.iter().map(|remark| format!("{}: {remark}", log.name)));
         all.extend(stuck(log).into_iter().map(|channel| format!("{}: {channel} has one value throughout", log.name)));

@@ -63,19 +63,19 @@ pub fn words(bench: &Bench, about: &About) -> String {
             seconds(*from),
             seconds(*to)
         ),
-        About::Clipped { channel, at, share } => {
-            let unit = match bench.declared.motor.is_some() {
-                true => unit_of(*channel),
-                false => "",
-            };
-            let (value, unit) = handy(*at, unit);
-            format!(
-                "{} stops at {} {unit} in {} % of the samples: these are left out",
-                channel_name(*channel),
-                number(value),
-                percent(*share)
-            )
-        }
+        About::Clipped { channel, at, share } => format!(
+            "{} stops at {} in {} % of the samples: these are left out",
+            channel_name(*channel),
+            in_unit(bench, *channel, *at),
+            percent(*share)
+        ),
+        About::Zero { channel, zero, most } => format!(
+            "the zero of {} would be {}, more than all that it read (up to {}): no sensor has such a zero; check the signs of the \
+             columns, and what hangs at the output",
+            channel_name(*channel),
+            in_unit(bench, *channel, *zero),
+            in_unit(bench, *channel, *most)
+        ),
         About::Spikes { channel, count } => {
             let (samples, are) = if *count == 1 { ("sample", "is") } else { ("samples", "are") };
             format!("{}: {count} single {samples} far off both neighbours {are} left out", channel_name(*channel))
@@ -96,6 +96,13 @@ pub fn words(bench: &Bench, about: &About) -> String {
             format!("{} is the driver's own estimate, made of its current, and no sensor's", channel_name(*channel))
         }
     }
+}
+
+/// A value of a channel in a unit that is handy.
+fn in_unit(bench: &Bench, channel: crate::measured::Channel, value: f64) -> String {
+    let unit = if bench.declared.motor.is_some() { unit_of(channel) } else { "" };
+    let (value, unit) = handy(value, unit);
+    format!("{} {unit}", number(value)).trim_end().to_string()
 }
 
 fn unit_of(channel: crate::measured::Channel) -> &'static str {

@@ -508,3 +508,51 @@ fn the_simulator_writes_benches_that_can_be_read() {
     let bench = gearwise::measured::read::read(Path::new(&truth.bench)).unwrap();
     assert_eq!(bench.logs.len(), truth.logs.len());
 }
+
+/// Iron that saturates and a magnet that warms hide each other: neither earns its name alone.
+#[test]
+fn two_effects_that_hide_each_other_are_found_together() {
+    for seed in [31, 32, 33] {
+        let bench = Bench::new(Kind::Stall, seed)
+            .sampled(20.0, 100.0)
+            .with_noise(Effect::TorqueConstantSaturation, 3.0)
+            .with_noise(Effect::TorqueConstantTemperature, 3.0);
+        let (_, reports) = run(&bench);
+        let mut found = names(&reports);
+        found.sort_unstable();
+        assert_eq!(found, ["torque_constant_saturation", "torque_constant_temperature"], "{seed}");
+    }
+}
+
+/// What is excluded has no part in a simulated position either: the sensor was touched for a second.
+#[test]
+fn what_is_excluded_does_not_judge_a_simulated_position() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let truth = Bench::servo(7).sampled(12.0, 200.0).write(folder.path());
+    let log = folder.path().join("log1.csv");
+    let text = std::fs::read_to_string(&log).expect("it was written");
+    let touched: Vec<String> = text
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_string).collect();
+            if let (Ok(t), Ok(q)) = (cells[0].parse::<f64>(), cells[1].parse::<f64>())
+                && (3.0..4.0).contains(&t)
+            {
+                cells[1] = format!("{:.6}", q + 0.5);
+            }
+            cells.join(",")
+        })
+        .collect();
+    let error = |exclude: &str| {
+        let bench = std::fs::read_to_string(&truth.bench).expect("it was written");
+        let with = bench.replacen("file = \"log1.csv\"\n", &format!("file = \"log1.csv\"\n{exclude}"), 1);
+        let path = folder.path().join("other.toml");
+        std::fs::write(&path, with).expect("it can be written");
+        let read = gearwise::measured::read::read(&path).unwrap_or_else(|e| panic!("{e:?}"));
+        identify(&read, &Options::default()).expect("it is identified")[0].stages.last().expect("a stage").fit
+    };
+    let untouched = error("");
+    std::fs::write(&log, touched.join("\n") + "\n").expect("it can be written");
+    assert!(error("") > 5.0 * untouched);
+    assert!(error("exclude = [{ from = \"2.9 s\", to = \"4.1 s\" }]\n") < 1.2 * untouched);
+}

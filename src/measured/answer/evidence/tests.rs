@@ -135,3 +135,25 @@ fn the_most_is_that_of_all_and_of_each() {
     evidence.together = None;
     assert_eq!(evidence.most(), None);
 }
+
+/// No name is certain where channels contradict each other, where less than the instrument's noise is left, or where a model
+/// that is not believed does better: also where an effect was found.
+#[test]
+fn what_explains_noise_or_contradictions_has_no_name() {
+    let with = |change: fn(&mut Evidence)| {
+        let mut evidence = Evidence { found: 1, ..clean() };
+        change(&mut evidence);
+        verdict(&evidence)
+    };
+    assert_eq!(with(|_| ()), Verdict::Explained);
+    assert_eq!(with(|e| e.contradicted = true), Verdict::NotResolved);
+    assert_eq!(with(|e| (e.contradicted, e.found) = (true, 0)), Verdict::NotResolved);
+    // The noise is 1.0: a fifth below it is an alarm, a tenth is chance.
+    assert_eq!(with(|e| e.left = 0.7), Verdict::NotResolved);
+    assert_eq!(with(|e| (e.left, e.unexplained) = (0.7, 1)), Verdict::NotResolved);
+    assert_eq!(with(|e| e.left = 0.9), Verdict::Explained);
+    // Where the noise is not known nothing is below it.
+    assert_eq!(with(|e| (e.left, e.noise) = (0.1, Noise::default())), Verdict::Explained);
+    assert_eq!(with(|e| e.better = Some(0.9)), Verdict::NotResolved);
+    assert_eq!(with(|e| (e.better, e.unexplained) = (Some(0.9), 1)), Verdict::UnexplainedStructure);
+}

@@ -208,3 +208,48 @@ fn positions_have_no_lag() {
     assert_eq!(find(&bench, Balance::clone(&work.balance), &setting), Corrections::none(1));
     assert_eq!(refine(&bench, &work, &Corrections::none(1), &setting), None);
 }
+
+/// Of a log that is driven from outside: torque that rises with the speed both ways has the wrong sign; one way, or about one
+/// speed, nothing says so.
+#[test]
+fn the_sign_of_a_passive_torque_needs_both_ways() {
+    let columns = [OVER_TIME[0], OVER_TIME[1], "torque = { name = \"2\", unit = \"N*m\", side = \"output\" }"];
+    let sign = |mean: f64, swing: f64, factor: f64| {
+        let row = |k: usize| {
+            let t = 2e-3 * k as f64;
+            let speed = mean + swing * (2.0 * t).sin() + 0.05 * noise(k);
+            // What the sensor at the output reads of an actuator that brakes.
+            let braked = -6.0 * (0.02 * speed / 5.0 + 0.05 * (speed / 0.5).tanh());
+            vec![t, speed, factor * braked + 0.01 * noise(k + 40_000)]
+        };
+        let bench = bench_of("drag", 6.0, &columns, &[(0..4000).map(row).collect()], 0);
+        passive_signs(&bench, &work(&bench).balance)
+    };
+    assert_eq!(sign(0.0, 50.0, 1.0), [1.0]);
+    assert_eq!(sign(0.0, 50.0, -1.0), [-1.0]);
+    // One way only, and wavering about a speed.
+    assert_eq!(sign(60.0, 40.0, -1.0), [1.0]);
+    assert_eq!(sign(60.0, 2.0, -1.0), [1.0]);
+}
+
+/// A wrong sign of the current makes a zero that is twice what the sensor holds; an offset of a sensor is in what it reads.
+#[test]
+fn a_zero_beyond_all_that_was_read_is_said() {
+    let found = |sign: f64, offset: f64| {
+        let point = |k: usize| {
+            let i = 5.0 + 0.5 * noise(k + 300);
+            [50.0 * noise(k), sign * i, 6.0 * CONSTANT * i + offset + 0.01 * noise(k + 900)]
+        };
+        let bench = bench(6.0, &[(0..400).map(point).collect()], 0);
+        let mut work = work(&bench);
+        let none = Work { terms: Vec::new(), ..work.clone() };
+        work.hold_as(&none);
+        let (zeros, findings) = zeros(&work);
+        assert_eq!(zeros.len(), 1);
+        findings.into_iter().map(|f| f.about).collect::<Vec<_>>()
+    };
+    assert_eq!(found(1.0, 0.0), []);
+    assert_eq!(found(1.0, 4.0), []);
+    let [About::Zero { channel: Channel::Torque, zero, most }] = found(-1.0, 0.0)[..] else { panic!("it is said") };
+    assert!((zero.abs() - 6.0).abs() < 0.1 && (most - 3.3).abs() < 0.05, "{zero} {most}");
+}

@@ -59,6 +59,16 @@ pub struct Setting {
     pub samples: usize,
 }
 
+/// Most rows that regressions see.
+pub const ROWS: usize = 24_000;
+
+impl Setting {
+    /// Nothing corrected, and everything looked at.
+    pub fn uncorrected(bench: &Bench, band: Option<f64>) -> Setting {
+        Setting { corrections: Corrections::none(bench.logs.len()), band, rows: ROWS, samples: usize::MAX }
+    }
+}
+
 impl Balance {
     /// Builds the equation of a target from a bench. `None` where nothing usable is left.
     pub fn new(bench: &Bench, target: Target, setting: &Setting) -> Option<Balance> {

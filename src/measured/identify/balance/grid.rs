@@ -42,16 +42,23 @@ impl Gridded<'_> {
 
     /// Which points lie in a stretch that is left out.
     pub fn excluded(&self) -> Vec<bool> {
+        let time = |k: usize| match self.step > 0.0 {
+            true => self.start + k as f64 * self.step,
+            false => self.log.time[self.range.start + k],
+        };
+        // The first point that is not before a time.
+        let first = |t: f64| {
+            let (mut low, mut high) = (0, self.count);
+            while low < high {
+                let middle = (low + high) / 2;
+                if time(middle) < t { low = middle + 1 } else { high = middle }
+            }
+            low
+        };
         let mut out = vec![false; self.count];
         for stretch in &self.log.excluded {
-            for (k, one) in out.iter_mut().enumerate() {
-                let t = if self.step > 0.0 {
-                    self.start + k as f64 * self.step
-                } else {
-                    self.log.time[self.range.start + k]
-                };
-                *one |= stretch.contains(&t);
-            }
+            let (from, to) = (first(stretch.start), first(stretch.end));
+            out[from..to.max(from)].fill(true);
         }
         out
     }

@@ -47,7 +47,7 @@ fn gains_are_shares_of_the_left_out_error() {
     near(gain_of(&work, &fit, &[v.clone(), c.clone()]), 1.0 - error(&[v, c]) / error(&[]));
     near(gain_beside(&work, &viscous, &coulomb.columns), (error(&[c]) - error(&[v, c])) / error(&[]));
     assert!(viscous.gain > 0.5 && gain_beside(&work, &viscous, &coulomb.columns) < 0.5 * viscous.gain);
-    assert!(viscous.sure > 5.0 && viscous.statistic() > 10.0);
+    assert!(viscous.sure > 5.0 && viscous.scores.statistic() > 10.0);
     // A column that the model makes up already is no candidate, nor one that is nothing or no number.
     let mut twice = work_with(&bench, "viscous_friction");
     assert!(evaluate(&twice, &twice.fit(), effect("viscous_friction").unwrap(), 0.0).is_none());
@@ -86,7 +86,7 @@ fn what_is_refused_is_refused_for_a_reason() {
             add(&mut work, name, 0.0);
         }
         let mut selection = Selection::new(&work);
-        let found = selection.next(&work).map(|(e, _)| e.name());
+        let found = name_of(selection.next(&work));
         (found, selection)
     };
     let reason = |selection: &Selection, name: &str| {
@@ -235,8 +235,9 @@ fn every_effect_is_tried_at_its_best_shape() {
     assert!((eddy.shape / 45.0).ln().abs() < 0.2, "{}", eddy.shape);
 }
 
-fn name_of(found: Option<(&'static dyn Effect, f64)>) -> Option<&'static str> {
-    found.map(|(effect, _)| effect.name())
+fn name_of(found: Vec<(&'static dyn Effect, f64)>) -> Option<&'static str> {
+    assert!(found.len() < 2);
+    found.first().map(|(effect, _)| effect.name())
 }
 
 /// Of two that the data cannot tell apart the simpler one is named, whichever comes first in gain.
@@ -388,7 +389,7 @@ fn plain_friction_comes_first_where_it_suffices() {
 fn how_little_makes_an_effect_superfluous() {
     let mut near = [0; 2];
     for step in 0..30 {
-        let size = 1e-6 * f64::from(10 + step);
+        let size = 1e-6 * f64::from(6 + step);
         let bench = plain(|_, w| size * w + 0.05 * w.signum());
         let mut work = work(&bench);
         add(&mut work, "coulomb_friction", 0.0);
@@ -473,11 +474,11 @@ fn what_is_beyond_another_comes_after_it() {
 /// What is missing is told in this order: worth, sureness, more than chance.
 #[test]
 fn what_lacks_is_told_in_numbers() {
-    // 1 − √(1 − 0.06) = 3.05 %, 1 − √(1 − 0.19) = 10 %.
+    // 1 − √(1 − 0.039) = 1.97 %, 1 − √(1 − 0.19) = 10 %.
     assert_eq!(lacks(-0.1, 9.0, 99.0, 9.0).unwrap(), "it would not lower the left-out error");
     assert_eq!(lacks(0.0009, 9.0, 99.0, 9.0).unwrap(), "it would not lower the left-out error");
-    assert_eq!(lacks(0.0011, 9.0, 99.0, 9.0).unwrap(), "it would lower the left-out error by 0.1 %, less than 3 %");
-    assert_eq!(lacks(0.059, 9.0, 99.0, 9.0).unwrap(), "it would lower the left-out error by 3.0 %, less than 3 %");
+    assert_eq!(lacks(0.0011, 9.0, 99.0, 9.0).unwrap(), "it would lower the left-out error by 0.1 %, less than 2 %");
+    assert_eq!(lacks(0.039, 9.0, 99.0, 9.0).unwrap(), "it would lower the left-out error by 2.0 %, less than 2 %");
     assert_eq!(
         lacks(0.19, 2.4, 99.0, 9.0).unwrap(),
         "the left-out error falls by 10.0 %, but not beyond its scatter between blocks (2.4 standard errors)"
@@ -520,7 +521,7 @@ fn weak_effects_are_refused_for_what_they_lack() {
             if waits || basics && !candidate.effect.is_basic() {
                 continue;
             }
-            match lacks(candidate.gain, candidate.sure, candidate.statistic(), threshold) {
+            match lacks(candidate.gain, candidate.sure, candidate.scores.statistic(), threshold) {
                 Some(reason) => {
                     assert_eq!(refused, Some(reason.as_str()), "{seed} {name}");
                     refusals += 1;
@@ -559,4 +560,24 @@ fn what_is_not_sure_is_dropped() {
         near += usize::from((sure - SURE).abs() < 0.5);
     }
     assert!(outcomes.iter().all(|n| *n > 5) && near > 5, "{outcomes:?} {near}");
+}
+
+/// Where the current follows the speed, another torque constant and a friction are one; where it does not, they are two.
+#[test]
+fn a_held_parameter_that_looks_like_an_effect_is_told() {
+    let alike = |own: f64| {
+        let point = |k: usize| {
+            let w = 100.0 * noise(k);
+            let i = 0.05 * w + own * noise(k + 4000);
+            [w, i, 6.0 * (CONSTANT * i - 2e-3 * w) + 0.02 * noise(k + 9000)]
+        };
+        let bench = bench(6.0, &[(0..800).map(point).collect()], 0);
+        let mut work = work(&bench);
+        let none = Work { terms: Vec::new(), ..work.clone() };
+        work.hold_as(&none);
+        add(&mut work, "viscous_friction", 0.0);
+        held_look_alike(&work, 0, &[Base::TorqueConstant])
+    };
+    assert_eq!(alike(1e-3), Some(Base::TorqueConstant));
+    assert_eq!(alike(4.0), None);
 }

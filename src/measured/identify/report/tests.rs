@@ -27,6 +27,7 @@ fn refused(name: &str, reason: &str) -> Refused {
 fn every_pair_of_look_alikes_has_its_run() {
     let pairs: &[(&[&str], &[&str], &str)] = &[
         (&["coulomb_friction"], &["load_dependent_friction"], "another load"),
+        (&["supply_sag"], &["torque_constant_saturation"], "voltage of the supply"),
         (&["torque_constant_temperature", "winding_temperature"], &[], "from cold and one from hot"),
         (&["torque_constant_saturation"], &[], "current steps up to the largest current"),
         (&["viscous_friction"], &["eddy_drag"], "higher speeds, beyond the knee"),
@@ -184,4 +185,34 @@ fn parameters_are_told_with_their_errors() {
         (1, Some(CONSTANT), CONSTANT, None)
     );
     assert!(parameters(&work, &[], &matrix, &[], &[]).is_empty());
+}
+
+/// The conventions differ by √(3/2), √3 and √2 and by one over them. What is off by something else, by nothing, or not surely,
+/// is no convention, and neither is an inertia.
+#[test]
+fn a_torque_constant_that_is_off_by_a_convention_says_so() {
+    let of = |name: &str, ratio: f64, error: f64| {
+        let (declared, fitted) = (Some(0.2), 0.2 * ratio);
+        let standard_error = Some(0.2 * error);
+        convention(&Parameter { name: name.into(), declared, fitted, standard_error, unit: "N*m/A" })
+    };
+    let told = |ratio: f64| of("torque_constant", ratio, 0.002);
+    for (ratio, what) in [
+        (1.5_f64.sqrt(), "phase amplitude that is taken for the q axis"),
+        (3.0_f64.sqrt(), "phase current in rms that is taken for the q axis"),
+        (2.0_f64.sqrt(), "rms that is taken for an amplitude"),
+        (1.5_f64.sqrt().recip(), "q axis that is taken for a phase amplitude"),
+        (3.0_f64.sqrt().recip(), "q axis that is taken for a phase current in rms"),
+        (2.0_f64.sqrt().recip(), "amplitude that is taken for a current in rms"),
+        (1.01 * 1.5_f64.sqrt(), "phase amplitude that is taken for the q axis"),
+    ] {
+        let told = told(ratio).unwrap_or_else(|| panic!("{ratio}"));
+        assert!(told.contains(what) && told.contains("check `convention`"), "{ratio}: {told}");
+    }
+    for ratio in [1.0, 0.9, 1.1, 1.3, 1.5, 0.5, 2.0] {
+        assert_eq!(told(ratio), None, "{ratio}");
+    }
+    // 22 % with a standard error of 10 % is not sure.
+    assert_eq!(of("torque_constant", 1.5_f64.sqrt(), 0.1), None);
+    assert_eq!(of("rotor_inertia", 1.5_f64.sqrt(), 0.002), None);
 }

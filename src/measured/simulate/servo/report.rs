@@ -4,6 +4,7 @@ use super::candidate::Candidate;
 use super::judges::{ENOUGH_LOGS, Judges, covariance};
 use super::left::{left, noise, speed};
 use super::selection::{OnPosition, look_alikes};
+use crate::effects::separating_run;
 use crate::measured::answer::evidence::{self, Evidence};
 use crate::measured::answer::{Found, Parameter, Report, Target};
 use crate::measured::simulate::model::{Model, Slot, error};
@@ -97,10 +98,8 @@ pub(super) fn report(
     let evidence = Evidence::unbounded(effects.len(), unexplained.len(), judges.error(&now));
     let next_runs = effects
         .iter()
-        .flat_map(|e| e.confounded_with.iter().map(move |rival| (e.name(), rival.name())))
-        .map(|(name, rival)| {
-            format!("`{name}` or `{rival}`: a run at another load and other speeds would separate them")
-        })
+        .flat_map(|e| e.confounded_with.iter().map(move |rival| (e.effect, *rival)))
+        .map(|(own, rival)| format!("`{}` or `{}`: {}", own.name(), rival.name(), separating_run(own, rival)))
         .collect();
     let samples = all.iter().map(Track::len).sum();
     let mut report = Report {

@@ -3,7 +3,7 @@
 use super::candidate::Candidate;
 use super::judges::{Judges, WORTH, chance};
 use crate::effects::{EFFECTS, Effect, Variable, View};
-use crate::measured::answer::{Refused, Stage, Step, Target};
+use crate::measured::answer::{Hidden, Refused, Stage, Step, Target};
 use crate::measured::select::{CHANCE, Judge, Pruner};
 use crate::measured::simulate::model::{Model, error};
 use crate::measured::simulate::track::Track;
@@ -188,19 +188,19 @@ pub(super) fn candidates(all: &[Track], refused: &mut Vec<Refused>) -> Vec<Candi
     };
     let mut list: Vec<(u32, Candidate)> = Vec::new();
     for effect in EFFECTS {
-        let reason = match (effect.hidden(&view), effect.rank_in_position()) {
-            (Some(why), _) => why,
+        let why = match (effect.hidden(&view), effect.rank_in_position()) {
+            (Some(why), _) => Hidden::Bench(why),
             (None, Some(rank)) => {
                 list.push((rank, Candidate::Effect(*effect)));
                 continue;
             }
-            _ if effect.winds_up() => Variable::TorqueCurvature.lack(),
+            _ if effect.winds_up() => Hidden::Lacks(Variable::TorqueCurvature),
             _ if effect.needs_temperature() => {
-                "a simulated position is not asked for temperatures: a log with current would show it"
+                Hidden::Bench("a simulated position is not asked for temperatures: a log with current would show it")
             }
-            _ => "a simulated position is not asked for it: a log with current or torque would show it",
+            _ => Hidden::Bench("a simulated position is not asked for it: a log with current or torque would show it"),
         };
-        refused.push(Refused::new(effect.name(), reason.into()));
+        refused.push(Refused::hidden(effect.name(), why));
     }
     list.sort_by_key(|(rank, _)| *rank);
     let mut list: Vec<Candidate> = list.into_iter().map(|(_, candidate)| candidate).collect();
@@ -208,7 +208,8 @@ pub(super) fn candidates(all: &[Track], refused: &mut Vec<Refused>) -> Vec<Candi
     list
 }
 
-/// Effects that do about as well in the place of one that was found.
+/// Effects that do about as well in the place of one that was found, and the one that it looks like where that cannot be
+/// asked.
 pub(super) fn look_alikes(
     found: Candidate,
     model: &Model,
@@ -218,7 +219,9 @@ pub(super) fn look_alikes(
 ) -> Vec<&'static dyn Effect> {
     let without = found.removed(model);
     let error = judges.error(now);
-    let mut list = Vec::new();
+    let Candidate::Effect(own) = found else { return Vec::new() };
+    let cannot_be_asked = |e: &&'static dyn Effect| !candidates.contains(&Candidate::Effect(*e));
+    let mut list: Vec<&'static dyn Effect> = own.mimics().map(|m| m.of).filter(cannot_be_asked).into_iter().collect();
     for rival in candidates {
         let Candidate::Effect(effect) = rival else { continue };
         if rival.is_in(model) {
