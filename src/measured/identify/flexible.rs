@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::regression::Rows;
 use super::work::{Fit, Work};
 use crate::effects::{Effect, Operating, Variable};
 use crate::measured::signals;
@@ -12,10 +13,15 @@ pub(super) const KNOTS: usize = 9;
 const IN_BAND: f64 = 0.2;
 /// Highest order that is searched.
 const ORDERS: usize = 120;
-/// Piecewise linear functions over knots at the quantiles of a variable.
-pub(crate) fn hats(values: &[f64]) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
+/// Piecewise linear functions over knots at the quantiles that a variable has in the rows for fitting.
+pub(crate) fn hats(rows: &Rows, values: &[f64]) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
+    hats_over((0..values.len()).filter(|k| rows.block_fits[rows.block[*k]]).map(|k| values[k]).collect())
+}
+
+/// The same at quantiles of all values.
+pub(super) fn hats_over(values: Vec<f64>) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>> {
     let mut knots: Vec<f64> =
-        (0..KNOTS).filter_map(|k| signals::quantile(values.to_vec(), k as f64 / (KNOTS - 1) as f64)).collect();
+        (0..KNOTS).filter_map(|k| signals::quantile(values.clone(), k as f64 / (KNOTS - 1) as f64)).collect();
     knots.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * b.abs().max(1e-300));
     if knots.len() < 3 {
         return Vec::new();
@@ -43,7 +49,7 @@ pub fn drift(work: &Work) -> Vec<Vec<f64>> {
     let mut columns = Vec::new();
     for log in 0..rows.logs() {
         let times: Vec<f64> = (0..rows.len()).filter(|k| rows.log[*k] == log).map(|k| rows.time[k]).collect();
-        for hat in hats(&times).into_iter().skip(1) {
+        for hat in hats_over(times).into_iter().skip(1) {
             let mut column: Vec<f64> =
                 (0..rows.len()).map(|k| if rows.log[k] == log { hat(rows.time[k]) } else { 0.0 }).collect();
             rows.without_means(&mut column);
@@ -60,7 +66,7 @@ pub fn of_speed(work: &Work) -> Vec<Vec<f64>> {
     }
     let values = work.balance.variable(false, |at| at.speed);
     let mut columns: Vec<Vec<f64>> =
-        hats(&values).iter().map(|hat| work.balance.function(|at| hat(at.speed))).collect();
+        hats(&work.balance.rows, &values).iter().map(|hat| work.balance.function(|at| hat(at.speed))).collect();
     columns.push(work.balance.function(|at| at.direction));
     columns
 }

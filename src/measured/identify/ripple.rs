@@ -158,7 +158,7 @@ fn take_out_what_is_smooth(work: &mut Work) -> Vec<Vec<f64>> {
     smooth.push(balance.function(|_| 1.0));
     if balance.variables.contains(&Variable::Current) && !balance.is_response(Variable::Current) {
         let values = balance.variable(false, |at| at.current);
-        smooth.extend(hats(&values).iter().map(|hat| balance.function(|at| hat(at.current))));
+        smooth.extend(hats(&balance.rows, &values).iter().map(|hat| balance.function(|at| hat(at.current))));
     }
     smooth.retain(|c| c.iter().all(|v| v.is_finite()) && c.iter().any(|v| *v != 0.0));
     let mut columns = work.columns();

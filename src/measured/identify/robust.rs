@@ -88,19 +88,19 @@ fn anything(balance: &Balance) -> Vec<Vec<f64>> {
     if has(Variable::Speed) {
         columns.push(balance.function(|at| at.direction));
         let speeds = balance.variable(false, |at| at.speed);
-        columns.extend(hats(&speeds).iter().map(|hat| balance.function(|at| hat(at.speed))));
+        columns.extend(hats(&balance.rows, &speeds).iter().map(|hat| balance.function(|at| hat(at.speed))));
     }
     if has(Variable::Current) {
         columns.push(balance.function(|at| at.current.signum()));
         let currents = balance.variable(false, |at| at.current);
-        columns.extend(hats(&currents).iter().map(|hat| balance.function(|at| hat(at.current))));
+        columns.extend(hats(&balance.rows, &currents).iter().map(|hat| balance.function(|at| hat(at.current))));
     }
     if has(Variable::Torque) {
         columns.push(balance.function(|at| at.torque.abs() * at.direction));
         if balance.target == Target::WindUp {
             columns.push(balance.function(|at| at.torque.signum()));
             let torques = balance.variable(false, |at| at.torque);
-            columns.extend(hats(&torques).iter().map(|hat| balance.function(|at| hat(at.torque))));
+            columns.extend(hats(&balance.rows, &torques).iter().map(|hat| balance.function(|at| hat(at.torque))));
         }
     }
     if balance.target == Target::Drive {

@@ -40,7 +40,7 @@ fn offers(work: &Work) -> Vec<Offer> {
         if values.iter().any(|v| !v.is_finite()) {
             return;
         }
-        let columns = hats(&values).iter().map(|hat| balance.function(|at| hat(f(at)))).collect();
+        let columns = hats(&balance.rows, &values).iter().map(|hat| balance.function(|at| hat(f(at)))).collect();
         offers.push((On::Variable(variable), columns));
     };
     let has = |v: Variable| balance.variables.contains(&v);
@@ -81,7 +81,7 @@ fn offers(work: &Work) -> Vec<Offer> {
     }
     let acceleration = balance.acceleration();
     if acceleration.iter().any(|a| *a != 0.0) {
-        let columns = hats(&acceleration)
+        let columns = hats(&balance.rows, &acceleration)
             .iter()
             .map(|hat| {
                 let mut column: Vec<f64> = acceleration.iter().map(|a| hat(*a)).collect();

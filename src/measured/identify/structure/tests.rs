@@ -1,3 +1,4 @@
+use super::super::flexible::hats_over;
 use super::super::flexible::{KNOTS, of_speed};
 use super::super::steady::{OVER_TIME, bench, bench_of, moving, moving_at, noise, work, work_on};
 use super::*;
@@ -7,7 +8,7 @@ use super::*;
 fn hats_are_a_partition_of_unity() {
     let values: Vec<f64> = (0..=80).map(|k| (f64::from(k) / 10.0).powi(2)).collect();
     let knots: Vec<f64> = (0..KNOTS).map(|k| (k as f64).powi(2)).collect();
-    let hats = super::hats(&values);
+    let hats = hats_over(values.clone());
     assert_eq!(hats.len(), KNOTS);
     for (i, hat) in hats.iter().enumerate() {
         for (j, knot) in knots.iter().enumerate() {
@@ -24,9 +25,9 @@ fn hats_are_a_partition_of_unity() {
         assert!((hats.iter().map(|h| h(x)).sum::<f64>() - 1.0).abs() < 1e-12, "{x}");
     }
     // Equal quantiles are one knot; with two of them there is no free function.
-    assert!(super::hats(&[1.0; 30]).is_empty() && super::hats(&[]).is_empty());
-    assert!(super::hats(&[1.0, 2.0, 2.0, 1.0]).is_empty());
-    assert_eq!(super::hats(&[1.0, 2.0, 3.0]).len(), 3);
+    assert!(hats_over(vec![1.0; 30]).is_empty() && hats_over(Vec::new()).is_empty());
+    assert!(hats_over(vec![1.0, 2.0, 2.0, 1.0]).is_empty());
+    assert_eq!(hats_over(vec![1.0, 2.0, 3.0]).len(), 3);
 }
 
 /// The variable of the operating point, where it is one.

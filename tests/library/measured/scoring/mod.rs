@@ -201,7 +201,7 @@ fn a_case_is_that_of_its_seed() {
 #[test]
 fn the_bounds_of_the_small_sample_can_fail() {
     let share = |count| Share { count, of: 10 };
-    assert!(is_at_least(share(7), TODAY.right) && !is_at_least(share(5), TODAY.right));
+    assert!(is_at_least(share(8), TODAY.right) && !is_at_least(share(6), TODAY.right));
     assert!(is_at_most(share(1), TODAY.false_on_clean) && !is_at_most(share(3), TODAY.false_on_clean));
     assert!(is_at_most(share(0), TODAY.false_completeness) && !is_at_most(share(2), TODAY.false_completeness));
 }
