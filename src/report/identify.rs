@@ -12,6 +12,7 @@ pub use sentence::sentence;
 use super::number;
 use super::table::{Column, Table, paragraph, paragraph_at, width};
 use crate::effects::Enters;
+use crate::measured::identify::FAR;
 use crate::measured::identify::evidence::{Asked, Gain};
 use crate::measured::identify::{Found, Ground, Parameter, Refused, Report, Stage, Step, Target, Verdict};
 use crate::measured::{Bench, Channel, Log, Use};
@@ -264,11 +265,22 @@ pub(super) fn noise_line(report: &Report) -> String {
 /// refused.
 pub(super) fn noise_lines(report: &Report) -> Vec<String> {
     let (evidence, unit) = (&report.evidence, report.unit);
-    let left = number(evidence.left);
+    let left = format!(
+        "{} {unit}{}",
+        number(evidence.left),
+        if evidence.far_off.is_some() { " of all rows alike" } else { "" }
+    );
     let mut lines = vec![match evidence.times_the_noise() {
-        Some(times) => format!("{}; left out {left} {unit}, {} times that", noise_line(report), number(round(times))),
-        None => format!("left out {left} {unit}; {}", noise_line(report)),
+        Some(times) => format!("{}; left out {left}, {} times that", noise_line(report), number(round(times))),
+        None => format!("left out {left}; {}", noise_line(report)),
     }];
+    lines.extend(evidence.far_off.map(|share| {
+        format!(
+            "{} % of the rows for fitting are more than {FAR} times as far off as is usual, whatever the function of speed and \
+             current; they weigh less, in the errors above too",
+            percent(share)
+        )
+    }));
     let ways: Vec<String> = evidence
         .noise
         .estimates
@@ -284,7 +296,9 @@ pub(super) fn noise_lines(report: &Report) -> Vec<String> {
     if let Some(frequency) = evidence.noise.line {
         lines.push(format!("there is a line at {} Hz, above the band", number(round(frequency))));
     }
-    lines.extend(evidence.strongest().map(|asked| format!("strongest of what was refused: {}", strength(asked))));
+    lines.extend(
+        evidence.strongest().map(|asked| format!("strongest of what was refused: {}", strength(report, asked))),
+    );
     if let Some(together) = evidence.together.filter(|_| evidence.asked.len() > 1) {
         lines.push(format!(
             "all {} effects that were asked and refused, together: error {} %, at most −{} % (95 %)",
@@ -297,10 +311,12 @@ pub(super) fn noise_lines(report: &Report) -> Vec<String> {
 }
 
 /// A refused effect with what it would do, and how sure that is.
-fn strength(asked: &Asked) -> String {
+fn strength(report: &Report, asked: &Asked) -> String {
     let gain = asked.gain;
+    let found = report.effects.iter().any(|f| f.name() == asked.name);
     format!(
-        "{}, error {} % ({} standard errors), at most −{} % (95 %)",
+        "{}{}, error {} % ({} standard errors), at most −{} % (95 %)",
+        if found { "another order of " } else { "" },
         asked.name,
         change(gain),
         number(round(gain.sure())),

@@ -131,8 +131,10 @@ pub struct Evidence {
     pub found: usize,
     /// Variables that what is left depends on, without a name.
     pub unexplained: usize,
-    /// Root mean square of what the final model leaves, each block left out of the fit in turn \[unit\].
+    /// Root mean square of what the final model leaves, each block left out of the fit in turn, of all rows alike \[unit\].
     pub left: f64,
+    /// Share of the rows for fitting that are so far off that they weigh less, where that matters.
+    pub far_off: Option<f64>,
     /// The same error of the final model on what was held out \[unit\].
     pub held_out: Option<f64>,
     /// The instrument's own noise in the band.

@@ -36,6 +36,12 @@ const HOLDS: f64 = 0.12;
 const JUMPS: f64 = 1.5;
 /// Least rows, and time \[s\], that a channel must stand to be stale.
 const STALE: (usize, f64) = (6, 0.02);
+/// What says that a machine moves.
+const MOTION: [Channel; 4] =
+    [Channel::MotorPosition, Channel::OutputPosition, Channel::MotorVelocity, Channel::OutputVelocity];
+/// In times its noise, and in its smallest steps, how far a channel must go to move.
+const MOVED: f64 = 8.0;
+const STEPS: f64 = 3.0;
 /// A spike is this many times further from its neighbours than samples usually are.
 const SPIKE: f64 = 30.0;
 /// Fewest samples of a log that is looked at.
@@ -242,6 +248,19 @@ fn runs(values: &[f64]) -> Vec<std::ops::Range<usize>> {
     found
 }
 
+/// Whether a channel moves in a stretch, beyond its noise and its steps: a position from one end to the other, others also by
+/// what they are if they go on about a speed.
+fn moves(values: &[f64], stretch: &std::ops::Range<usize>, is_position: bool) -> bool {
+    let own: Vec<f64> = values[stretch.clone()].iter().copied().filter(|v| v.is_finite()).collect();
+    let steps = values.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
+    let step = steps.fold(f64::INFINITY, f64::min);
+    let known = (MOVED * signals::noise_level(values)).max(STEPS * step);
+    // What begins at its last sample is no motion in it.
+    let at = |share: f64| signals::quantile(own.clone(), share).unwrap_or(0.0);
+    let level = if is_position { 0.0 } else { at(0.5).abs() };
+    (at(0.9) - at(0.1)).max(level) > known
+}
+
 /// Stretches in which a channel that is read afresh at every row stands, while the machine moves.
 fn stale(log: &mut Log) -> Vec<About> {
     let step = signals::median_step(&log.time);
@@ -256,12 +275,11 @@ fn stale(log: &mut Log) -> Vec<About> {
             runs(values).into_iter().filter(|r| r.len() >= least && values[r.start].is_finite()).collect();
         // What is left out already needs no second reason.
         long.retain(|r| !log.excluded.iter().any(|e| e.contains(&log.time[r.start])));
-        // The machine moves meanwhile: another channel does not stand.
-        long.retain(|r| {
-            let others = readable.iter().filter(|c| *c != channel);
-            let stands = |c: &Channel| log.channels[c][r.clone()].windows(2).filter(|w| w[0] == w[1]).count();
-            others.clone().count() > 0 && others.into_iter().all(|c| 2 * stands(c) < r.len())
-        });
+        // At rest a channel may stand as it likes: another one moves meanwhile, beyond its noise and its steps.
+        let others = || readable.iter().filter(|c| *c != channel);
+        let of_motion: Vec<Channel> = others().copied().filter(|c| MOTION.contains(c)).collect();
+        let asked = if of_motion.is_empty() { others().copied().collect() } else { of_motion };
+        long.retain(|r| asked.iter().any(|c| moves(&log.channels[c], r, POSITIONS.contains(c))));
         let all: usize = long.iter().map(std::ops::Range::len).sum();
         if all as f64 > LEFT_OUT * values.len() as f64 {
             continue;

@@ -140,12 +140,13 @@ pub fn report(
     let evidence = Evidence {
         found: effects.len(),
         unexplained: left.len(),
-        left: work.left_out_error(&fit),
+        left: work.of_all_rows(&fit, &fit.left_out),
+        far_off: robust::far_off(&work, &fit),
         held_out,
         noise: super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band),
         asked,
         together: Some(together),
-        better: selection.better(&fit.left_out).map(|left_out| work.root_mean_square(left_out)),
+        better: selection.better(&fit.left_out).map(|left_out| work.of_all_rows(&fit, left_out)),
         worse_by_refitting: refitting.is_harm(),
         contradicted: false,
         dead: channel.filter(|channel| work.bench.is_dead(*channel)),
@@ -170,7 +171,6 @@ pub fn report(
     if work.balance.split_log {
         remarks.push("no log is held out: every fifth block of time judges instead".into());
     }
-    remarks.extend(robust::said(&work, &fit));
     remarks.extend(work.ripple.iter().flat_map(|r| r.said(work.balance.band, work.balance.unit)));
     for (effect, objection) in selection.objections.iter().filter(|(e, _)| effects.iter().any(|f| f.effect == *e)) {
         remarks.push(format!("{}: {objection}", effect.title()));

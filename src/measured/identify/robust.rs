@@ -13,10 +13,9 @@ use super::work::{Fit, Work};
 use crate::effects::Variable;
 use crate::measured::answer::Target;
 use crate::measured::signals;
-use crate::words::number;
 
 /// Times the usual error of its log from which a row weighs less: none of a million of normal noise.
-const FAR: f64 = 5.0;
+pub const FAR: f64 = 5.0;
 /// A standard deviation of normal noise, in medians of its absolute value and in quantiles that nine of ten lie below.
 const NORMAL: (f64, f64) = (1.4826, 1.0 / 1.6449);
 /// Fewest rows of a log whose usual error is known.
@@ -110,29 +109,15 @@ fn anything(balance: &Balance) -> Vec<Vec<f64>> {
     columns
 }
 
-/// How many rows weigh less, and the error of all rows alike; nothing where they are few and hold little.
-pub fn said(work: &Work, fit: &Fit) -> Option<String> {
+/// The share of the rows for fitting that weigh less, where they hold much of what a model leaves.
+pub fn far_off(work: &Work, fit: &Fit) -> Option<f64> {
     let rows = &work.balance.rows;
     let fits: Vec<usize> = (0..rows.len()).filter(|k| work.fits(rows.block[*k])).collect();
-    let wild = fits.iter().filter(|k| rows.weight(**k) < 1.0).count();
+    let far = fits.iter().filter(|k| rows.weight(**k) < 1.0).count();
     let left = work.residual(fit);
     let squares = |weight: &dyn Fn(usize) -> f64| fits.iter().map(|k| weight(*k) * left[*k] * left[*k]).sum::<f64>();
     let all = squares(&|_| 1.0);
-    if wild == 0 || all - squares(&|k| rows.weight(k)) < OWN * all {
-        return None;
-    }
-    Some(format!(
-        "{} % of the rows for fitting are more than {FAR} times as far off as is usual, whatever the function of speed and \
-         current: they weigh less, and in the errors too; the error of all rows alike is {} {}",
-        number(percent(wild as f64 / fits.len() as f64)),
-        number((all / fits.len().max(1) as f64).sqrt()),
-        work.balance.unit
-    ))
-}
-
-/// A share in per cent, to a tenth.
-fn percent(share: f64) -> f64 {
-    (1000.0 * share).round() / 10.0
+    (far > 0 && all - squares(&|k| rows.weight(k)) > OWN * all).then(|| far as f64 / fits.len() as f64)
 }
 
 /// Says how much each row of a balance weighs.

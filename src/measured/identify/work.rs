@@ -237,20 +237,14 @@ impl<'a> Work<'a> {
         Stage::new(step, self.error(&columns, fit, true), self.error(&columns, fit, false))
     }
 
-    /// Root mean square of what is left out, of all rows alike.
-    pub fn left_out_error(&self, fit: &Fit) -> f64 {
+    /// Root mean square of left-out squared errors of the blocks, of all rows alike: with what a fit leaves beyond what its rows
+    /// weigh.
+    pub fn of_all_rows(&self, fit: &Fit, left_out: &[f64]) -> f64 {
         let rows = &self.balance.rows;
         let fits: Vec<usize> = (0..rows.len()).filter(|k| self.fits(rows.block[*k])).collect();
         let left = self.residual(fit);
         let wild: f64 = fits.iter().map(|k| (1.0 - rows.weight(*k)) * left[*k] * left[*k]).sum();
-        ((finite_sum(&fit.left_out) + wild) / fits.len().max(1) as f64).sqrt()
-    }
-
-    /// Root mean square over the rows for fitting, of squared errors of their blocks.
-    pub fn root_mean_square(&self, squares: &[f64]) -> f64 {
-        let rows = &self.balance.rows;
-        let count: f64 = (0..rows.len()).filter(|k| self.fits(rows.block[*k])).map(|k| rows.weight(k)).sum();
-        (finite_sum(squares) / count.max(1.0)).sqrt()
+        ((finite_sum(left_out) + wild) / fits.len().max(1) as f64).sqrt()
     }
 
     /// Whether a term is this parameter of the declared model.

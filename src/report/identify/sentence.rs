@@ -58,6 +58,10 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
             (Some(a), Some(b)) => ("on what was held out", a, b),
             _ => ("on the logs for fitting", from.fit, to.fit),
         };
+        let judge = match report.evidence.far_off {
+            Some(_) => format!("{judge}, where rows far off weigh less,"),
+            None => judge.to_string(),
+        };
         Some(format!("{judge} the error goes from {} to {} {}", number(a), number(b), report.unit))
     };
     let verdict = overall(reports);
@@ -73,8 +77,8 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
             parts.push(format!("alone or together they would lower the error by at most {} % (95 %)", percent(most)));
         }
         Verdict::NotResolved => {
-            let strongest = reports.iter().filter_map(|r| r.evidence.strongest());
-            let strongest = strongest.max_by(|a, b| a.gain.most().total_cmp(&b.gain.most()));
+            let strongest = reports.iter().filter_map(|r| Some((r, r.evidence.strongest()?)));
+            let strongest = strongest.max_by(|a, b| a.1.gain.most().total_cmp(&b.1.gain.most()));
             if let Some(times) =
                 reports.iter().filter(|r| r.evidence.is_below_the_noise()).find_map(|r| r.evidence.times_the_noise())
             {
@@ -98,7 +102,9 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
             }
             parts.push("No effect could be named with certainty, and not all could be excluded".into());
             parts.push(match strongest {
-                Some(asked) => format!("the strongest of what was refused: {}", effects::in_words(&strength(asked))),
+                Some((report, asked)) => {
+                    format!("the strongest of what was refused: {}", effects::in_words(&strength(report, asked)))
+                }
                 None => "how much those that were refused could still explain was not bounded".into(),
             });
             if !shifted.is_empty() {

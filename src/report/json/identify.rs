@@ -80,8 +80,11 @@ pub struct Equation<'a> {
 /// What a verdict rests on.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Evidence {
-    /// Error that the final model leaves, each part of the logs left out of the fit in turn, root mean square.
+    /// Error that the final model leaves, each part of the logs left out of the fit in turn, root mean square of all rows alike.
     pub left_out_error: Option<f64>,
+    /// Share of the rows for fitting, in per cent, that are so far off that they weigh less in the fit and in the
+    /// `errors`; `null` where that does not matter.
+    pub far_off_percent: Option<f64>,
     /// The same in times of the instrument's noise.
     pub times_the_noise: Option<f64>,
     /// Why the noise is not known; `null` where it is.
@@ -446,6 +449,7 @@ impl Evidence {
         });
         Evidence {
             left_out_error: finite(evidence.left),
+            far_off_percent: evidence.far_off.map(|share| 100.0 * share),
             times_the_noise: evidence.times_the_noise().and_then(finite),
             noise_cannot_be_told: evidence.noise.told().err(),
             noise_estimates: estimates.collect(),

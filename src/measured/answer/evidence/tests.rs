@@ -18,6 +18,7 @@ fn clean() -> Evidence {
         found: 0,
         unexplained: 0,
         left: 1.1,
+        far_off: None,
         held_out: Some(1.12),
         noise: noise(&[1.0, 1.2]),
         asked: vec![

@@ -93,3 +93,25 @@ fn uneven_times_are_said() {
     let [About::Irregular { short, usual, long }] = found[..] else { panic!("{found:?}") };
     assert!(short < usual && usual < long && (usual / 2e-3 - 1.0).abs() < 0.05);
 }
+
+/// A machine at rest: its encoder stands, while the velocity and the torque have their noise. Then it turns, and the encoder
+/// stands again.
+#[test]
+fn an_encoder_that_stands_at_rest_is_not_stale() {
+    let stale = |stuck: bool| {
+        let position = "motor_position = { name = \"4\", unit = \"rad\" }";
+        let columns: Vec<&str> = OVER_TIME.iter().copied().chain([position]).collect();
+        let row = |k: usize| {
+            let t = 2e-3 * k as f64;
+            let (speed, angle) = if t < 0.5 { (0.0, 0.0) } else { (20.0, 20.0 * (t - 0.5)) };
+            let angle = if stuck && (1000..1040).contains(&k) { 30.0 } else { angle };
+            let i = 0.01 * noise(k + 3000) + if t < 0.5 { 0.0 } else { (3.0 * t).sin() };
+            vec![t, speed + 0.1 * noise(k), i, 0.6 * i + 0.01 * noise(k + 9000), (angle / 1e-3).round() * 1e-3]
+        };
+        let bench = bench_of("dynamometer", 6.0, &columns, &[(0..3000).map(row).collect()], 0);
+        let found = prepare(&bench).1.into_iter().map(|f| f.about);
+        found.filter(|about| matches!(about, About::Stale { .. })).collect::<Vec<_>>()
+    };
+    assert_eq!(stale(false), []);
+    assert!(matches!(stale(true)[..], [About::Stale { channel: Channel::MotorPosition, from, .. }] if from == 2.0));
+}

@@ -187,7 +187,8 @@ fn a_free_function_of_speed_has_kinks_and_a_jump() {
     let speed = work.balance.variable(false, |at| at.speed);
     let columns = of_speed(&work);
     assert_eq!(columns.len(), KNOTS + 1);
-    let middle = signals::quantile(speed.clone(), 0.25).unwrap();
+    let of_fit = (0..speed.len()).filter(|k| work.fits(work.balance.rows.block[*k])).map(|k| speed[k]).collect();
+    let middle = signals::quantile(of_fit, 0.25).unwrap();
     let target = |f: &dyn Fn(f64) -> f64| speed.iter().map(|w| f(*w)).collect::<Vec<f64>>();
     for (f, inside) in [
         (&(|w: f64| (w - middle).max(0.0)) as &dyn Fn(f64) -> f64, true),
