@@ -28,14 +28,16 @@ pub(super) fn hats_over(values: Vec<f64>) -> Vec<Box<dyn Fn(f64) -> f64 + Sync>>
     }
     (0..knots.len())
         .map(|k| {
-            let middle = knots[k];
-            let left = (k > 0).then(|| knots[k - 1]);
-            let right = knots.get(k + 1).copied();
+            let knots = knots.clone();
+            // Beyond the ends the last pieces go on: together they stay straight lines, as within.
             let hat = move |x: f64| {
-                if x <= middle {
-                    left.map_or(1.0, |l| ((x - l) / (middle - l)).max(0.0))
-                } else {
-                    right.map_or(1.0, |r| ((r - x) / (r - middle)).max(0.0))
+                let last = knots.len() - 1;
+                let piece = knots.partition_point(|knot| *knot <= x).clamp(1, last) - 1;
+                let share = (x - knots[piece]) / (knots[piece + 1] - knots[piece]);
+                match k {
+                    _ if k == piece => 1.0 - share,
+                    _ if k == piece + 1 => share,
+                    _ => 0.0,
                 }
             };
             Box::new(hat) as Box<dyn Fn(f64) -> f64 + Sync>
