@@ -151,6 +151,8 @@ pub struct Evidence {
     pub dead: Option<Channel>,
     /// Whether channels contradict each other, so that nothing was asked.
     pub contradicted: bool,
+    /// Whether stretches that own the error were left out: what they show is not explained.
+    pub owned: bool,
     /// Whether what is explained does not follow the model at all: see [`Evidence::does_not_follow`].
     pub unrelated: bool,
 }
@@ -216,7 +218,7 @@ pub fn verdict(evidence: &Evidence) -> Verdict {
         (1.., _) => Verdict::UnexplainedStructure,
         _ if evidence.better.is_some() => Verdict::NotResolved,
         (0, 1..) => Verdict::Explained,
-        _ if !bounded => Verdict::NotResolved,
+        _ if !bounded || evidence.owned => Verdict::NotResolved,
         _ if evidence.is_noise() && !evidence.worse_by_refitting && evidence.noise.line.is_none() => {
             Verdict::NothingMissing
         }

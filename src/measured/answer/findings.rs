@@ -91,6 +91,15 @@ pub enum About {
         /// Share of the squared error of all logs for fitting.
         share: f64,
     },
+    /// The bench file leaves a stretch out.
+    Excluded {
+        /// From \[s\]; minus infinity from the beginning.
+        from: f64,
+        /// To \[s\]; infinity to the end.
+        to: f64,
+        /// How many rows of the log lie in it.
+        rows: usize,
+    },
     /// The zero of a sensor would be larger than anything that it read.
     Zero {
         /// Which channel.
@@ -117,6 +126,7 @@ impl About {
             About::Spikes { .. } => "spikes",
             About::Irregular { .. } => "irregular",
             About::Owns { .. } => "owns_the_error",
+            About::Excluded { .. } => "excluded",
             About::Zero { .. } => "zero",
             About::Estimated(_) => "estimated",
         }

@@ -23,6 +23,8 @@ const WORTH: f64 = 0.02;
 const FOLLOWS: f64 = 0.5;
 /// How many times its speed one way the speed the other way may be for that.
 const RANGES: f64 = 5.0;
+/// A lag beyond this share of the largest is at the end of the search.
+const AT_THE_END: f64 = 0.95;
 /// Largest lag that is looked for \[s\].
 const LARGEST_LAG: f64 = 0.05;
 
@@ -400,6 +402,10 @@ fn lags(
             let at = (0..grid.len()).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
             let (low, high) = (grid[at.saturating_sub(1)], grid[(at + 1).min(grid.len() - 1)]);
             let lag = golden_section(&sum, low, high, 10);
+            // What goes on to the end of the search is no lag.
+            if lag.abs() > AT_THE_END * range {
+                continue;
+            }
             let changed = with(lag);
             let Some(after) = coarse(&changed) else { continue };
             let (a, b) = (now.iter().sum::<f64>(), after.iter().sum::<f64>());

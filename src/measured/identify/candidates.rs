@@ -466,6 +466,13 @@ fn holds(work: &Work, candidate: &Candidate) -> Result<(), String> {
 /// Why not.
 pub fn believed(work: &Work, term: usize) -> Result<(), String> {
     let Some((effect, shape)) = work.terms[term].effect() else { return Ok(()) };
+    let has_constant = work.balance.base.iter().any(|b| b.which == Base::TorqueConstant);
+    if effect.is_of_torque_constant()
+        && has_constant
+        && !(0..work.terms.len()).any(|t| work.is_base(t, Base::TorqueConstant))
+    {
+        return Err("these logs do not show the torque constant itself".into());
+    }
     let fit = work.fit();
     let offset = work.offset(term);
     let coefficients: Vec<f64> = (0..effect.linear()).map(|j| fit.solution.coefficients[offset + j]).collect();

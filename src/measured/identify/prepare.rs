@@ -62,12 +62,17 @@ pub fn prepare(bench: &Bench) -> (Bench, Vec<Finding>) {
     let pole_pairs = bench.declared.motor.as_ref().and_then(|m| m.pole_pairs);
     for log in &mut bench.logs {
         let mut found: Vec<About> = log.estimated.iter().map(|c| About::Estimated(*c)).collect();
+        found.extend(log.excluded.iter().map(|stretch| About::Excluded {
+            from: stretch.start,
+            to: stretch.end,
+            rows: log.time.iter().filter(|t| stretch.contains(t)).count(),
+        }));
         if log.kind != BenchKind::SteadyTable && log.len() >= FEWEST {
             found.extend(irregular(&log.time));
             found.extend(held(log));
             found.extend(spikes(log));
             found.extend(clipped(log));
-            found.extend(stale(log));
+            found.extend(stale(log, ratio));
             found.extend(machine::contradictions(log, ratio, linear, pole_pairs));
             leave_out(log);
         }
@@ -261,8 +266,39 @@ fn moves(values: &[f64], stretch: &std::ops::Range<usize>, is_position: bool) ->
     (at(0.9) - at(0.1)).max(level) > known
 }
 
+/// Whether a position should have gone on in a stretch by more than its steps, as another channel of motion has it.
+fn goes_on(log: &Log, position: Channel, other: Channel, ratio: f64, stretch: &std::ops::Range<usize>) -> bool {
+    let of_motor = |c: Channel| matches!(c, Channel::MotorPosition | Channel::MotorVelocity);
+    let factor = match (of_motor(position), of_motor(other)) {
+        (true, false) => ratio,
+        (false, true) => 1.0 / ratio,
+        _ => 1.0,
+    };
+    // Last digits are no steps.
+    let step_of = |c: Channel| {
+        let steps = log.channels[&c].windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).collect();
+        signals::quantile(steps, 0.25).unwrap_or(f64::INFINITY)
+    };
+    let values = &log.channels[&other][stretch.clone()];
+    let mut resolved = factor * step_of(other);
+    let path: Vec<f64> = if POSITIONS.contains(&other) {
+        values.iter().filter(|v| v.is_finite()).map(|v| factor * v).collect()
+    } else {
+        resolved *= signals::median_step(&log.time);
+        let steps = values.iter().zip(&log.time[stretch.clone()]).zip(&log.time[stretch.start + 1..]);
+        let mut at = 0.0;
+        let step = |((v, from), to): ((&f64, &f64), &f64)| {
+            at += if v.is_finite() { factor * v * (to - from) } else { 0.0 };
+            at
+        };
+        steps.map(step).collect()
+    };
+    let (low, high) = path.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    high - low > STEPS * step_of(position).max(resolved)
+}
+
 /// Stretches in which a channel that is read afresh at every row stands, while the machine moves.
-fn stale(log: &mut Log) -> Vec<About> {
+fn stale(log: &mut Log, ratio: f64) -> Vec<About> {
     let step = signals::median_step(&log.time);
     let least = STALE.0.max((STALE.1 / step).ceil() as usize);
     let readable: Vec<Channel> =
@@ -279,7 +315,12 @@ fn stale(log: &mut Log) -> Vec<About> {
         let others = || readable.iter().filter(|c| *c != channel);
         let of_motion: Vec<Channel> = others().copied().filter(|c| MOTION.contains(c)).collect();
         let asked = if of_motion.is_empty() { others().copied().collect() } else { of_motion };
-        long.retain(|r| asked.iter().any(|c| moves(&log.channels[c], r, POSITIONS.contains(c))));
+        long.retain(|r| {
+            asked.iter().any(|c| match POSITIONS.contains(channel) && MOTION.contains(c) {
+                true => goes_on(log, *channel, *c, ratio, r),
+                false => moves(&log.channels[c], r, POSITIONS.contains(c)),
+            })
+        });
         let all: usize = long.iter().map(std::ops::Range::len).sum();
         if all as f64 > LEFT_OUT * values.len() as f64 {
             continue;

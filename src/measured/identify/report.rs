@@ -149,6 +149,7 @@ pub fn report(
         better: selection.better(&fit.left_out).map(|left_out| work.of_all_rows(&fit, left_out)),
         worse_by_refitting: refitting.is_harm(),
         contradicted: false,
+        owned: false,
         dead: channel.filter(|channel| work.bench.is_dead(*channel)),
         unrelated: channel.is_some() && Evidence::does_not_follow(accounted.0, accounted.1, explains),
     };

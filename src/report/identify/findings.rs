@@ -1,16 +1,43 @@
 //! What was found in the logs before anything was asked, in words.
 
 use super::{channel_name, percent, round};
-use crate::measured::Bench;
 use crate::measured::identify::{About, Report};
+use crate::measured::{Bench, Channel};
 use crate::report::number;
 use crate::words::handy::handy;
+
+/// More stretches of one log than these are told together.
+const MANY: usize = 3;
 
 /// One line for each finding; what several logs have in common once.
 pub fn lines(bench: &Bench, reports: &[Report]) -> Vec<String> {
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    let mut stretches: Vec<(&str, Channel, usize, f64)> = Vec::new();
+    for finding in reports.iter().take(1).flat_map(|r| &r.findings) {
+        if let About::Stale { channel, from, to } = finding.about {
+            match stretches.iter_mut().find(|s| s.0 == finding.log && s.1 == channel) {
+                Some(same) => (same.2, same.3) = (same.2 + 1, same.3 + to - from),
+                None => stretches.push((&finding.log, channel, 1, to - from)),
+            }
+        }
+    }
     for finding in reports.iter().flat_map(|r| &r.findings) {
-        let text = words(bench, &finding.about);
+        let of_many = |channel: Channel| {
+            let mut many = stretches.iter().filter(|s| s.0 == finding.log && s.1 == channel && s.2 > MANY);
+            many.next().map(|s| {
+                let seconds = number((1e2 * s.3).round() / 1e2);
+                format!(
+                    "{} does not change in {} stretches, {seconds} s together, while the machine moves: left out",
+                    channel_name(channel),
+                    s.2
+                )
+            })
+        };
+        let text = match &finding.about {
+            About::Stale { channel, .. } => of_many(*channel),
+            _ => None,
+        };
+        let text = text.unwrap_or_else(|| words(bench, &finding.about));
         match lines.iter_mut().find(|(t, _)| *t == text) {
             Some((_, logs)) if logs.contains(&finding.log.as_str()) => {}
             Some((_, logs)) => logs.push(&finding.log),
@@ -76,6 +103,12 @@ pub fn words(bench: &Bench, about: &About) -> String {
             in_unit(bench, *channel, *zero),
             in_unit(bench, *channel, *most)
         ),
+        About::Excluded { from, to, rows } => {
+            let from = if from.is_finite() { seconds(*from) } else { "the beginning".into() };
+            let to = if to.is_finite() { seconds(*to) } else { "the end".into() };
+            let rows = if *rows == 0 { "no row of this log lies in it".into() } else { format!("{rows} rows") };
+            format!("`exclude` from {from} to {to}: {rows}")
+        }
         About::Spikes { channel, count } => {
             let (samples, are) = if *count == 1 { ("sample", "is") } else { ("samples", "are") };
             format!("{}: {count} single {samples} far off both neighbours {are} left out", channel_name(*channel))
@@ -99,14 +132,13 @@ pub fn words(bench: &Bench, about: &About) -> String {
 }
 
 /// A value of a channel in a unit that is handy.
-fn in_unit(bench: &Bench, channel: crate::measured::Channel, value: f64) -> String {
+fn in_unit(bench: &Bench, channel: Channel, value: f64) -> String {
     let unit = if bench.declared.motor.is_some() { unit_of(channel) } else { "" };
     let (value, unit) = handy(value, unit);
     format!("{} {unit}", number(value)).trim_end().to_string()
 }
 
-fn unit_of(channel: crate::measured::Channel) -> &'static str {
-    use crate::measured::Channel;
+fn unit_of(channel: Channel) -> &'static str {
     match channel {
         Channel::Current => "A",
         Channel::Voltage => "V",

@@ -100,6 +100,9 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
                     ));
                 }
             }
+            if reports.iter().any(|r| r.evidence.owned) {
+                parts.push("What owned the error was left out, and is not explained".into());
+            }
             parts.push("No effect could be named with certainty, and not all could be excluded".into());
             parts.push(match strongest {
                 Some((report, asked)) => {

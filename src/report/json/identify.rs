@@ -205,7 +205,7 @@ pub struct Added {
 /// Something that was found in a log.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Finding<'a> {
-    /// Its kind: `scale`, `sign`, `unrelated`, `held`, `stale`, `clipped`, `spikes`, `irregular`, `owns_the_error` or
+    /// Its kind: `scale`, `sign`, `unrelated`, `held`, `stale`, `clipped`, `spikes`, `irregular`, `owns_the_error`, `excluded`, `zero` or
     /// `estimated`.
     pub kind: &'static str,
     /// The log.

@@ -29,6 +29,7 @@ fn clean() -> Evidence {
         worse_by_refitting: false,
         better: None,
         contradicted: false,
+        owned: false,
         dead: None,
         unrelated: false,
     }
@@ -66,6 +67,8 @@ fn nothing_is_missing_only_where_everything_shows_it() {
     // Something stands above the band; refitting did harm.
     assert_eq!(with(|e| e.noise.line = Some(50.0)), Verdict::NoneOfThese);
     assert_eq!(with(|e| e.worse_by_refitting = true), Verdict::NoneOfThese);
+    // What owned the error and was left out is not explained.
+    assert_eq!(with(|e| e.owned = true), Verdict::NotResolved);
     // An effect alone, or all together, could still take away more than 3 %; or that was not tried.
     assert_eq!(with(|e| e.asked[0].gain = gain(0.05, 0.02)), Verdict::NotResolved);
     assert_eq!(with(|e| e.together = Some(gain(0.05, 0.02))), Verdict::NotResolved);

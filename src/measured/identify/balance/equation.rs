@@ -119,7 +119,8 @@ impl Balance {
         let variables = variables(&stretches, target, declared);
         let first = logs.iter().find(|l| bench.logs[**l].usage == Use::Fit).unwrap_or(&logs[0]);
         let base = balanced.parameters(&model, declared, &bench.logs[*first]);
-        let (factor, scale) = (balanced.factor(declared.ratio), scale(&stretches, &model, target));
+        let factor = balanced.factor(declared.ratio);
+        let scale = scale(&stretches, &model, target, factor);
         let band = choose_band(&mut stretches, target, factor, &scale, setting.band, &model);
         let usage: Vec<Use> = logs.iter().map(|l| bench.logs[*l].usage).collect();
         let (rows, split_log) = lay_out(&mut stretches, target, band, &usage, setting.rows);
@@ -178,13 +179,17 @@ fn variables(stretches: &[Stretch], target: Target, declared: &Declared) -> Vec<
     found
 }
 
-fn scale(stretches: &[Stretch], model: &Model, target: Target) -> Scale {
+fn scale(stretches: &[Stretch], model: &Model, target: Target, factor: f64) -> Scale {
     let largest = |f: &dyn Fn(&Operating) -> f64| {
         let values = stretches.iter().filter(|s| s.fits).flat_map(|s| &s.points).map(|p| f(p).abs()).collect();
         signals::quantile(values, 0.995).unwrap_or(f64::NAN)
     };
     let current = largest(&|p| p.current);
-    let torque = (model.torque_constant * current).max(largest(&|p| p.torque));
+    // Where it is driven from outside without a current, the sensor says how large torques are, whatever its zero.
+    let read: Vec<f64> = stretches.iter().filter(|s| s.fits).flat_map(|s| &s.target).copied().collect();
+    let at = |share: f64| signals::quantile(read.clone(), share).unwrap_or(0.0);
+    let sensed = if target == Target::Torque { 0.5 * (at(0.995) - at(0.005)) / factor.abs() } else { 0.0 };
+    let torque = (model.torque_constant * current).max(largest(&|p| p.torque)).max(sensed);
     let volts = stretches.iter().filter(|s| s.fits).flat_map(|s| &s.target).map(|v| v.abs()).collect();
     Scale {
         torque_constant: model.torque_constant,
