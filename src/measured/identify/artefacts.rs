@@ -378,8 +378,9 @@ fn lags(
         Target::Torque => &[true, false],
         _ => &[false],
     };
+    let mut ended = [false; 2];
     for round in 0..2 {
-        for of_target in which {
+        for of_target in which.iter().filter(|t| !ended[usize::from(**t)]).collect::<Vec<_>>() {
             let with = |lag: f64| {
                 let mut c = best.clone();
                 if *of_target {
@@ -404,6 +405,7 @@ fn lags(
             let lag = golden_section(&sum, low, high, 10);
             // What goes on to the end of the search is no lag.
             if lag.abs() > AT_THE_END * range {
+                ended[usize::from(*of_target)] = true;
                 continue;
             }
             let changed = with(lag);

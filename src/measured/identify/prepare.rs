@@ -312,9 +312,11 @@ fn stale(log: &mut Log, ratio: f64) -> Vec<About> {
         // What is left out already needs no second reason.
         long.retain(|r| !log.excluded.iter().any(|e| e.contains(&log.time[r.start])));
         // At rest a channel may stand as it likes: another one moves meanwhile, beyond its noise and its steps.
-        let others = || readable.iter().filter(|c| *c != channel);
-        let of_motion: Vec<Channel> = others().copied().filter(|c| MOTION.contains(c)).collect();
-        let asked = if of_motion.is_empty() { others().copied().collect() } else { of_motion };
+        let of_motion = MOTION.into_iter().filter(|c| c != channel && log.channels.contains_key(c));
+        let mut asked: Vec<Channel> = of_motion.collect();
+        if asked.is_empty() {
+            asked.extend(readable.iter().filter(|c| *c != channel));
+        }
         long.retain(|r| {
             asked.iter().any(|c| match POSITIONS.contains(channel) && MOTION.contains(c) {
                 true => goes_on(log, *channel, *c, ratio, r),
