@@ -11,6 +11,7 @@ pub(crate) mod balance;
 mod band;
 mod candidates;
 mod flexible;
+mod hats;
 mod machine;
 pub mod noise;
 mod numbers;

@@ -141,7 +141,7 @@ pub fn report(
         found: effects.len(),
         unexplained: left.len(),
         left: work.of_all_rows(&fit, &fit.left_out),
-        far_off: robust::far_off(&work, &fit),
+        far_off: robust::far_off(&work.balance.rows, &work.residual(&fit)),
         held_out,
         noise: super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band),
         asked,

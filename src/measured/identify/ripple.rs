@@ -10,7 +10,8 @@ use realfft::RealFftPlanner;
 
 use super::balance::{Balance, Setting, visible};
 use super::candidates::{Candidate, evaluate};
-use super::flexible::{hats, of_speed};
+use super::flexible::of_speed;
+use super::hats::hats;
 use super::orders::{Line, Ripple};
 use super::regression::covariance;
 use super::travel;

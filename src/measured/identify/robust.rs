@@ -7,9 +7,8 @@
 //! that is not wild but what is there.
 
 use super::balance::Balance;
-use super::flexible::hats;
+use super::hats::hats;
 use super::regression::{Blocks, Rows, solve};
-use super::work::{Fit, Work};
 use crate::effects::Variable;
 use crate::measured::answer::Target;
 use crate::measured::signals;
@@ -109,12 +108,10 @@ fn anything(balance: &Balance) -> Vec<Vec<f64>> {
     columns
 }
 
-/// The share of the rows for fitting that weigh less, where they hold much of what a model leaves.
-pub fn far_off(work: &Work, fit: &Fit) -> Option<f64> {
-    let rows = &work.balance.rows;
-    let fits: Vec<usize> = (0..rows.len()).filter(|k| work.fits(rows.block[*k])).collect();
+/// The share of the rows for fitting that weigh less, where they hold much of what is left.
+pub fn far_off(rows: &Rows, left: &[f64]) -> Option<f64> {
+    let fits: Vec<usize> = (0..rows.len()).filter(|k| rows.block_fits[rows.block[*k]]).collect();
     let far = fits.iter().filter(|k| rows.weight(**k) < 1.0).count();
-    let left = work.residual(fit);
     let squares = |weight: &dyn Fn(usize) -> f64| fits.iter().map(|k| weight(*k) * left[*k] * left[*k]).sum::<f64>();
     let all = squares(&|_| 1.0);
     (far > 0 && all - squares(&|k| rows.weight(k)) > OWN * all).then(|| far as f64 / fits.len() as f64)

@@ -5,7 +5,8 @@
 //! it depends.
 
 use super::candidates::Superfluous;
-use super::flexible::{drift, hats, order_scores};
+use super::flexible::{drift, order_scores};
+use super::hats::hats;
 use super::work::{Fit, Work};
 use crate::effects::{EFFECTS, Equation, Operating, Shape, Variable};
 use crate::measured::answer::{On, Target};

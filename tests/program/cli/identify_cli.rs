@@ -129,6 +129,7 @@ fn no_number_is_lost(value: &Value, path: &str) {
                 "standard_error",
                 "plus_minus",
                 "better_left_out_error",
+                "far_off_percent",
                 "held_out",
                 "held_out_vaf",
                 "held_out_before",

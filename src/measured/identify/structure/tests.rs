@@ -1,5 +1,5 @@
-use super::super::flexible::hats_over;
-use super::super::flexible::{KNOTS, of_speed};
+use super::super::flexible::of_speed;
+use super::super::hats::{KNOTS, hats_over};
 use super::super::steady::{OVER_TIME, bench, bench_of, moving, moving_at, noise, work, work_on};
 use super::*;
 
