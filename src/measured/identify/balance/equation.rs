@@ -185,11 +185,13 @@ fn scale(stretches: &[Stretch], model: &Model, target: Target, factor: f64) -> S
         signals::quantile(values, 0.995).unwrap_or(f64::NAN)
     };
     let current = largest(&|p| p.current);
-    // Where it is driven from outside without a current, the sensor says how large torques are, whatever its zero.
+    // Where it is driven from outside and its current is next to none, the sensor says how large torques are, whatever its
+    // zero; without any current nothing is known, and nothing is too large.
     let read: Vec<f64> = stretches.iter().filter(|s| s.fits).flat_map(|s| &s.target).copied().collect();
     let at = |share: f64| signals::quantile(read.clone(), share).unwrap_or(0.0);
     let sensed = if target == Target::Torque { 0.5 * (at(0.995) - at(0.005)) / factor.abs() } else { 0.0 };
-    let torque = (model.torque_constant * current).max(largest(&|p| p.torque)).max(sensed);
+    let driven = (model.torque_constant * current).max(largest(&|p| p.torque));
+    let torque = if driven.is_nan() { driven } else { driven.max(sensed) };
     let volts = stretches.iter().filter(|s| s.fits).flat_map(|s| &s.target).map(|v| v.abs()).collect();
     Scale {
         torque_constant: model.torque_constant,
