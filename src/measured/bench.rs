@@ -224,6 +224,12 @@ impl Log {
         stuck.map(|(channel, _)| *channel).collect()
     }
 
+    /// Rows of each stretch that is excluded.
+    pub(crate) fn excluded_rows(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let at = |time: f64| self.time.partition_point(|t| *t < time);
+        self.excluded.iter().map(move |stretch| at(stretch.start)..at(stretch.end))
+    }
+
     /// Keeps some rows only.
     pub(crate) fn keep_rows(&mut self, keep: &[bool]) {
         let chosen = |values: &[f64]| values.iter().zip(keep).filter(|(_, k)| **k).map(|(v, _)| *v).collect();

@@ -4,7 +4,7 @@
 //! an effect that the model lacks does not pass for a lag, and again at the end with what was found.
 
 use super::balance::{Balance, Corrections, Setting};
-use super::regression::{Blocks, covariance, solve, squares};
+use super::regression::{Blocks, covariance, residual, solve, squares};
 use super::robust;
 use super::work::{Kind, Work};
 use crate::effects::Variable;
@@ -70,6 +70,7 @@ pub(crate) fn band_of_structure(balance: &Balance) -> Option<f64> {
     let target = balance.target_column();
     let blocks = Blocks::new(&balance.rows, &columns, &target);
     let coefficients = solve(&blocks.total(|b| balance.rows.block_fits[b])).coefficients;
+    let left = residual(&target, &columns, &coefficients);
     let speed = balance.variable(true, |at| at.speed);
     let current = balance.variable(true, |at| at.current);
     let turns = balance.variables.contains(&Variable::Angle);
@@ -107,8 +108,7 @@ pub(crate) fn band_of_structure(balance: &Balance) -> Option<f64> {
             highest = highest.max(3.0 * holds(&inside(&|k| current[k]), 0.99));
         }
         if turns {
-            let left =
-                inside(&|k| target[k] - columns.iter().zip(coefficients.iter()).map(|(x, b)| b * x[k]).sum::<f64>());
+            let left = inside(&|k| left[k]);
             let floor = top(&left);
             let stands_out = |k: usize| left[k].1 > 5.0 * floor;
             let last = (1..left.len()).rev().find(|k| stands_out(*k) && stands_out(k - 1));
@@ -276,13 +276,7 @@ fn zero_of_logs(work: &Work) -> Vec<(usize, f64)> {
             subtract(value, balance.base_column_with_zero(index));
         }
     }
-    let mut sums = vec![(0.0, 0.0); balance.rows.logs()];
-    for (k, (value, log)) in left.iter().zip(&balance.rows.log).enumerate() {
-        let weight = balance.rows.weight(k);
-        sums[*log].0 += weight * value;
-        sums[*log].1 += weight;
-    }
-    sums.iter().enumerate().filter(|(_, (_, n))| *n > 0.0).map(|(log, (sum, n))| (log, sum / n)).collect()
+    balance.rows.means(&left).into_iter().enumerate().filter(|(_, zero)| !zero.is_nan()).collect()
 }
 
 /// A gain for each log whose torque constant differs from the others' far beyond its error.

@@ -207,7 +207,7 @@ impl Selection {
         let open: Vec<&'static dyn Effect> = near.iter().map(|c| c.effect).collect();
         let mut best: Option<(f64, [Candidate; 2], [Option<String>; 2])> = None;
         for (k, first) in near.iter().enumerate().filter(|_| near.len() > 1) {
-            let with = with(work, first);
+            let with = model_with(work, first);
             let beside = Asking::new(&with, &open);
             for second in beside.candidates.iter().filter(|c| open[k + 1..].contains(&c.effect)) {
                 let left = finite_sum(&second.left_out);
@@ -215,7 +215,7 @@ impl Selection {
                     continue;
                 }
                 let Ok(own) = beside.earns(&with, second) else { continue };
-                let other = self::with(work, second);
+                let other = model_with(work, second);
                 let back = Asking::new(&other, &open);
                 let again = back.candidates.iter().find(|c| c.effect == first.effect);
                 let Some((first, Ok(its))) = again.map(|c| (c, back.earns(&other, c))) else { continue };
@@ -353,6 +353,9 @@ impl Selection {
 
 /// A parameter that is held as declared, another value of which would explain an effect's part about as well.
 pub fn held_look_alike(work: &Work, term: usize, held: &[Base]) -> Option<Base> {
+    if held.is_empty() {
+        return None;
+    }
     let fit = work.fit();
     let without = work.columns_without(term);
     let base = finite_sum(&work.fit_columns(&without).left_out);
@@ -407,7 +410,7 @@ impl Asking {
 }
 
 /// A model with a candidate.
-fn with<'w>(work: &Work<'w>, candidate: &Candidate) -> Work<'w> {
+fn model_with<'w>(work: &Work<'w>, candidate: &Candidate) -> Work<'w> {
     let mut with = work.clone();
     with.terms.push(Term {
         kind: Kind::Effect(candidate.effect, candidate.shape),
@@ -456,7 +459,7 @@ fn scores_of(work: &Work, term: usize) -> Scores {
 /// Whether a candidate's values hold beside the model: beyond their own error, within the window of the shape, and with
 /// numbers of the declared model that keep a sign they can have.
 fn holds(work: &Work, candidate: &Candidate) -> Result<(), String> {
-    let with = with(work, candidate);
+    let with = model_with(work, candidate);
     believed(&with, with.terms.len() - 1)
 }
 

@@ -152,8 +152,8 @@ mod tests {
     use super::super::steady::{bench_of, noise};
     use super::*;
 
-    /// Position and velocity of the motor, the velocity times a factor and with so much noise.
-    fn said(factor: f64, wild: f64) -> Vec<About> {
+    /// What contradicts itself in rows of time, position and velocity of the motor, current and torque.
+    fn of_rows(row: impl Fn(usize) -> Vec<f64>) -> Vec<About> {
         let columns = [
             "time = { name = \"0\", unit = \"s\" }",
             "motor_position = { name = \"1\", unit = \"rad\" }",
@@ -161,6 +161,12 @@ mod tests {
             "current = { name = \"3\", unit = \"A\", convention = \"q_axis\" }",
             "torque = { name = \"4\", unit = \"N*m\", side = \"output\" }",
         ];
+        let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
+        contradictions(&bench.logs[0], 9.0, false, Some(7))
+    }
+
+    /// Position and velocity of the motor, the velocity times a factor and with so much noise.
+    fn said(factor: f64, wild: f64) -> Vec<About> {
         let row = |k: usize| {
             let t = 2e-3 * k as f64;
             let angle = 20.0 * (3.0 * t).sin() + 4.0 * (7.1 * t).cos();
@@ -168,8 +174,7 @@ mod tests {
             let own = if wild > 0.0 { wild * (40.0 * t + 3.0 * (1.3 * t).sin()).sin() } else { speed };
             vec![t, angle, factor * own + 0.1 * noise(k), noise(k + 900), noise(k + 1900)]
         };
-        let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
-        contradictions(&bench.logs[0], 9.0, false, Some(7))
+        of_rows(row)
     }
 
     #[test]
@@ -194,19 +199,11 @@ mod tests {
     #[test]
     fn what_turns_at_one_speed_is_compared_by_its_level() {
         let said = |factor: f64| {
-            let columns = [
-                "time = { name = \"0\", unit = \"s\" }",
-                "motor_position = { name = \"1\", unit = \"rad\" }",
-                "motor_velocity = { name = \"2\", unit = \"rad/s\" }",
-                "current = { name = \"3\", unit = \"A\", convention = \"q_axis\" }",
-                "torque = { name = \"4\", unit = \"N*m\", side = \"output\" }",
-            ];
             let row = |k: usize| {
                 let t = 2e-3 * k as f64;
                 vec![t, 40.0 * t, factor * (40.0 + 0.2 * noise(k)), noise(k + 900), noise(k + 1900)]
             };
-            let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
-            contradictions(&bench.logs[0], 9.0, false, Some(7))
+            of_rows(row)
         };
         assert_eq!(said(1.0), []);
         assert_eq!(said(1.1), []);

@@ -142,16 +142,15 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
     robust::weigh(&mut first);
     let setting = |corrections| Setting { corrections, ..Setting::uncorrected(bench, band) };
     let as_declared = report::declared_stage(bench, &first);
-    let may_be_late = artefacts::shows_lags(bench, &first);
+    let model = |c: &Corrections| Some(Work::new(bench, Balance::new(bench, target, &setting(c.clone()))?));
+    let mut may_be_late = artefacts::shows_lags(bench, &first);
     let mut corrections = artefacts::find(bench, first, &setting);
-    let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
-    let mut work = Work::new(bench, balance);
+    let mut work = model(&corrections)?;
     let mut stages = vec![as_declared, report::corrected_stage(&work)];
-    let mut may_be_late = may_be_late;
     if (corrections.target_lag, corrections.motion_lag) != (0.0, 0.0) && stages[1].fit > HARM * stages[0].fit {
         // Beside numbers that are free a lag may stand for one of them; the declared ones know.
         (corrections.target_lag, corrections.motion_lag, may_be_late) = (0.0, 0.0, false);
-        work = Work::new(bench, Balance::new(bench, target, &setting(corrections.clone()))?);
+        work = model(&corrections)?;
         stages[1] = report::corrected_stage(&work);
     }
     let mut held = work.hold_what_is_not_seen();
@@ -164,14 +163,14 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
         ripple = ripple::find(bench, target, &setting(early.clone()), &work.balance, may_be_late);
         if ripple.is_some() {
             corrections = early;
-            work = Work::new(bench, Balance::new(bench, target, &setting(corrections.clone()))?);
+            work = model(&corrections)?;
             held = work.hold_what_is_not_seen();
         }
     }
     if let Some(lag) = ripple.as_ref().map(|r| r.lag).filter(|lag| *lag != 0.0) {
         // Nothing tells a lag as sharply as teeth do.
         corrections.motion_lag += lag;
-        work = Work::new(bench, Balance::new(bench, target, &setting(corrections.clone()))?);
+        work = model(&corrections)?;
         held = work.hold_what_is_not_seen();
     }
     let (inside, ripple) = ripple.map_or((Vec::new(), None), |r| r.split(&work.balance));
@@ -197,9 +196,8 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
     let refined = may_be_late.then(|| artefacts::refine(bench, &work, &corrections, &setting)).flatten();
     if refined.is_some() || gear_loss > 0.02 {
         corrections = Corrections { gear_loss, ..refined.unwrap_or(corrections) };
-        let balance = Balance::new(bench, target, &setting(corrections.clone()))?;
         let terms = std::mem::take(&mut work.terms);
-        work = Work::new(bench, balance);
+        work = model(&corrections)?;
         selection.forget();
         held = work.hold_what_is_not_seen();
         if let Some(ripple) = &ripple {

@@ -62,10 +62,10 @@ pub fn prepare(bench: &Bench) -> (Bench, Vec<Finding>) {
     let pole_pairs = bench.declared.motor.as_ref().and_then(|m| m.pole_pairs);
     for log in &mut bench.logs {
         let mut found: Vec<About> = log.estimated.iter().map(|c| About::Estimated(*c)).collect();
-        found.extend(log.excluded.iter().map(|stretch| About::Excluded {
+        found.extend(log.excluded.iter().zip(log.excluded_rows()).map(|(stretch, rows)| About::Excluded {
             from: stretch.start,
             to: stretch.end,
-            rows: log.time.iter().filter(|t| stretch.contains(t)).count(),
+            rows: rows.len(),
         }));
         if log.kind != BenchKind::SteadyTable && log.len() >= FEWEST {
             found.extend(irregular(&log.time));
@@ -83,12 +83,11 @@ pub fn prepare(bench: &Bench) -> (Bench, Vec<Finding>) {
 
 /// Takes out what lies in the stretches that are excluded.
 pub fn leave_out(log: &mut Log) {
-    for stretch in &log.excluded {
-        let from = log.time.partition_point(|t| *t < stretch.start);
-        let to = log.time.partition_point(|t| *t < stretch.end);
+    let rows: Vec<std::ops::Range<usize>> = log.excluded_rows().filter(|r| !r.is_empty()).collect();
+    for rows in rows {
         for channel in VALUES {
             if let Some(values) = log.channels.get_mut(&channel) {
-                values[from..to.max(from)].fill(f64::NAN);
+                values[rows.clone()].fill(f64::NAN);
             }
         }
     }

@@ -49,18 +49,45 @@ impl Rows {
         self.weight.get(row).copied().unwrap_or(1.0)
     }
 
-    /// Takes the mean of each log off a column: its zero is the log's, not the actuator's.
-    pub fn without_means(&self, column: &mut [f64]) {
+    /// The mean of a column over each log, as its rows weigh; NaN of a log without rows.
+    pub fn means(&self, column: &[f64]) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); self.logs()];
         for (k, (value, log)) in column.iter().zip(&self.log).enumerate() {
             let weight = self.weight(k);
             sums[*log].0 += weight * value;
             sums[*log].1 += weight;
         }
-        for (value, log) in column.iter_mut().zip(&self.log) {
-            *value -= sums[*log].0 / sums[*log].1;
-        }
+        sums.into_iter().map(|(sum, weight)| sum / weight).collect()
     }
+
+    /// Root mean square of what is left and the share of a target's variance that is accounted for \[%\], on blocks for fitting or
+    /// on the others: of each row as much as it weighs. `None` without rows.
+    pub fn error(&self, left: &[f64], target: &[f64], fitting: bool) -> Option<(f64, f64)> {
+        let (mut squares, mut total, mut count) = (0.0, 0.0, 0.0);
+        for k in (0..left.len()).filter(|k| self.block_fits[self.block[*k]] == fitting) {
+            let weight = self.weight(k);
+            squares += weight * left[k] * left[k];
+            total += weight * target[k] * target[k];
+            count += weight;
+        }
+        let accounted = if total > 0.0 { 100.0 * (1.0 - squares / total) } else { 0.0 };
+        (count > 0.0).then(|| ((squares / count).sqrt(), accounted))
+    }
+
+    /// Takes the mean of each log off a column: its zero is the log's, not the actuator's.
+    pub fn without_means(&self, column: &mut [f64]) {
+        let means = self.means(column);
+        column.iter_mut().zip(&self.log).for_each(|(value, log)| *value -= means[*log]);
+    }
+}
+
+/// What columns with their coefficients leave of a target, row by row.
+pub fn residual(target: &[f64], columns: &[&[f64]], coefficients: &DVector<f64>) -> Vec<f64> {
+    let mut left = target.to_vec();
+    for (column, coefficient) in columns.iter().zip(coefficients.iter()) {
+        left.iter_mut().zip(*column).for_each(|(l, c)| *l -= coefficient * c);
+    }
+    left
 }
 
 /// Sums of products of columns and target, for each block. The target is the last column.

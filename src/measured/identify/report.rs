@@ -41,21 +41,7 @@ fn declared_residual(bench: &Bench, balance: &Balance, with_zero: bool) -> Vec<f
 }
 
 fn stage_of(step: Step, balance: &Balance, left: &[f64], target: &[f64]) -> Stage {
-    let error = |fitting: bool| {
-        let (mut squares, mut total, mut count) = (0.0, 0.0, 0.0);
-        for k in 0..left.len() {
-            if balance.rows.block_fits[balance.rows.block[k]] == fitting {
-                let weight = balance.rows.weight(k);
-                squares += weight * left[k] * left[k];
-                total += weight * target[k] * target[k];
-                count += weight;
-            }
-        }
-        let vaf = if total > 0.0 { 100.0 * (1.0 - squares / total) } else { 0.0 };
-        (count > 0.0).then(|| ((squares / count).sqrt(), vaf))
-    };
-    let (fit, held) = (error(true), error(false));
-    Stage::new(step, fit, held)
+    Stage::new(step, balance.rows.error(left, target, true), balance.rows.error(left, target, false))
 }
 
 /// The error as declared: nothing corrected.
@@ -137,16 +123,17 @@ pub fn report(
     constant.iter_mut().for_each(|value| *value -= mean);
     let explains = Gain::new(&block_squares(&work, &constant), &fit.left_out);
     let channel = work.balance.target.channel();
+    let after = work.residual(&fit);
     let evidence = Evidence {
         found: effects.len(),
         unexplained: left.len(),
-        left: work.of_all_rows(&fit, &fit.left_out),
-        far_off: robust::far_off(&work.balance.rows, &work.residual(&fit)),
+        left: work.of_all_rows(&after, &fit.left_out),
+        far_off: robust::far_off(&work.balance.rows, &after),
         held_out,
         noise: super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band),
         asked,
         together: Some(together),
-        better: selection.better(&fit.left_out).map(|left_out| work.of_all_rows(&fit, left_out)),
+        better: selection.better(&fit.left_out).map(|left_out| work.of_all_rows(&after, left_out)),
         worse_by_refitting: refitting.is_harm(),
         contradicted: false,
         owned: false,
@@ -162,7 +149,7 @@ pub fn report(
         log: work.balance.rows.log.clone(),
         names: work.balance.names.clone(),
         before,
-        after: work.residual(&fit),
+        after,
         speed: work.balance.variable(false, |at| at.speed),
         angle: work.balance.variable(false, |at| at.angle),
         current: work.balance.variable(false, |at| at.current),

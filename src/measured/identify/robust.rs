@@ -8,7 +8,7 @@
 
 use super::balance::Balance;
 use super::hats::hats;
-use super::regression::{Blocks, Rows, solve};
+use super::regression::{Blocks, Rows, residual, solve};
 use crate::effects::Variable;
 use crate::measured::answer::Target;
 use crate::measured::signals;
@@ -57,10 +57,7 @@ fn fitted(rows: &Rows, columns: &[&[f64]], target: &[f64]) -> (Vec<f64>, Rows) {
     for _ in 0..ROUNDS {
         let total = Blocks::new(&rows, columns, target).total(|b| rows.block_fits[b]);
         let coefficients = solve(&total).coefficients;
-        left = target.to_vec();
-        for (column, value) in columns.iter().zip(coefficients.iter()) {
-            left.iter_mut().zip(*column).for_each(|(l, c)| *l -= value * c);
-        }
+        left = residual(target, columns, &coefficients);
         rows.weight = weights(&rows, &left);
         if rows.weight.is_empty() {
             break;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::balance::{Balance, visible};
 use super::noise::Unfiltered;
 use super::orders::Ripple;
-use super::regression::{Blocks, Solution, solve};
+use super::regression::{Blocks, Solution, residual, solve};
 use super::robust;
 use crate::effects::{Effect, FittedEffect, of_efficiency};
 use crate::measured::answer::{Base, Hidden, Stage, Step};
@@ -201,28 +201,13 @@ impl<'a> Work<'a> {
 
     /// The same of any columns with their fit.
     pub fn left_by(&self, columns: &[&[f64]], fit: &Fit) -> Vec<f64> {
-        let mut residual = self.target.clone();
-        for (column, coefficient) in columns.iter().zip(fit.solution.coefficients.iter()) {
-            for (r, c) in residual.iter_mut().zip(*column) {
-                *r -= coefficient * c;
-            }
-        }
-        residual
+        residual(&self.target, columns, &fit.solution.coefficients)
     }
 
     /// Root mean square error and variance accounted for of columns with their fit, on blocks for fitting or on the others: of
     /// each row as much as it weighs.
     pub fn error(&self, columns: &[&[f64]], fit: &Fit, fitting: bool) -> Option<(f64, f64)> {
-        let left = self.left_by(columns, fit);
-        let (mut squares, mut total, mut count) = (0.0, 0.0, 0.0);
-        for k in (0..left.len()).filter(|k| self.fits(self.balance.rows.block[*k]) == fitting) {
-            let weight = self.balance.rows.weight(k);
-            squares += weight * left[k] * left[k];
-            total += weight * self.target[k] * self.target[k];
-            count += weight;
-        }
-        let accounted = if total > 0.0 { 100.0 * (1.0 - squares / total) } else { 0.0 };
-        (count > 0.0).then(|| ((squares / count).sqrt(), accounted))
+        self.balance.rows.error(&self.left_by(columns, fit), &self.target, fitting)
     }
 
     /// What is left of each row, as much as it weighs.
@@ -237,12 +222,10 @@ impl<'a> Work<'a> {
         Stage::new(step, self.error(&columns, fit, true), self.error(&columns, fit, false))
     }
 
-    /// Root mean square of left-out squared errors of the blocks, of all rows alike: with what a fit leaves beyond what its rows
-    /// weigh.
-    pub fn of_all_rows(&self, fit: &Fit, left_out: &[f64]) -> f64 {
+    /// Root mean square of left-out squared errors of the blocks, of all rows alike: with what is left beyond what rows weigh.
+    pub fn of_all_rows(&self, left: &[f64], left_out: &[f64]) -> f64 {
         let rows = &self.balance.rows;
         let fits: Vec<usize> = (0..rows.len()).filter(|k| self.fits(rows.block[*k])).collect();
-        let left = self.residual(fit);
         let wild: f64 = fits.iter().map(|k| (1.0 - rows.weight(*k)) * left[*k] * left[*k]).sum();
         ((finite_sum(left_out) + wild) / fits.len().max(1) as f64).sqrt()
     }

@@ -138,15 +138,6 @@ fn parabola(time: &[f64], position: &[f64], window: f64) -> Option<(f64, f64)> {
     Some((fit[1] / window, (left * inverse[(1, 1)]).sqrt() / window))
 }
 
-/// Rows of a log that are left out, in order.
-fn excluded(log: &Log) -> Vec<Range<usize>> {
-    let at = |time: f64| log.time.partition_point(|t| *t < time);
-    let mut rows: Vec<Range<usize>> = log.excluded.iter().map(|e| at(e.start)..at(e.end)).collect();
-    rows.retain(|r| !r.is_empty());
-    rows.sort_by_key(|r| r.start);
-    rows
-}
-
 /// A stretch in parts that begin after what is left out of it.
 fn parts(stretch: Range<usize>, left_out: &[Range<usize>]) -> Vec<Range<usize>> {
     let mut begins = vec![stretch.start];
@@ -204,7 +195,7 @@ impl Track {
         let winding = rise(Channel::WindingTemperature);
         let housing = Some(rise(Channel::HousingTemperature)).filter(|h| !h.is_empty()).unwrap_or(winding.clone());
         // What is left out judges nothing; after it the machine is where it was measured.
-        let left_out = excluded(log);
+        let left_out: Vec<Range<usize>> = log.excluded_rows().filter(|r| !r.is_empty()).collect();
         left_out.iter().for_each(|r| position[r.clone()].fill(f64::NAN));
         let starts = signals::stretches(&time)
             .into_iter()
@@ -330,14 +321,13 @@ impl Track {
                 }
             };
             let (time, position) = (of(&self.time), of(&self.position));
-            let starts = signals::stretches(&time)
-                .into_iter()
-                .map(|r| {
-                    // A stretch that was whole keeps the state that it had.
-                    let known = self.starts.iter().find(|s| s.0 == range.start + r.start).map(|s| s.1);
-                    (r.start, known.unwrap_or_else(|| start(&time[r.clone()], &position[r], None)))
-                })
-                .collect();
+            // Where the track began anew it still does; the part itself begins from what was measured there.
+            let own = self.starts.iter().filter(|s| range.contains(&s.0));
+            let mut starts: Vec<(usize, State)> = own.map(|(at, state)| (at - range.start, *state)).collect();
+            let first = starts.first().map_or(time.len(), |s| s.0);
+            if first > 0 {
+                starts.insert(0, (0, start(&time[..first], &position[..first], None)));
+            }
             Track {
                 name: self.name.clone(),
                 fits: self.fits,

@@ -1,7 +1,7 @@
 //! What was found in the logs before anything was asked, in words.
 
 use super::{channel_name, percent, round};
-use crate::measured::identify::{About, Report};
+use crate::measured::identify::{About, Finding, Report};
 use crate::measured::{Bench, Channel};
 use crate::report::number;
 use crate::words::handy::handy;
@@ -12,32 +12,8 @@ const MANY: usize = 3;
 /// One line for each finding; what several logs have in common once.
 pub fn lines(bench: &Bench, reports: &[Report]) -> Vec<String> {
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
-    let mut stretches: Vec<(&str, Channel, usize, f64)> = Vec::new();
-    for finding in reports.iter().take(1).flat_map(|r| &r.findings) {
-        if let About::Stale { channel, from, to } = finding.about {
-            match stretches.iter_mut().find(|s| s.0 == finding.log && s.1 == channel) {
-                Some(same) => (same.2, same.3) = (same.2 + 1, same.3 + to - from),
-                None => stretches.push((&finding.log, channel, 1, to - from)),
-            }
-        }
-    }
-    for finding in reports.iter().flat_map(|r| &r.findings) {
-        let of_many = |channel: Channel| {
-            let mut many = stretches.iter().filter(|s| s.0 == finding.log && s.1 == channel && s.2 > MANY);
-            many.next().map(|s| {
-                let seconds = number((1e2 * s.3).round() / 1e2);
-                format!(
-                    "{} does not change in {} stretches, {seconds} s together, while the machine moves: left out",
-                    channel_name(channel),
-                    s.2
-                )
-            })
-        };
-        let text = match &finding.about {
-            About::Stale { channel, .. } => of_many(*channel),
-            _ => None,
-        };
-        let text = text.unwrap_or_else(|| words(bench, &finding.about));
+    for (report, finding) in reports.iter().flat_map(|r| r.findings.iter().map(move |f| (r, f))) {
+        let text = stands_often(report, finding).unwrap_or_else(|| words(bench, &finding.about));
         match lines.iter_mut().find(|(t, _)| *t == text) {
             Some((_, logs)) if logs.contains(&finding.log.as_str()) => {}
             Some((_, logs)) => logs.push(&finding.log),
@@ -49,6 +25,24 @@ pub fn lines(bench: &Bench, reports: &[Report]) -> Vec<String> {
         _ => logs.join(", "),
     };
     lines.into_iter().map(|(text, logs)| format!("{}: {text}", of(&logs))).collect()
+}
+
+/// A channel that stands still in many stretches of a log, for any one of them.
+fn stands_often(report: &Report, finding: &Finding) -> Option<String> {
+    let About::Stale { channel, .. } = finding.about else { return None };
+    let length = |other: &Finding| match other.about {
+        About::Stale { channel: same, from, to } if same == channel && other.log == finding.log => Some(to - from),
+        _ => None,
+    };
+    let lengths: Vec<f64> = report.findings.iter().filter_map(length).collect();
+    (lengths.len() > MANY).then(|| {
+        format!(
+            "{} does not change in {} stretches, {} s together, while the machine moves: left out",
+            channel_name(channel),
+            lengths.len(),
+            number(round(lengths.iter().sum()))
+        )
+    })
 }
 
 /// A finding in words.

@@ -205,8 +205,8 @@ pub struct Added {
 /// Something that was found in a log.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Finding<'a> {
-    /// Its kind: `scale`, `sign`, `unrelated`, `held`, `stale`, `clipped`, `spikes`, `irregular`, `owns_the_error`, `excluded`, `zero` or
-    /// `estimated`.
+    /// Its kind: `scale`, `sign`, `unrelated`, `held`, `stale`, `clipped`, `spikes`, `irregular`, `owns_the_error`,
+    /// `excluded`, `zero` or `estimated`.
     pub kind: &'static str,
     /// The log.
     pub log: &'a str,
