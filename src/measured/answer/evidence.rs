@@ -135,7 +135,7 @@ pub struct Evidence {
     pub left: f64,
     /// Share of the rows for fitting that are so far off that they weigh less, where that matters.
     pub far_off: Option<f64>,
-    /// The same error of the final model on what was held out \[unit\].
+    /// The error of the final model on what was held out, of all rows alike \[unit\].
     pub held_out: Option<f64>,
     /// The instrument's own noise in the band.
     pub noise: Noise,

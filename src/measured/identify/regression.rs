@@ -74,6 +74,13 @@ impl Rows {
         (count > 0.0).then(|| ((squares / count).sqrt(), accounted))
     }
 
+    /// Root mean square of what is left on blocks for fitting or on the others, of all rows alike. `None` without rows.
+    pub fn error_alike(&self, left: &[f64], fitting: bool) -> Option<f64> {
+        let rows: Vec<usize> = (0..left.len()).filter(|k| self.block_fits[self.block[*k]] == fitting).collect();
+        let squares: f64 = rows.iter().map(|k| left[*k] * left[*k]).sum();
+        (!rows.is_empty()).then(|| (squares / rows.len() as f64).sqrt())
+    }
+
     /// Takes the mean of each log off a column: its zero is the log's, not the actuator's.
     pub fn without_means(&self, column: &mut [f64]) {
         let means = self.means(column);
@@ -285,6 +292,24 @@ mod tests {
         let twice = [columns[0], columns[1], columns[0]];
         let solution = solve(&Blocks::new(&rows, &twice, &y).total(|_| true));
         assert_relative_eq!(solution.coefficients[0] + solution.coefficients[2], 2.0, max_relative = 1e-8);
+    }
+
+    /// What is compared with the noise has wild rows in full; what a model is told by has them as much as they weigh.
+    #[test]
+    fn errors_are_of_rows_as_they_weigh_or_of_all_alike() {
+        let (mut rows, ..) = example();
+        rows.block_fits = (0..20).map(|b| b < 10).collect();
+        let left: Vec<f64> = (0..200).map(|k| if k % 100 < 4 { 10.0 } else { 1.0 }).collect();
+        rows.weight = (0..200).map(|k| if k % 100 < 4 { 0.01 } else { 1.0 }).collect();
+        for fitting in [true, false] {
+            // 96 ones and four of 10² · 0.01 over 96.04; 96 ones and four hundreds over 100.
+            let (error, accounted) = rows.error(&left, &left, fitting).unwrap();
+            assert_relative_eq!(error, (100.0_f64 / 96.04).sqrt(), max_relative = 1e-12);
+            assert_eq!(accounted, 0.0);
+            assert_relative_eq!(rows.error_alike(&left, fitting).unwrap(), 4.96_f64.sqrt(), max_relative = 1e-12);
+        }
+        rows.block_fits = vec![true; 20];
+        assert_eq!((rows.error(&left, &left, false), rows.error_alike(&left, false)), (None, None));
     }
 
     #[test]

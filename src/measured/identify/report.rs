@@ -110,7 +110,6 @@ pub fn report(
     let (left, _) = structure::left(&work, &work.fit());
     let fit = work.fit();
     let last = work.stage(Step::Final, &fit);
-    let held_out = last.held_out;
     let accounted = (last.fit_vaf, last.held_out_vaf);
     stages.push(last);
     let effects = found(&work, &selection);
@@ -129,7 +128,7 @@ pub fn report(
         unexplained: left.len(),
         left: work.of_all_rows(&after, &fit.left_out),
         far_off: robust::far_off(&work.balance.rows, &after),
-        held_out,
+        held_out: work.balance.rows.error_alike(&after, false),
         noise: super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band),
         asked,
         together: Some(together),
