@@ -88,7 +88,7 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
                 ));
             }
             if !names.is_empty() {
-                parts.push(format!("The declared model seems to lack {}", listed(&names)));
+                go_on(&mut parts, &format!("The declared model seems to lack {}", listed(&names)));
             }
             for report in reports {
                 if let Some(better) = report.evidence.better {
@@ -101,9 +101,9 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
                 }
             }
             if reports.iter().any(|r| r.evidence.owned) {
-                parts.push("What owned the error was left out, and is not explained".into());
+                go_on(&mut parts, "What owned the error was left out, and is not explained");
             }
-            parts.push("No effect could be named with certainty, and not all could be excluded".into());
+            go_on(&mut parts, "No effect could be named with certainty, and not all could be excluded");
             parts.push(match strongest {
                 Some((report, asked)) => {
                     format!("the strongest of what was refused: {}", effects::in_words(&strength(report, asked)))
@@ -145,6 +145,12 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     let missing = bench.logs.iter().all(|l| l.usage == Use::Fit);
     let note = if missing { " No log was held out, so parts of the same logs judged." } else { "" };
     format!("{}.{}{note}", parts.join("; "), unseen(reports))
+}
+
+/// A part that begins the sentence, or goes on with it.
+fn go_on(parts: &mut Vec<String>, text: &str) {
+    let (first, rest) = text.split_at(1);
+    parts.push(if parts.is_empty() { text.to_string() } else { first.to_lowercase() + rest });
 }
 
 /// How many effects were asked and refused.
