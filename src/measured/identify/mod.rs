@@ -29,7 +29,7 @@ mod structure;
 mod travel;
 mod work;
 
-pub(crate) use self::robust::FAR;
+pub use self::robust::FAR;
 pub use crate::measured::answer::evidence::{self, Evidence, Verdict};
 pub use crate::measured::answer::{
     About, Artefact, ArtefactKind, Finding, Found, Ground, On, Parameter, Pictures, Refused, Report, Stage, Step,
