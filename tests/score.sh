@@ -4,6 +4,7 @@
 #   tests/score.sh                                  1000 clean and 2000 affected cases in the release profile: an hour
 #   CLEAN=20 AFFECTED=40 PROFILE=dev tests/score.sh fewer of them, in the dev profile
 #   FIRST=50001 tests/score.sh                      other seeds
+#   GEARWISE_SCORE_KIND=servo tests/score.sh        of one kind of bench alone
 #
 # Prints tables in Markdown and adds one line for each share to tests/score.csv: date, commit, profile, first seed, what,
 # count, of, share and its 95 % interval. Every case is in target/score/cases.csv.

@@ -31,10 +31,10 @@ impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Doubt::NotPositive { what, value } => {
-                write!(f, "{what} would be {value:.3e}, but it cannot be negative or zero")
+                write!(f, "{what} would be {value:.3e} (SI), but it cannot be negative or zero")
             }
             Doubt::TooLarge { what, value, largest, of } => {
-                write!(f, "{what} would be {value:.3e}, more than {of} ({largest:.3e}) lets one believe")
+                write!(f, "{what} would be {value:.3e} (SI), more than {of} ({largest:.3e}) lets one believe")
             }
             Doubt::Unnatural(why) => f.write_str(why),
         }

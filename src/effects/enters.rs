@@ -109,7 +109,7 @@ impl Enters {
             Enters::TorqueConstant { .. } => {
                 "enters as the torque constant at the highest allowed winding temperature".into()
             }
-            Enters::Evaluated(_) => format!("is {}", self.words()),
+            Enters::Evaluated(_) => self.words().into(),
             Enters::NotAtAll(why) => format!("does not enter the limits: {why}"),
         }
     }

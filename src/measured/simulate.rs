@@ -14,5 +14,5 @@ mod track;
 
 pub use check::{Errors, ForwardCheck, forward_check};
 pub use machine::{Machine, Sample, State, Term};
-pub use servo::{identify_servo, serves};
+pub use servo::{identify_servo, lacks_supply, serves};
 pub use track::{Input, Track};

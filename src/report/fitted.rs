@@ -15,8 +15,9 @@ use crate::units::{self, Kind};
 
 /// The file's text. The reports give the comments at its top.
 pub fn text(actuator: &Fitted, reports: &[Report]) -> String {
-    let mut out =
-        String::from("# Fitted actuator, on the q axis. Tolerances are two standard errors; covariance in SI.\n");
+    let mut out = String::from(
+        "# Fitted actuator, on the q axis. Tolerances are ± 95 % (1.96 standard errors); covariance in SI.\n",
+    );
     let _ = writeln!(out, "# Verdict: {}", super::identify::overall(reports).word());
     for report in reports {
         out.push_str(&error_comment(report));

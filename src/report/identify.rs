@@ -443,7 +443,8 @@ pub(super) fn effect_text(bench: &Bench, report: &Report, effect: &Found, width:
     out
 }
 
-/// One row for each stage, artefact, parameter, effect, refusal and dependence that is left.
+/// One row for each stage, artefact, parameter, effect, refusal and dependence that is left, and the verdicts; the last one is
+/// that over all equations.
 pub fn csv(bench: &Bench, reports: &[Report]) -> String {
     let number = super::csv_number;
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -505,7 +506,12 @@ pub fn csv(bench: &Bench, reports: &[Report]) -> String {
         for u in &report.unexplained {
             rows.push(row("unexplained", u.depends_on.name(), none, "", &u.detail));
         }
+        rows.push(row("verdict", report.verdict.word(), none, "", ""));
     }
+    let mut over_all = vec![String::new(); 13];
+    over_all[..3].clone_from_slice(&["all".into(), "verdict".into(), overall(reports).word().into()]);
+    over_all[12] = sentence(bench, reports);
+    rows.push(over_all);
     super::csv_text(
         &[
             "equation",

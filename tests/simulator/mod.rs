@@ -449,6 +449,8 @@ impl Bench {
                 count += 1.0;
             }
         }
+        // At one speed and with a zero of its own a sensor shows nothing of what is constant there, but for rounding.
+        let nothing = 1e-9 * (sum / count).sqrt();
         let mut noise = if self.kind == Kind::Servo { 6e-4 } else { self.noise * (sum / count).sqrt() };
         // First what nature fixes: there the noise follows.
         let mut largest = vec![(0.0, 0.0); effects.len()];
@@ -475,8 +477,11 @@ impl Bench {
                 let most = fixed.unwrap_or(base.largest(*effect));
                 let amplitude = if most.is_finite() { most } else { noise };
                 let rms = self.contribution(&base, &bases, *effect, amplitude);
-                assert!(rms > 0.0, "{} shows nothing on a {} bench", effect.name(), self.kind.name());
-                largest[k] = (amplitude, rms);
+                assert!(rms.is_finite(), "{} on a {} bench", effect.name(), self.kind.name());
+                largest[k] = (amplitude, if rms > nothing { rms } else { 0.0 });
+                if rms <= nothing {
+                    continue;
+                }
                 if fixed.is_some() {
                     noise = rms / size;
                 } else if most.is_finite() {
@@ -501,6 +506,9 @@ impl Bench {
     /// secant in the logarithms.
     fn sized(&self, base: &Nature, bases: &[Trace], effect: Effect, from: (f64, f64), target: f64) -> (f64, f64) {
         let (mut amplitude, mut rms) = from;
+        if rms == 0.0 {
+            return from;
+        }
         let mut power = 1.0_f64;
         for _ in 0..12 {
             if (rms / target - 1.0).abs() < 0.02 {

@@ -39,6 +39,20 @@ pub enum About {
         /// What it is compared with.
         against: Channel,
     },
+    /// The logged duty cycle is not what the declared controller asks for.
+    Controller {
+        /// How many times that: less than zero where the sign is another.
+        factor: f64,
+    },
+    /// A position is late against the velocity of the same shaft; it is brought to the velocity's time.
+    Late {
+        /// Which.
+        channel: Channel,
+        /// The velocity.
+        against: Channel,
+        /// By how much \[s\]; less than zero where the velocity is the late one.
+        lag: f64,
+    },
     /// Channels repeat each value.
     Held {
         /// Which.
@@ -120,6 +134,8 @@ impl About {
             About::Scale { .. } => "scale",
             About::Sign { .. } => "sign",
             About::Unrelated { .. } => "unrelated",
+            About::Controller { .. } => "controller",
+            About::Late { .. } => "late",
             About::Held { .. } => "held",
             About::Stale { .. } => "stale",
             About::Clipped { .. } => "clipped",
@@ -134,6 +150,6 @@ impl About {
 
     /// Whether channels contradict each other, so that nothing can be learnt until the file says which is right.
     pub fn contradicts(&self) -> bool {
-        matches!(self, About::Scale { .. } | About::Sign { .. } | About::Unrelated { .. })
+        matches!(self, About::Scale { .. } | About::Sign { .. } | About::Unrelated { .. } | About::Controller { .. })
     }
 }

@@ -6,6 +6,8 @@ const APART: f64 = 2.0;
 /// A way to find the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
+    /// What differs between times at which the motion repeats.
+    Repeats,
     /// What a standing machine's target does in the band.
     Standstill,
     /// The spectrum from the end of the band to three times that, taken into the band.
@@ -18,6 +20,7 @@ impl Method {
     /// Its name, also in JSON.
     pub fn name(self) -> &'static str {
         match self {
+            Method::Repeats => "repeats",
             Method::Standstill => "standstill",
             Method::AboveTheBand => "above_the_band",
             Method::SecondDifferences => "second_differences",
@@ -27,6 +30,7 @@ impl Method {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
+            Method::Repeats => "repeated motion",
             Method::Standstill => "standstill",
             Method::AboveTheBand => "spectrum above the band",
             Method::SecondDifferences => "second differences",

@@ -64,6 +64,15 @@ pub struct Candidate {
     pub columns: Vec<Vec<f64>>,
 }
 
+/// Two candidates that earn their names beside each other.
+struct Pair {
+    /// What is left with both, left out.
+    left: f64,
+    of: [Candidate; 2],
+    /// What logs say against each.
+    objections: [Option<String>; 2],
+}
+
 /// A term that can be spared.
 pub(crate) struct Superfluous {
     pub term: usize,
@@ -152,9 +161,30 @@ impl Selection {
         candidates.retain(|c| !self.is_barred(c.effect, c.shape));
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let basics = self.basics_suffice(work, &asked.fit, &candidates);
+        let (mut accepted, mut hidden) = self.best_of(work, &asked, &candidates, basics);
+        if basics && accepted.is_none() {
+            // Each of them is hidden by what another one leaves.
+            (accepted, hidden) = self.best_of(work, &asked, &candidates, false);
+        }
+        let found = match accepted {
+            Some(one) => vec![one],
+            None => self.two_at_once(work, &asked, &hidden),
+        };
+        self.refused.retain(|r| !found.iter().any(|c| c.effect.name() == r.name));
+        found.into_iter().map(|c| (c.effect, c.shape)).collect()
+    }
+
+    /// The candidate that is to be added, and those that do not earn a name; of the basic ones alone, or of all.
+    fn best_of(
+        &mut self,
+        work: &Work,
+        asked: &Asking,
+        candidates: &[Candidate],
+        basics: bool,
+    ) -> (Option<Candidate>, Vec<Candidate>) {
         let mut accepted: Option<Candidate> = None;
         let mut hidden: Vec<Candidate> = Vec::new();
-        for candidate in candidates {
+        for candidate in candidates.iter().cloned() {
             let name = candidate.effect.name();
             let already = work.terms.iter().any(|t| is(t, candidate.effect));
             if already && candidate.effect.shape() != Shape::Order {
@@ -186,12 +216,7 @@ impl Selection {
                 }
             }
         }
-        let found = match accepted {
-            Some(one) => vec![one],
-            None => self.two_at_once(work, &hidden),
-        };
-        self.refused.retain(|r| !found.iter().any(|c| c.effect.name() == r.name));
-        found.into_iter().map(|c| (c.effect, c.shape)).collect()
+        (accepted, hidden)
     }
 
     /// Keeps in mind what logs say against each other of an effect.
@@ -202,31 +227,68 @@ impl Selection {
 
     /// Two effects of which none earns its name alone, because what the other leaves hides it: where each does beside the
     /// other, those that take away most together.
-    fn two_at_once(&mut self, work: &Work, hidden: &[Candidate]) -> Vec<Candidate> {
+    ///
+    /// One of the two may be in the model already, with a shape that stands for both: it is found again beside the other.
+    fn two_at_once(&mut self, work: &Work, asked: &Asking, hidden: &[Candidate]) -> Vec<Candidate> {
+        let fit = &asked.fit;
+        // What all of them cannot take away together, no two can.
+        let all: Vec<Vec<f64>> = hidden.iter().flat_map(|c| c.columns.iter().cloned()).collect();
+        let is_shaped = |t: &&Term| {
+            t.declared.is_none() && t.effect().is_some_and(|(e, _)| !matches!(e.shape(), Shape::None | Shape::Order))
+        };
+        let shaped: Vec<&Term> = work.terms.iter().filter(is_shaped).collect();
+        if shaped.is_empty() && gain_of(work, fit, &all) < WORTH {
+            return Vec::new();
+        }
+        let mut best: Option<Pair> = None;
         let near: Vec<&Candidate> = hidden.iter().filter(|c| c.gain > 0.5 * WORTH).take(NEAR_ENOUGH).collect();
-        let open: Vec<&'static dyn Effect> = near.iter().map(|c| c.effect).collect();
-        let mut best: Option<(f64, [Candidate; 2], [Option<String>; 2])> = None;
-        for (k, first) in near.iter().enumerate().filter(|_| near.len() > 1) {
-            let with = model_with(work, first);
-            let beside = Asking::new(&with, &open);
-            for second in beside.candidates.iter().filter(|c| open[k + 1..].contains(&c.effect)) {
-                let left = finite_sum(&second.left_out);
-                if best.as_ref().is_some_and(|b| b.0 <= left) || self.is_barred(second.effect, second.shape) {
-                    continue;
-                }
-                let Ok(own) = beside.earns(&with, second) else { continue };
-                let other = model_with(work, second);
-                let back = Asking::new(&other, &open);
-                let again = back.candidates.iter().find(|c| c.effect == first.effect);
-                let Some((first, Ok(its))) = again.map(|c| (c, back.earns(&other, c))) else { continue };
-                best = Some((left, [first.clone(), second.clone()], [its, own]));
+        let open: Vec<&'static dyn Effect> = hidden.iter().map(|c| c.effect).collect();
+        for (k, first) in near.iter().enumerate() {
+            let later: Vec<_> = open.iter().copied().filter(|e| !near[..=k].iter().any(|c| c.effect == *e)).collect();
+            self.pair(work, first, &later, asked.threshold, &mut best);
+        }
+        for (effect, _) in shaped.iter().filter_map(|t| t.effect()) {
+            let mut without = work.clone();
+            without.terms.retain(|t| !is(t, effect));
+            let now = finite_sum(&fit.left_out);
+            for first in hidden.iter().filter(|c| c.effect.shape() != Shape::Order) {
+                let mut own = None;
+                self.pair(&without, first, &[effect], asked.threshold, &mut own);
+                // More than the one alone, and surely.
+                let gains = |p: &Pair| p.left < (1.0 - WORTH) * now && paired(&fit.left_out, &p.of[1].left_out) > SURE;
+                best = own.filter(|p| gains(p) && best.as_ref().is_none_or(|b| p.left < b.left)).or(best);
             }
         }
-        let Some((_, pair, objections)) = best else { return Vec::new() };
-        for (candidate, objection) in pair.iter().zip(objections) {
+        let Some(Pair { of, objections, .. }) = best else { return Vec::new() };
+        for (candidate, objection) in of.iter().zip(objections) {
             self.objects(candidate.effect, objection);
         }
-        pair.to_vec()
+        of.to_vec()
+    }
+
+    /// A candidate with the best of others beside it, where each earns its name beside the other and both leave less than
+    /// what is the best so far. Chance is that of all that were asked.
+    fn pair(
+        &self,
+        work: &Work,
+        first: &Candidate,
+        others: &[&'static dyn Effect],
+        threshold: f64,
+        best: &mut Option<Pair>,
+    ) {
+        let with = model_with(work, first);
+        let beside = Asking::new(&with, others).at_least(threshold);
+        for second in &beside.candidates {
+            let left = finite_sum(&second.left_out);
+            if best.as_ref().is_some_and(|b| b.left <= left) || self.is_barred(second.effect, second.shape) {
+                continue;
+            }
+            let Ok(own) = beside.earns(&with, second) else { continue };
+            let other = model_with(work, second);
+            let back = Asking::new(&other, &[first.effect]).at_least(threshold);
+            let Some((first, Ok(its))) = back.candidates.first().map(|c| (c, back.earns(&other, c))) else { continue };
+            *best = Some(Pair { left, of: [first.clone(), second.clone()], objections: [its, own] });
+        }
     }
 
     /// What an effect is defined beyond, where that is not in the model yet and worth it: asymmetry is what
@@ -388,6 +450,12 @@ impl Asking {
         let drift = drift(work);
         let gain = gain_of(work, &fit, &drift);
         Asking { fit, candidates, threshold, drift: (drift, gain) }
+    }
+
+    /// With a statistic of chance that is not less than another one.
+    fn at_least(mut self, threshold: f64) -> Asking {
+        self.threshold = self.threshold.max(threshold);
+        self
     }
 
     /// Whether a candidate earns its name beside the model, and what logs say against each other of it all the same.

@@ -14,6 +14,10 @@ const MOVES: f64 = 5.0;
 const STEADY: f64 = 3.0;
 /// Share of the sampling rate up to which speeds are compared.
 const BAND: f64 = 0.05;
+/// A controller is looked at below this share of its limit.
+const INSIDE: f64 = 0.95;
+/// A lag must leave at most this share of the squares by which two speeds differ.
+const NEARER: f64 = 0.5;
 /// Largest lag that is allowed for \[s\].
 const LAG: f64 = 0.05;
 
@@ -126,6 +130,68 @@ fn compare(
     })
 }
 
+/// Whether the logged duty cycle is the declared controller's, but for a factor.
+pub fn controller(log: &Log, ratio: f64, linear: bool) -> Option<About> {
+    // With a current its torque is known, and nothing asks the controller.
+    let (controller, duty) =
+        (log.controller.filter(|_| log.channel(Channel::Current).is_none())?, log.channel(Channel::Duty)?);
+    let opened = |c: Channel| log.channel(c).map(|v| if linear { v.to_vec() } else { signals::unwrapped(v) });
+    let goal = opened(Channel::Goal)?;
+    let position = opened(Channel::OutputPosition)
+        .or_else(|| Some(opened(Channel::MotorPosition)?.iter().map(|q| q / ratio).collect()))?;
+    let inside = |d: f64| d.abs() < INSIDE * controller.limit;
+    let (mut aa, mut dd, mut ad) = (0.0, 0.0, 0.0);
+    for k in 1..log.len().min(duty.len()).saturating_sub(1) {
+        let speed = (position[k + 1] - position[k - 1]) / (log.time[k + 1] - log.time[k - 1]);
+        let asked = controller.gain * (goal[k] - position[k]) - controller.damping * speed;
+        // A drive that is off asks for nothing.
+        if asked.is_finite() && duty[k].is_finite() && duty[k] != 0.0 && inside(asked) && inside(duty[k]) {
+            (aa, dd, ad) = (aa + asked * asked, dd + duty[k] * duty[k], ad + asked * duty[k]);
+        }
+    }
+    let (follows, factor) = (ad / (aa * dd).sqrt(), ad / aa);
+    (follows.abs() > FOLLOWS.0 && (factor - 1.0).abs() > SCALE).then_some(About::Controller { factor })
+}
+
+/// A position that is late against the velocity of its own shaft, or early, and by how much.
+pub fn late(log: &Log, linear: bool) -> Option<(Channel, Channel, f64)> {
+    let shafts = [(Channel::MotorPosition, Channel::MotorVelocity), (Channel::OutputPosition, Channel::OutputVelocity)];
+    let step = signals::median_step(&log.time[longest(log)?]);
+    shafts.into_iter().find_map(|(position, velocity)| {
+        let of_position = speed(log, position, 1.0, linear)?;
+        let lag = step * lateness(&of_position, &speed(log, velocity, 1.0, linear)?, LAG / step)?;
+        Some((position, velocity, lag))
+    })
+}
+
+/// By how many samples one speed comes after another one of the same shaft, at most so many; `None` where they are not
+/// surely nearer to each other for it.
+fn lateness(values: &[f64], reference: &[f64], most: f64) -> Option<f64> {
+    let n = values.len();
+    let most = (most as usize).min(n / 8);
+    let (inside, count) = (most..n - most, (n - 2 * most) as f64);
+    let spread = size(&reference[inside.clone()], mean(&reference[inside.clone()]));
+    // What is left of the reference when the other speed, so many samples later, takes its part of it.
+    let left = |lag: isize| {
+        let pairs = || inside.clone().map(|k| (values[(k as isize + lag) as usize], reference[k]));
+        let (a, b) = pairs().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / count, b + y / count));
+        let (xx, xy, yy) = pairs().fold((0.0, 0.0, 0.0), |(xx, xy, yy), (x, y)| {
+            (xx + (x - a).powi(2), xy + (x - a) * (y - b), yy + (y - b).powi(2))
+        });
+        yy - xy * xy / xx
+    };
+    let most = most as isize;
+    let at = (-most..=most).min_by(|a, b| left(*a).total_cmp(&left(*b)))?;
+    if spread == 0.0 || at.abs() == most || at.abs() < 2 || left(at) > NEARER * left(0) {
+        return None;
+    }
+    // The vertex of the parabola through the best and its neighbours.
+    let (before, best, after) = (left(at - 1), left(at), left(at + 1));
+    let bend = before - 2.0 * best + after;
+    let beside = if bend > 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+    Some(at as f64 + beside)
+}
+
 /// What a factor would be that two channels of one shaft differ by.
 fn reads(factor: f64, ratio: f64, pole_pairs: Option<u32>) -> Option<&'static str> {
     use std::f64::consts::TAU;
@@ -151,6 +217,7 @@ fn reads(factor: f64, ratio: f64, pole_pairs: Option<u32>) -> Option<&'static st
 mod tests {
     use super::super::steady::{bench_of, noise};
     use super::*;
+    use crate::measured::bench::Controller;
 
     /// What contradicts itself in rows of time, position and velocity of the motor, current and torque.
     fn of_rows(row: impl Fn(usize) -> Vec<f64>) -> Vec<About> {
@@ -193,6 +260,64 @@ mod tests {
         assert!(matches!(said(-1.0, 0.0)[..], [About::Sign { channel: Channel::MotorVelocity, .. }]));
         assert!(matches!(said(1.0, 60.0)[..], [About::Unrelated { .. }]));
         assert!(said(-1.0, 0.0)[0].contradicts());
+    }
+
+    /// A duty that is a multiple of what the controller asks for contradicts it; its own does not, nor one that another law makes.
+    #[test]
+    fn a_duty_that_is_not_the_controllers_is_told() {
+        let said = |of: &dyn Fn(f64, f64) -> f64| {
+            let row = |k: usize| {
+                let t = 5e-3 * k as f64;
+                let (goal, position) = ((2.0 * t).sin(), (2.0 * t - 0.2).sin());
+                vec![t, goal, position, of(2.0 * (goal - position), t) + 0.01 * noise(k)]
+            };
+            let columns = [
+                "time = { name = \"0\", unit = \"s\" }",
+                "goal = { name = \"1\", unit = \"rad\" }",
+                "output_position = { name = \"2\", unit = \"rad\" }",
+                "duty = { name = \"3\", unit = \"1\" }",
+            ];
+            let mut bench = bench_of("servo", 9.0, &columns, &[(0..2000).map(row).collect()], 0);
+            bench.logs[0].controller = Some(Controller { gain: 2.0, damping: 0.0, limit: 0.9, supply: Some(12.0) });
+            controller(&bench.logs[0], 9.0, false)
+        };
+        assert_eq!(said(&|asked, _| asked), None);
+        assert_eq!(said(&|_, t| 0.3 * (3.3 * t).cos()), None);
+        for factor in [0.5, 2.0, -1.0] {
+            let Some(About::Controller { factor: told }) = said(&|asked, _| factor * asked) else { panic!("{factor}") };
+            assert!((told / factor - 1.0).abs() < 0.05, "{factor}: {told}");
+        }
+    }
+
+    /// A position that comes late is told with its lag, one that does not is not: nor at one speed, where nothing shows it.
+    #[test]
+    fn a_position_that_is_late_is_told() {
+        let said = |lag: f64, steady: bool| {
+            let row = |k: usize| {
+                let t = 2e-3 * k as f64;
+                let angle = |t: f64| if steady { 40.0 * t } else { 20.0 * (3.0 * t).sin() + 4.0 * (7.1 * t).cos() };
+                let speed = if steady { 40.0 } else { 60.0 * (3.0 * t).cos() - 28.4 * (7.1 * t).sin() };
+                vec![t, angle(t - lag), speed + noise(k), noise(k + 900), noise(k + 1900)]
+            };
+            let columns = [
+                "time = { name = \"0\", unit = \"s\" }",
+                "motor_position = { name = \"1\", unit = \"rad\" }",
+                "motor_velocity = { name = \"2\", unit = \"rad/s\" }",
+                "current = { name = \"3\", unit = \"A\", convention = \"q_axis\" }",
+                "torque = { name = \"4\", unit = \"N*m\", side = \"output\" }",
+            ];
+            let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
+            late(&bench.logs[0], false)
+        };
+        for lag in [0.011, -0.02] {
+            let (channel, against, told) = said(lag, false).expect("a lag");
+            assert_eq!((channel, against), (Channel::MotorPosition, Channel::MotorVelocity));
+            assert!((told - lag).abs() < 5e-4, "{told}");
+        }
+        assert_eq!(said(0.0, false), None);
+        // A sample more or less is how drivers form differences.
+        assert_eq!(said(0.002, false), None);
+        assert_eq!(said(0.011, true), None);
     }
 
     /// At one speed the level says what the velocity is.

@@ -24,7 +24,7 @@ pub(crate) mod regression;
 mod report;
 mod ripple;
 mod robust;
-mod scores;
+pub(crate) mod scores;
 mod structure;
 mod travel;
 mod work;
@@ -38,7 +38,7 @@ pub use crate::measured::answer::{
 pub use balance::{Balance, Corrections, Setting, targets};
 
 use self::work::{Kind, Term, Work};
-use crate::effects::Effect;
+use crate::effects::{Effect, Shape};
 use crate::measured::select::{self, Judge, Pruner};
 use crate::measured::{Bench, Use, simulate};
 
@@ -51,6 +51,8 @@ pub struct Options {
 
 /// A lag that makes the declared model this many times worse is none.
 const HARM: f64 = 1.5;
+/// Fewest rows over time that are fitted: less would give numbers without a scatter between stretches that says their error.
+const FEWEST: usize = 60;
 /// How often the band is halved to find one that values do not depend on.
 const NARROWED: usize = 2;
 /// Most effects and orders that are added one after the other.
@@ -66,6 +68,11 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
     let contradicted = findings.iter().any(|f| f.about.contradicts());
     let targets = targets(bench);
     let simulated = simulate::serves(bench);
+    if targets.is_empty() && !simulated && simulate::lacks_supply(bench) {
+        return Err("of the servo logs the supply voltage is not known, so that a duty cycle is no voltage: a column `supply`, \
+                    or `controller` with its `supply`, says it"
+            .into());
+    }
     if targets.is_empty() && !simulated {
         return Err("no log for fitting has the channels of an equation: torque or a known load and a current, \
                     or a voltage, with a velocity or a position"
@@ -92,7 +99,10 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
         report.findings.extend(findings.iter().cloned());
     }
     if reports.is_empty() {
-        return Err("nothing can be learnt: no log has 16 samples in a row with all channels, moving".into());
+        return Err(format!(
+            "nothing can be learnt: of what is to be fitted fewer than {FEWEST} rows have all channels, move, and say something of \
+             their own within the band"
+        ));
     }
     Ok(reports)
 }
@@ -138,6 +148,9 @@ fn narrowed(bench: &Bench, target: Target, options: &Options, times: usize) -> O
     {
         band = Some(narrower);
         first = Balance::new(bench, target, &Setting { band, ..wide })?;
+    }
+    if times == 0 && first.step() > 0.0 && first.fitting() < FEWEST {
+        return None;
     }
     robust::weigh(&mut first);
     let setting = |corrections| Setting { corrections, ..Setting::uncorrected(bench, band) };
@@ -262,6 +275,10 @@ impl Judge for OnBalance<'_, '_> {
     fn add(&mut self, found: Self::Candidate) {
         for (effect, shape) in found {
             let columns = self.work.balance.effect_columns(effect, shape);
+            // One whose shape stood for two is found again.
+            if effect.shape() != Shape::Order {
+                self.work.terms.retain(|t| t.declared.is_some() || t.effect().is_none_or(|(e, _)| e != effect));
+            }
             self.work.terms.push(Term { kind: Kind::Effect(effect, shape), columns, declared: None });
             self.work.refine_shapes();
             let fit = self.work.fit();

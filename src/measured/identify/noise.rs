@@ -1,8 +1,8 @@
 //! The noise of the instrument in the band, found without the model being right.
 //!
 //! The one idea: the error of the final model is no measure of noise, because whatever the model lacks is in it. The
-//! instrument is looked at where the model has no say: while the machine stands, and above the band, where the motion holds
-//! nothing. Each way has a condition under which it holds; where it does not hold, it does not count. Two that agree within
+//! instrument is looked at where the model has no say: where the motion repeats, while the machine stands, and above the band,
+//! where the motion holds nothing. Each way has a condition under which it holds; where it does not hold, it does not count. Two that agree within
 //! a factor of two are believed, and then the smaller one; anything less is not known.
 
 use super::regression::{Blocks, Rows, solve, squares};
@@ -21,6 +21,13 @@ const WINDOWS: (usize, usize) = (12, 5);
 const FLAT: f64 = 0.75;
 /// A bin this many times the median is a line: in what is taken for noise, and in what is told.
 const LINES: (f64, f64) = (5.0, 25.0);
+/// A motion repeats where its columns differ by at most this share of their squares, after they have differed by that one.
+const REPEATS: f64 = 0.01;
+const AWAY: f64 = 0.5;
+/// Shortest time after which it may repeat, in periods of the band's end.
+const AFTER: f64 = 8.0;
+/// Samples for each period of the band's end that are enough to see whether it does, and most of them.
+const ENOUGH: (f64, usize) = (4.0, 6000);
 /// Length of a window of standstill, in periods of the band's end.
 const STILL: f64 = 20.0;
 
@@ -79,7 +86,7 @@ pub fn noise(stretches: &[Unfiltered], band: Option<f64>) -> Noise {
         None => {
             let why = "these are steady points, without a time axis";
             let none = |method| Estimate { method, value: Err(why) };
-            let methods = [Method::Standstill, Method::AboveTheBand, Method::SecondDifferences];
+            let methods = [Method::Repeats, Method::Standstill, Method::AboveTheBand, Method::SecondDifferences];
             Noise { estimates: methods.map(none).to_vec(), line: None }
         }
     }
@@ -96,6 +103,7 @@ pub(crate) fn of_stretches(stretches: &[Unfiltered], band: f64) -> Noise {
     };
     Noise {
         estimates: vec![
+            estimate(Method::Repeats, repeats(stretches, band)),
             estimate(Method::Standstill, standstill(stretches, band)),
             estimate(Method::AboveTheBand, over(&spectra, |s| s.above_the_band(band))),
             estimate(Method::SecondDifferences, over(&spectra, |s| s.second_differences(band))),
@@ -222,6 +230,59 @@ fn is_bent(bins: &[(f64, f64)], windows: usize) -> bool {
     let means: Vec<f64> = bins.chunks(quarter).map(|c| c.iter().map(|b| b.1).sum::<f64>() / c.len() as f64).collect();
     let (low, high) = means.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), m| (l.min(*m), h.max(*m)));
     high > (1.4 + 4.0 * scatter(windows) / (quarter as f64).sqrt()) * low
+}
+
+/// What differs, in the band, between times at which the motion repeats: what a model lacks is the same at both. Where the
+/// machine itself does not repeat it is more than the instrument's.
+fn repeats(stretches: &[Unfiltered], band: f64) -> Result<f64, &'static str> {
+    let mut parts = Vec::new();
+    for s in stretches {
+        let filter = s.filter(band);
+        let motion: Vec<Vec<f64>> = s.columns.iter().map(|c| filter.apply(c)).filter(|c| varies(c)).collect();
+        let Some(period) = period(&motion, band, s.step, filter.guard()) else { continue };
+        let left = filter.apply(&s.left);
+        let inside = filter.guard()..left.len().saturating_sub(filter.guard() + period);
+        let squares: f64 = inside.clone().map(|k| (left[k + period] - left[k]).powi(2)).sum();
+        parts.push((inside.len(), (squares / (2.0 * inside.len() as f64)).sqrt()));
+    }
+    if parts.is_empty() { Err("the motion does not repeat") } else { Ok(pooled(parts.into_iter())) }
+}
+
+fn varies(column: &[f64]) -> bool {
+    column.windows(2).any(|w| w[0] != w[1])
+}
+
+/// The shortest time, in samples, after which all columns of a motion are the same again over at least as long.
+fn period(motion: &[Vec<f64>], band: f64, step: f64, guard: usize) -> Option<usize> {
+    let every = ((1.0 / (ENOUGH.0 * band * step)) as usize).max(1);
+    let thin: Vec<Vec<f64>> =
+        motion.iter().map(|c| c.iter().copied().skip(guard).step_by(every).take(ENOUGH.1).collect()).collect();
+    let count = thin.first()?.len();
+    // Of what two times differ by, in shares of what any two would.
+    let differs = |column: &[f64], after: usize| {
+        let mean = column.iter().sum::<f64>() / count as f64;
+        let all = column.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / count as f64;
+        let pairs = count - after;
+        let squares = (0..pairs).map(|k| (column[k + after] - column[k]).powi(2)).sum::<f64>();
+        squares / (2.0 * all * pairs as f64)
+    };
+    // It must have gone away before it comes back.
+    let away = (1..count / 2).find(|after| thin.iter().any(|c| differs(c, *after) > AWAY))?;
+    let first = away.max((AFTER * ENOUGH.0) as usize);
+    let at = (first..count / 2).find(|after| thin.iter().all(|c| differs(c, *after) < REPEATS))?;
+    // To the sample, about there.
+    let near = (at.saturating_sub(1) * every).max(1)..(at + 2) * every;
+    let whole = |after: usize| -> f64 {
+        motion
+            .iter()
+            .map(|c| {
+                let own = &c[guard..c.len() - guard];
+                let size: f64 = own.iter().map(|v| v * v).sum();
+                (0..own.len() - after).step_by(every).map(|k| (own[k + after] - own[k]).powi(2)).sum::<f64>() / size
+            })
+            .sum()
+    };
+    near.filter(|after| 2 * (after + guard) < motion[0].len()).min_by(|a, b| whole(*a).total_cmp(&whole(*b)))
 }
 
 /// What is left in the band while the machine stands, less a line over each window and whatever the columns of the

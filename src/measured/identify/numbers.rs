@@ -2,6 +2,7 @@
 
 use super::candidates::Selection;
 use super::regression::{Blocks, Solution, covariance, solve};
+use super::ripple;
 use super::work::{Kind, Term, Work};
 use crate::effects::{EFFECTS, Effect, Named, Shape, Variable};
 use crate::measured::answer::{Base, Found, Parameter};
@@ -237,6 +238,14 @@ pub fn found(work: &Work, selection: &Selection) -> Vec<Found> {
                 held_out_after: work.error(&work.columns(), &fit, false).map(|e| e.0),
                 confounded_with: selection.look_alikes(work, t),
             }),
+        }
+        if effect.shape() == Shape::Order
+            && let Some(entry) = list.iter_mut().find(|f| f.effect == effect)
+        {
+            let twins = ripple::twins(work, effect, shape);
+            let new: Vec<&'static dyn Effect> =
+                twins.into_iter().filter(|twin| !entry.confounded_with.contains(twin)).collect();
+            entry.confounded_with.extend(new);
         }
     }
     of_ripple(work, &mut list);

@@ -36,6 +36,11 @@ const HOLDS: f64 = 0.12;
 const JUMPS: f64 = 1.5;
 /// Least rows, and time \[s\], that a channel must stand to be stale.
 const STALE: (usize, f64) = (6, 0.02);
+/// How often a channel of coarse steps may repeat a value so often by chance, over a log.
+const BY_CHANCE: f64 = 1e-9;
+/// A position that leaps goes this many times as far as in any one of so many samples before and after.
+const LEAP: f64 = 3.0;
+const BESIDE: usize = 12;
 /// What says that a machine moves.
 const MOTION: [Channel; 4] =
     [Channel::MotorPosition, Channel::OutputPosition, Channel::MotorVelocity, Channel::OutputVelocity];
@@ -73,12 +78,42 @@ pub fn prepare(bench: &Bench) -> (Bench, Vec<Finding>) {
             found.extend(spikes(log));
             found.extend(clipped(log));
             found.extend(stale(log, ratio));
-            found.extend(machine::contradictions(log, ratio, linear, pole_pairs));
+            let mut contradictions = machine::contradictions(log, ratio, linear, pole_pairs);
+            contradictions.extend(machine::controller(log, ratio, linear));
+            // Of a servo the position is what is simulated.
+            if contradictions.is_empty() && log.kind != BenchKind::Servo {
+                found.extend(late(log, linear));
+            }
+            found.extend(contradictions);
             leave_out(log);
         }
         findings.extend(found.into_iter().map(|about| Finding { log: log.name.clone(), about }));
     }
     (bench, findings)
+}
+
+/// Brings a position to the time of its velocity, where one of the two is late: a lag that both have in common is for the
+/// equation to find.
+fn late(log: &mut Log, linear: bool) -> Option<About> {
+    let (channel, against, lag) = machine::late(log, linear)?;
+    let values = log.channels.get_mut(&channel)?;
+    let opened = if linear { values.clone() } else { signals::unwrapped(values) };
+    let known: Vec<(f64, f64)> =
+        log.time.iter().copied().zip(opened.iter().copied()).filter(|(_, v)| v.is_finite()).collect();
+    let mut after = 1;
+    for (k, value) in values.iter_mut().enumerate().filter(|(_, v)| v.is_finite()) {
+        let t = log.time[k] + lag;
+        while after + 1 < known.len() && known[after].0 < t {
+            after += 1;
+        }
+        while after > 1 && known[after - 1].0 > t {
+            after -= 1;
+        }
+        let (a, b) = (known[after - 1], known[after]);
+        // Beyond the ends it goes on as it was.
+        *value = a.1 + (t - a.0) / (b.0 - a.0) * (b.1 - a.1);
+    }
+    Some(About::Late { channel, against, lag })
 }
 
 /// Takes out what lies in the stretches that are excluded.
@@ -265,7 +300,8 @@ fn moves(values: &[f64], stretch: &std::ops::Range<usize>, is_position: bool) ->
     (at(0.9) - at(0.1)).max(level) > known
 }
 
-/// Whether a position should have gone on in a stretch by more than its steps, as another channel of motion has it.
+/// Whether a position should have gone on in a stretch by more than its steps, as another channel of motion has it, and then
+/// shows that it did.
 fn goes_on(log: &Log, position: Channel, other: Channel, ratio: f64, stretch: &std::ops::Range<usize>) -> bool {
     let of_motor = |c: Channel| matches!(c, Channel::MotorPosition | Channel::MotorVelocity);
     let factor = match (of_motor(position), of_motor(other)) {
@@ -293,19 +329,45 @@ fn goes_on(log: &Log, position: Channel, other: Channel, ratio: f64, stretch: &s
         steps.map(step).collect()
     };
     let (low, high) = path.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    high - low > STEPS * step_of(position).max(resolved)
+    let least = STEPS * step_of(position).max(resolved);
+    // Where it is read again it has what it missed: a shaft that another one winds up against stood.
+    let catches_up = || {
+        let own = &log.channels[&position];
+        let (Some(after), Some(first), Some(last)) = (own.get(stretch.end), path.first(), path.last()) else {
+            return true;
+        };
+        let (leap, went) = (after - own[stretch.start], last - first);
+        went.abs() > least && (leap - went).abs() < 0.5 * (high - low)
+    };
+    high - low > least && catches_up()
+}
+
+/// Whether a position leaps at the end of a stretch in which it stood, further than it goes from one sample to the next before
+/// and after: it went on meanwhile.
+fn leaps(values: &[f64], stretch: &std::ops::Range<usize>) -> bool {
+    let steps = |from: usize, to: usize| values[from..to].windows(2).map(|w| (w[1] - w[0]).abs());
+    let before = steps(stretch.start.saturating_sub(BESIDE), stretch.start + 1);
+    let after = steps(stretch.end.min(values.len()), (stretch.end + BESIDE).min(values.len()));
+    let largest = before.chain(after).filter(|d| d.is_finite()).fold(0.0, f64::max);
+    let is_far = |after: &f64| (after - values[stretch.start]).abs() > LEAP * largest;
+    largest > 0.0 && values.get(stretch.end).is_some_and(is_far)
 }
 
 /// Stretches in which a channel that is read afresh at every row stands, while the machine moves.
 fn stale(log: &mut Log, ratio: f64) -> Vec<About> {
     let step = signals::median_step(&log.time);
     let least = STALE.0.max((STALE.1 / step).ceil() as usize);
-    let readable: Vec<Channel> =
-        measured().filter(|c| log.channels.get(c).is_some_and(|v| fresh(v).1 < FRESH)).collect();
+    let readable: Vec<(Channel, f64)> = measured()
+        .filter_map(|c| Some((c, fresh(log.channels.get(&c)?).1)))
+        .filter(|(_, repeats)| *repeats < REPEATS)
+        .collect();
     let mut found = Vec::new();
     let mut excluded = Vec::new();
-    for channel in &readable {
+    for (channel, repeats) in &readable {
         let values = &log.channels[channel];
+        // One of coarse steps repeats a value now and then: so long it does not, in any log.
+        let by_chance = (BY_CHANCE / values.len() as f64).ln() / repeats.ln();
+        let least = if *repeats < FRESH { least } else { least.max(by_chance.ceil() as usize) };
         let mut long: Vec<std::ops::Range<usize>> =
             runs(values).into_iter().filter(|r| r.len() >= least && values[r.start].is_finite()).collect();
         // What is left out already needs no second reason.
@@ -314,13 +376,19 @@ fn stale(log: &mut Log, ratio: f64) -> Vec<About> {
         let of_motion = MOTION.into_iter().filter(|c| c != channel && log.channels.contains_key(c));
         let mut asked: Vec<Channel> = of_motion.collect();
         if asked.is_empty() {
-            asked.extend(readable.iter().filter(|c| *c != channel));
+            asked.extend(readable.iter().map(|(c, _)| *c).filter(|c| c != channel));
+        }
+        let is_position = POSITIONS.contains(channel);
+        if is_position && *repeats >= FRESH {
+            // An encoder of coarse steps stands as it likes.
+            asked.clear();
         }
         long.retain(|r| {
-            asked.iter().any(|c| match POSITIONS.contains(channel) && MOTION.contains(c) {
-                true => goes_on(log, *channel, *c, ratio, r),
-                false => moves(&log.channels[c], r, POSITIONS.contains(c)),
-            })
+            is_position && leaps(values, r)
+                || asked.iter().any(|c| match is_position && MOTION.contains(c) {
+                    true => goes_on(log, *channel, *c, ratio, r),
+                    false => moves(&log.channels[c], r, POSITIONS.contains(c)),
+                })
         });
         let all: usize = long.iter().map(std::ops::Range::len).sum();
         if all as f64 > LEFT_OUT * values.len() as f64 {

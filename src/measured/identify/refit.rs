@@ -10,6 +10,9 @@ use crate::numerics::sums::finite_sum;
 
 /// Least share of the current's column that no function of speed makes up for K_T to be fitted.
 const OWN_SHARE: f64 = 0.05;
+/// A current whose noise is a larger share of what it does on its own (of the squares) says no constant: by this share the
+/// fitted one would be too small.
+const NOISY: f64 = 0.1;
 /// A number of the declared model whose error is a larger share of it is not seen.
 const DOUBT: f64 = 0.3;
 
@@ -25,9 +28,28 @@ impl Work<'_> {
         squares(&total, &solve(&total).coefficients) / total[(last, last)].max(f64::MIN_POSITIVE)
     }
 
+    /// Whether a column that is made of a measured current moves too little beside the noise of that current: a fit would
+    /// take the noise for motion and find a constant that is too small, with a small error.
+    fn is_in_noise(&self, term: usize) -> bool {
+        let balance = &self.balance;
+        let factor = match self.terms[term].kind {
+            Kind::Base(i) if balance.base[i].which == Base::TorqueConstant => balance.factor,
+            Kind::Base(i) if balance.base[i].which == Base::Resistance => 1.0,
+            _ => return false,
+        };
+        let columns = self.columns_without(term);
+        let total = Blocks::new(&balance.rows, &columns, &self.terms[term].columns[0]).total(|b| self.fits(b));
+        let rows = (0..balance.rows.len()).filter(|k| self.fits(balance.rows.block[*k])).count();
+        let own = squares(&total, &solve(&total).coefficients) / rows.max(1) as f64;
+        (factor * balance.noise_of(|at| at.current)).powi(2) > NOISY * own
+    }
+
     /// Holds parameters of the declared model that the data do not show at their declared values.
     pub fn hold_what_is_not_seen(&mut self) -> Vec<Base> {
         let mut held = Vec::new();
+        while let Some(t) = (0..self.terms.len()).find(|t| self.is_in_noise(*t)) {
+            held.extend(self.hold(t));
+        }
         // A torque constant shows only where the current is more than an answer to speed.
         let constant =
             (0..self.terms.len()).find(|t| self.balance.step() > 0.0 && self.is_base(*t, Base::TorqueConstant));
@@ -139,11 +161,12 @@ impl Work<'_> {
         let (value, error) = (fit.solution.coefficients[0], covariance[(0, 0)].sqrt());
         let is_seen = fit.solution.inverse[(0, 0)] > 0.0 && value > 0.0 && error < DOUBT * declared.abs();
         let is_no_worse = finite_sum(&fit.left_out) < finite_sum(&before.left_out);
-        if !(is_seen && is_no_worse) {
+        let is_told = is_seen && is_no_worse && !self.is_in_noise(0);
+        if !is_told {
             self.terms.remove(0);
             self.target = target;
         }
-        is_seen && is_no_worse
+        is_told
     }
 
     /// Improves the shape parameters that are not orders.
@@ -176,5 +199,35 @@ impl Work<'_> {
             self.terms[t].columns = self.balance.effect_columns(effect, best);
             self.terms[t].kind = Kind::Effect(effect, best);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::steady::{CONSTANT, OVER_TIME, bench_of, noise, work};
+    use super::*;
+
+    /// At a constant load what the current does is its own noise: a fit would take it for a torque constant of next to nothing,
+    /// and be sure of it. Where the load changes the constant is seen.
+    #[test]
+    fn a_current_that_is_its_own_noise_says_no_constant() {
+        let held = |change: f64| {
+            let row = |k: usize| {
+                let t = 1e-3 * k as f64;
+                let i = 2.0 + change * (11.0 * t).sin();
+                let torque = 6.0 * CONSTANT * i + 0.01 * noise(k + 50_000);
+                vec![t, 40.0 + 20.0 * (3.0 * t).sin(), i + 0.3 * noise(k), torque]
+            };
+            let bench = bench_of("dynamometer", 6.0, &OVER_TIME, &[(0..6000).map(row).collect()], 0);
+            let mut work = work(&bench);
+            let held = work.hold_what_is_not_seen();
+            let constant = (0..work.terms.len()).find(|t| work.is_base(*t, Base::TorqueConstant));
+            (held, constant.map(|t| work.fit().solution.coefficients[work.offset(t)]))
+        };
+        let (nothing, fitted) = held(0.0);
+        assert!(nothing.contains(&Base::TorqueConstant) && fitted.is_none());
+        let (something, fitted) = held(2.0);
+        assert!(!something.contains(&Base::TorqueConstant));
+        assert!((fitted.unwrap() / CONSTANT - 1.0).abs() < 0.02, "{fitted:?}");
     }
 }

@@ -172,8 +172,10 @@ pub fn report(
             )
         }));
     }
-    remarks.extend(parameters.iter().filter_map(convention));
+    remarks.extend(convention(&parameters));
     let next_runs = next_runs(&effects, &selection, &left, &work);
+    // Another order of what was found is told with what the verdict rests on.
+    selection.refused.retain(|r| !effects.iter().any(|e| e.name() == r.name));
     Report {
         target: work.balance.target,
         unit: work.balance.unit,
@@ -199,8 +201,9 @@ pub fn report(
     }
 }
 
-/// Which conventions of ampere a torque constant would be off by as much as this one is, where that is sure.
-fn convention(parameter: &Parameter) -> Option<String> {
+/// Which conventions of ampere the declared numbers would be off by as much as they are, where that is sure: K_T against a
+/// sensor; the scale of a known load, which is off the other way; R, where L says the same.
+fn convention(parameters: &[Parameter]) -> Option<String> {
     let of_current = [
         (1.5_f64.sqrt(), "a phase amplitude that is taken for the q axis"),
         (3.0_f64.sqrt(), "a phase current in rms that is taken for the q axis"),
@@ -209,14 +212,22 @@ fn convention(parameter: &Parameter) -> Option<String> {
         (3.0_f64.sqrt().recip(), "a current of the q axis that is taken for a phase current in rms"),
         (2.0_f64.sqrt().recip(), "an amplitude that is taken for a current in rms"),
     ];
-    if parameter.name != Base::TorqueConstant.name() {
-        return None;
-    }
-    let (ratio, error) = (1.0 + parameter.shift()?, parameter.tolerance()? / parameter.declared?);
-    let (_, what) = of_current.into_iter().find(|(f, _)| (ratio / f - 1.0).abs() < 0.015 + error.min(0.01))?;
-    Some(format!(
-        "the torque constant is {ratio:.3} times the declared one, as {what} would make it: check `convention`"
-    ))
+    let named = |base: Base| parameters.iter().find(|p| p.name == base.name());
+    let off = |p: &Parameter| Some((1.0 + p.shift()?, p.tolerance()? / p.declared?));
+    let is = |(ratio, error): (f64, f64), factor: f64| (ratio / factor - 1.0).abs() < 0.015 + error.min(0.01);
+    let alike =
+        |factor: f64| named(Base::Inductance).and_then(off).is_none_or(|(l, e)| (l / factor - 1.0).abs() < 0.03 + e);
+    let (base, ratio, what) =
+        [Base::TorqueConstant, Base::LoadScale, Base::Resistance].into_iter().find_map(|base| {
+            let (ratio, error) = named(base).and_then(off)?;
+            let constant = if base == Base::LoadScale { 1.0 / ratio } else { ratio };
+            let (_, what) = of_current
+                .into_iter()
+                .find(|(f, _)| is((constant, error), *f) && (base != Base::Resistance || alike(*f)))?;
+            Some((base, ratio, what))
+        })?;
+    let name = base.name().replace('_', " ");
+    Some(format!("the {name} is {ratio:.3} times the declared one, as {what} would make it: check `convention`"))
 }
 
 /// Squared residuals of each block that is for fitting; NaN of the others.

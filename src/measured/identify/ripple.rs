@@ -63,11 +63,7 @@ pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, 
     if step <= 0.0 || target.equation() != Equation::Torque {
         return None;
     }
-    let effects: Vec<&'static dyn Effect> = EFFECTS
-        .iter()
-        .copied()
-        .filter(|e| e.shape() == Shape::Order && visible(*e, narrow, &bench.declared).is_ok())
-        .collect();
+    let effects = visible_here(narrow, bench);
     if effects.is_empty() {
         return None;
     }
@@ -77,8 +73,7 @@ pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, 
     let whole = work.target.clone();
     let smooth = take_out_what_is_smooth(&mut work);
     let angles = Angles::new(&work)?;
-    let poles = bench.declared.motor.as_ref().and_then(|m| m.pole_pairs).map_or(0.0, f64::from);
-    let geometry = Geometry { poles, ratio: bench.declared.ratio };
+    let geometry = Geometry::of(bench);
     let lag = angles.lag(&work, &geometry, &effects);
     if lag != 0.0 && may_shift {
         let mut corrections = setting.corrections.clone();
@@ -142,6 +137,19 @@ pub fn find(bench: &Bench, target: Target, setting: &Setting, narrow: &Balance, 
     Some(Ripple { lines, lag: 0.0, band, after, without })
 }
 
+/// Effects with orders that a balance shows.
+fn visible_here(balance: &Balance, bench: &Bench) -> Vec<&'static dyn Effect> {
+    let shows = |e: &&'static dyn Effect| e.shape() == Shape::Order && visible(*e, balance, &bench.declared).is_ok();
+    EFFECTS.iter().copied().filter(shows).collect()
+}
+
+/// Other effects that have the same columns as an order of one, by the geometry.
+pub fn twins(work: &Work, effect: &'static dyn Effect, order: f64) -> Vec<&'static dyn Effect> {
+    let (Some(angles), geometry) = (Angles::new(work), Geometry::of(work.bench)) else { return Vec::new() };
+    let is_twin = |e: &&'static dyn Effect| *e != effect && geometry.is_twin(effect, order, *e, &angles);
+    visible_here(&work.balance, work.bench).into_iter().filter(is_twin).collect()
+}
+
 fn has(work: &Work, effect: &dyn Effect) -> bool {
     work.terms.iter().any(|t| t.effect().is_some_and(|(e, _)| *e == *effect))
 }
@@ -179,6 +187,11 @@ struct Geometry {
 }
 
 impl Geometry {
+    fn of(bench: &Bench) -> Geometry {
+        let poles = bench.declared.motor.as_ref().and_then(|m| m.pole_pairs).map_or(0.0, f64::from);
+        Geometry { poles, ratio: bench.declared.ratio }
+    }
+
     /// The highest order of the motor.
     fn highest(&self) -> f64 {
         HIGHEST.max(12.0 * self.poles).max(2.0 * self.ratio)

@@ -23,6 +23,8 @@ use crate::measured::answer::{Report, Step};
 use crate::measured::select;
 use crate::measured::{Bench, BenchKind, Channel};
 
+/// Fewest samples of a log that is fitted.
+const FEWEST: usize = 60;
 /// Most effects that are added.
 const STEPS: usize = 6;
 
@@ -30,6 +32,15 @@ const STEPS: usize = 6;
 /// through a declared controller, and the supply.
 pub fn serves(bench: &Bench) -> bool {
     tracks(bench).iter().any(|t| t.fits)
+}
+
+/// Whether what is missing for that is the supply voltage alone.
+pub fn lacks_supply(bench: &Bench) -> bool {
+    let mut with = bench.clone();
+    for log in with.logs.iter_mut().filter(|l| l.channel(Channel::Supply).is_none()) {
+        log.channels.insert(Channel::Supply, vec![1.0; log.time.len()]);
+    }
+    !serves(bench) && serves(&with)
 }
 
 fn tracks(bench: &Bench) -> Vec<Track> {
@@ -48,7 +59,7 @@ fn tracks(bench: &Bench) -> Vec<Track> {
 /// that simulation can tell anything of ([`serves`]). The report's errors are of position \[rad\].
 pub fn identify_servo(bench: &Bench) -> Option<Report> {
     let all = tracks(bench);
-    if !all.iter().any(|t| t.fits && t.count() >= 16) {
+    if !all.iter().any(|t| t.fits && t.count() >= FEWEST) {
         return None;
     }
     let judges = Judges::new(&all);

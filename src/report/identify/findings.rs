@@ -68,6 +68,22 @@ pub fn words(bench: &Bench, about: &About) -> String {
         About::Unrelated { channel, against } => {
             format!("{} does not follow {}; check both columns", channel_name(*channel), channel_name(*against))
         }
+        About::Controller { factor } => format!(
+            "the logged duty is {} times what the declared controller asks for; check its `gain` and the units of duty, goal and \
+             position",
+            number(round(*factor))
+        ),
+        About::Late { channel, against, lag } => {
+            let (late, early) = if *lag > 0.0 { (channel, against) } else { (against, channel) };
+            format!(
+                "{} comes {} ms after {}: {} is brought to the time of {}",
+                channel_name(*late),
+                milli(lag.abs()),
+                channel_name(*early),
+                channel_name(*channel),
+                channel_name(*against)
+            )
+        }
         About::Held { channels, rows, whole: true } => {
             format!("{} repeat each value for {} rows: only the fresh rows are data", list(channels), number(*rows))
         }

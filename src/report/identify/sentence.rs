@@ -70,7 +70,10 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
         Verdict::NothingMissing | Verdict::NoneOfThese => {
             let none = match verdict {
                 Verdict::NothingMissing => "Nothing is missing that these logs can show".to_string(),
-                _ => format!("None of the {} effects that could be asked is missing", asked(reports)),
+                _ => match asked(reports) {
+                    1 => "The one effect that could be asked is not missing".into(),
+                    count => format!("None of the {count} effects that could be asked is missing"),
+                },
             };
             parts.push(if shifted.is_empty() { none } else { format!("{none}, but {off}") });
             let most = reports.iter().filter_map(|r| r.evidence.most()).fold(0.0, f64::max);
@@ -163,8 +166,10 @@ fn left(report: &Report, verdict: Verdict) -> String {
     match report.evidence.times_the_noise() {
         Some(times) => {
             let held = report.evidence.held_out_times_the_noise();
-            let also = held.map_or_else(String::new, |h| format!(", {} times on what was held out", number(round(h))));
-            let left = format!("{} times the instrument's noise is left{also}", number(round(times)));
+            let also =
+                held.map_or_else(String::new, |h| format!(", {} times it of what was held out", number(round(h))));
+            let left =
+                format!("of the logs for fitting {} times the instrument's noise is left{also}", number(round(times)));
             match verdict {
                 Verdict::NoneOfThese if times > AT_THE_NOISE || held.is_some() => {
                     format!("{left}: unrepeatable, or not on the list")

@@ -178,11 +178,18 @@ pub struct Error {
     pub fit_vaf: Option<f64>,
     /// Variance accounted for on what was held out, in per cent.
     pub held_out_vaf: Option<f64>,
+    /// `fit` in times of the instrument's noise; `null` where that is not known.
+    pub fit_times_the_noise: Option<f64>,
+    /// `held_out` in times of the instrument's noise.
+    pub held_out_times_the_noise: Option<f64>,
 }
 
-impl From<&StageFact> for Error {
-    fn from(stage: &StageFact) -> Error {
+impl Error {
+    fn new(stage: &StageFact, floor: Option<f64>) -> Error {
+        let times = |error: f64| floor.and_then(|floor| finite(error / floor));
         Error {
+            fit_times_the_noise: times(stage.fit),
+            held_out_times_the_noise: stage.held_out.and_then(times),
             fit: finite(stage.fit),
             held_out: stage.held_out.and_then(finite),
             fit_vaf: StageFact::vaf(stage.fit_vaf),
@@ -205,8 +212,8 @@ pub struct Added {
 /// Something that was found in a log.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Finding<'a> {
-    /// Its kind: `scale`, `sign`, `unrelated`, `held`, `stale`, `clipped`, `spikes`, `irregular`, `owns_the_error`,
-    /// `excluded`, `zero` or `estimated`.
+    /// Its kind: `scale`, `sign`, `unrelated`, `controller`, `late`, `held`, `stale`, `clipped`, `spikes`, `irregular`,
+    /// `owns_the_error`, `excluded`, `zero` or `estimated`.
     pub kind: &'static str,
     /// The log.
     pub log: &'a str,
@@ -412,7 +419,7 @@ impl<'a> Equation<'a> {
             band_hz: report.band.and_then(finite),
             samples: report.samples.0,
             rows: report.samples.1,
-            errors: Errors::new(&report.stages),
+            errors: Errors::new(&report.stages, report.evidence.noise.floor()),
             findings: report.findings.iter().map(|f| Finding::new(bench, f)).collect(),
             artefacts: report.artefacts.iter().map(artefact).collect(),
             parameters: report.parameters.iter().map(|p| Parameter::new(bench, p)).collect(),
@@ -465,10 +472,10 @@ impl Evidence {
 }
 
 impl Errors {
-    fn new(stages: &[StageFact]) -> Errors {
+    fn new(stages: &[StageFact], floor: Option<f64>) -> Errors {
         let mut errors = Errors::default();
         for stage in stages {
-            let error = Error::from(stage);
+            let error = Error::new(stage, floor);
             match stage.step {
                 Step::Declared => errors.declared = Some(error),
                 Step::Artefacts => errors.artefacts = Some(error),

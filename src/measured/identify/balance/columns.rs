@@ -5,6 +5,7 @@ use super::stretch::Stretch;
 use crate::effects::{Effect, Equation, FittedEffect, Operating};
 use crate::measured::answer::Target;
 use crate::measured::identify::noise::Unfiltered;
+use crate::measured::signals;
 
 impl Balance {
     /// One number for each row: rows are in the order of the logs, and of time within a log.
@@ -83,6 +84,20 @@ impl Balance {
         self.gather(filtered, |s| s.points.iter().map(&f).collect())
     }
 
+    /// White noise of a variable that was measured, in the band: from its second differences on the logs for fitting. It is
+    /// zero for steady tables, whose rows are means.
+    pub fn noise_of(&self, f: impl Fn(&Operating) -> f64) -> f64 {
+        let (mut squares, mut count) = (0.0, 0.0);
+        for s in self.stretches.iter().filter(|s| s.fits) {
+            let Some(filter) = &s.filter else { continue };
+            let values: Vec<f64> = s.points.iter().map(&f).collect();
+            let level = signals::noise_level(&values);
+            squares += values.len() as f64 * level * level * filter.noise_gain();
+            count += values.len() as f64;
+        }
+        if count > 0.0 { (squares / count).sqrt() } else { 0.0 }
+    }
+
     /// Acceleration of the motor at each row \[rad/s²\].
     pub fn acceleration(&self) -> Vec<f64> {
         self.gather(true, |s| s.acceleration.clone())
@@ -99,6 +114,11 @@ impl Balance {
             self.stretches.iter().filter(|s| s.fits).map(|s| if s.step > 0.0 { s.fresh } else { f64::INFINITY });
         let slowest = steps.fold(0.0, f64::max);
         if slowest.is_finite() { slowest } else { 0.0 }
+    }
+
+    /// Number of rows that are for fitting.
+    pub fn fitting(&self) -> usize {
+        self.rows.block.iter().filter(|b| self.rows.block_fits[**b]).count()
     }
 
     /// Number of samples before rows were chosen.

@@ -581,3 +581,27 @@ fn a_held_parameter_that_looks_like_an_effect_is_told() {
     assert_eq!(alike(1e-3), Some(Base::TorqueConstant));
     assert_eq!(alike(4.0), None);
 }
+
+/// Eddy drag that was found alone stands for viscous friction too: beside that it is found again, with its own knee. Where there
+/// is no viscous friction, none is found.
+#[test]
+fn a_shape_that_stands_for_two_is_found_again_beside_the_other() {
+    let found = |viscous: f64| {
+        let bench = plain(move |_, w| viscous * w + 0.06 * 2.0 * 15.0 * w / (15.0 * 15.0 + w * w));
+        let mut work = work(&bench);
+        let eddy = effect("eddy_drag").unwrap();
+        let columns = |shape: f64, work: &Work| work.balance.effect_columns(eddy, shape);
+        // As it would be found first.
+        work.terms.push(Term { kind: Kind::Effect(eddy, 90.0), columns: columns(90.0, &work), declared: None });
+        if viscous == 0.0 {
+            work.terms.pop();
+            work.terms.push(Term { kind: Kind::Effect(eddy, 15.0), columns: columns(15.0, &work), declared: None });
+        }
+        Selection::new(&work).next(&work)
+    };
+    let both = found(1.5e-3);
+    let shape = both.iter().find(|(e, _)| e.name() == "eddy_drag").map(|(_, shape)| *shape);
+    assert!(both.iter().any(|(e, _)| e.name() == "viscous_friction"), "{:?}", both.len());
+    assert!(shape.is_some_and(|s| (8.0..25.0).contains(&s)), "{shape:?}");
+    assert_eq!(found(0.0).len(), 0);
+}

@@ -163,3 +163,23 @@ fn short_logs_and_wide_bands_say_nothing() {
     assert_eq!(values(&of_stretches(&[wide], 300.0)), [None; 3]);
     assert_eq!(of_stretches(&[], BAND).floor(), None);
 }
+
+/// A motion that repeats shows the noise beside whatever the model lacks, which repeats with it; one that does not repeat, or a
+/// constant one, shows none.
+#[test]
+fn what_differs_where_the_motion_repeats_is_noise() {
+    let plain = white(200_000, 20_000);
+    let of = |motion: &dyn Fn(f64) -> f64, lack: f64| {
+        let motion: Vec<f64> = (0..plain.len()).map(|k| motion(1e-3 * k as f64)).collect();
+        let left = plain.iter().zip(&motion).map(|(v, m)| v + lack * m * m).collect();
+        let stretch = Unfiltered { columns: vec![motion], ..stretch(left) };
+        of_stretches(&[stretch], BAND).estimates.into_iter().find(|e| e.method == Method::Repeats).unwrap().value
+    };
+    let periodic = |t: f64| (4.1 * t).sin() + 0.4 * (8.2 * t).cos();
+    for lack in [0.0, 2.0] {
+        let told = of(&periodic, lack).unwrap();
+        assert!((told / in_band(&plain) - 1.0).abs() < 0.1, "{lack}: {told} {}", in_band(&plain));
+    }
+    assert!(of(&|t| (4.1 * t).sin() + (0.7 * t * t).sin(), 2.0).is_err());
+    assert!(of(&|_| 3.0, 0.0).is_err());
+}

@@ -115,3 +115,31 @@ fn an_encoder_that_stands_at_rest_is_not_stale() {
     assert_eq!(stale(false), []);
     assert!(matches!(stale(true)[..], [About::Stale { channel: Channel::MotorPosition, from, .. }] if from == 2.0));
 }
+
+/// A position alone that stands and then leaps by what it missed is stale; one that a coarse encoder lets stand at a slow turn,
+/// or that rests, is not. A torque of coarse steps repeats a value now and then, but not for long.
+#[test]
+fn what_leaps_after_it_stood_was_stale() {
+    let stale = |stuck: bool, rests: bool| {
+        let columns = [
+            "time = { name = \"0\", unit = \"s\" }",
+            "duty = { name = \"1\", unit = \"1\" }",
+            "output_position = { name = \"2\", unit = \"rad\" }",
+            "supply = { name = \"3\", unit = \"V\" }",
+        ];
+        let row = |k: usize| {
+            let t = 5e-3 * k as f64;
+            let at = |t: f64| if rests { (2.0 * t).sin().max(0.0) } else { (2.0 * t).sin() };
+            let angle = if stuck && (620..700).contains(&k) { at(5e-3 * 620.0) } else { at(t) };
+            vec![t, (2.0 * t).cos(), (angle / 1e-3).round() * 1e-3, 12.0]
+        };
+        let bench = bench_of("servo", 6.0, &columns, &[(0..3000).map(row).collect()], 0);
+        let found = prepare(&bench).1.into_iter().map(|f| f.about);
+        found.filter(|about| matches!(about, About::Stale { .. })).collect::<Vec<_>>()
+    };
+    assert!(matches!(stale(true, false)[..], [About::Stale { channel: Channel::OutputPosition, .. }]));
+    assert_eq!(stale(false, false), []);
+    assert_eq!(stale(false, true), []);
+    let (_, coarse) = found(|_, row| row[3] = (row[3] / 0.02).round() * 0.02);
+    assert_eq!(coarse, []);
+}

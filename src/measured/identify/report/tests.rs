@@ -191,11 +191,12 @@ fn parameters_are_told_with_their_errors() {
 /// is no convention, and neither is an inertia.
 #[test]
 fn a_torque_constant_that_is_off_by_a_convention_says_so() {
-    let of = |name: &str, ratio: f64, error: f64| {
+    let one = |name: &str, ratio: f64, error: f64| {
         let (declared, fitted) = (Some(0.2), 0.2 * ratio);
         let standard_error = Some(0.2 * error);
-        convention(&Parameter { name: name.into(), declared, fitted, standard_error, unit: "N*m/A" })
+        Parameter { name: name.into(), declared, fitted, standard_error, unit: "N*m/A" }
     };
+    let of = |name: &str, ratio: f64, error: f64| convention(&[one(name, ratio, error)]);
     let told = |ratio: f64| of("torque_constant", ratio, 0.002);
     for (ratio, what) in [
         (1.5_f64.sqrt(), "phase amplitude that is taken for the q axis"),
@@ -214,5 +215,11 @@ fn a_torque_constant_that_is_off_by_a_convention_says_so() {
     }
     // 22 % with a standard error of 10 % is not sure.
     assert_eq!(of("torque_constant", 1.5_f64.sqrt(), 0.1), None);
-    assert_eq!(of("rotor_inertia", 1.5_f64.sqrt(), 0.002), None);
+    assert_eq!(of("inertia", 1.5_f64.sqrt(), 0.002), None);
+    // A known load is off the other way, and a resistance where the inductance does not say otherwise.
+    let load = of("load_scale", 1.5_f64.sqrt(), 0.002).unwrap();
+    assert!(load.contains("q axis that is taken for a phase amplitude"), "{load}");
+    let both = |l: f64| convention(&[one("inductance", l, 0.01), one("resistance", 1.5_f64.sqrt(), 0.002)]);
+    assert!(both(1.5_f64.sqrt()).unwrap().contains("phase amplitude that is taken for the q axis"));
+    assert_eq!(both(1.0), None);
 }

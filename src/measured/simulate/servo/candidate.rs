@@ -53,15 +53,8 @@ impl Candidate {
                 vec![with]
             }
             Candidate::Effect(effect) => {
-                let scale = &model.scale;
-                let of = |search: Search, largest: f64| search.starts.iter().map(|s| s * largest).collect();
-                let shapes: Vec<f64> = match effect.shape() {
-                    Shape::Speed(search) => of(search, scale.speed),
-                    Shape::Current(search) => of(search, scale.current),
-                    Shape::None | Shape::Order => vec![f64::NAN],
-                };
                 let mut starts = Vec::new();
-                for shape in shapes {
+                for shape in shapes(effect, model) {
                     for share in [0.2, 1.0] {
                         let mut start = model.clone();
                         let mut values = vec![0.0; effect.linear()];
@@ -80,6 +73,38 @@ impl Candidate {
                 }
                 starts
             }
+        }
+    }
+
+    /// The model with an effect of a shape, at each shape to start from, as nothing yet.
+    pub fn from_nothing(self, model: &Model) -> Vec<Model> {
+        let Candidate::Effect(effect) = self else { return Vec::new() };
+        let with = |shape: f64| {
+            let mut start = model.clone();
+            start.add(effect, vec![0.0; effect.linear()].into_iter().chain([shape]).collect());
+            start
+        };
+        shapes(effect, model).into_iter().filter(|s| s.is_finite()).map(with).collect()
+    }
+
+    /// Whether an unknown of a model says how much of it there is.
+    pub fn is_amount(self, model: &Model, slot: Slot) -> bool {
+        match (self, slot) {
+            (Candidate::Lag, Slot::Lag) => true,
+            (Candidate::Effect(effect), Slot::Value(term, index)) => {
+                model.machine.terms[term].effect == effect && index < effect.linear()
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether an unknown of a model is its shape.
+    pub fn is_shape(self, model: &Model, slot: Slot) -> bool {
+        match (self, slot) {
+            (Candidate::Effect(effect), Slot::Value(term, index)) => {
+                model.machine.terms[term].effect == effect && index >= effect.linear()
+            }
+            _ => false,
         }
     }
 
@@ -113,6 +138,16 @@ impl Candidate {
                 effect.plausible(values.map_or(&[], |t| &t.values), &model.scale)
             }
         }
+    }
+}
+
+/// Shapes that the search for an effect starts from; no number where it has none.
+fn shapes(effect: &dyn Effect, model: &Model) -> Vec<f64> {
+    let of = |search: Search, largest: f64| search.starts.iter().map(|s| s * largest).collect();
+    match effect.shape() {
+        Shape::Speed(search) => of(search, model.scale.speed),
+        Shape::Current(search) => of(search, model.scale.current),
+        Shape::None | Shape::Order => vec![f64::NAN],
     }
 }
 

@@ -4,7 +4,9 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::candidate::Candidate;
-use crate::measured::simulate::model::{Counted, Model};
+use crate::measured::identify::regression::{Blocks, Rows};
+use crate::measured::identify::scores::{Scores, informed};
+use crate::measured::simulate::model::{Counted, Model, Slot};
 use crate::measured::simulate::track::Track;
 
 /// Least share of the left-out error that an effect must take away.
@@ -17,6 +19,8 @@ pub(super) const ENOUGH_LOGS: usize = 4;
 const MANY_LOGS: usize = 8;
 /// Most folds.
 const FOLDS: usize = 6;
+/// Rounds of the first fit of a candidate, with its shape as it is.
+const FIRST_ROUNDS: usize = 3;
 /// Draws of the test by random signs.
 const DRAWS: usize = 20_000;
 
@@ -83,15 +87,66 @@ impl<'a> Judges<'a> {
         (squares.iter().sum::<f64>() / self.samples as f64).sqrt()
     }
 
+    /// How many standard errors the amount of a candidate is from nothing: of two amplitudes their vector, as one value.
+    pub fn beyond_its_error(&self, with: &Model, candidate: Candidate) -> f64 {
+        let own: Vec<usize> = (0..with.slots.len()).filter(|k| candidate.is_amount(with, with.slots[*k])).collect();
+        let matrix = covariance(with, self);
+        let value = nalgebra::DVector::from_iterator(own.len(), own.iter().map(|k| with.get(with.slots[*k])));
+        let matrix = nalgebra::DMatrix::from_fn(own.len(), own.len(), |a, b| matrix[(own[a], own[b])]);
+        let squared = matrix.try_inverse().map_or(f64::NAN, |inverse| value.dot(&(inverse * &value)));
+        (squared / own.len() as f64).max(0.0).sqrt()
+    }
+
     /// Fits a model to all logs; its root mean square error.
     pub fn fit(&self, model: &mut Model, rounds: usize, enough: f64) -> f64 {
         let cost = model.fit(&self.fit, &Counted::new(), rounds, enough);
         (cost / self.samples as f64).sqrt()
     }
 
+    /// How sure a candidate of a fitted model is: the probability that scores as large come about where there is no effect
+    /// (signs at random, stretch by stretch), and its gain on what was left out in standard errors between stretches. Stretches
+    /// count by what they know of it: an effect may live in few of them.
+    pub fn sureness(&self, with: &Model, candidate: Candidate, before: &[f64], after: &[f64]) -> (f64, f64) {
+        let is_own = |slot: &Slot| candidate.is_amount(with, *slot);
+        let (own, others): (Vec<usize>, Vec<usize>) = (0..with.slots.len()).partition(|k| is_own(&with.slots[*k]));
+        let (left, derivatives) = with.derivatives(&self.fit);
+        let gather = |of: &dyn Fn(usize) -> Vec<f64>| (0..self.fit.len()).flat_map(of).collect::<Vec<f64>>();
+        let column = |slot: usize| gather(&|t| derivatives[t][slot].clone());
+        let columns: Vec<Vec<f64>> = others.iter().chain(&own).map(|k| column(*k)).collect();
+        // What would be left without the candidate, as far as that is linear.
+        let mut target = gather(&|t| left[t].clone());
+        for (slot, column) in own.iter().zip(&columns[others.len()..]) {
+            let value = with.get(with.slots[*slot]);
+            target.iter_mut().zip(column).for_each(|(y, c)| *y -= value * c);
+        }
+        let rows = Rows {
+            log: self.unit.iter().enumerate().flat_map(|(t, units)| vec![t; units.len()]).collect(),
+            block: self.unit.concat(),
+            time: vec![0.0; target.len()],
+            block_log: vec![0; self.fold.len()],
+            block_fits: vec![true; self.fold.len()],
+            ..Rows::default()
+        };
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let scores = Scores::new(&Blocks::new(&rows, &columns, &target), others.len(), |_| true);
+        let mut random = Pcg64::seed_from_u64(1);
+        let as_large =
+            (0..DRAWS).filter(|_| scores.by_chance(&signs(&mut random, self.fold.len())) >= scores.statistic()).count();
+        let sure = informed(before, after, &scores.expected_falls(), scores.variance());
+        ((as_large + 1) as f64 / (DRAWS + 1) as f64, sure)
+    }
+
     /// The best fit over the places to start from.
     pub fn fit_added(&self, candidate: Candidate, model: &Model, rounds: usize, enough: f64) -> Option<(Model, f64)> {
-        let starts = candidate.added(model);
+        let mut starts = candidate.added(model);
+        // From nothing, with its shape as it is: what the others have taken of it they give back.
+        for mut start in candidate.from_nothing(model) {
+            let slots = start.slots.clone();
+            start.slots = slots.iter().copied().filter(|slot| !candidate.is_shape(&start, *slot)).collect();
+            self.fit(&mut start, FIRST_ROUNDS, enough);
+            start.slots = slots;
+            starts.push(start);
+        }
         let squares = |m: &Model| m.residuals(&self.fit).iter().flatten().map(|r| r * r).sum::<f64>();
         let costs: Vec<f64> = starts.iter().map(squares).collect();
         let best = (0..starts.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]))?;
@@ -99,6 +154,19 @@ impl<'a> Judges<'a> {
         let error = self.fit(&mut with, rounds, enough);
         Some((with, error))
     }
+}
+
+/// Signs at random.
+fn signs(random: &mut Pcg64, count: usize) -> Vec<f64> {
+    let mut word = 0;
+    (0..count)
+        .map(|k| {
+            if k % 64 == 0 {
+                word = random.next_u64();
+            }
+            if (word >> (k % 64)) & 1 == 1 { 1.0 } else { -1.0 }
+        })
+        .collect()
 }
 
 /// Probability that gains as large as these come about where there is none: signs at random, stretch by
@@ -112,18 +180,7 @@ pub(super) fn chance(before: &[f64], after: &[f64]) -> f64 {
     let mut random = Pcg64::seed_from_u64(1);
     let as_large = (0..DRAWS)
         .filter(|_| {
-            let mut word = 0;
-            let drawn: f64 = gains
-                .iter()
-                .enumerate()
-                .map(|(k, g)| {
-                    if k % 64 == 0 {
-                        word = random.next_u64();
-                    }
-                    let sign = (word >> (k % 64)) & 1;
-                    if sign == 1 { *g } else { -g }
-                })
-                .sum();
+            let drawn: f64 = signs(&mut random, gains.len()).iter().zip(&gains).map(|(sign, gain)| sign * gain).sum();
             drawn >= sum * (1.0 - 1e-12)
         })
         .count();

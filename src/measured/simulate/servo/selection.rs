@@ -3,7 +3,7 @@
 use super::candidate::Candidate;
 use super::judges::{Judges, WORTH, chance};
 use crate::effects::{EFFECTS, Effect, Variable, View};
-use crate::measured::answer::{Hidden, Refused, Stage, Step, Target};
+use crate::measured::answer::{Hidden, INTERVAL, Refused, Stage, Step, Target};
 use crate::measured::select::{CHANCE, Judge, Pruner};
 use crate::measured::simulate::model::{Model, error};
 use crate::measured::simulate::track::Track;
@@ -97,19 +97,33 @@ impl Judge for OnPosition<'_> {
         for (candidate, with, _) in fits {
             let left_out = judges.left_out(&with);
             let error = judges.error(&left_out);
-            let probability = chance(now, &left_out) * judged;
             if error > (1.0 - WORTH) * before {
                 let fall = 100.0 * (1.0 - error / before);
                 self.refuse(
                     candidate.name(),
                     format!("on what was left out the error falls by {fall:.1} %, less than 3 %"),
                 );
+                continue;
+            }
+            let (probability, sure) = judges.sureness(&with, candidate, now, &left_out);
+            let probability = probability * judged;
+            let fall = 100.0 * (1.0 - error / before);
+            let beyond = judges.beyond_its_error(&with, candidate);
+            if beyond < INTERVAL {
+                self.refuse(
+                    candidate.name(),
+                    format!("its value is not beyond its own error ({beyond:.1} standard errors)"),
+                );
             } else if probability > CHANCE {
-                let fall = 100.0 * (1.0 - error / before);
                 self.refuse(
                     candidate.name(),
                     format!("the left-out error falls by {fall:.1} %, but by chance one of those tried would as well in {:.0} % of cases",
-                        100.0 * probability.min(1.0)),
+                        (100.0 * probability.min(1.0)).ceil()),
+                );
+            } else if sure < INTERVAL {
+                self.refuse(
+                    candidate.name(),
+                    format!("the left-out error falls by {fall:.1} %, but not beyond its scatter between stretches ({sure:.1} standard errors)"),
                 );
             } else {
                 self.refuse(candidate.name(), "another explains it better".into());

@@ -77,9 +77,12 @@ fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().unwrap_or_else(|_| panic!("{name} is a number")))
 }
 
-/// The first so many seeds of clean and of affected cases.
+/// The first so many seeds of clean and of affected cases; of one kind of bench alone where `GEARWISE_SCORE_KIND` names one.
 fn seeds(first: u64, clean: u64, affected: u64) -> Vec<u64> {
-    let take = |wanted: bool, count: u64| (first..).filter(move |s| draw::is_clean(*s) == wanted).take(count as usize);
+    let kind = std::env::var("GEARWISE_SCORE_KIND").ok();
+    let is_asked = |seed: &u64| kind.as_ref().is_none_or(|k| draw(*seed).kind().name() == k);
+    let of = |wanted: bool| (first..).filter(move |s| draw::is_clean(*s) == wanted);
+    let take = |wanted: bool, count: u64| of(wanted).filter(is_asked).take(count as usize);
     let mut all: Vec<u64> = take(true, clean).chain(take(false, affected)).collect();
     all.sort_unstable();
     all
