@@ -155,6 +155,8 @@ pub struct Evidence {
     pub owned: bool,
     /// Whether what is explained does not follow the model at all: see [`Evidence::does_not_follow`].
     pub unrelated: bool,
+    /// Whether what is explained does no more than the instrument's own noise.
+    pub still: bool,
 }
 
 impl Evidence {

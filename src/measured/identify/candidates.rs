@@ -585,7 +585,7 @@ pub fn believed(work: &Work, term: usize) -> Result<(), String> {
 }
 
 /// Between which values the shape of an effect is looked for.
-fn window(work: &Work, effect: &dyn Effect) -> Option<(f64, f64)> {
+pub(super) fn window(work: &Work, effect: &dyn Effect) -> Option<(f64, f64)> {
     let scale = &work.balance.scale;
     match effect.shape() {
         Shape::Speed(search) => Some((search.from * scale.speed, search.to * scale.speed)),

@@ -86,7 +86,7 @@ pub fn noise(stretches: &[Unfiltered], band: Option<f64>) -> Noise {
         None => {
             let why = "these are steady points, without a time axis";
             let none = |method| Estimate { method, value: Err(why) };
-            let methods = [Method::Repeats, Method::Standstill, Method::AboveTheBand, Method::SecondDifferences];
+            let methods = [Method::Standstill, Method::AboveTheBand, Method::SecondDifferences, Method::Repeats];
             Noise { estimates: methods.map(none).to_vec(), line: None }
         }
     }
@@ -103,10 +103,10 @@ pub(crate) fn of_stretches(stretches: &[Unfiltered], band: f64) -> Noise {
     };
     Noise {
         estimates: vec![
-            estimate(Method::Repeats, repeats(stretches, band)),
             estimate(Method::Standstill, standstill(stretches, band)),
             estimate(Method::AboveTheBand, over(&spectra, |s| s.above_the_band(band))),
             estimate(Method::SecondDifferences, over(&spectra, |s| s.second_differences(band))),
+            estimate(Method::Repeats, repeats(stretches, band)),
         ],
         line: spectra.iter().find_map(|s| s.line),
     }

@@ -4,7 +4,7 @@ use super::candidates::Selection;
 use super::regression::{Blocks, Solution, covariance, solve};
 use super::ripple;
 use super::work::{Kind, Term, Work};
-use crate::effects::{EFFECTS, Effect, Named, Shape, Variable};
+use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape, Variable};
 use crate::measured::answer::{Base, Found, Parameter};
 
 /// Names, covariance and values of every fitted number; shape parameters by their derivative.
@@ -113,6 +113,17 @@ pub fn parameters(
                     unit: parameter.kind.si,
                 });
             }
+        }
+    }
+    for FittedEffect { effect, values } in &work.fixed {
+        for (parameter, value) in effect.parameters()[..effect.linear()].iter().zip(values) {
+            list.push(Parameter {
+                name: Named::new(*effect, values.last().copied(), parameter.name).to_string(),
+                declared: Some(*value),
+                fitted: *value,
+                standard_error: None,
+                unit: parameter.kind.si,
+            });
         }
     }
     list

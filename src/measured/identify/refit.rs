@@ -1,9 +1,10 @@
 //! Numbers of the model that are found beside its linear coefficients: what is held, and shapes.
 
+use super::candidates::window;
 use super::flexible::of_speed;
 use super::regression::{Blocks, covariance, solve, squares};
 use super::work::{Kind, Term, Work};
-use crate::effects::Shape;
+use crate::effects::{FittedEffect, Shape};
 use crate::measured::answer::Base;
 use crate::numerics::line_search::golden_section;
 use crate::numerics::sums::finite_sum;
@@ -13,6 +14,13 @@ const OWN_SHARE: f64 = 0.05;
 /// A current whose noise is a larger share of what it does on its own (of the squares) says no constant: by this share the
 /// fitted one would be too small.
 const NOISY: f64 = 0.1;
+/// So many places over its window are looked at for a shape; where one leaves less by this share of the squares, it is looked
+/// for there. In logarithms, how far on either side.
+const PLACES: usize = 10;
+const ELSEWHERE: f64 = 0.02;
+const WIDE: f64 = 0.53;
+/// A fitted value that is this many times its error is seen, whatever is declared.
+const SEEN: f64 = 3.0;
 /// A number of the declared model whose error is a larger share of it is not seen.
 const DOUBT: f64 = 0.3;
 
@@ -85,11 +93,59 @@ impl Work<'_> {
             let Some((t, ..)) = worst else { break };
             held.extend(self.hold(t));
         }
+        self.hold_effects_in_doubt();
         held
+    }
+
+    /// Declared effects stay as declared where their errors are larger than what is declared, and no value stands out of them: at
+    /// one speed nothing says which of two frictions it is.
+    fn hold_effects_in_doubt(&mut self) {
+        loop {
+            let fit = self.fit();
+            let covariance = covariance(&fit.blocks, &fit.solution, |b| self.fits(b));
+            let doubt = |t: usize| {
+                let declared = self.terms[t].declared.as_ref()?;
+                self.terms[t].effect()?;
+                let first = self.offset(t);
+                let of_one = |(j, value): (usize, &f64)| {
+                    if fit.solution.inverse[(first + j, first + j)] == 0.0 {
+                        return f64::INFINITY;
+                    }
+                    let error = covariance[(first + j, first + j)].sqrt();
+                    error / value.abs().max(fit.solution.coefficients[first + j].abs() / SEEN).max(f64::MIN_POSITIVE)
+                };
+                Some(declared.iter().enumerate().map(of_one).fold(0.0, f64::max))
+            };
+            let worst = (0..self.terms.len()).filter_map(|t| Some((t, doubt(t)?))).max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((t, _)) = worst.filter(|(_, doubt)| doubt.is_nan() || *doubt > 1.0) else { return };
+            self.hold_effect(t);
+        }
+    }
+
+    /// Takes a declared effect out of the fit, at its declared values.
+    fn hold_effect(&mut self, term: usize) {
+        let Term { kind: Kind::Effect(effect, shape), columns, declared: Some(mut values) } = self.terms.remove(term)
+        else {
+            return;
+        };
+        for (value, column) in values.iter().zip(&columns) {
+            self.target.iter_mut().zip(column).for_each(|(y, c)| *y -= value * c);
+        }
+        if effect.shape() != Shape::None {
+            values.push(shape);
+        }
+        self.fixed.push(FittedEffect { effect, values });
     }
 
     /// Holds what another model of the same logs holds.
     pub fn hold_as(&mut self, other: &Work) {
+        let is_held = |work: &Work, t: usize| {
+            let own = work.terms[t].effect().filter(|_| work.terms[t].declared.is_some());
+            own.is_some_and(|(e, _)| other.fixed.iter().any(|f| f.effect == e))
+        };
+        while let Some(t) = (0..self.terms.len()).find(|t| is_held(self, *t)) {
+            self.hold_effect(t);
+        }
         for which in self.balance.base.iter().map(|b| b.which).collect::<Vec<Base>>() {
             let is_fitted = (0..other.terms.len()).any(|t| other.is_base(t, which));
             if let Some(t) = (0..self.terms.len()).find(|t| !is_fitted && self.is_base(*t, which)) {
@@ -191,7 +247,14 @@ impl Work<'_> {
                 }
                 squares(&total, &solution.coefficients)
             };
-            let best = golden_section(&squares, (shape / 1.7).ln(), (shape * 1.7).ln(), 14);
+            // Beside what was added since, it may lie elsewhere.
+            let spaced = window(self, effect).into_iter().flat_map(|(low, high)| {
+                (0..PLACES).map(move |k| low.ln() + (high / low).ln() * k as f64 / (PLACES - 1) as f64)
+            });
+            let far = spaced.map(|at| (at, squares(at))).min_by(|a, b| a.1.total_cmp(&b.1));
+            let middle =
+                far.filter(|(_, sum)| *sum < (1.0 - ELSEWHERE) * squares(shape.ln())).map_or(shape.ln(), |f| f.0);
+            let best = golden_section(&squares, middle - WIDE, middle + WIDE, 14);
             if squares(best).is_infinite() {
                 continue;
             }
@@ -206,6 +269,7 @@ impl Work<'_> {
 mod tests {
     use super::super::steady::{CONSTANT, OVER_TIME, bench_of, noise, work};
     use super::*;
+    use crate::effects::effect;
 
     /// At a constant load what the current does is its own noise: a fit would take it for a torque constant of next to nothing,
     /// and be sure of it. Where the load changes the constant is seen.
@@ -229,5 +293,38 @@ mod tests {
         let (something, fitted) = held(2.0);
         assert!(!something.contains(&Base::TorqueConstant));
         assert!((fitted.unwrap() / CONSTANT - 1.0).abs() < 0.02, "{fitted:?}");
+    }
+
+    /// At one speed two frictions look the same: both stay as declared. Over many speeds both are fitted.
+    #[test]
+    fn frictions_that_one_speed_cannot_tell_apart_stay_as_declared() {
+        let fitted = |swing: f64| {
+            let row = |k: usize| {
+                let t = 1e-3 * k as f64;
+                let (w, i) = (40.0 + swing * (3.0 * t).sin() + 0.01 * noise(k), 2.0 * (11.0 * t).sin());
+                let drag = 0.03 * w.signum() + 1e-3 * w;
+                vec![t, w, i, 6.0 * (CONSTANT * i - drag) + 0.05 * noise(k + 50_000)]
+            };
+            let mut bench = bench_of("dynamometer", 6.0, &OVER_TIME, &[(0..6000).map(row).collect()], 0);
+            let declared = |name: &str, value: f64| FittedEffect { effect: effect(name).unwrap(), values: vec![value] };
+            bench.declared.effects.extend([declared("coulomb_friction", 0.02), declared("viscous_friction", 2e-3)]);
+            let mut work = work(&bench);
+            work.hold_what_is_not_seen();
+            let fit = work.fit();
+            let mut values = Vec::new();
+            for t in 0..work.terms.len() {
+                if let Some((effect, _)) = work.terms[t].effect() {
+                    values.push((effect.name(), fit.solution.coefficients[work.offset(t)]));
+                }
+            }
+            (values, work.fixed.len())
+        };
+        assert_eq!(fitted(0.0), (Vec::new(), 2));
+        let (values, held) = fitted(80.0);
+        assert_eq!(held, 0);
+        for (name, value) in values {
+            let wanted = if name == "coulomb_friction" { 0.03 } else { 1e-3 };
+            assert!((value / wanted - 1.0).abs() < 0.1, "{name} {value}");
+        }
     }
 }

@@ -13,6 +13,9 @@ use crate::measured::answer::{
     Artefact, Base, Finding, Found, Ground, Parameter, Pictures, Report, Stage, Step, Target, Unexplained,
 };
 
+/// What does less than this many times the instrument's noise does nothing.
+const STILL: f64 = 1.3;
+
 /// Residual of the declared model, with the zero of each log in it.
 fn declared_residual(bench: &Bench, balance: &Balance, with_zero: bool) -> Vec<f64> {
     let mut left = if with_zero { balance.target_with_zero() } else { balance.target_column() };
@@ -121,6 +124,9 @@ pub fn report(
     let mean = constant.iter().sum::<f64>() / constant.len().max(1) as f64;
     constant.iter_mut().for_each(|value| *value -= mean);
     let explains = Gain::new(&block_squares(&work, &constant), &fit.left_out);
+    let noise = super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band);
+    let does = work.balance.rows.error_alike(&constant, true);
+    let still = noise.floor().zip(does).is_some_and(|(floor, does)| does < STILL * floor);
     let channel = work.balance.target.channel();
     let after = work.residual(&fit);
     let evidence = Evidence {
@@ -129,7 +135,8 @@ pub fn report(
         left: work.of_all_rows(&after, &fit.left_out),
         far_off: robust::far_off(&work.balance.rows, &after),
         held_out: work.balance.rows.error_alike(&after, false),
-        noise: super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band),
+        noise,
+        still,
         asked,
         together: Some(together),
         better: selection.better(&fit.left_out).map(|left_out| work.of_all_rows(&after, left_out)),
@@ -202,7 +209,7 @@ pub fn report(
 }
 
 /// Which conventions of ampere the declared numbers would be off by as much as they are, where that is sure: K_T against a
-/// sensor; the scale of a known load, which is off the other way; R, where L says the same.
+/// sensor or a known load; R, where L says the same.
 fn convention(parameters: &[Parameter]) -> Option<String> {
     let of_current = [
         (1.5_f64.sqrt(), "a phase amplitude that is taken for the q axis"),
@@ -215,17 +222,14 @@ fn convention(parameters: &[Parameter]) -> Option<String> {
     let named = |base: Base| parameters.iter().find(|p| p.name == base.name());
     let off = |p: &Parameter| Some((1.0 + p.shift()?, p.tolerance()? / p.declared?));
     let is = |(ratio, error): (f64, f64), factor: f64| (ratio / factor - 1.0).abs() < 0.015 + error.min(0.01);
-    let alike =
-        |factor: f64| named(Base::Inductance).and_then(off).is_none_or(|(l, e)| (l / factor - 1.0).abs() < 0.03 + e);
-    let (base, ratio, what) =
-        [Base::TorqueConstant, Base::LoadScale, Base::Resistance].into_iter().find_map(|base| {
-            let (ratio, error) = named(base).and_then(off)?;
-            let constant = if base == Base::LoadScale { 1.0 / ratio } else { ratio };
-            let (_, what) = of_current
-                .into_iter()
-                .find(|(f, _)| is((constant, error), *f) && (base != Base::Resistance || alike(*f)))?;
-            Some((base, ratio, what))
-        })?;
+    let inductance = named(Base::Inductance).and_then(|p| Some((p.fitted / p.declared?, p.tolerance()? / p.declared?)));
+    let alike = |factor: f64| inductance.is_none_or(|(l, e)| (l / factor - 1.0).abs() < 0.03 + e);
+    let (base, ratio, what) = [Base::TorqueConstant, Base::Resistance].into_iter().find_map(|base| {
+        let (ratio, error) = named(base).and_then(off)?;
+        let is_it = |f: f64| is((ratio, error), f) && (base != Base::Resistance || alike(f));
+        let (_, what) = of_current.into_iter().find(|(f, _)| is_it(*f))?;
+        Some((base, ratio, what))
+    })?;
     let name = base.name().replace('_', " ");
     Some(format!("the {name} is {ratio:.3} times the declared one, as {what} would make it: check `convention`"))
 }

@@ -21,6 +21,12 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     }
     let nothing = |report: &&Report| report.evidence.unrelated;
     if let Some((report, channel)) = reports.iter().find(nothing).and_then(|r| Some((r, r.target.channel()?))) {
+        if report.evidence.still {
+            return format!(
+                "Nothing can be learnt: what the {} does is no more than the instrument's own noise; speed or load must change.",
+                channel_name(channel)
+            );
+        }
         let accounted = report.stages.last().and_then(|last| Stage::vaf(last.fit_vaf)).unwrap_or(0.0);
         return format!(
             "Nothing can be learnt: the {} does not follow the model, which accounts for {} % of its variance; check its \

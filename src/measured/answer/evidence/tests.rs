@@ -32,6 +32,7 @@ fn clean() -> Evidence {
         owned: false,
         dead: None,
         unrelated: false,
+        still: false,
     }
 }
 

@@ -26,15 +26,16 @@ fn in_band(values: &[f64]) -> f64 {
     (filtered.iter().map(|v| v * v).sum::<f64>() / filtered.len() as f64).sqrt()
 }
 
+/// Of the ways that need no motion.
 fn values(noise: &Noise) -> Vec<Option<f64>> {
-    noise.estimates.iter().map(|e| e.value.ok()).collect()
+    noise.estimates.iter().take(3).map(|e| e.value.ok()).collect()
 }
 
 #[test]
 fn white_noise_is_found_three_times() {
     let left = white(0, 20_000);
     let noise = of_stretches(&[stretch(left.clone())], BAND);
-    for estimate in &noise.estimates {
+    for estimate in &noise.estimates[..3] {
         let value = estimate.value.unwrap_or_else(|why| panic!("{:?}: {why}", estimate.method));
         assert!((value / in_band(&left) - 1.0).abs() < 0.1, "{:?} {value} {}", estimate.method, in_band(&left));
     }

@@ -216,9 +216,7 @@ fn a_torque_constant_that_is_off_by_a_convention_says_so() {
     // 22 % with a standard error of 10 % is not sure.
     assert_eq!(of("torque_constant", 1.5_f64.sqrt(), 0.1), None);
     assert_eq!(of("inertia", 1.5_f64.sqrt(), 0.002), None);
-    // A known load is off the other way, and a resistance where the inductance does not say otherwise.
-    let load = of("load_scale", 1.5_f64.sqrt(), 0.002).unwrap();
-    assert!(load.contains("q axis that is taken for a phase amplitude"), "{load}");
+    // A resistance, where the inductance does not say otherwise.
     let both = |l: f64| convention(&[one("inductance", l, 0.01), one("resistance", 1.5_f64.sqrt(), 0.002)]);
     assert!(both(1.5_f64.sqrt()).unwrap().contains("phase amplitude that is taken for the q axis"));
     assert_eq!(both(1.0), None);

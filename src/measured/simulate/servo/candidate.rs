@@ -77,7 +77,7 @@ impl Candidate {
     }
 
     /// The model with an effect of a shape, at each shape to start from, as nothing yet.
-    pub fn from_nothing(self, model: &Model) -> Vec<Model> {
+    pub fn starting_at_nothing(self, model: &Model) -> Vec<Model> {
         let Candidate::Effect(effect) = self else { return Vec::new() };
         let with = |shape: f64| {
             let mut start = model.clone();

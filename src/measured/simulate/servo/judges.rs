@@ -140,7 +140,7 @@ impl<'a> Judges<'a> {
     pub fn fit_added(&self, candidate: Candidate, model: &Model, rounds: usize, enough: f64) -> Option<(Model, f64)> {
         let mut starts = candidate.added(model);
         // From nothing, with its shape as it is: what the others have taken of it they give back.
-        for mut start in candidate.from_nothing(model) {
+        for mut start in candidate.starting_at_nothing(model) {
             let slots = start.slots.clone();
             start.slots = slots.iter().copied().filter(|slot| !candidate.is_shape(&start, *slot)).collect();
             self.fit(&mut start, FIRST_ROUNDS, enough);

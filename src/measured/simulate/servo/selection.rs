@@ -8,6 +8,8 @@ use crate::measured::select::{CHANCE, Judge, Pruner};
 use crate::measured::simulate::model::{Model, error};
 use crate::measured::simulate::track::Track;
 
+/// A fall \[%\] of the left-out error that need not be sure between stretches, of which few may hold most of the error.
+const PLAIN: f64 = 10.0;
 /// Errors this close are a tie.
 const TIE: f64 = 0.01;
 
@@ -120,7 +122,7 @@ impl Judge for OnPosition<'_> {
                     format!("the left-out error falls by {fall:.1} %, but by chance one of those tried would as well in {:.0} % of cases",
                         (100.0 * probability.min(1.0)).ceil()),
                 );
-            } else if sure < INTERVAL {
+            } else if sure < INTERVAL && fall < PLAIN {
                 self.refuse(
                     candidate.name(),
                     format!("the left-out error falls by {fall:.1} %, but not beyond its scatter between stretches ({sure:.1} standard errors)"),

@@ -163,8 +163,8 @@ struct Bounds {
 const TODAY: Bounds =
     Bounds { right: 0.92, false_on_clean: 0.03, false_on_any: 0.03, false_completeness: 0.01, artefact: 0.7 };
 
-/// Seeds of the small sample are not those of the score.
-const SMALL: (u64, u64) = (900_000, 150);
+/// Seeds of the small sample, a tenth of the score, are not those of the score.
+const SMALL: (u64, u64) = (900_000, 300);
 
 /// Where the sample leaves a share open, it is not called too low: its interval is what counts.
 fn is_at_least(share: Share, bound: f64) -> bool {
