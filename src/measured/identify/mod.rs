@@ -24,7 +24,7 @@ pub(crate) mod regression;
 mod report;
 mod ripple;
 mod robust;
-pub(crate) mod scores;
+mod scores;
 mod structure;
 mod travel;
 mod work;

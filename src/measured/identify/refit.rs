@@ -36,8 +36,8 @@ impl Work<'_> {
         squares(&total, &solve(&total).coefficients) / total[(last, last)].max(f64::MIN_POSITIVE)
     }
 
-    /// Whether a column that is made of a measured current moves too little beside the noise of that current: a fit would
-    /// take the noise for motion and find a constant that is too small, with a small error.
+    /// Whether a column that is made of a measured current moves too little beside the noise of that current: a fit took the
+    /// noise for motion and found a constant that is too small, with a small error.
     fn is_in_noise(&self, term: usize) -> bool {
         let balance = &self.balance;
         let factor = match self.terms[term].kind {
@@ -49,7 +49,11 @@ impl Work<'_> {
         let total = Blocks::new(&balance.rows, &columns, &self.terms[term].columns[0]).total(|b| self.fits(b));
         let rows = (0..balance.rows.len()).filter(|k| self.fits(balance.rows.block[*k])).count();
         let own = squares(&total, &solve(&total).coefficients) / rows.max(1) as f64;
-        (factor * balance.noise_of(|at| at.current)).powi(2) > NOISY * own
+        let share = (factor * balance.noise_of(|at| at.current)).powi(2) / own.max(f64::MIN_POSITIVE);
+        // A current that is driven at random looks like noise, but the constant is what was declared: noise makes it smaller.
+        let fitted = self.fit().solution.coefficients[self.offset(term)];
+        let declared = self.terms[term].declared.as_ref().map_or(f64::NAN, |d| d[0]);
+        share > NOISY && !(fitted > (1.0 - 0.5 * share.min(1.0)) * declared)
     }
 
     /// Holds parameters of the declared model that the data do not show at their declared values.

@@ -4,9 +4,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::candidate::Candidate;
-use crate::measured::identify::regression::{Blocks, Rows};
-use crate::measured::identify::scores::{Scores, informed};
-use crate::measured::simulate::model::{Counted, Model, Slot};
+use crate::measured::simulate::model::{Counted, Model};
 use crate::measured::simulate::track::Track;
 
 /// Least share of the left-out error that an effect must take away.
@@ -103,39 +101,6 @@ impl<'a> Judges<'a> {
         (cost / self.samples as f64).sqrt()
     }
 
-    /// How sure a candidate of a fitted model is: the probability that scores as large come about where there is no effect
-    /// (signs at random, stretch by stretch), and its gain on what was left out in standard errors between stretches. Stretches
-    /// count by what they know of it: an effect may live in few of them.
-    pub fn sureness(&self, with: &Model, candidate: Candidate, before: &[f64], after: &[f64]) -> (f64, f64) {
-        let is_own = |slot: &Slot| candidate.is_amount(with, *slot);
-        let (own, others): (Vec<usize>, Vec<usize>) = (0..with.slots.len()).partition(|k| is_own(&with.slots[*k]));
-        let (left, derivatives) = with.derivatives(&self.fit);
-        let gather = |of: &dyn Fn(usize) -> Vec<f64>| (0..self.fit.len()).flat_map(of).collect::<Vec<f64>>();
-        let column = |slot: usize| gather(&|t| derivatives[t][slot].clone());
-        let columns: Vec<Vec<f64>> = others.iter().chain(&own).map(|k| column(*k)).collect();
-        // What would be left without the candidate, as far as that is linear.
-        let mut target = gather(&|t| left[t].clone());
-        for (slot, column) in own.iter().zip(&columns[others.len()..]) {
-            let value = with.get(with.slots[*slot]);
-            target.iter_mut().zip(column).for_each(|(y, c)| *y -= value * c);
-        }
-        let rows = Rows {
-            log: self.unit.iter().enumerate().flat_map(|(t, units)| vec![t; units.len()]).collect(),
-            block: self.unit.concat(),
-            time: vec![0.0; target.len()],
-            block_log: vec![0; self.fold.len()],
-            block_fits: vec![true; self.fold.len()],
-            ..Rows::default()
-        };
-        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let scores = Scores::new(&Blocks::new(&rows, &columns, &target), others.len(), |_| true);
-        let mut random = Pcg64::seed_from_u64(1);
-        let as_large =
-            (0..DRAWS).filter(|_| scores.by_chance(&signs(&mut random, self.fold.len())) >= scores.statistic()).count();
-        let sure = informed(before, after, &scores.expected_falls(), scores.variance());
-        ((as_large + 1) as f64 / (DRAWS + 1) as f64, sure)
-    }
-
     /// The best fit over the places to start from.
     pub fn fit_added(&self, candidate: Candidate, model: &Model, rounds: usize, enough: f64) -> Option<(Model, f64)> {
         let mut starts = candidate.added(model);
@@ -156,19 +121,6 @@ impl<'a> Judges<'a> {
     }
 }
 
-/// Signs at random.
-fn signs(random: &mut Pcg64, count: usize) -> Vec<f64> {
-    let mut word = 0;
-    (0..count)
-        .map(|k| {
-            if k % 64 == 0 {
-                word = random.next_u64();
-            }
-            if (word >> (k % 64)) & 1 == 1 { 1.0 } else { -1.0 }
-        })
-        .collect()
-}
-
 /// Probability that gains as large as these come about where there is none: signs at random, stretch by
 /// stretch.
 pub(super) fn chance(before: &[f64], after: &[f64]) -> f64 {
@@ -180,7 +132,18 @@ pub(super) fn chance(before: &[f64], after: &[f64]) -> f64 {
     let mut random = Pcg64::seed_from_u64(1);
     let as_large = (0..DRAWS)
         .filter(|_| {
-            let drawn: f64 = signs(&mut random, gains.len()).iter().zip(&gains).map(|(sign, gain)| sign * gain).sum();
+            let mut word = 0;
+            let drawn: f64 = gains
+                .iter()
+                .enumerate()
+                .map(|(k, g)| {
+                    if k % 64 == 0 {
+                        word = random.next_u64();
+                    }
+                    let sign = (word >> (k % 64)) & 1;
+                    if sign == 1 { *g } else { -g }
+                })
+                .sum();
             drawn >= sum * (1.0 - 1e-12)
         })
         .count();

@@ -8,8 +8,9 @@ use crate::measured::select::{CHANCE, Judge, Pruner};
 use crate::measured::simulate::model::{Model, error};
 use crate::measured::simulate::track::Track;
 
-/// A fall \[%\] of the left-out error that need not be sure between stretches, of which few may hold most of the error.
+/// A fall \[%\] of the left-out error that is plain to see, and what chance it may have: few stretches may hold most of the error.
 const PLAIN: f64 = 10.0;
+const CHANCE_OF_PLAIN: f64 = 0.05;
 /// Errors this close are a tie.
 const TIE: f64 = 0.01;
 
@@ -107,8 +108,7 @@ impl Judge for OnPosition<'_> {
                 );
                 continue;
             }
-            let (probability, sure) = judges.sureness(&with, candidate, now, &left_out);
-            let probability = probability * judged;
+            let probability = chance(now, &left_out) * judged;
             let fall = 100.0 * (1.0 - error / before);
             let beyond = judges.beyond_its_error(&with, candidate);
             if beyond < INTERVAL {
@@ -116,16 +116,11 @@ impl Judge for OnPosition<'_> {
                     candidate.name(),
                     format!("its value is not beyond its own error ({beyond:.1} standard errors)"),
                 );
-            } else if probability > CHANCE {
+            } else if probability > if fall < PLAIN { CHANCE } else { CHANCE_OF_PLAIN } {
                 self.refuse(
                     candidate.name(),
                     format!("the left-out error falls by {fall:.1} %, but by chance one of those tried would as well in {:.0} % of cases",
                         (100.0 * probability.min(1.0)).ceil()),
-                );
-            } else if sure < INTERVAL && fall < PLAIN {
-                self.refuse(
-                    candidate.name(),
-                    format!("the left-out error falls by {fall:.1} %, but not beyond its scatter between stretches ({sure:.1} standard errors)"),
                 );
             } else {
                 self.refuse(candidate.name(), "another explains it better".into());
