@@ -1,4 +1,5 @@
-use super::super::steady::{CONSTANT, add, bench, noise, work};
+use super::super::steady::{CONSTANT, OVER_TIME, add, bench, bench_of, noise, work};
+use super::super::{Options, identify};
 use super::*;
 use crate::effects::Named;
 use crate::effects::{EFFECTS, Variable, effect};
@@ -220,4 +221,23 @@ fn a_torque_constant_that_is_off_by_a_convention_says_so() {
     let both = |l: f64| convention(&[one("inductance", l, 0.01), one("resistance", 1.5_f64.sqrt(), 0.002)]);
     assert!(both(1.5_f64.sqrt()).unwrap().contains("phase amplitude that is taken for the q axis"));
     assert_eq!(both(1.0), None);
+}
+
+/// At a constant load the torque does what its sensor's noise does: nothing can be learnt, and the reason is not that it does
+/// not follow the model. Where the load changes neither is said.
+#[test]
+fn what_does_no_more_than_its_noise_is_said_so() {
+    let evidence = |change: f64| {
+        let row = |k: usize| {
+            let t = 1e-3 * k as f64;
+            let i = 2.0 + change * (11.0 * t).sin();
+            vec![t, 40.0 + 0.01 * noise(k), i + 0.1 * noise(k + 20_000), 0.6 * i + 0.05 * noise(k + 50_000)]
+        };
+        let bench = bench_of("dynamometer", 6.0, &OVER_TIME, &[(0..12_000).map(row).collect()], 0);
+        identify(&bench, &Options::default()).unwrap().remove(0).evidence
+    };
+    let constant = evidence(0.0);
+    assert!(constant.still && constant.teaches_nothing(), "{constant:?}");
+    let moving = evidence(2.0);
+    assert!(!moving.still && !moving.teaches_nothing(), "{moving:?}");
 }
