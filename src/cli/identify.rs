@@ -85,8 +85,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     }
     if let Some(path) = &arguments.write {
         if reports.iter().all(|report| report.evidence.teaches_nothing()) {
-            let why = "`--write`: nothing can be learnt from these logs, so there are no fitted numbers to write";
-            return Err(Failure::Argument(why.into()));
+            let why = report::sentence(&bench, &reports);
+            return Err(Failure::Argument(format!("`--write`: there are no fitted numbers to write. {why}")));
         }
         let Some(actuator) = &actuator else {
             return Err(Failure::Argument("`--write`: the fitted numbers make no row of a motor".into()));

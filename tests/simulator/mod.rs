@@ -450,7 +450,7 @@ impl Bench {
             }
         }
         // At one speed and with a zero of its own a sensor shows nothing of what is constant there, but for rounding.
-        let nothing = 1e-9 * (sum / count).sqrt();
+        let nothing = 1e-6 * (sum / count).sqrt();
         let mut noise = if self.kind == Kind::Servo { 6e-4 } else { self.noise * (sum / count).sqrt() };
         // First what nature fixes: there the noise follows.
         let mut largest = vec![(0.0, 0.0); effects.len()];
@@ -516,6 +516,9 @@ impl Bench {
             }
             let next = amplitude * (target / rms).powf(1.0 / power);
             let now = self.contribution(base, bases, effect, next);
+            if !(now.is_finite() && now > 0.0) {
+                return from;
+            }
             let slope = (now / rms).ln() / (next / amplitude).ln();
             if slope.is_finite() {
                 power = slope.clamp(0.4, 3.0);

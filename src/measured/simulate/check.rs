@@ -91,7 +91,7 @@ fn errors(tracks: &[&Track], model: &Model) -> Errors {
 /// report, and with one fitted to the position itself. `None` where no log has both a known load (or a mass)
 /// and what drives it, or where the report is of another equation than that of the drive.
 pub fn forward_check(bench: &Bench, report: &Report) -> Option<ForwardCheck> {
-    if !matches!(report.target, Target::Drive | Target::Position) {
+    if !matches!(report.target, Target::Drive | Target::Position) || report.evidence.contradicted {
         return None;
     }
     let all: Vec<Track> = bench

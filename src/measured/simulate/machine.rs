@@ -2,6 +2,11 @@
 
 use crate::effects::{Effect, Equation, Operating};
 
+/// By what share of the current without losses an equation of it may be off.
+const EXACT: f64 = 1e-9;
+/// Most steps to solve it.
+const MOST_STEPS: usize = 60;
+
 /// An effect with its values.
 #[derive(Clone)]
 pub struct Term {
@@ -165,7 +170,32 @@ impl Machine {
         let (far, near) = (left(open, lost), left(first, drop(first)));
         let slope = (far - near) / (open - first);
         let current = if slope.is_finite() && slope > 0.5 { first - near / slope } else { first };
-        (current, drop(current))
+        let lost = drop(current);
+        let off = |left: f64| left.abs() > EXACT * open.abs();
+        if !off(left(current, lost)) {
+            return (current, lost);
+        }
+        // A drop that is large beside the voltage, as dead time at low duty: between no current and all of it, by the false
+        // position that halves what stays (the Illinois rule).
+        let (mut low, mut high) = ((0.0, left(0.0, drop(0.0))), (open, far));
+        if low.1 * high.1 > 0.0 {
+            return (current, lost);
+        }
+        let mut between = current;
+        for _ in 0..MOST_STEPS {
+            between = high.0 - high.1 * (high.0 - low.0) / (high.1 - low.1);
+            let now = left(between, drop(between));
+            if !off(now) {
+                break;
+            }
+            if now * high.1 < 0.0 {
+                low = high
+            } else {
+                low.1 *= 0.5
+            }
+            high = (between, now);
+        }
+        (between, drop(between))
     }
 
     fn forces(&self, state: State, position: f64, sample: &Sample) -> (Forces, Operating) {
@@ -250,5 +280,42 @@ impl Machine {
         let left = h - stop;
         let speed = left * forces.acceleration(forces.net().signum(), 0.0, rest);
         State { position: position + 0.5 * left * speed, speed }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::effect;
+    use crate::measured::identify::steady::moving;
+    use crate::measured::simulate::model::declared_machine;
+
+    /// Ohm's law with dead time, from far below the lost voltage to far above it: what the resistance and the drop take is the
+    /// voltage, and a lost voltage drives no current backwards.
+    #[test]
+    fn current_and_dead_time_take_the_voltage_between_them() {
+        let mut machine = declared_machine(&moving(600, false).declared, true);
+        machine.resistance = 1.2;
+        machine.terms = vec![Term::new(effect("inverter_dead_time").unwrap(), vec![1.0, 0.1])];
+        let at = |volts: f64| {
+            let sample = Sample {
+                input: volts,
+                is_voltage: true,
+                is_open: false,
+                duty: 1.0,
+                load_inertia: 0.0,
+                load_gravity: 0.0,
+                winding_rise: 0.0,
+                housing_rise: 0.0,
+            };
+            machine.current(&sample, &Operating::at_speed(0.0))
+        };
+        for volts in [0.01, 0.1, 0.5, 0.8, 1.0, 1.2, 2.0, 12.0] {
+            let (current, lost) = at(volts);
+            assert!((1.2 * current + (current / 0.1).tanh() - volts).abs() < 1e-8 * volts, "{volts}: {current}");
+            assert!(current > 0.0 && (lost - (current / 0.1).tanh()).abs() < 1e-9);
+            assert_eq!(at(-volts), (-current, -lost));
+        }
+        assert_eq!(at(0.0), (0.0, 0.0));
     }
 }

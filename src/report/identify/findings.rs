@@ -56,7 +56,7 @@ pub fn words(bench: &Bench, about: &About) -> String {
             format!(
                 "{} is {} times what {} says{reads}; check unit, side and scale of both columns",
                 channel_name(*channel),
-                number(round(*factor)),
+                number(*factor),
                 channel_name(*against)
             )
         }
@@ -71,7 +71,7 @@ pub fn words(bench: &Bench, about: &About) -> String {
         About::Controller { factor } => format!(
             "the logged duty is {} times what the declared controller asks for; check its `gain` and the units of duty, goal and \
              position",
-            number(round(*factor))
+            number(*factor)
         ),
         About::Late { channel, against, lag } => {
             let (late, early) = if *lag > 0.0 { (channel, against) } else { (against, channel) };

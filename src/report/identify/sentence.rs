@@ -2,10 +2,16 @@
 
 use super::{channel_name, listed, overall, percent, refused, round, strength};
 use crate::effects;
+use crate::measured::answer::Base;
 use crate::measured::identify::evidence::AT_THE_NOISE;
 use crate::measured::identify::{Ground, Report, Stage, Verdict};
 use crate::measured::{Bench, Use};
 use crate::report::number;
+
+/// Between which multiples of what is declared a number may lie; beyond them it is a column that is wrong.
+const WILD: std::ops::Range<f64> = 0.2..5.0;
+/// Numbers of which that holds: an inertia has what hangs at the shaft.
+const OF_ROW: [Base; 3] = [Base::TorqueConstant, Base::BackEmf, Base::Resistance];
 
 /// The verdict in a sentence that anyone understands.
 pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
@@ -55,7 +61,16 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
         .filter_map(|p| {
             let change = p.shift()?;
             let more = if change > 0.0 { "larger" } else { "smaller" };
-            Some(format!("{} {} % {more}", effects::in_words(&p.name), number((1e3 * change.abs()).round() / 10.0)))
+            let times = 1.0 + change;
+            let name = effects::in_words(&p.name);
+            let is_of_row = OF_ROW.iter().any(|base| base.name() == p.name);
+            Some(match WILD.contains(&times) || !is_of_row {
+                true => format!("{name} {} % {more}", number((1e3 * change.abs()).round() / 10.0)),
+                false => format!(
+                    "{name} {} times the declared one (no row is off by so much: check unit, side and scale of the columns)",
+                    number(round(times))
+                ),
+            })
         })
         .collect();
     let errors = |report: &Report| -> Option<String> {
