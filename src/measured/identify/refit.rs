@@ -53,7 +53,8 @@ impl Work<'_> {
         // A current that is driven at random looks like noise, but the constant is what was declared: noise makes it smaller.
         let fitted = self.fit().solution.coefficients[self.offset(term)];
         let declared = self.terms[term].declared.as_ref().map_or(f64::NAN, |d| d[0]);
-        share > NOISY && !(fitted > (1.0 - 0.5 * share.min(1.0)) * declared)
+        let is_as_declared = fitted > (1.0 - 0.5 * share.min(1.0)) * declared;
+        share > NOISY && !is_as_declared
     }
 
     /// Holds parameters of the declared model that the data do not show at their declared values.
