@@ -158,10 +158,9 @@ struct Bounds {
     artefact: f64,
 }
 
-/// WHAT THE LIBRARY REACHES TODAY, with room for a sample. The frozen rules are to reach 0.95, 0.02, 0.02, 0.01 and 0.95:
-/// tighten these as it gets there.
+/// What must be reached; of artefacts 0.95 is wanted. The frozen rules had 0.959, 0.002, 0.004, 0 and 0.857.
 const TODAY: Bounds =
-    Bounds { right: 0.92, false_on_clean: 0.03, false_on_any: 0.03, false_completeness: 0.01, artefact: 0.7 };
+    Bounds { right: 0.95, false_on_clean: 0.02, false_on_any: 0.02, false_completeness: 0.01, artefact: 0.8 };
 
 /// Seeds of the small sample, a tenth of the score, are not those of the score.
 const SMALL: (u64, u64) = (900_000, 300);
@@ -204,7 +203,7 @@ fn a_case_is_that_of_its_seed() {
 #[test]
 fn the_bounds_of_the_small_sample_can_fail() {
     let share = |count| Share { count, of: 10 };
-    assert!(is_at_least(share(8), TODAY.right) && !is_at_least(share(6), TODAY.right));
+    assert!(is_at_least(share(9), TODAY.right) && !is_at_least(share(6), TODAY.right));
     assert!(is_at_most(share(1), TODAY.false_on_clean) && !is_at_most(share(3), TODAY.false_on_clean));
     assert!(is_at_most(share(0), TODAY.false_completeness) && !is_at_most(share(2), TODAY.false_completeness));
 }
