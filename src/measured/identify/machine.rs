@@ -156,6 +156,10 @@ pub fn controller(log: &Log, ratio: f64, linear: bool) -> Option<About> {
 /// A position that is late against the velocity of its own shaft, or early, and by how much.
 pub fn late(log: &Log, linear: bool) -> Option<(Channel, Channel, f64)> {
     let shafts = [(Channel::MotorPosition, Channel::MotorVelocity), (Channel::OutputPosition, Channel::OutputVelocity)];
+    // Two positions say how far one shaft leads the other: moving one of them would make that up.
+    if shafts.iter().all(|(position, _)| log.channel(*position).is_some()) {
+        return None;
+    }
     let step = signals::median_step(&log.time[longest(log)?]);
     shafts.into_iter().find_map(|(position, velocity)| {
         let of_position = speed(log, position, 1.0, linear)?;

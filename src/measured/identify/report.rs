@@ -125,8 +125,13 @@ pub fn report(
     constant.iter_mut().for_each(|value| *value -= mean);
     let explains = Gain::new(&block_squares(&work, &constant), &fit.left_out);
     let noise = super::noise::noise(&work.unfiltered(fit.solution.coefficients.as_slice()), work.balance.band);
-    let does = work.balance.rows.error_alike(&constant, true);
-    let still = noise.floor().zip(does).is_some_and(|(floor, does)| does < STILL * floor);
+    // Nor would the declared model have it do more.
+    let expected: Vec<f64> = work.balance.target_column().iter().zip(&before).map(|(y, left)| y - left).collect();
+    let is_noise = |values: &[f64]| {
+        let does = work.balance.rows.error_alike(values, true);
+        noise.floor().zip(does).is_some_and(|(floor, does)| does < STILL * floor)
+    };
+    let still = is_noise(&constant) && is_noise(&expected);
     let channel = work.balance.target.channel();
     let after = work.residual(&fit);
     let evidence = Evidence {

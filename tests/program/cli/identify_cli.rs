@@ -332,7 +332,10 @@ fn constant_channels_teach_nothing_wrong() {
         rows.iter_mut().skip(1).for_each(|r| r[4] = "1.000".into());
         rows
     };
-    refused(&spoilt_with(same, stuck, &["--write", "fitted.toml"]), &["`--write`: nothing can be learnt"]);
+    refused(
+        &spoilt_with(same, stuck, &["--write", "fitted.toml"]),
+        &["`--write`: there are no fitted numbers to write. Nothing can be learnt"],
+    );
     let output = spoilt(same, stuck);
     let result = json(&output);
     assert_eq!(result["effects"], serde_json::json!([]), "a stuck sensor shows no effect");
@@ -350,7 +353,10 @@ fn constant_channels_teach_nothing_wrong() {
         rows.iter_mut().skip(1).for_each(|r| r[4] = format!("{}", 0.3 + (0..12).map(|_| uniform()).sum::<f64>()));
         rows
     };
-    refused(&spoilt_with(same, noise, &["--write", "fitted.toml"]), &["`--write`: nothing can be learnt"]);
+    refused(
+        &spoilt_with(same, noise, &["--write", "fitted.toml"]),
+        &["`--write`: there are no fitted numbers to write. Nothing can be learnt"],
+    );
     let result = json(&spoilt(same, noise));
     let sentence = result["sentence"].as_str().unwrap();
     assert!(sentence.starts_with("Nothing can be learnt: the torque does not follow the model"), "{sentence}");
