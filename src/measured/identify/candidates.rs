@@ -184,7 +184,7 @@ impl Selection {
     ) -> (Option<Candidate>, Vec<Candidate>) {
         let mut accepted: Option<Candidate> = None;
         let mut hidden: Vec<Candidate> = Vec::new();
-        for candidate in candidates.iter().cloned() {
+        for candidate in candidates {
             let name = candidate.effect.name();
             let already = work.terms.iter().any(|t| is(t, candidate.effect));
             if already && candidate.effect.shape() != Shape::Order {
@@ -197,14 +197,14 @@ impl Selection {
                 self.refuse(name, format!("`{first}` comes first"));
                 continue;
             }
-            match asked.earns(work, &candidate) {
+            match asked.earns(work, candidate) {
                 Err((ground, reason)) => {
                     if !already {
                         self.refuse_on(ground, name, reason);
-                        hidden.push(candidate);
+                        hidden.push(candidate.clone());
                     }
                 }
-                Ok(_) if accepted.as_ref().is_some_and(|best| !is_told_instead(&candidate, best)) => {
+                Ok(_) if accepted.as_ref().is_some_and(|best| !is_told_instead(candidate, best)) => {
                     let best = accepted.as_ref().map_or("", |best| best.effect.name());
                     if !already {
                         self.refuse(name, format!("`{best}` explains more"));
@@ -212,7 +212,7 @@ impl Selection {
                 }
                 Ok(objection) => {
                     self.objects(candidate.effect, objection);
-                    accepted = Some(candidate);
+                    accepted = Some(candidate.clone());
                 }
             }
         }

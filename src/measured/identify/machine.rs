@@ -223,8 +223,8 @@ mod tests {
     use super::*;
     use crate::measured::bench::Controller;
 
-    /// What contradicts itself in rows of time, position and velocity of the motor, current and torque.
-    fn of_rows(row: impl Fn(usize) -> Vec<f64>) -> Vec<About> {
+    /// A log of rows of time, position and velocity of the motor, current and torque.
+    fn log_of(row: impl Fn(usize) -> Vec<f64>) -> Log {
         let columns = [
             "time = { name = \"0\", unit = \"s\" }",
             "motor_position = { name = \"1\", unit = \"rad\" }",
@@ -232,8 +232,12 @@ mod tests {
             "current = { name = \"3\", unit = \"A\", convention = \"q_axis\" }",
             "torque = { name = \"4\", unit = \"N*m\", side = \"output\" }",
         ];
-        let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
-        contradictions(&bench.logs[0], 9.0, false, Some(7))
+        bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0).logs.remove(0)
+    }
+
+    /// What contradicts itself in such rows.
+    fn of_rows(row: impl Fn(usize) -> Vec<f64>) -> Vec<About> {
+        contradictions(&log_of(row), 9.0, false, Some(7))
     }
 
     /// Position and velocity of the motor, the velocity times a factor and with so much noise.
@@ -303,15 +307,7 @@ mod tests {
                 let speed = if steady { 40.0 } else { 60.0 * (3.0 * t).cos() - 28.4 * (7.1 * t).sin() };
                 vec![t, angle(t - lag), speed + noise(k), noise(k + 900), noise(k + 1900)]
             };
-            let columns = [
-                "time = { name = \"0\", unit = \"s\" }",
-                "motor_position = { name = \"1\", unit = \"rad\" }",
-                "motor_velocity = { name = \"2\", unit = \"rad/s\" }",
-                "current = { name = \"3\", unit = \"A\", convention = \"q_axis\" }",
-                "torque = { name = \"4\", unit = \"N*m\", side = \"output\" }",
-            ];
-            let bench = bench_of("dynamometer", 9.0, &columns, &[(0..3000).map(row).collect()], 0);
-            late(&bench.logs[0], false)
+            late(&log_of(row), false)
         };
         for lag in [0.011, -0.02] {
             let (channel, against, told) = said(lag, false).expect("a lag");

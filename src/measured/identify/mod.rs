@@ -68,15 +68,15 @@ pub fn identify(bench: &Bench, options: &Options) -> Result<Vec<Report>, String>
     let contradicted = findings.iter().any(|f| f.about.contradicts());
     let targets = targets(bench);
     let simulated = simulate::serves(bench);
-    if targets.is_empty() && !simulated && simulate::lacks_supply(bench) {
-        return Err("of the servo logs the supply voltage is not known, so that a duty cycle is no voltage: a column `supply`, \
-                    or `controller` with its `supply`, says it"
-            .into());
-    }
     if targets.is_empty() && !simulated {
-        return Err("no log for fitting has the channels of an equation: torque or a known load and a current, \
+        let why = if simulate::lacks_supply(bench) {
+            "of the servo logs the supply voltage is not known, so that a duty cycle is no voltage: a column `supply`, \
+                    or `controller` with its `supply`, says it"
+        } else {
+            "no log for fitting has the channels of an equation: torque or a known load and a current, \
                     or a voltage, with a velocity or a position"
-            .into());
+        };
+        return Err(why.into());
     }
     if contradicted {
         let told = |target| report::as_declared(bench, target, options, &findings);

@@ -113,7 +113,7 @@ pub(crate) fn of_stretches(stretches: &[Unfiltered], band: f64) -> Noise {
 }
 
 /// Root mean square over parts with so many samples.
-fn pooled(parts: impl Iterator<Item = (usize, f64)>) -> f64 {
+pub(super) fn pooled(parts: impl Iterator<Item = (usize, f64)>) -> f64 {
     let (sum, count) = parts.fold((0.0, 0.0), |(s, n), (k, v)| (s + k as f64 * v * v, n + k as f64));
     if count > 0.0 { (sum / count).sqrt() } else { f64::NAN }
 }

@@ -47,8 +47,7 @@ impl Work<'_> {
         };
         let columns = self.columns_without(term);
         let total = Blocks::new(&balance.rows, &columns, &self.terms[term].columns[0]).total(|b| self.fits(b));
-        let rows = (0..balance.rows.len()).filter(|k| self.fits(balance.rows.block[*k])).count();
-        let own = squares(&total, &solve(&total).coefficients) / rows.max(1) as f64;
+        let own = squares(&total, &solve(&total).coefficients) / balance.fitting().max(1) as f64;
         let share = (factor * balance.noise_of(|at| at.current)).powi(2) / own.max(f64::MIN_POSITIVE);
         // A current that is driven at random looks like noise, but the constant is what was declared: noise makes it smaller.
         let fitted = self.fit().solution.coefficients[self.offset(term)];

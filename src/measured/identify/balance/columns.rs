@@ -4,7 +4,7 @@ use super::equation::Balance;
 use super::stretch::Stretch;
 use crate::effects::{Effect, Equation, FittedEffect, Operating};
 use crate::measured::answer::Target;
-use crate::measured::identify::noise::Unfiltered;
+use crate::measured::identify::noise::{Unfiltered, pooled};
 use crate::measured::signals;
 
 impl Balance {
@@ -84,18 +84,14 @@ impl Balance {
         self.gather(filtered, |s| s.points.iter().map(&f).collect())
     }
 
-    /// White noise of a variable that was measured, in the band: from its second differences on the logs for fitting. It is
-    /// zero for steady tables, whose rows are means.
+    /// White noise of a variable that was measured, in the band: from its second differences on the logs for fitting. Not a
+    /// number for steady tables, whose rows are means.
     pub fn noise_of(&self, f: impl Fn(&Operating) -> f64) -> f64 {
-        let (mut squares, mut count) = (0.0, 0.0);
-        for s in self.stretches.iter().filter(|s| s.fits) {
-            let Some(filter) = &s.filter else { continue };
+        let one = |s: &Stretch| {
             let values: Vec<f64> = s.points.iter().map(&f).collect();
-            let level = signals::noise_level(&values);
-            squares += values.len() as f64 * level * level * filter.noise_gain();
-            count += values.len() as f64;
-        }
-        if count > 0.0 { (squares / count).sqrt() } else { 0.0 }
+            Some((values.len(), signals::noise_level(&values) * s.filter?.noise_gain().sqrt()))
+        };
+        pooled(self.stretches.iter().filter(|s| s.fits).filter_map(one))
     }
 
     /// Acceleration of the motor at each row \[rad/s²\].
