@@ -11,7 +11,7 @@ draw() {
     ./target/release/gearwise "$@" --plot "docs/pictures/$name" >/dev/null || [ $? -eq 1 ]
 }
 
-draw motors.svg rank --mark t-motor-ri50 --mark t-motor-u8
+draw motors.svg rank --mark t-motor-ri50 --mark t-motor-u8-lee
 draw design.svg explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee
 draw optimum.svg optimize requirements/exoskeleton_hip.toml
 draw front.svg optimize requirements/quadruped_mini_cheetah.toml --pareto loss,reflected_inertia

@@ -35,6 +35,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
         },
         motion: motion(samples, i as f64).into(),
         objective: Objective::single(Quantity::Loss),
+        balancing: gearwise::requirement::Balancing::No,
         limits: Limits {
             reflected_inertia: Some(0.05),
             winding_temperature: Some(383.15),
@@ -61,6 +62,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
         budget: Budget::default(),
         joints: (0..joints).map(joint).collect(),
         driven: None,
+        rules: None,
         sources: Vec::new(),
     }
 }

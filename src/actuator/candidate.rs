@@ -1,5 +1,6 @@
 //! A motor and a gear for a joint, and what they can give.
 
+use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
 use super::load::Load;
 use super::shaft::{Actuator, Flow};
@@ -80,7 +81,7 @@ impl Candidate<'_> {
     /// What part of the thermal resistance to ambient lies between winding and housing; `None` where it is not known.
     pub(super) fn share_of_winding(&self) -> Option<f64> {
         let winding = self.motor.sheet.thermal_resistance_winding_housing?.value;
-        let housing = self.motor.sheet.thermal_resistance_housing_ambient?.value;
+        let housing = self.housing_resistance()?;
         (winding + housing > 0.0).then(|| winding / (winding + housing))
     }
 
@@ -94,19 +95,67 @@ impl Candidate<'_> {
         }
     }
 
-    /// Highest winding temperature: the lower of the motor's and the requirement's \[K\], and whose.
-    pub(super) fn winding_temperature(&self) -> Option<(f64, &'static str)> {
-        hottest(self.motor, self.joint)
+    /// The temperature that the winding has to keep below \[K\], and whose: see [`hottest`]; less what the joint keeps in
+    /// reserve.
+    pub(super) fn winding_temperature(&self) -> (f64, &'static str) {
+        let (kelvin, owner) = hottest(self.motor, self.joint);
+        (kelvin - self.joint.limits.temperature_reserve, owner)
+    }
+
+    /// Thermal resistance from winding to ambient \[K/W\]: with that of the mount in place of the row's own, where the
+    /// joint says one and the row says what part is the winding's. Where the requirement states a temperature and the row
+    /// gives a rating alone, what that says at most.
+    pub fn thermal_resistance(&self) -> Option<f64> {
+        let rated = self.motor.rated_thermal_resistance.filter(|_| self.is_rated());
+        self.mounted_resistance().or(self.motor.thermal_resistance).or(rated)
+    }
+
+    /// Whether the thermal resistance is told from the motor's rating, because the requirement states a temperature and
+    /// the row gives no resistance.
+    pub fn is_rated(&self) -> bool {
+        let Motor { thermal_resistance, rated_thermal_resistance, .. } = self.motor;
+        let stated = self.joint.limits.winding_temperature.is_some();
+        stated && thermal_resistance.is_none() && rated_thermal_resistance.is_some()
+    }
+
+    /// The same with the mount's resistance, where the joint says one and the row what to add to it.
+    fn mounted_resistance(&self) -> Option<f64> {
+        let mount = self.joint.limits.mount_resistance?;
+        Some(self.motor.sheet.thermal_resistance_winding_housing?.value + mount)
+    }
+
+    /// Whether what the row says of heat is that of another mounting than the joint's: its ratings do not count then.
+    pub fn is_mounted(&self) -> bool {
+        self.mounted_resistance().is_some()
+    }
+
+    /// The motor's continuous current \[A\], where it counts.
+    pub(super) fn continuous_current(&self) -> Option<f64> {
+        self.motor.continuous_current.filter(|_| !self.is_mounted())
+    }
+
+    /// The motor's continuous torque \[N·m\], where it counts.
+    pub(super) fn continuous_torque(&self) -> Option<f64> {
+        self.motor.continuous_torque.filter(|_| !self.is_mounted())
+    }
+
+    /// Thermal resistance from housing to ambient \[K/W\]: the mount's, or the row's.
+    fn housing_resistance(&self) -> Option<f64> {
+        let row = self.motor.sheet.thermal_resistance_housing_ambient.map(|p| p.value);
+        self.joint.limits.mount_resistance.or(row)
     }
 
     /// The two thermal nodes, where the sheet gives both resistances and both time constants.
     pub fn two_node(&self) -> Option<TwoNode> {
         let sheet = &self.motor.sheet;
+        let housing = self.housing_resistance()?;
+        // The housing's heat capacity is the same on any mount.
+        let row = sheet.thermal_resistance_housing_ambient?.value;
         Some(TwoNode {
             resistance_winding_housing: sheet.thermal_resistance_winding_housing?.value,
-            resistance_housing_ambient: sheet.thermal_resistance_housing_ambient?.value,
+            resistance_housing_ambient: housing,
             time_constant_winding: sheet.thermal_time_constant_winding?.value,
-            time_constant_housing: sheet.thermal_time_constant_housing?.value,
+            time_constant_housing: sheet.thermal_time_constant_housing?.value * housing / row,
             ambient: self.robot.ambient,
             reference: self.motor.reference_temperature,
         })
@@ -115,49 +164,48 @@ impl Candidate<'_> {
     /// Rms current that heats the winding to its limit in steady state \[A\]; zero where ambient is
     /// too hot already.
     pub fn thermal_current(&self) -> Option<(f64, &'static str)> {
-        let (limit, owner) = self.winding_temperature()?;
+        let (limit, owner) = self.winding_temperature();
         let motor = self.motor;
         let squared = thermal::allowed_current_squared(
             limit,
             motor.resistance,
             motor.reference_temperature,
-            motor.thermal_resistance?,
+            self.thermal_resistance()?,
             self.robot.ambient,
         );
         Some((squared.max(0.0).sqrt(), owner))
     }
 
-    /// Largest root mean square current that may flow for ever \[A\], by whatever the row tells it from: its
-    /// continuous current or torque, its thermal resistances with a highest temperature. `None` where nothing does.
+    /// Largest root mean square current that may flow continuously \[A\], by its witnesses, which are the row's continuous
+    /// current, its continuous torque, and its thermal resistances with a highest temperature: the least of what they
+    /// say. `None` where there is none, and nothing can be said of heat.
     pub fn steady_current(&self) -> Option<f64> {
         let of_torque = |torque: f64| match self.actuator.shortfall.saturates() {
             true => self.actuator.shortfall.current_squared(torque * torque).0.sqrt(),
             false => torque * self.actuator.rms_current_per_torque(),
         };
-        let Motor { continuous_current, continuous_torque, .. } = self.motor;
-        let told = [*continuous_current, continuous_torque.map(of_torque), self.thermal_current().map(|(i, _)| i)];
+        let rated = self.continuous_torque().map(of_torque);
+        let told = [self.continuous_current(), rated, self.thermal_current().map(|(i, _)| i)];
         told.into_iter().flatten().reduce(f64::min)
     }
 }
 
-/// Highest winding temperature: the lower of the motor's and the requirement's \[K\], and whose.
-pub fn hottest(motor: &Motor, joint: &Joint) -> Option<(f64, &'static str)> {
+/// Owner of a highest winding temperature that neither motor nor requirement gives.
+pub const ASSUMED: &str = "assumed";
+
+/// Highest winding temperature \[K\], and whose: the lower of the motor's and the requirement's; where neither gives one,
+/// 100 °C, assumed.
+pub fn hottest(motor: &Motor, joint: &Joint) -> (f64, &'static str) {
     let motor = motor.max_winding_temperature.map(|t| (t, "motor"));
     let asked = joint.limits.winding_temperature.map(|t| (t, "requirement"));
     match (motor, asked) {
-        (Some(m), Some(a)) => Some(if a.0 < m.0 { a } else { m }),
-        (m, a) => m.or(a),
+        (Some(m), Some(a)) => {
+            if a.0 < m.0 {
+                a
+            } else {
+                m
+            }
+        }
+        (m, a) => m.or(a).unwrap_or((ASSUMED_WINDING_TEMPERATURE, ASSUMED)),
     }
-}
-
-/// The temperature of the winding \[K\] that voltage and power taken are judged at: the highest that motor and
-/// requirement allow; where none is known that which the continuous current leads to in steady state, as no design that
-/// keeps its limits is hotter. `None` where neither is known.
-pub fn hot_winding(motor: &Motor, joint: &Joint, ambient: f64) -> Option<f64> {
-    let rated = || {
-        let (current, r_th) = (motor.continuous_current?, motor.thermal_resistance?);
-        let reference = motor.reference_temperature;
-        thermal::winding_temperature(current * current, motor.resistance, reference, r_th, ambient)
-    };
-    hottest(motor, joint).map(|(kelvin, _)| kelvin).or_else(rated)
 }

@@ -7,6 +7,7 @@
 
 pub mod candidate;
 pub mod envelope;
+pub mod estimate;
 pub mod fitted;
 pub mod limits;
 pub mod load;

@@ -69,6 +69,38 @@ pub fn longest(course: &[Piece], limit: f64, repeats: bool) -> f64 {
     stretch
 }
 
+/// The largest response \[A²\] of a first-order lag with a time constant \[s\] to the squared current: in the state that
+/// repeats, or from zero where the motion happens once. A slower lag, or several in a row, respond by no more.
+///
+/// ```
+/// use gearwise::actuator::stretch::{Piece, lagged};
+///
+/// // A step of 4 A² for one time constant, from zero: 4 (1 − 1/e).
+/// let step = [Piece { duration: 5.0, from: 4.0, to: 4.0 }];
+/// assert!((lagged(&step, 5.0, false) - 4.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
+/// ```
+pub fn lagged(course: &[Piece], time_constant: f64, repeats: bool) -> f64 {
+    let over = |start: f64| {
+        course.iter().fold((start, start), |(value, largest), piece| {
+            let slope = if piece.duration > 0.0 { (piece.to - piece.from) / piece.duration } else { 0.0 };
+            // y = from − s τ + s t + (y_0 − from + s τ) exp(−t/τ)
+            let (lag, away) = (slope * time_constant, value - piece.from + slope * time_constant);
+            let at = |t: f64| piece.from - lag + slope * t + away * (-t / time_constant).exp();
+            // It turns where s τ = away exp(−t/τ).
+            let turns = -time_constant * (lag / away).ln();
+            let within = turns.is_finite() && 0.0 < turns && turns < piece.duration;
+            let end = at(piece.duration);
+            (end, largest.max(end).max(if within { at(turns) } else { end }))
+        })
+    };
+    let lasts: f64 = course.iter().map(|piece| piece.duration).sum();
+    let start = match repeats && lasts > 0.0 {
+        true => over(0.0).0 / -(-lasts / time_constant).exp_m1(),
+        false => 0.0,
+    };
+    over(start).1
+}
+
 /// The piece, cut where it crosses the limit: how long each part lasts, and its excess over the limit \[A²·s\].
 fn of_one_sign(piece: &Piece, limit: f64) -> impl Iterator<Item = (f64, f64)> {
     let (from, to) = (piece.from - limit, piece.to - limit);
@@ -85,6 +117,38 @@ mod tests {
 
     fn hold(duration: f64, squared: f64) -> Piece {
         Piece { duration, from: squared, to: squared }
+    }
+
+    #[test]
+    fn a_lag_is_followed_exactly_over_ramps_and_periods() {
+        let course =
+            [Piece { duration: 3.0, from: 5.0, to: 0.5 }, hold(4.0, 0.2), Piece { duration: 2.0, from: 0.2, to: 5.0 }];
+        for (tau, repeats) in [(1.3, false), (5.1, true), (0.2, true)] {
+            // An independent integration in small steps, over many periods.
+            let (mut y, mut largest) = (0.0_f64, 0.0_f64);
+            for _ in 0..if repeats { 60 } else { 1 } {
+                largest = 0.0;
+                for piece in &course {
+                    let steps = 40_000;
+                    let dt = piece.duration / f64::from(steps);
+                    for k in 0..steps {
+                        let share = (f64::from(k) + 0.5) / f64::from(steps);
+                        y += dt / tau * (piece.from + share * (piece.to - piece.from) - y);
+                        largest = largest.max(y);
+                    }
+                }
+            }
+            let found = lagged(&course, tau, repeats);
+            assert!((found / largest - 1.0).abs() < 1e-3, "{tau} {repeats}: {found} {largest}");
+        }
+    }
+
+    #[test]
+    fn a_slower_lag_responds_by_no_more() {
+        let course = [hold(1.0, 7.0), hold(2.5, 0.0), Piece { duration: 1.0, from: 2.0, to: 9.0 }, hold(3.0, 0.0)];
+        let of = |tau: f64| lagged(&course, tau, true);
+        let taus = [0.3, 0.7, 1.5, 5.0, 40.0];
+        assert!(taus.windows(2).all(|t| of(t[0]) >= of(t[1])));
     }
 
     #[test]

@@ -4,10 +4,13 @@
 //! to the power-invariant q-axis equivalent (see [`convention`]); everything behind computes with
 //! that alone, and [`audit`] goes back to the printed numbers.
 
+mod about;
 pub mod audit;
 pub mod convention;
+pub mod estimate;
 mod fit;
 pub mod fitted;
+mod free;
 mod gear;
 pub mod import;
 mod motor;
@@ -19,6 +22,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use about::{About, Construction};
 pub use fitted::{Fit, Provenance, read_fitted};
 pub use gear::{GEAR_FIELDS, Gear, GearField, GearKind, matches_pattern};
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE};
@@ -37,6 +41,8 @@ pub struct Catalog {
     pub motors: Vec<Motor>,
     /// The gears.
     pub gears: Vec<Gear>,
+    /// Rows that are no free choice and can be named: see [`Catalog::free`].
+    pub aside: Vec<Motor>,
     origin: Origin,
 }
 
@@ -55,7 +61,7 @@ enum Origin {
 impl Catalog {
     /// A catalogue of rows at hand.
     pub fn of(motors: Vec<Motor>, gears: Vec<Gear>) -> Catalog {
-        Catalog { motors, gears, origin: Origin::Made }
+        Catalog { motors, gears, ..Catalog::default() }
     }
 
     /// The catalogue that is built into the program.
@@ -184,6 +190,7 @@ impl Catalog {
     pub fn motor(&self, id: &str) -> Result<&Motor, Option<&str>> {
         self.motors
             .iter()
+            .chain(&self.aside)
             .find(|m| m.id == id)
             .ok_or_else(|| crate::words::nearest(id, self.motors.iter().map(|m| m.id.as_str())))
     }

@@ -1,6 +1,8 @@
 //! A motor as the program computes with it: the power-invariant q-axis equivalent of its sheet.
 
+use super::about::About;
 use super::convention::{Commutation, Terminals};
+use super::estimate::{Estimate, Estimated};
 use super::fit::{Fit, FittedGear};
 use super::sheet::{Conventions, Printed, Sheet, SourceKind};
 use crate::effects::{EFFECTS, Effect, FittedEffect};
@@ -28,6 +30,8 @@ pub struct Motor {
     pub note: String,
     /// Audit findings that the note explains, by code.
     pub accepted_findings: Vec<String>,
+    /// How it is built, and how its row belongs with others.
+    pub about: About,
     /// The conventions of the sheet.
     pub conventions: Conventions,
     /// The sheet as printed.
@@ -72,6 +76,11 @@ pub struct Motor {
     pub fitted_gear: Option<FittedGear>,
     /// Where a fitted actuator comes from.
     pub fit: Option<Fit>,
+    /// Thermal resistance winding to ambient \[K/W\] that a continuous current or torque says at most, of a row without
+    /// thermal resistances: an estimate, for a temperature that a requirement states.
+    pub rated_thermal_resistance: Option<f64>,
+    /// What of the numbers above is estimated, because the row does not say it.
+    pub estimates: Vec<Estimate>,
     /// What had to be assumed to make the equivalent.
     pub assumptions: Vec<&'static str>,
 }
@@ -93,6 +102,8 @@ pub struct Identity {
     pub note: String,
     /// Audit findings that the note explains.
     pub accepted_findings: Vec<String>,
+    /// How it is built, and how the row belongs with others.
+    pub about: About,
 }
 
 /// Why a sheet has no q-axis equivalent.
@@ -128,6 +139,11 @@ impl Motor {
         columns.chain(self.effects.iter().cloned())
     }
 
+    /// Whether a number of it is estimated.
+    pub fn is_estimated(&self, of: Estimated) -> bool {
+        self.estimates.iter().any(|e| e.of == of)
+    }
+
     /// Identity and provenance of its row.
     pub fn identity(&self) -> Identity {
         Identity {
@@ -138,6 +154,7 @@ impl Motor {
             source_kind: self.source_kind,
             note: self.note.clone(),
             accepted_findings: self.accepted_findings.clone(),
+            about: self.about.clone(),
         }
     }
 
@@ -226,11 +243,14 @@ impl Motor {
             source_kind: identity.source_kind,
             note: identity.note,
             accepted_findings: identity.accepted_findings,
+            about: identity.about,
             conventions,
             sheet,
             effects: Vec::new(),
             fitted_gear: None,
             fit: None,
+            rated_thermal_resistance: None,
+            estimates: Vec::new(),
             assumptions,
         })
     }

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Output};
+use super::{CatalogPaths, Done, Failure, Output};
 use crate::measured::{characterize, read};
 use crate::output;
 use crate::report::plot::{self, Format, characterize as pictures};
@@ -23,7 +23,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
     #[command(flatten)]
-    catalog: CatalogChoice,
+    catalog: CatalogPaths,
     #[command(flatten)]
     output: Output,
 }

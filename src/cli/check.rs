@@ -76,10 +76,11 @@ fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failu
 }
 
 fn checked(arguments: &Arguments) -> Result<Done, Failure> {
-    let design = DesignFile::read(&arguments.design)?;
+    let mut design = DesignFile::read(&arguments.design)?;
     let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
-    let catalog = super::catalog(paths)?;
-    let rules = match arguments.rules.as_ref().or(design.rules.as_ref()) {
+    let catalog = arguments.catalog.prepared(super::catalog(paths)?);
+    design.robot = super::balanced(&design.robot, &catalog)?;
+    let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {
         Some(path) => read(path).map_err(|e| vec![e])?,
         None => RulesFile::default(),
     };

@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let catalog = super::motors(&arguments.catalog.catalog)?;
+    let catalog = arguments.catalog.motors()?;
     let find = |id: &str| super::find_motor(&catalog, id);
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&comparison))?;

@@ -39,8 +39,9 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = requirement::read(&arguments.requirement)?;
-    let catalog = super::motors(&arguments.catalog.catalog)?;
+    let catalog = arguments.catalog.motors()?;
     super::check_gears(&robot, &catalog)?;
+    let robot = super::balanced(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
     let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| {

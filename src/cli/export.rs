@@ -58,8 +58,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
 fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
     let source = Source::read(path).map_err(|e| vec![e])?;
     let robot = requirement::read_source(&source)?;
-    let catalog = super::motors(&arguments.catalog.catalog)?;
+    let catalog = arguments.catalog.motors()?;
     super::check_gears(&robot, &catalog)?;
+    let robot = super::balanced(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
     let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| cannot(motor, &why))?;
@@ -82,7 +83,7 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let design = DesignFile::read(path)?;
     let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
-    let catalog = super::catalog(paths)?;
+    let catalog = arguments.catalog.prepared(super::catalog(paths)?);
     let choices = design.choices(&catalog).map_err(|e| vec![e])?;
     let only = match &arguments.joint {
         Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),

@@ -2,7 +2,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Call, CatalogChoice, Done, Failure, Html, Output};
+use super::{Call, CatalogPaths, Done, Failure, Html, Output};
+use crate::actuator::estimate::complete;
 use crate::catalog::fitted::Fitted;
 use crate::design::remake::remake;
 use crate::measured::fitted::fitted_actuator;
@@ -36,7 +37,7 @@ pub struct Arguments {
     #[command(flatten)]
     html: Html,
     #[command(flatten)]
-    catalog: CatalogChoice,
+    catalog: CatalogPaths,
     #[command(flatten)]
     output: Output,
 }
@@ -62,6 +63,11 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         .map_err(|why| Failure::Argument(format!("{}: {why}", arguments.bench.display())))?;
     // One actuator: the choice is made again with what the file says.
     let actuator = fitted_actuator(&bench, &reports);
+    // The balanced objective is that of the catalogue as one chooses from it.
+    let robot = match robot {
+        Some(robot) => Some(super::balanced(&robot, &complete(bench.catalog.clone().free(false)))?),
+        None => None,
+    };
     let remade = match &robot {
         None => None,
         Some(robot) => {

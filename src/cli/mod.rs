@@ -28,6 +28,7 @@ mod rule;
 mod study;
 mod sweep;
 mod torques;
+mod written;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
@@ -36,8 +37,9 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
+use crate::actuator::estimate::complete;
 use crate::catalog::{Catalog, Motor};
-use crate::design::options::Stopped;
+use crate::design::options::{Options, Stopped};
 use crate::design::robot::NoChoice;
 use crate::input::{InputError, InputFile, tame};
 use crate::report::html;
@@ -148,6 +150,41 @@ struct CatalogChoice {
     /// Catalogue files or folders, in place of the built-in catalogue
     #[arg(long, value_name = "PATH", num_args = 1..)]
     catalog: Vec<PathBuf>,
+    /// What a row lacks stays unknown: no estimates of heat, rotor inertia and inductance from rows built alike
+    #[arg(long)]
+    no_estimates: bool,
+    /// Motors that are only sold inside a module are a free choice too
+    #[arg(long)]
+    also_inside_modules: bool,
+}
+
+impl CatalogChoice {
+    /// The catalogue that one chooses from: each motor once, what its rows lack estimated. It has at least one motor.
+    fn motors(&self) -> Result<Catalog, Failure> {
+        let catalog = self.prepared(catalog(&self.catalog)?);
+        if catalog.motors.is_empty() {
+            let why = match catalog.aside.is_empty() {
+                true => "the catalogue has no motors",
+                false => "all motors of the catalogue are only sold inside modules; `--also-inside-modules` takes them",
+            };
+            return Err(Failure::Argument(why.into()));
+        }
+        Ok(catalog)
+    }
+
+    /// A catalogue as one chooses from it.
+    fn prepared(&self, catalog: Catalog) -> Catalog {
+        let free = catalog.free(self.also_inside_modules);
+        if self.no_estimates { free } else { complete(free) }
+    }
+}
+
+/// Catalogue files.
+#[derive(Debug, Args)]
+struct CatalogPaths {
+    /// Catalogue files or folders, in place of the built-in catalogue
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    catalog: Vec<PathBuf>,
 }
 
 /// What a command leaves: what it prints, and whether what was asked is satisfied.
@@ -200,6 +237,11 @@ fn motors(paths: &[PathBuf]) -> Result<Catalog, Failure> {
         return Err(Failure::Argument("the catalogue has no motors".into()));
     }
     Ok(catalog)
+}
+
+/// The robot with the balanced objectives that its joints ask for.
+fn balanced(robot: &Robot, catalog: &Catalog) -> Result<Robot, Failure> {
+    Ok(crate::design::balance::balanced(robot, catalog, Options::default())?)
 }
 
 /// Every gear pattern of a robot must name a gear of the catalogue.

@@ -1,18 +1,17 @@
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
+use super::written::Ruled;
 use super::{Call, CatalogChoice, Done, Failure, Html, Output};
-use crate::design::answer::RobotResult;
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::pareto::fronts;
 use crate::design::robot::{self, choose};
 use crate::design::robust::robust;
 use crate::output::write_whole;
-use crate::report::design_file::{self, way};
 use crate::report::optimize as report;
-use crate::report::{html, json, pareto, plot, robot as robot_report, robust as robust_report};
+use crate::report::{html, json, pareto, plot, robot as robot_report, robust as robust_report, table};
 use crate::requirement::{self, Quantity};
 use crate::words::nearest;
 
@@ -52,6 +51,12 @@ pub struct Arguments {
     /// robot is looked at, else the first choices
     #[arg(long, value_name = "FILE", conflicts_with_all = ["pareto", "robust"])]
     write_design: Option<PathBuf>,
+    /// Rules that a choice has to keep (a file as for `check`): what they bound becomes a limit of the program
+    #[arg(long, value_name = "FILE")]
+    rules: Option<PathBuf>,
+    /// Choose without any rules; by default `--write-design` keeps those of `check`
+    #[arg(long, conflicts_with = "rules")]
+    no_rules: bool,
     /// The best combination for the whole robot, even where nothing couples the joints (a budget or
     /// `torque_per_mass` does, and then it is always reported)
     #[arg(long, conflicts_with_all = ["pareto", "robust"])]
@@ -91,25 +96,30 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         (None, true) => requirement::read_without_springs(&arguments.requirement, "`--robust`")?,
         (None, false) => requirement::read(&arguments.requirement)?,
     };
-    let catalog = super::motors(&arguments.catalog.catalog)?;
+    let catalog = arguments.catalog.motors()?;
     super::check_gears(&robot, &catalog)?;
+    let plain = robot;
+    let writes = arguments.write_design.is_some();
+    let mut ruled = Ruled::new(plain.clone(), arguments.rules.as_deref(), writes, arguments.no_rules)?;
+    ruled.robot = super::balanced(&ruled.robot, &catalog)?;
+    let robot = &ruled.robot;
     if robot.is_coupled() && (arguments.pareto.is_some() || arguments.robust) {
         tell!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
     }
     if let Some(names) = &arguments.pareto {
         let points = arguments.points as usize;
         let options = Options { only_checked: arguments.only_checked, ..Options::default() };
-        let fronts = fronts(&robot, &catalog, quantities(names)?, points, options)?;
+        let fronts = fronts(robot, &catalog, quantities(names)?, points, options)?;
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
         arguments.html.write(
             call,
             || [robot.files(), catalog.files()].concat(),
-            || html::pareto::page(&robot, &fronts),
+            || html::pareto::page(robot, &fronts),
         )?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
         let text = arguments.output.choose(
             || pareto::text(&fronts),
-            || json::pareto::json(&robot, &fronts),
+            || json::pareto::json(robot, &fronts),
             || pareto::csv(&fronts),
         );
         return Ok(Done { text, satisfied });
@@ -118,17 +128,17 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let keep = arguments.only_top.map(|k| k as usize);
     let options = Options { only_checked: arguments.only_checked, keep, tick: &|| bar.inc(1), ..Options::default() };
     if arguments.robust {
-        let joints = robust(&robot, &catalog, options)?;
+        let joints = robust(robot, &catalog, options)?;
         bar.finish_and_clear();
         let satisfied = joints.iter().all(|j| !j.designs.is_empty());
         let text = arguments.output.choose(
-            || robust_report::text(&robot, &joints, arguments.top),
-            || json::robust::json(&robot, &joints),
+            || robust_report::text(robot, &joints, arguments.top),
+            || json::robust::json(robot, &joints),
             || robust_report::csv(&joints),
         );
         return Ok(Done { text, satisfied });
     }
-    let result = optimize_with(&robot, &catalog, options)?;
+    let result = optimize_with(robot, &catalog, options)?;
     bar.finish_and_clear();
     super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
@@ -138,42 +148,30 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         runner_ups: arguments.runner_ups as usize,
         ..robot::Options::default()
     };
-    let choice = whole.then(|| choose(&robot, &catalog, options)).transpose()?;
+    let choice = whole.then(|| choose(robot, &catalog, options)).transpose()?;
     arguments.html.write(
         call,
         || [robot.files(), catalog.files()].concat(),
         || html::optimize::page(&result, choice.as_ref(), &catalog),
     )?;
     if let Some(path) = &arguments.write_design {
-        write_design(&result, choice.as_ref(), arguments, path)?;
+        let files = (&catalog, arguments.catalog.catalog.as_slice());
+        match ruled.written(&result, choice.as_ref(), &arguments.requirement, files, path) {
+            Ok(text) => write_whole(path, text.as_bytes()).map_err(Failure::Argument)?,
+            // Not satisfied is said by the table and the exit status; here only why there is no file.
+            Err(why) => tell!("no design written: {why}"),
+        }
     }
+    let costs = ruled.costs(&plain, &catalog, &result)?;
     let text = arguments.output.choose(
         || {
             let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
-            report::text(&result, shown) + &whole
+            let costs: String = costs.iter().map(|line| table::paragraph(line, 2, 4)).collect();
+            report::text(&result, shown) + &costs + &whole
         },
         || json::optimize::json(&result, choice.as_ref()),
         || report::csv(&result),
     );
     let satisfied = choice.as_ref().map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty());
     Ok(Done { text, satisfied })
-}
-
-/// Writes what was chosen, with the ways from there to requirement and catalogue.
-fn write_design(
-    result: &RobotResult,
-    whole: Option<&robot::Choice>,
-    arguments: &Arguments,
-    path: &Path,
-) -> Result<(), Failure> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let catalog: Vec<PathBuf> = arguments.catalog.catalog.iter().map(|p| way(folder, p)).collect();
-    match design_file::toml(result, whole, &way(folder, &arguments.requirement), &catalog) {
-        Ok(text) => write_whole(path, text.as_bytes()).map_err(Failure::Argument),
-        // Not satisfied is said by the table and the exit status; here only why there is no file.
-        Err(why) => {
-            tell!("no design written: {why}");
-            Ok(())
-        }
-    }
 }

@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let catalog = super::motors(&arguments.catalog)?;
+    let catalog = super::motors(&arguments.catalog)?.free(true);
     let marked: Vec<_> = arguments.mark.iter().map(|id| super::find_motor(&catalog, id)).collect::<Result<_, _>>()?;
     let ranking = Ranking::new(&catalog.motors, by, tolerance);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&ranking, &marked))?;

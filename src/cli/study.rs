@@ -103,13 +103,17 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             (Inputs { base: PathBuf::new(), paths, grid: Grid::default() }, arguments.catalog.catalog.clone())
         }
     };
-    let (catalog, catalog_files) = catalog(&catalog_paths)?;
+    let (catalog, catalog_files) = catalog(&arguments.catalog, &catalog_paths)?;
     let study = Study {
         inputs: &inputs,
         file: file.as_ref().map(|f| &f.source),
         catalog: &catalog,
         catalog_files,
-        settings: Settings { top: (!arguments.all).then_some(arguments.top), only_checked: arguments.only_checked },
+        settings: Settings {
+            top: (!arguments.all).then_some(arguments.top),
+            only_checked: arguments.only_checked,
+            estimates: !arguments.catalog.no_estimates,
+        },
         shard,
     };
     let existing = match (arguments.resume, arguments.force) {
@@ -196,13 +200,13 @@ fn study_file(paths: &[PathBuf]) -> Result<Option<StudyFile>, Failure> {
 }
 
 /// The catalogue with the hashes of its files.
-fn catalog(paths: &[PathBuf]) -> Result<(Catalog, Vec<Hashed>), Failure> {
+fn catalog(choice: &CatalogChoice, paths: &[PathBuf]) -> Result<(Catalog, Vec<Hashed>), Failure> {
     let sources = match paths {
         [] => Catalog::builtin_sources(),
         paths => Catalog::sources(paths).map_err(|(_, errors)| errors)?,
     };
     let files = sources.iter().map(|s| Hashed { file: s.name().to_string(), sha256: s.sha256() }).collect();
-    let catalog = Catalog::from_sources(sources)?;
+    let catalog = choice.prepared(Catalog::from_sources(sources)?);
     if catalog.motors.is_empty() {
         return Err(Failure::Argument("the catalogue has no motors".into()));
     }

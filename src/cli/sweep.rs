@@ -69,8 +69,9 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     super::check_plot(arguments.plot.as_ref())?;
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = requirement::read_without_springs(&arguments.requirement, "`sweep`")?;
-    let catalog = super::motors(&arguments.catalog.catalog)?;
+    let catalog = arguments.catalog.motors()?;
     super::check_gears(&robot, &catalog)?;
+    let robot = super::balanced(&robot, &catalog)?;
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "sweeping");
     let options = Options { tick: &|| bar.inc(1), ..Options::default() };
     let sweeps = sweep_with(&robot, &catalog, arguments.ratios as usize, options)?;

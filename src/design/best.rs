@@ -1,13 +1,14 @@
 //! The best design of one motor at one joint: of all ratios or of the gears of the catalogue, with a spring or without.
 
-use super::answer::{Design, Reason, Refused, Rejected, Unusable};
+use super::answer::{Design, Reason, Refused, Rejected, Unjudged, Unusable};
 use super::mount::{Mount, Site};
-use super::program::{Optimum, RatioProgram};
+use super::program::{Certificate, Optimum, RatioProgram};
 use super::selection::Selection;
 use super::solved::{design, one_gear, solve};
 use super::{Prepared, judge, spring};
+use crate::actuator::limits::Remark;
 use crate::catalog::Motor;
-use crate::requirement::Quantity;
+use crate::requirement::{Joint, Quantity};
 
 /// The best design of one motor at one joint.
 ///
@@ -18,6 +19,44 @@ pub(crate) fn best_design<'a>(
     motor: &'a Motor,
     only_checked: bool,
 ) -> Result<Design<'a>, Refused<'a>> {
+    let found = best_known(site, motor, only_checked);
+    match &found {
+        Err(Refused::Rejected(why)) if site.joint.objective.weight(Quantity::Mass) > 0.0 => {
+            let lacks_mass = why.reason == Reason::Unusable(Unusable::Mass);
+            if lacks_mass { Err(without_mass(site, motor, only_checked)) } else { found }
+        }
+        _ => found,
+    }
+}
+
+/// What the objective is of a design whose mass is not known.
+const OBJECTIVE: Remark = ("objective", "it counts the mass, and the mass of motor or gear is not known");
+
+/// What becomes of a motor whose mass the objective counts and nobody knows: it cannot be ranked, but may do the task. Its
+/// design is the best without the mass in the objective.
+fn without_mass<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Refused<'a> {
+    let joint = Joint { objective: site.joint.objective.without_mass(), ..site.joint.clone() };
+    let lighter = Site { joint: &joint, ..site };
+    let gear = |id: Option<&str>| {
+        let mut mounts = site.mounts(motor);
+        id.and_then(|id| mounts.find(|m| m.gear_id() == Some(id))).and_then(|m| m.gear_id())
+    };
+    let because = |known: Vec<Remark>| [vec![OBJECTIVE], known].concat();
+    let (design, known) = match best_known(lighter, motor, only_checked) {
+        Ok(design) => (design, Vec::new()),
+        Err(Refused::Unjudged(unjudged)) => (unjudged.design, unjudged.because),
+        Err(Refused::Rejected(why)) => {
+            return Refused::rejected(Rejected { motor, gear: gear(why.gear), reason: why.reason });
+        }
+    };
+    let certificate = Certificate::NotCertified("the objective is not known without the mass".into());
+    let optimum = Optimum { objective: f64::NAN, certificate, shadow_prices: Vec::new(), ..design.optimum };
+    let design = Design { motor, gear: gear(design.gear), optimum, ..design };
+    Refused::Unjudged(Box::new(Unjudged { design, because: because(known) }))
+}
+
+/// The best design by an objective whose numbers are known.
+fn best_known<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
     let Site { robot, joint, demand, .. } = site;
     let refuse = |reason| Refused::rejected(Rejected { motor, gear: None, reason });
     if let Some(why) = lacking(motor, demand.load.has_durations, |q| joint.objective.weight(q) > 0.0) {

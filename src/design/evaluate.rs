@@ -268,7 +268,7 @@ impl<'a> Prepared<'a> {
     /// Winding temperature in steady state at a ratio.
     pub fn winding_temperature(&self, ratio: f64) -> Winding {
         let motor = self.candidate.motor;
-        let Some(r_th) = motor.thermal_resistance.filter(|_| self.candidate.load.has_steady_heat) else {
+        let Some(r_th) = self.candidate.thermal_resistance().filter(|_| self.candidate.load.has_steady_heat) else {
             return Winding::NotAsked;
         };
         if self.candidate.is_evaluated() {

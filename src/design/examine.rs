@@ -44,11 +44,12 @@ impl Examined {
         self.evaluation.margins.iter().find(|m| m.limit == limit).map(|m| m.margin)
     }
 
-    /// What is left of a limit over the bare demand, without the requirement's safety factor.
+    /// What is left of a limit over the bare demand, without the requirement's safety factor and reserve.
     pub fn reserve(&self, joint: &Joint, limit: &str) -> Option<f64> {
         let has_safety = LIMITS.iter().any(|l| l.name == limit && l.safety);
         let factor = if has_safety { joint.limits.safety } else { 1.0 };
-        self.margin(limit).map(|margin| 1.0 - (1.0 - margin) / factor)
+        let kept = 1.0 - joint.limits.reserve(limit);
+        self.margin(limit).map(|margin| 1.0 - (1.0 - margin) * kept / factor)
     }
 }
 
@@ -104,7 +105,7 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
     Ok(Examined {
         evaluation: prepared.at_in_full(ratio),
         winding_temperature: prepared.winding_temperature(ratio),
-        hottest: hottest(motor, &joint).map(|(kelvin, _)| kelvin),
+        hottest: Some(hottest(motor, &joint).0),
         reversal_time: prepared.reversal_time(ratio),
         best,
         // A spring's torque follows the position, not the acceleration: the bare motion tells.

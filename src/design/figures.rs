@@ -70,7 +70,7 @@ impl Design<'_> {
     /// What is known of it.
     pub fn facts(&self) -> Facts<'_> {
         Facts {
-            objective: Some(self.optimum.objective),
+            objective: Some(self.optimum.objective).filter(|value| value.is_finite()),
             optimum: Some(&self.optimum),
             winding_temperature: self.winding_temperature,
             reversal_time: self.reversal_time,

@@ -6,7 +6,9 @@
 
 pub mod agreement;
 pub mod answer;
+pub mod balance;
 pub mod best;
+pub mod buildable;
 pub mod evaluate;
 pub mod examine;
 pub mod explain;

@@ -8,7 +8,7 @@ use super::Prepared;
 use super::answer::Unusable;
 use super::options::Stop;
 use crate::actuator::fitted::gear_with_fit;
-use crate::actuator::limits::{Candidate, hot_winding, hottest};
+use crate::actuator::limits::{Candidate, hottest};
 use crate::actuator::{Actuator, Load};
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
 use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
@@ -64,20 +64,20 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
     pub fn candidate(self) -> Result<Candidate<'l>, Unusable> {
         let Mount { robot, joint, load, motor, gear: catalog_gear, stop: _ } = self;
         let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
-        let hottest = hottest(motor, joint).map(|t| t.0);
+        let hottest = hottest(motor, joint).0;
         let (gear, actuator) = match catalog_gear {
             None => {
                 let gear = gear_with_fit(motor, &joint.gear);
-                let actuator = Actuator::at_temperature(motor, rotor, &gear, hottest, true);
-                (gear, with_hot_winding(actuator, robot, joint, motor))
+                let actuator = Actuator::at_temperature(motor, rotor, &gear, Some(hottest), true);
+                (gear, actuator.with_winding_at(hottest, motor.reference_temperature))
             }
             Some(printed) => {
                 let gear = gear_model(printed).ok_or(Unusable::GearEfficiency)?;
                 // Where the efficiency covers the gear's inertia, the load has it already.
                 let inertia = if covers_gear(joint) { 0.0 } else { gear.inertia };
                 let at_the_shaft = GearModel { inertia, ..gear };
-                let actuator = Actuator::at_temperature(motor, rotor, &at_the_shaft, hottest, false);
-                let mut actuator = with_hot_winding(actuator, robot, joint, motor);
+                let actuator = Actuator::at_temperature(motor, rotor, &at_the_shaft, Some(hottest), false);
+                let mut actuator = actuator.with_winding_at(hottest, motor.reference_temperature);
                 actuator.inertia = rotor + gear.inertia;
                 (gear, actuator)
             }
@@ -108,14 +108,6 @@ fn gear_model(gear: &Gear) -> Option<GearModel> {
         continuous_torque: gear.continuous_torque,
         max_input_speed: gear.max_input_speed,
     })
-}
-
-/// The actuator with the resistance of the hottest winding that may be in its voltage and power, where that is known.
-fn with_hot_winding(actuator: Actuator, robot: &Robot, joint: &Joint, motor: &Motor) -> Actuator {
-    match hot_winding(motor, joint, robot.ambient) {
-        Some(kelvin) => actuator.with_winding_at(kelvin, motor.reference_temperature),
-        None => actuator,
-    }
 }
 
 fn covers_gear(joint: &Joint) -> bool {

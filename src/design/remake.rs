@@ -13,6 +13,7 @@ use super::best::best_design;
 use super::mount::{JointDemand, Site};
 use super::optimize::optimize;
 use super::{Evaluation, Margin};
+use crate::actuator::estimate::{complete, completed};
 use crate::actuator::fitted::{Note, notes};
 use crate::actuator::limits::hottest;
 use crate::actuator::shaft::sign;
@@ -113,7 +114,8 @@ impl Chosen {
 /// Makes the choice again for every joint: the fitted motor takes the place of the row `declared_id`, or
 /// stands beside the others where the catalogue has no such row.
 pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted: &Motor) -> Vec<Remade<'a>> {
-    let fitted = Motor { id: declared_id.to_string(), ..fitted.clone() };
+    let fitted = completed(Motor { id: declared_id.to_string(), ..fitted.clone() });
+    let catalog = &with_declared(catalog, declared_id);
     let declared = catalog.motors.iter().find(|m| m.id == declared_id);
     let result = optimize(robot, catalog);
     let pairs = robot.joints.iter().zip(&result.joints);
@@ -156,10 +158,20 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
             first_after: first_after.map(|d| Chosen::new(d)),
             regret,
             own_regret,
-            notes: notes(&fitted, joint, hottest(&fitted, joint).map(|t| t.0)),
+            notes: notes(&fitted, joint, Some(hottest(&fitted, joint).0)),
         }
     };
     pairs.map(one).collect()
+}
+
+/// The catalogue as one chooses from it, with the row of the fitted motor among the choice in any case.
+fn with_declared(catalog: &Catalog, declared: &str) -> Catalog {
+    let mut free = catalog.clone().free(false);
+    let own = |motor: &Motor| motor.id == declared;
+    free.motors.extend(free.aside.iter().filter(|m| own(m)).cloned());
+    free.aside.retain(|m| !own(m));
+    free.motors.sort_by(|a, b| a.id.cmp(&b.id));
+    complete(free)
 }
 
 /// The fitted motor in a design that was made for its row.

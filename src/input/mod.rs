@@ -37,6 +37,8 @@ pub enum Range {
     NonNegative,
     /// Greater than zero, at most one.
     Fraction,
+    /// Zero or more, less than one.
+    Share,
     /// One or more.
     AtLeastOne,
 }
@@ -49,6 +51,7 @@ impl Range {
             Range::Positive => value >= crate::units::SMALLEST,
             Range::NonNegative => value >= 0.0,
             Range::Fraction => (1e-6..=1.0).contains(&value),
+            Range::Share => (0.0..1.0).contains(&value),
             Range::AtLeastOne => value >= 1.0,
         }
     }
@@ -60,6 +63,7 @@ impl Range {
             Range::Positive => "a number greater than zero",
             Range::NonNegative => "a number that is not negative",
             Range::Fraction => "a number greater than 0 and at most 1",
+            Range::Share => "a number from 0 to less than 1",
             Range::AtLeastOne => "a number that is at least 1",
         }
     }
@@ -71,13 +75,14 @@ impl Range {
             Range::Positive => "above zero",
             Range::NonNegative => "from zero",
             Range::Fraction => "above 0, at most 1",
+            Range::Share => "0 or more, less than 1",
             Range::AtLeastOne => "from 1",
         }
     }
 
     /// What was probably meant by a value outside: a fraction given in per cent.
     fn help(self, value: f64) -> Option<String> {
-        let percent = self == Range::Fraction && value > 2.0 && value <= 100.0;
+        let percent = matches!(self, Range::Fraction | Range::Share) && value > 2.0 && value <= 100.0;
         percent.then(|| format!("for {value} % write {}", crate::words::number(value / 100.0)))
     }
 }

@@ -15,7 +15,7 @@ use super::bench::{Bench, Use};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::fitted::FittedGear;
 use crate::catalog::fitted::{Axis, Fit, Fitted, Provenance, settled, settled_difference};
-use crate::catalog::{Conventions, FIELDS, Field, Identity, Motor, OwnConventions, Printed, Sheet, SourceKind};
+use crate::catalog::{About, Conventions, FIELDS, Field, Identity, Motor, OwnConventions, Printed, Sheet, SourceKind};
 use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape, of_column, of_efficiency};
 use crate::input::Range;
 use crate::measured::answer::INTERVAL;
@@ -117,6 +117,7 @@ impl Builder<'_> {
             source_kind: SourceKind::Measured,
             note: self.notes.join("; "),
             accepted_findings: motor.accepted_findings.clone(),
+            about: About { same_as: String::new(), ..motor.about.clone() },
         }
     }
 

@@ -11,9 +11,11 @@ pub fn text() -> String {
     let mut out = format!(
         "{MADE}# Limits\n\nWhat a design must keep. Sweep, ratio program, `explain` and the design rules read this one list. T is the \
          torque at the motor's shaft, τ the load's at the output, both at every instant of the motion; see [the model](model.md). A limit \
-         that nobody asks for is not checked; one that should be but cannot be is listed as *not checked* with every design. What the \
-         requirement itself states (a mass, an inertia, a winding temperature, a torque bandwidth, a budget) has to be judged: a motor of \
-         which it cannot be is listed apart as *cannot be judged* and is never a choice.\n\n{}\n\n",
+         that nobody asks for is not checked; one that should be but cannot be is listed as *not checked* with every design. Heat \
+         and what the requirement itself states (a mass, an inertia, a winding temperature, a torque bandwidth, a budget) have to be judged: \
+         a motor of which they cannot be is listed apart as *cannot be judged* and is never a choice. Continuous current, continuous torque \
+         and thermal resistances are witnesses of one limit, heat: one of them judges it. What a row lacks is [estimated](estimates.md) \
+         where rows built alike say it.\n\n{}\n\n",
         crate::report::currents::Q_AXIS
     );
     let missing = missing();

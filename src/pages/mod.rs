@@ -3,6 +3,7 @@
 
 pub mod commands;
 mod effects;
+mod estimates;
 pub mod formats;
 mod limits;
 mod metrics;
@@ -21,6 +22,7 @@ pub struct Page {
 /// Every page but that of the commands, which belongs to the command line.
 pub const PAGES: &[Page] = &[
     Page { file: "effects.md", text: effects::text },
+    Page { file: "estimates.md", text: estimates::text },
     Page { file: "limits.md", text: limits::text },
     Page { file: "metrics.md", text: metrics::text },
     Page { file: "formats.md", text: formats::text },

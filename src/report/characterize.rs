@@ -8,7 +8,7 @@ use crate::catalog::audit::{Finding as AuditFinding, audit_motor};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::import::safe;
 use crate::catalog::row::MotorRow;
-use crate::catalog::{Conventions, FIELDS, Motor, OwnConventions, Printed, Sheet, SourceKind, read_motors};
+use crate::catalog::{About, Conventions, FIELDS, Motor, OwnConventions, Printed, Sheet, SourceKind, read_motors};
 use crate::input::Source;
 use crate::measured::Bench;
 use crate::measured::characterize::estimate::Estimate;
@@ -175,6 +175,7 @@ fn row_text_csv(row: &Row, accepted: &[AuditFinding]) -> String {
         source_kind: SourceKind::Measured,
         note: safe(&note.join("; ")),
         accepted_findings: accepted.iter().map(|f| f.code.to_string()).collect(),
+        about: About::default(),
         conventions: Conventions {
             commutation: row.commutation,
             terminals: Terminals::QAxis,

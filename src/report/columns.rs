@@ -179,7 +179,7 @@ fn of_choice() -> Vec<Column> {
         text("bound_high", "limit that ends the window above", |e| {
             solved(e).map_or_else(String::new, |optimum| optimum.window().high.limit.into())
         }),
-        text("objective_is", "what is minimised", |e| e.joint.objective.name()),
+        text("objective_is", "what is minimised", |e| e.joint.goal()),
         number("objective", "its value", |d| d.objective),
         number("gap", "relative gap between objective and lower bound; blank where it is not certified", |d| {
             match d.optimum?.certificate {
@@ -205,6 +205,11 @@ fn of_limits() -> Vec<Column> {
         number("tightest_margin", "that margin, 1 − demand/limit", |d| d.evaluation.tightest().map(|m| m.margin)),
         text("not_checked", "limits that could not be checked", move |e| remarks(e, |d| d.unchecked)),
         text("assumed", "limits that count as kept as far as something holds", move |e| remarks(e, |d| d.assumed)),
+        text("estimated", "numbers of the motor that are estimated from rows built alike", |e| {
+            e.motor.map_or_else(String::new, |m| {
+                m.estimates.iter().map(|estimate| estimate.of.name()).collect::<Vec<_>>().join(" ")
+            })
+        }),
     ]
 }
 

@@ -3,9 +3,8 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::number;
-use super::optimize::without_choice;
 use crate::design::answer::{Design, RobotResult};
-use crate::design::robot::Choice;
+use crate::design::buildable::{Built, Stage};
 
 /// The way from a folder to a file, both as they are on disk; the file's own path where one of them is not there.
 pub fn way(folder: &Path, file: &Path) -> PathBuf {
@@ -26,28 +25,26 @@ fn quoted(path: &Path) -> String {
     toml::Value::String(if cfg!(windows) { text.replace('\\', "/") } else { text }).to_string()
 }
 
-/// The text of a design with the best combination for the whole robot, where one was looked for, else with the
-/// first choice of every joint.
-///
-/// # Errors
-/// In words, why there is none.
-pub fn toml(
-    result: &RobotResult,
-    whole: Option<&Choice>,
-    requirement: &Path,
-    catalog: &[PathBuf],
-) -> Result<String, String> {
-    let without = without_choice(result);
-    if !without.is_empty() {
-        return Err(without.join("; ").replace("NO ", "no "));
-    }
-    let (what, designs): (_, Vec<&Design>) = match whole {
-        None => ("First choices", result.joints.iter().map(|j| &j.candidates[0]).collect()),
-        Some(whole) => {
-            let best = whole.combinations.first().ok_or("no combination of motors keeps the robot's budgets")?;
-            ("Best combination", best.joints.iter().collect())
-        }
-    };
+/// What a design file is made of.
+#[derive(Debug)]
+pub struct Written<'a, 'd> {
+    /// What was found for the robot.
+    pub result: &'a RobotResult<'a>,
+    /// What the designs are, as in "First choices".
+    pub what: &'a str,
+    /// One design for each joint, and where its ratio was made buildable, that.
+    pub designs: Vec<(&'a Design<'d>, Option<Built<'d>>)>,
+    /// The way to the requirement.
+    pub requirement: &'a Path,
+    /// The ways to the catalogue's files; none for the built-in ones.
+    pub catalog: &'a [PathBuf],
+    /// The way to the rules file.
+    pub rules: Option<&'a Path>,
+}
+
+/// The text of a design file.
+pub fn toml(written: &Written) -> String {
+    let Written { result, what, designs, requirement, catalog, rules } = written;
     let text = |text: &str| toml::Value::String(text.into()).to_string();
     // A name in a comment stays in its line: names have no control characters.
     let mut out = format!(
@@ -60,12 +57,16 @@ pub fn toml(
         let paths: Vec<String> = catalog.iter().map(|p| quoted(p)).collect();
         out.push_str(&format!("catalog = [{}]\n", paths.join(", ")));
     }
-    for (joint, design) in result.joints.iter().zip(designs) {
+    if let Some(rules) = rules {
+        out.push_str(&format!("rules = {}\n", quoted(rules)));
+    }
+    for (joint, (optimal, built)) in result.joints.iter().zip(designs) {
         let objective = &joint.joint.objective;
-        let window = design.optimum.window();
+        let design = built.as_ref().map_or(*optimal, |built| &built.design);
+        let window = optimal.optimum.window();
         out.push_str(&format!(
             "\n# {} {}; {} can do it alone",
-            objective.name(),
+            joint.joint.goal(),
             super::with_unit(design.optimum.objective, objective.unit()),
             crate::words::counted(joint.candidates.len(), "motor")
         ));
@@ -75,7 +76,10 @@ pub fn toml(
         out.push_str(&format!("\n[[joint]]\nname = {}\nmotor = {}\n", text(&joint.joint.name), text(&design.motor.id)));
         match design.gear {
             Some(gear) => out.push_str(&format!("gear = {}\n", text(gear))),
-            None => out.push_str(&format!("ratio = {:?}\n", design.optimum.ratio)),
+            None => out.push_str(&format!("ratio = {:?}{}\n", design.optimum.ratio, built_text(built.as_ref()))),
+        }
+        if built.is_some() {
+            out.push_str(&format!("optimal_ratio = {:?}\n", optimal.optimum.ratio));
         }
         if let Some((stiffness, angle)) = design.spring.and_then(|s| Some((s.stiffness, s.rest_angle?))) {
             out.push_str(&format!(
@@ -83,5 +87,13 @@ pub fn toml(
             ));
         }
     }
-    Ok(out)
+    out
+}
+
+/// How a ratio can be built, as a comment behind it.
+fn built_text(built: Option<&Built>) -> String {
+    let Some(Built { train: Some(train), .. }) = built else { return String::new() };
+    let stage = |stage: &Stage| format!("sun {}, ring {}", stage.sun, stage.ring);
+    let stages: Vec<String> = train.stages.iter().map(stage).collect();
+    format!("  # for example planetary: {}", stages.join("; "))
 }

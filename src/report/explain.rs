@@ -220,8 +220,8 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
         format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
     });
     format!(
-        "Best ratio for least {}: N* = {} with {} ({}); feasible from {}.",
-        joint.objective.name(),
+        "Best ratio for {}: N* = {} with {} ({}); feasible from {}.",
+        joint.aim(),
         number(optimum.ratio),
         super::with_unit(optimum.objective, joint.objective.unit()),
         proof(&optimum.certificate),
@@ -243,14 +243,13 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
     }
     for price in &optimum.shadow_prices {
         let change = percent(price.elasticity / 100.0);
-        out.push_str(&paragraph(&format!("{} +1 %: {} {change}", price.limit, joint.objective.name()), 2, 4));
+        out.push_str(&paragraph(&format!("{} +1 %: {} {change}", price.limit, joint.goal()), 2, 4));
     }
     out.push_str("\nIf the motor were better, with the ratio chosen again:\n");
     for s in &story.sensitivities {
-        let change = s.objective.map_or_else(
-            || "no ratio is feasible".to_string(),
-            |o| format!("{} {}", joint.objective.name(), percent(o)),
-        );
+        let change = s
+            .objective
+            .map_or_else(|| "no ratio is feasible".to_string(), |o| format!("{} {}", joint.goal(), percent(o)));
         out.push_str(&paragraph(&format!("{} {}: {change}", s.parameter, percent(s.change)), 2, 4));
     }
     out

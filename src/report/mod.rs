@@ -2,6 +2,7 @@
 //! JSON and its CSV from the same facts.
 
 pub mod audit;
+mod balance;
 mod between;
 pub mod characterize;
 pub mod check;
@@ -9,6 +10,7 @@ pub mod columns;
 pub mod compare;
 pub mod currents;
 pub mod design_file;
+mod estimated;
 pub mod explain;
 pub mod export;
 pub mod fitted;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::columns::{self, Entry, State};
 use super::table::{Column, Table, paragraph, wrap};
 use super::{different_motors, number};
-use super::{prune, unjudged};
+use super::{estimated, prune, unjudged};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
 use crate::actuator::metrics::{METRICS, Metric, metric};
@@ -171,10 +171,10 @@ pub(super) fn verdict(result: &JointResult) -> String {
 fn joint_text(result: &JointResult, shown: Shown) -> String {
     let joint = result.joint;
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
-    let heading = format!("{} (×{}), {ratio}, least {}: {verdict}", joint.name, joint.count, joint.objective.name());
+    let heading = format!("{} (×{}), {ratio}, {}: {verdict}", joint.name, joint.count, joint.aim());
     let mut out = paragraph(&heading, 0, 2);
     if joint.motion.course == Course::Points(None) {
-        let line = "The operating points have no durations: they weigh alike, and heat is not checked.";
+        let line = "The operating points have no durations: they weigh alike, and heat is that of the hottest, held continuously.";
         out.push_str(&paragraph(line, 2, 4));
     }
     let ideal = !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == GearModel::IDEAL;
@@ -195,6 +195,7 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
         let line = "The motion asks for no torque and no acceleration: the order says nothing.";
         out.push_str(&paragraph(line, 2, 4));
     }
+    out.push_str(&super::balance::text(result));
     if !result.candidates.is_empty() {
         out.push('\n');
         out.push_str(&candidates_table(result, shown.top));
@@ -254,7 +255,7 @@ fn candidate_columns(joint: &Joint) -> (Vec<Column>, bool) {
     let shown = columns::in_tables().any(|figure| figure.name == sole || figure.name == format!("{sole}_phase"));
     let objective = (!shown).then(|| match sole {
         "" => Column::number("objective", ""),
-        _ => Column::number(joint.objective.name(), joint.objective.unit()),
+        _ => Column::number(joint.goal(), joint.objective.unit()),
     });
     let with_objective = objective.is_some();
     let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
@@ -284,6 +285,7 @@ fn details(design: &Design, joint: &Joint) -> String {
         1 => format!("{tightest}; 1 thing not checked"),
         n => format!("{tightest}; {n} things not checked"),
     };
+    let tightest = tightest + &estimated::text(design.motor);
     let tightest = match &design.spring {
         Some(spring) => format!("{tightest}; {}", super::spring::text(spring, design.evaluation.loss)),
         None => tightest,
@@ -352,7 +354,7 @@ pub(super) fn notes(result: &JointResult, top: usize) -> BTreeMap<String, Vec<St
 
 /// How what was fitted for a motor enters the limits of a joint.
 pub fn fitted_notes(motor: &Motor, joint: &Joint) -> Vec<Note> {
-    fitted::notes(motor, joint, hottest(motor, joint).map(|t| t.0))
+    fitted::notes(motor, joint, Some(hottest(motor, joint).0))
 }
 
 /// What the audit calls an error in a motor's row, where its note does not explain it.
@@ -371,7 +373,7 @@ fn rejected_text(result: &JointResult, shown: Shown) -> String {
         for Rejected { motor, reason, .. } in &result.rejected {
             out.push_str(&format!(
                 "    {}\n",
-                wrap(&format!("{}: {}", motor.id, reason_text(reason, result.joint).1), 6)
+                wrap(&format!("{}: {}{}", motor.id, reason_text(reason, result.joint).1, estimated::text(motor)), 6)
             ));
         }
         return out;
@@ -401,7 +403,8 @@ pub(super) fn choice_text(design: &Design) -> String {
         1 => ", 1 thing not checked".into(),
         n => format!(", {n} things not checked"),
     };
-    format!("{}{gear} at N = {}{unchecked}", design.motor.id, number(design.evaluation.ratio))
+    let estimated = estimated::text(design.motor);
+    format!("{}{gear} at N = {}{unchecked}{estimated}", design.motor.id, number(design.evaluation.ratio))
 }
 
 /// What the first choices come to, and what the budgets of the requirement say of it.
@@ -475,7 +478,7 @@ fn summary(result: &RobotResult) -> String {
 }
 
 /// What is said of joints that have no choice.
-pub(super) fn without_choice(result: &RobotResult) -> Vec<String> {
+pub fn without_choice(result: &RobotResult) -> Vec<String> {
     let without = result.joints.iter().filter(|j| j.candidates.is_empty());
     let told = |j: &'_ JointResult<'_>| unjudged::left_out(j.rejected.iter().map(|r| &r.reason));
     unjudged::without_choice(without.map(|j| unjudged::Without {

@@ -30,7 +30,7 @@ pub(super) fn text(joint: &Joint, pruned: &Pruned) -> String {
         "Not solved: {}, with {} of at least {}{unit}; whether any can do it is not known. No order by metric is compared. \
          Without `--only-top` all are solved",
         crate::words::counted(pruned.not_solved.len(), "motor"),
-        joint.objective.name(),
+        joint.goal(),
         number(*least),
     );
     paragraph(&line, 2, 4)
@@ -38,5 +38,5 @@ pub(super) fn text(joint: &Joint, pruned: &Pruned) -> String {
 
 /// Why a motor was not solved.
 pub(super) fn reason(joint: &Joint, keep: usize, bound: f64) -> String {
-    format!("not solved: {} is at least {}, which is not among the first {keep}", joint.objective.name(), number(bound))
+    format!("not solved: {} is at least {}, which is not among the first {keep}", joint.goal(), number(bound))
 }

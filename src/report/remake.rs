@@ -24,7 +24,7 @@ fn columns(joint: &Joint) -> Vec<Column> {
         Column::number("N*", ""),
         Column::number("window", "").dropped(2),
         Column::prose(ends).dropped(1),
-        Column::number(joint.objective.name(), joint.objective.unit()),
+        Column::number(joint.goal(), joint.objective.unit()),
         Column::number("rank", ""),
         Column::name("proof").dropped(3),
     ]
@@ -32,7 +32,7 @@ fn columns(joint: &Joint) -> Vec<Column> {
 
 fn joint_text(one: &Remade, width: usize) -> String {
     let joint = one.joint;
-    let heading = format!("{}: the choice made again (least {})", joint.name, joint.objective.name());
+    let heading = format!("{}: the choice made again ({})", joint.name, joint.aim());
     let mut out = format!("{}\n", paragraph_at(&heading, 0, 2, width));
     let mut rows = Vec::new();
     if let Some(before) = &one.before {
@@ -125,14 +125,14 @@ fn regret_text(regret: &Regret, joint: &Joint) -> String {
     match (regret.objective, regret.relative) {
         (Some(objective), Some(relative)) => format!(
             "{} {}, {:.2} % more than the choice made again",
-            joint.objective.name(),
+            joint.goal(),
             super::with_unit(objective, joint.objective.unit()),
             100.0 * relative.max(0.0)
         ),
         (Some(objective), None) => {
             format!(
                 "{} {}; nothing to compare it with",
-                joint.objective.name(),
+                joint.goal(),
                 super::with_unit(objective, joint.objective.unit())
             )
         }

@@ -48,10 +48,10 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let JointResult { joint, candidates, .. } = &result.nominal;
     let with = result.designs.iter().filter(|d| !d.toleranced.is_empty()).count();
     let heading = format!(
-        "{} (×{}), least {}: {} can do it by the printed numbers{}; of those with tolerances {with} also at worst, {} not",
+        "{} (×{}), {}: {} can do it by the printed numbers{}; of those with tolerances {with} also at worst, {} not",
         joint.name,
         joint.count,
-        joint.objective.name(),
+        joint.aim(),
         crate::words::counted(candidates.len(), "motor"),
         super::unjudged::counted(result.nominal.unjudged.len()),
         result.lost.len()
@@ -62,7 +62,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         Column::name("motor"),
         Column::number("N*\nnominal", ""),
         Column::number("N\nrobust", ""),
-        Column::number(joint.objective.name().replace(" + ", "\n+ "), joint.objective.unit()),
+        Column::number(joint.goal().replace(" + ", "\n+ "), joint.objective.unit()),
         Column::number("at worst", joint.objective.unit()),
         Column::name("proof").dropped(1),
     ];

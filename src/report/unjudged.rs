@@ -59,7 +59,8 @@ fn by_reason<'m>(all: impl Iterator<Item = (&'m str, &'m [Remark])>) -> Vec<(Str
     reasons
 }
 
-const HEADING: &str = "The requirement's limits cannot be judged for these motors, so none of them is a choice";
+const HEADING: &str =
+    "Heat, or a limit or objective of the requirement, cannot be judged for these motors, so none of them is a choice";
 
 /// A line for each reason, with how many motors have it and the first of them.
 fn lines<'m>(all: impl Iterator<Item = (&'m str, &'m [Remark])>) -> Vec<String> {
@@ -92,14 +93,15 @@ pub fn text(result: &JointResult, each: bool) -> String {
     let goal = &result.joint.objective;
     let line = |u: &Unjudged| {
         let gear = u.design.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
-        format!(
-            "{}{gear}: {}; as far as is known {} {} at N = {}",
-            u.design.motor.id,
-            causes(&u.because),
-            goal.name(),
-            super::with_unit(u.design.optimum.objective, goal.unit()),
-            number(u.design.evaluation.ratio)
-        )
+        let at = number(u.design.evaluation.ratio);
+        let known = match u.design.optimum.objective {
+            value if value.is_finite() => {
+                format!("as far as is known {} {} at N = {at}", goal.name(), super::with_unit(value, goal.unit()))
+            }
+            _ => format!("as far as is known loss {} W at N = {at}", number(u.design.evaluation.loss)),
+        };
+        let estimated = super::estimated::text(u.design.motor);
+        format!("{}{gear}: {}; {known}{estimated}", u.design.motor.id, causes(&u.because))
     };
     block(HEADING, result.unjudged.iter().map(line).collect())
 }
@@ -110,7 +112,7 @@ pub fn sweep_text(sweep: &JointSweep) -> String {
     let apart = sweep.designs.iter().filter(|d| d.is_unjudged());
     let reasons = apart.map(|d| (d.motor.id.as_str(), &*d.unjudged));
     let heading = format!(
-        "The requirement's limits cannot be judged for {}, so none of them is a choice; by motor",
+        "Heat, or a limit or objective of the requirement, cannot be judged for {}, so none of them is a choice; by motor",
         crate::words::counted(count, "design")
     );
     block(&heading, lines(reasons))

@@ -52,6 +52,8 @@ pub struct JointDesign {
     pub spring: Option<FixedSpring>,
     /// Inertia of the load about the joint \[kg·m²\], where it is said.
     pub load_inertia: Option<f64>,
+    /// The ratio that was proved to be the best, where the design has one that can be built near it.
+    pub optimal_ratio: Option<f64>,
     /// Where the table stands.
     pub span: Span<usize>,
     /// Where the motor is named.
@@ -347,6 +349,10 @@ fn read_joint(
         &units::INERTIA,
         Range::Positive,
     );
+    let optimal_ratio = section.number(
+        key("optimal_ratio", "the ratio that was proved, where `ratio` is one near it that can be built; not checked"),
+        Range::Positive,
+    );
     let spring = match spring {
         Some(None) => return None,
         Some(spring) => spring,
@@ -358,6 +364,7 @@ fn read_joint(
         reduction: reduction?,
         spring,
         load_inertia,
+        optimal_ratio,
         span: section.span(),
         motor_span,
         reduction_span,

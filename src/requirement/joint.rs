@@ -50,8 +50,9 @@ pub(super) fn read(
         (motions::read_motion(&section, joints, name.as_ref(), scale, reader), None)
     };
     let (motion, columns) = read.unzip();
-    let objective = objective::read(&section);
+    let (objective, balancing) = objective::read(&section).unzip();
     let limits = read_limits(&section, ambient, no_springs, motion.as_deref());
+    let limits = Limits { mount_resistance: read_mount(&section), ..limits };
     let drive_current =
         section.section(key("drive", "the drive of this joint, in place of the bus's")).and_then(|drive| {
             let current = drive.required_quantity(
@@ -76,6 +77,7 @@ pub(super) fn read(
         gear,
         motion: motion?,
         objective: objective?,
+        balancing: balancing?,
         limits,
         drive_current,
         phases,
@@ -121,6 +123,18 @@ fn read_limits(section: &Section, ambient: f64, no_springs: Option<&str>, motion
         }
     }
     limits
+}
+
+/// How heat leaves the housing where the joint is mounted: thermal resistance to ambient \[K/W\].
+fn read_mount(section: &Section) -> Option<f64> {
+    let mount = section.section(key("mount", "how the motor is mounted here"))?;
+    let resistance = mount.required_quantity(
+        key("thermal_resistance_housing_ambient", "in place of the row's own, and of its continuous rating"),
+        &units::THERMAL_RESISTANCE,
+        Range::Positive,
+    );
+    mount.finish();
+    resistance
 }
 
 /// By how much of the period each of several joints is late.

@@ -4,7 +4,7 @@ use crate::input::{Problem, Range, Section, key};
 use crate::units;
 
 /// Limits that a requirement puts on a joint.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
     /// Mass of motor and gear \[kg\].
     pub actuator_mass: Option<f64>,
@@ -14,10 +14,32 @@ pub struct Limits {
     pub torque_bandwidth: Option<TorqueBandwidth>,
     /// Highest winding temperature \[K\].
     pub winding_temperature: Option<f64>,
+    /// Thermal resistance from housing to ambient as it is mounted here, in place of the row's \[K/W\].
+    pub mount_resistance: Option<f64>,
     /// Factor on demanded torque and current in peak checks (not on heat).
     pub safety: f64,
+    /// What of a limit is not to be used, by its name, as a share of what may be had; each limit once.
+    pub reserves: Vec<(&'static str, f64)>,
+    /// By how much the winding is to stay below its highest temperature \[K\].
+    pub temperature_reserve: f64,
     /// A spring parallel to the actuator, to be chosen.
     pub spring: Option<Spring>,
+}
+
+impl Limits {
+    /// The share of a limit that is kept in reserve.
+    pub fn reserve(&self, limit: &str) -> f64 {
+        self.reserves.iter().find(|(name, _)| *name == limit).map_or(0.0, |(_, share)| *share)
+    }
+
+    /// Keeps at least this share of a limit in reserve.
+    pub fn keep_reserve(&mut self, limit: &'static str, share: f64) {
+        match self.reserves.iter_mut().find(|(name, _)| *name == limit) {
+            Some((_, kept)) => *kept = kept.max(share),
+            None if share > 0.0 => self.reserves.push((limit, share)),
+            None => {}
+        }
+    }
 }
 
 /// What a spring parallel to the actuator may be: it pulls the joint towards its rest angle with
@@ -37,7 +59,10 @@ impl Default for Limits {
             reflected_inertia: None,
             torque_bandwidth: None,
             winding_temperature: None,
+            mount_resistance: None,
             safety: 1.0,
+            reserves: Vec::new(),
+            temperature_reserve: 0.0,
             spring: None,
         }
     }
@@ -50,6 +75,41 @@ pub struct TorqueBandwidth {
     pub frequency: f64,
     /// Amplitude \[N·m\].
     pub amplitude: f64,
+}
+
+/// Every limit of the model that a reserve may be kept of, by name; a test compares them with the model's own list.
+pub const LIMIT_NAMES: &[&str] = &[
+    "peak_current",
+    "peak_torque",
+    "continuous_current",
+    "continuous_torque",
+    "winding_temperature",
+    "winding_peak_temperature",
+    "standstill_holding",
+    "voltage",
+    "max_speed",
+    "gear_input_speed",
+    "gear_peak_torque",
+    "gear_continuous_torque",
+    "reflected_inertia",
+    "torque_bandwidth_current",
+    "torque_bandwidth_voltage",
+    "bus_power",
+    "bus_current",
+    "regeneration",
+    "actuator_mass",
+];
+
+/// Reads `reserve`: shares of limits by their names; `all` is that of each that is not named.
+fn read_reserves(section: &Section) -> Vec<(&'static str, f64)> {
+    let about = "what of each limit is left, by its name; `all` for those that are not named";
+    let Some(table) = section.section(key("reserve", about)) else { return Vec::new() };
+    let share = |name: &'static str, about: &'static str| table.number(key(name, about).value("share"), Range::Share);
+    let all = share("all", "of every limit that is not named").unwrap_or(0.0);
+    let each = |name: &&'static str| (*name, share(name, "of this limit").unwrap_or(all));
+    let found = LIMIT_NAMES.iter().map(each).filter(|(_, share)| *share > 0.0).collect();
+    table.finish();
+    found
 }
 
 /// Reads a `spring`.
@@ -105,9 +165,12 @@ pub(super) fn read(section: Section, ambient: f64) -> Limits {
             &units::TEMPERATURE,
             Range::Positive,
         ),
+        mount_resistance: None,
         safety: section
             .number(key("safety", "factor on demanded torque and current, not on heat").default("1"), Range::Positive)
             .unwrap_or(1.0),
+        reserves: read_reserves(&section),
+        temperature_reserve: 0.0,
         spring: None,
     };
     if limits.winding_temperature.is_some_and(|t| t <= ambient) {

@@ -102,6 +102,19 @@ impl Objective {
         self.terms.iter().find(|(q, _)| *q == quantity).map_or(0.0, |(_, w)| *w)
     }
 
+    /// The objective without its mass, for an actuator whose mass is not known: loss, where nothing else is left.
+    pub fn without_mass(&self) -> Objective {
+        let terms: Vec<_> = self.terms.iter().filter(|(q, _)| *q != Quantity::Mass).copied().collect();
+        if terms.is_empty() { Objective::single(Quantity::Loss) } else { Objective { terms } }
+    }
+
+    /// The objective apart from its mass, and the mass's weight, where it counts beside another quantity.
+    pub fn apart_from_mass(&self) -> Option<(Objective, f64)> {
+        let weight = self.weight(Quantity::Mass);
+        let others = self.terms.iter().any(|(q, w)| *q != Quantity::Mass && *w > 0.0);
+        (weight > 0.0 && others).then(|| (self.without_mass(), weight))
+    }
+
     /// Name for people, e.g. `loss`, `loss + reflected_inertia`, or `weighted loss` for one quantity with a weight.
     pub fn name(&self) -> String {
         if let Some((quantity, _)) = self.weighed() {
@@ -116,18 +129,94 @@ impl Objective {
     }
 }
 
+/// A design at an end of what loss and mass can be traded for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extreme {
+    /// Id of the motor.
+    pub motor: String,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<String>,
+    /// Ratio, N.
+    pub ratio: f64,
+    /// Mean copper loss \[W\].
+    pub loss: f64,
+    /// Mass of motor and gear \[kg\].
+    pub mass: f64,
+}
+
+/// What a balanced objective is made from: loss/L₀ + mass/M₀, where L₀ and M₀ are the geometric means of the lightest design's
+/// and the least-loss design's values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Balance {
+    /// L₀ \[W\].
+    pub loss: f64,
+    /// M₀ \[kg\].
+    pub mass: f64,
+    /// The lightest design.
+    pub lightest: Extreme,
+    /// The design with the least loss.
+    pub least_loss: Extreme,
+}
+
+impl Balance {
+    /// Between two designs.
+    pub fn between(lightest: Extreme, least_loss: Extreme) -> Balance {
+        let mean = |a: f64, b: f64| (a * b).sqrt();
+        let (loss, mass) = (mean(lightest.loss, least_loss.loss), mean(lightest.mass, least_loss.mass));
+        Balance { loss, mass, lightest, least_loss }
+    }
+
+    /// The objective: an ordinary weighted sum.
+    pub fn objective(&self) -> Objective {
+        Objective { terms: vec![(Quantity::Loss, 1.0 / self.loss), (Quantity::Mass, 1.0 / self.mass)] }
+    }
+}
+
+/// Whether the objective of a joint is balanced between loss and mass.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum Balancing {
+    /// Another objective is stated.
+    #[default]
+    No,
+    /// It is to be: what it is made from is found with the catalogue; until then the objective is the loss.
+    Asked,
+    /// It is.
+    Made(Box<Balance>),
+    /// It would be, and cannot: why; the objective is the loss.
+    Cannot(&'static str),
+}
+
 const OBJECTIVE: Key = key("objective", "what is minimised; a weight, also a single one, is a pure number")
     .value("name of a quantity, or table of weights")
-    .default("`loss`");
+    .default("`balanced`");
+
+/// The words of an objective: a quantity, or `balanced`.
+const WORDS: [(&str, Option<Quantity>); 7] = [
+    ("balanced", None),
+    ("loss", Some(Quantity::Loss)),
+    ("reflected_inertia", Some(Quantity::ReflectedInertia)),
+    ("peak_current", Some(Quantity::PeakCurrent)),
+    ("mass", Some(Quantity::Mass)),
+    ("energy", Some(Quantity::Energy)),
+    ("peak_power", Some(Quantity::PeakPower)),
+];
 
 /// Reads `objective` of a joint, with its `reference`.
-pub(super) fn read(section: &Section) -> Option<Objective> {
+pub(super) fn read(section: &Section) -> Option<(Objective, Balancing)> {
     if !section.has("objective") {
-        return Some(Objective::single(Quantity::Loss));
+        return Some((Objective::single(Quantity::Loss), Balancing::Asked));
     }
     if !section.is_table("objective") {
-        return section.choice(OBJECTIVE, Quantity::NAMES).map(Objective::single);
+        return section.choice(OBJECTIVE, &WORDS).map(|quantity| match quantity {
+            Some(quantity) => (Objective::single(quantity), Balancing::No),
+            None => (Objective::single(Quantity::Loss), Balancing::Asked),
+        });
     }
+    read_weights(section).map(|objective| (objective, Balancing::No))
+}
+
+/// Reads a table of weights.
+fn read_weights(section: &Section) -> Option<Objective> {
     let table = section.section(OBJECTIVE)?;
     let weight = |(name, quantity): &(&'static str, Quantity)| {
         table

@@ -63,9 +63,10 @@ motion = ''
 scale = {}
 objective = {}
 reference = {}
-limits = { torque_bandwidth = {}, spring = {} }
+limits = { torque_bandwidth = {}, spring = {}, reserve = {} }
 spring = {}
 drive = {}
+mount = {}
 [[joint]]
 gears = []
 points = [{}]
@@ -95,6 +96,9 @@ fn read_as(
 
 fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionReader) -> Option<Robot> {
     let name = root.required_text(key("name", "name of the robot"), "\"quadruped\"").map(|t| t.into_inner());
+    let rules = root
+        .text(key("rules", "rules file that a design has to keep, for `optimize` and `check`").value("file"))
+        .map(|file| root.source().folder().join(file.get_ref()));
     let bus = match root.section(key("bus", "the supply").required()) {
         Some(section) => bus::read(section),
         None => {
@@ -188,6 +192,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         budget: budget.unwrap_or_default(),
         joints,
         driven,
+        rules,
         sources: [vec![root.source().clone()], std::mem::take(&mut motions.opened)].concat(),
     })
 }

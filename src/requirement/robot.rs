@@ -1,12 +1,13 @@
 //! What a requirement file says, in SI.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::bus::Bus;
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
-use super::objective::Objective;
+use super::objective::{Balancing, Objective};
 use crate::input::{InputFile, Source};
 use crate::motion::Motion;
 
@@ -25,6 +26,8 @@ pub struct Robot {
     pub joints: Vec<Joint>,
     /// Where motions come from a description of the robot: what was done with it.
     pub driven: Option<Driven>,
+    /// The rules file that designs for it have to keep, where it names one.
+    pub rules: Option<PathBuf>,
     /// The files that it was read from: the requirement, its motions, the description of the robot.
     pub sources: Vec<Arc<Source>>,
 }
@@ -97,6 +100,8 @@ pub struct Joint {
     pub motion: Arc<Motion>,
     /// What makes a choice good.
     pub objective: Objective,
+    /// Whether that is balanced between loss and mass.
+    pub balancing: Balancing,
     /// What a choice must keep.
     pub limits: Limits,
     /// Largest drive current of this joint, in place of the bus's \[A\].
@@ -108,14 +113,42 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// What is minimised, in a word or a few: `balanced`, or the name of the objective.
+    pub fn goal(&self) -> String {
+        match self.balancing {
+            Balancing::Made(_) => "balanced".into(),
+            _ => self.objective.name(),
+        }
+    }
+
+    /// What is aimed at: `balanced loss and mass`, or the least of the objective.
+    pub fn aim(&self) -> String {
+        match self.balancing {
+            Balancing::Made(_) => "balanced loss and mass".into(),
+            _ => format!("least {}", self.objective.name()),
+        }
+    }
+
     /// Whether another joint, looked at by itself, asks the same of its actuator: whatever its name, however
     /// many there are, when they move and whatever they carry.
     pub fn asks_the_same(&self, other: &Joint) -> bool {
-        let Joint { name: _, count: _, ratio, gear, motion, objective, limits, drive_current, phases: _, carries: _ } =
-            self;
+        let Joint {
+            name: _,
+            count: _,
+            ratio,
+            gear,
+            motion,
+            objective,
+            balancing,
+            limits,
+            drive_current,
+            phases: _,
+            carries: _,
+        } = self;
         *ratio == other.ratio
             && *gear == other.gear
             && *objective == other.objective
+            && *balancing == other.balancing
             && *limits == other.limits
             && *drive_current == other.drive_current
             && *motion == other.motion

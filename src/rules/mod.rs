@@ -5,6 +5,7 @@
 //! them, and makes [findings](Finding) with a place. Limits are those of the model, evaluated by
 //! [`examine`]; nothing physical is computed here.
 
+pub mod bounded;
 pub mod facts;
 pub mod file;
 pub mod lock;

@@ -17,6 +17,8 @@ pub struct Settings {
     pub top: Option<u32>,
     /// Whether motors whose rows do not say enough to check every limit are left out.
     pub only_checked: bool,
+    /// Whether what rows lack was estimated.
+    pub estimates: bool,
 }
 
 /// A file and what was in it.
@@ -122,6 +124,9 @@ impl Plan {
         }
         if self.settings.only_checked != other.settings.only_checked {
             return Some("it was begun with another `--only-checked`".into());
+        }
+        if self.settings.estimates != other.settings.estimates {
+            return Some("it was begun with another `--no-estimates`".into());
         }
         if self.catalog != other.catalog || self.motors != other.motors {
             let changed = other.catalog.iter().find(|f| !self.catalog.contains(f));

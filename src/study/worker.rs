@@ -11,6 +11,7 @@ use super::grid::Grid;
 use super::plan::Settings;
 use crate::catalog::Catalog;
 use crate::design::answer::JointResult;
+use crate::design::balance::balanced;
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::options::Stopped;
@@ -251,6 +252,7 @@ impl Worker<'_> {
         let keep = self.settings.top.map(|k| k as usize);
         let options =
             Options { only_checked: self.settings.only_checked, keep, reasons: false, stop, ..Options::default() };
+        let read = balanced(&read, self.catalog, options)?;
         let result = optimize_with(&read, self.catalog, options)?;
         let joints = result.joints.iter().map(|joint| JointRecord {
             name: joint.joint.name.clone(),

@@ -21,9 +21,18 @@ pub fn repository(path: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// A motor from the cells of one catalogue row: `(column, cell)`; the rest is filled in.
+/// A motor from the cells of one catalogue row: `(column, cell)`; the rest is filled in. Where nothing is said of
+/// temperatures its resistance is that at 100 °C, which is assumed for the winding then: it is the same in heat and voltage.
+/// Where nothing is said of heat at all, it may give a continuous torque that no test comes near.
 pub fn motor(cells: &[(&str, &str)]) -> Motor {
     let mut columns = vec![("id", "test"), ("source", "test"), ("source_kind", "derived")];
+    let says = |words: &[&str]| cells.iter().any(|(name, _)| words.iter().any(|word| name.starts_with(word)));
+    if !says(&["thermal", "max_winding", "reference_temperature"]) {
+        columns.push(("reference_temperature [degC]", "100"));
+    }
+    if !says(&["thermal", "continuous_current", "continuous_torque"]) {
+        columns.push(("continuous_torque [N*m]", "1e9"));
+    }
     for (name, cell) in [("terminals", "q_axis"), ("current", "q_axis")] {
         if !cells.iter().any(|(n, _)| *n == name) {
             columns.push((name, cell));
@@ -46,6 +55,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         gear,
         motion: motion.into(),
         objective: Objective::single(Quantity::Loss),
+        balancing: gearwise::requirement::Balancing::No,
         limits: Limits::default(),
         drive_current: None,
         phases: Vec::new(),
@@ -67,6 +77,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         budget: Budget::default(),
         joints: vec![joint],
         driven: None,
+        rules: None,
         sources: Vec::new(),
     }
 }

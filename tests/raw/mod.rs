@@ -91,7 +91,7 @@ impl Case {
         let most = |p: &Point| smooth(p) + friction(if p.velocity == 0.0 { smooth(p) } else { p.velocity });
         // Voltage and power taken see the winding at its hottest, all else at the reference of its resistance.
         let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
-        let r_hot = r * hottest_factor(motor, asked.winding_temperature, self.robot.ambient);
+        let r_hot = r * hottest_factor(motor, asked.winding_temperature);
         let work = |p: &Point| motor.back_emf_constant * n * p.velocity * most(p) / k_t;
         let power = |p: &Point| r_hot * (most(p) / k_t).powi(2) + work(p);
         let cold_power = |p: &Point| r * (most(p) / k_t).powi(2) + work(p);
@@ -116,7 +116,7 @@ impl Case {
         let current = least(motor.peak_current, joint.drive_current.or(bus.drive_current).map(|i| i * amplitude));
         let circle = if bus.modulation == Modulation::Sine { 0.375_f64.sqrt() } else { 0.5_f64.sqrt() };
         let volt = Some(bus.voltage * bus.modulation_limit * if brushless { circle } else { 1.0 });
-        let hot = least(motor.max_winding_temperature, asked.winding_temperature).zip(motor.thermal_resistance);
+        let hot = motor.thermal_resistance.map(|r_th| (hottest(motor, asked.winding_temperature), r_th));
         let t_0 = motor.reference_temperature;
         let resistance = |kelvin: f64| r * (1.0 + copper(t_0) * (kelvin - t_0));
         let hot = hot.map(|(hot, r_th)| ((hot - self.robot.ambient) / (r_th * resistance(hot))).sqrt());
@@ -125,7 +125,9 @@ impl Case {
         let timed_bound = |bound: Option<f64>| bound.filter(|_| joint.motion.course != Course::Points(None));
         let meant = |bound: Option<f64>| timed_bound(bound).filter(|_| !once);
         let stands = brushless && self.shares.iter().any(|share| share[1] > 0.0);
-        let held = meant(least(motor.continuous_current, hot)).filter(|_| stands);
+        // Of a motor with a continuous torque alone, the current that it takes.
+        let of_torque = motor.continuous_torque.map(|torque| torque / k_t);
+        let held = meant(least(motor.continuous_current, hot).or(of_torque)).filter(|_| stands);
         // The phase that carries twice its share warms over its own way to the housing alone.
         let ways = [motor.sheet.thermal_resistance_winding_housing, motor.sheet.thermal_resistance_housing_ambient];
         let own = match ways.map(|way| way.map(|p| p.value)) {
@@ -135,8 +137,7 @@ impl Case {
         let rippled = |bound: Option<f64>| bound.filter(|_| asked.torque_bandwidth.is_some());
         let taken = if let Regeneration::Limited(watt) = bus.regeneration { Some(watt) } else { None };
         let rise = self.nodes().map(|nodes| nodes.peak(&self.copper_heat(n)));
-        let hottest = least(motor.max_winding_temperature, asked.winding_temperature);
-        let hottest = hottest.map(|hot| (hot - self.robot.ambient).max(0.0)).filter(|_| rise.is_some());
+        let hottest = rise.map(|_| (hottest(motor, asked.winding_temperature) - self.robot.ambient).max(0.0));
         let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
         let limits = [
             ("peak_current", asked.safety * most_torque / k_t, current),
@@ -230,17 +231,16 @@ pub fn copper(reference: f64) -> f64 {
     1.0 / (1.0 / 0.003_93 + reference - 293.15)
 }
 
+/// The highest temperature of the winding: the lower of the motor's and the requirement's, else 100 °C.
+pub fn hottest(motor: &Motor, asked: Option<f64>) -> f64 {
+    motor.max_winding_temperature.into_iter().chain(asked).reduce(f64::min).unwrap_or(373.15)
+}
+
 /// Resistance over that at the reference, at the highest temperature that motor and requirement allow, or else at the
 /// one that the rated current settles at.
-pub fn hottest_factor(motor: &Motor, asked: Option<f64>, ambient: f64) -> f64 {
+pub fn hottest_factor(motor: &Motor, asked: Option<f64>) -> f64 {
     let (t_0, a) = (motor.reference_temperature, copper(motor.reference_temperature));
-    let rated = || {
-        let x = motor.thermal_resistance? * motor.resistance * motor.continuous_current?.powi(2);
-        // T = T_a + x (1 + α (T − T_0)), where it settles.
-        (a * x < 1.0).then(|| ambient + x * (1.0 + a * (ambient - t_0)) / (1.0 - a * x))
-    };
-    let hottest = motor.max_winding_temperature.into_iter().chain(asked).reduce(f64::min).or_else(rated);
-    hottest.map_or(1.0, |kelvin| 1.0 + a * (kelvin - t_0))
+    1.0 + a * (hottest(motor, asked) - t_0)
 }
 
 /// Winding and housing: resistances and time constants, and resistance at ambient over the reference's.

@@ -6,6 +6,13 @@ use crate::actuator::thermal_motion::TwoNode;
 use crate::actuator::{stretch, thermal};
 use crate::catalog::convention::Commutation;
 
+/// Nothing says how much heat the motor can carry.
+const NO_HEAT: &str =
+    "none of continuous current, continuous torque and thermal resistances is known, and they are not estimated";
+
+/// A temperature is stated, and nothing leads to it.
+const NO_RESISTANCES: &str = "the motor's thermal resistances are not known";
+
 /// Holding at standstill, as a limit and as what is to be said of it beside.
 pub(super) const STANDSTILL: &str = "standstill_holding";
 
@@ -19,20 +26,16 @@ pub(super) const LIMITS: &[Limit] = &[
         of: Of::QAxis,
         class: Class::Convex,
         depends: Depends::Current,
-        stated: a_temperature,
+        stated: always,
         key: by_temperature,
-        prepare: |c| match (c.thermal_current(), c.winding_temperature()) {
+        prepare: |c| match c.thermal_current() {
             // Even from cold a winding is not cooler than its surroundings.
-            (_, limit) if c.load.starts_cold() && limit.is_none_or(|(kelvin, _)| kelvin > c.robot.ambient) => {
-                Prepared::NotAsked
-            }
-            (Some(_), _) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            (Some((bound, owner)), _) => heating(c, 0.0, bound, owner),
-            (None, Some(_)) => Prepared::Unknown("the motor's thermal resistances are not known"),
-            (None, None) if c.motor.thermal_resistance.is_some() => {
-                Prepared::Unknown("no highest winding temperature is known")
-            }
-            (None, None) => Prepared::NotAsked,
+            _ if c.load.starts_cold() && c.winding_temperature().0 > c.robot.ambient => Prepared::NotAsked,
+            // Heat without durations is looked at over the motion, as of the hottest point for ever.
+            Some(_) if !c.load.has_durations => Prepared::NotAsked,
+            Some((bound, owner)) => heating(c, 0.0, bound, owner),
+            None if c.joint.limits.winding_temperature.is_some() => Prepared::Unknown(NO_RESISTANCES),
+            None => Prepared::NotAsked,
         },
     },
     Limit {
@@ -43,10 +46,11 @@ pub(super) const LIMITS: &[Limit] = &[
         of: Of::Other,
         class: Class::Convex,
         depends: Depends::Temperature,
-        stated: a_temperature,
+        stated: always,
         key: by_temperature,
         prepare: |c| match (c.two_node(), c.winding_temperature()) {
-            (Some(node), Some((limit, owner))) if c.load.has_course() => {
+            _ if c.steady_current().is_none() => Prepared::Unknown(NO_HEAT),
+            (Some(node), (limit, owner)) if c.load.has_course() => {
                 plain(Demand::WindingPeak(node), 1.0, (limit - node.ambient).max(0.0), owner)
             }
             _ => Prepared::AtRatio(heat_over_the_motion),
@@ -60,21 +64,22 @@ pub(super) const LIMITS: &[Limit] = &[
         of: Of::QAxis,
         class: Class::Convex,
         depends: Depends::Current,
-        stated: a_temperature,
+        stated: always,
         key: by_temperature,
         prepare: |c| {
             if c.load.dwell == 0.0 || c.load.starts_cold() {
                 return Prepared::NotAsked;
             }
-            if !c.load.has_durations {
-                return Prepared::Unknown(NO_DURATIONS);
+            // Heat without durations is looked at over the motion, as of the hottest point for ever.
+            if !c.load.has_durations || c.motor.conventions.commutation == Commutation::Brushed {
+                return Prepared::NotAsked;
             }
-            let rated = c.motor.continuous_current.map(|i| (i, "motor"));
+            let rated = c.continuous_current().map(|i| (i, "motor"));
             let current = [rated, c.thermal_current()].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-            match (current, c.motor.conventions.commutation) {
-                (_, Commutation::Brushed) => Prepared::NotAsked,
-                (Some((bound, owner)), _) => heating(c, c.standing_share(), bound, owner),
-                (None, _) => Prepared::Unknown("neither continuous current nor thermal resistances are known"),
+            // Of a motor that gives a continuous torque alone, that.
+            match current.or_else(|| c.steady_current().map(|i| (i, "motor"))) {
+                Some((bound, owner)) => heating(c, c.standing_share(), bound, owner),
+                None => Prepared::NotAsked,
             }
         },
     },
@@ -113,15 +118,10 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         return candidate.at_ratio(ratio, |here| heat_over_the_motion(here, ratio));
     }
     let (load, actuator) = (candidate.load, &candidate.actuator);
-    let Some(limit) = candidate.steady_current() else {
-        return Verdict::Unknown(match (candidate.motor.thermal_resistance, candidate.winding_temperature()) {
-            (Some(_), None) => "neither a highest winding temperature nor the motor's continuous current is known",
-            _ => "neither the motor's thermal resistances nor its continuous current is known",
-        });
-    };
+    let Some(limit) = candidate.steady_current() else { return Verdict::Unknown(NO_HEAT) };
     // A continuous current says nothing of the temperature that a requirement states.
     if candidate.joint.limits.winding_temperature.is_some() && candidate.thermal_current().is_none() {
-        return Verdict::Unknown("the motor's thermal resistances are not known");
+        return Verdict::Unknown(NO_RESISTANCES);
     }
     let limit = limit * limit;
     // Even the largest heat, held for ever, would be carried.
@@ -135,7 +135,7 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
         _ if !load.has_durations => {
             return Verdict::Unknown("the operating points have no durations, and the hottest could not be continuous");
         }
-        (Some(node), Some((hottest, _))) => {
+        (Some(node), (hottest, _)) => {
             // The phase that is worst off at standstill is told apart: its own way to the housing answers at once.
             let (course, _) = load.squared_current_course(actuator, 0.0, ratio);
             let standing = rise_at_standstill(candidate, &node, hottest, ratio);
@@ -153,37 +153,22 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
     let short = own.map_or(SHORT_STRETCH, |own| own.min(SHORT_STRETCH));
     let longest = stretch::longest(&course, limit, repeats);
     let least = candidate.motor.sheet.thermal_time_constant_winding.map_or(LEAST_TIME_CONSTANT, |t| t.value);
-    if longest < short && largest * longest > least * limit {
-        return Verdict::Unknown(match nodes {
-            None => {
-                "the thermal time constants are not known, and a short stretch is so far above the steady limit that it may warm the winding beyond it at once"
-            }
-            Some(_) => {
-                "no highest winding temperature is known, and a short stretch is so far above the steady limit that it may warm the winding beyond it at once"
+    if longest < short && largest * longest <= least * limit {
+        return Verdict::Assumed(match load.starts_cold() {
+            true => "taken as kept: from cold heat stays above its steady limit for less than 1 s at a time",
+            false => {
+                "judged by its mean heat: the thermal time constants are not known, and heat stays above its steady limit for less than 1 s at a time"
             }
         });
     }
-    match (longest < short, nodes.is_some(), load.starts_cold()) {
-        (true, false, false) => Verdict::Assumed(
-            "judged by its mean heat: the thermal time constants are not known, and heat stays above its steady limit for less than 1 s at a time",
+    // As if all of the thermal resistance were the winding's, with its time constant or the least of any: from above.
+    match stretch::is_within(stretch::lagged(&course, least, repeats), limit) {
+        true => Verdict::Assumed(
+            "judged as if all thermal resistance answered with the time constant of the winding (where it is not known, 5.1 s, the least of the catalogue): from above",
         ),
-        (true, true, false) => Verdict::Assumed(
-            "judged by its mean heat: no highest winding temperature is known, and heat stays above its steady limit for less than 1 s at a time",
+        false => Verdict::Unknown(
+            "the thermal time constants are not known, and heat stays above its steady limit for so long that a winding which warms quickly may become too hot",
         ),
-        (true, _, true) => {
-            Verdict::Assumed("taken as kept: from cold heat stays above its steady limit for less than 1 s at a time")
-        }
-        (false, false, _) => Verdict::Unknown(match short < SHORT_STRETCH {
-            false => {
-                "the thermal time constants are not known, and heat stays above its steady limit for 1 s or longer"
-            }
-            true => {
-                "not all thermal time constants are known, and heat stays above its steady limit for a fifth of the winding's or longer"
-            }
-        }),
-        (false, true, _) => {
-            Verdict::Unknown("no highest winding temperature is known, and heat stays above its steady limit for long")
-        }
     }
 }
 
@@ -194,8 +179,7 @@ pub(super) fn heat_at_standstill(candidate: &Candidate, ratio: f64) -> Verdict {
         return candidate.at_ratio(ratio, |here| heat_at_standstill(here, ratio));
     }
     let load = candidate.load;
-    let (Some(node), Some((hottest, _)), true) =
-        (candidate.two_node(), candidate.winding_temperature(), load.has_course())
+    let (Some(node), (hottest, _), true) = (candidate.two_node(), candidate.winding_temperature(), load.has_course())
     else {
         return Verdict::Kept;
     };

@@ -191,11 +191,12 @@ impl Limit {
 
     /// Whether the limit applies to a candidate, and how.
     pub fn check(&'static self, candidate: &Candidate) -> Check {
+        let kept = 1.0 - candidate.joint.limits.reserve(self.name);
         match (self.prepare)(candidate) {
             Prepared::NotAsked => Check::NotAsked,
             Prepared::Unknown(what) => Check::Unknown(what),
             Prepared::Asked { demand, squared, factor, bound, owner, standing } => {
-                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner, standing })
+                Check::Asked(Asked { limit: self, demand, squared, factor, bound: bound * kept, owner, standing })
             }
             Prepared::AtRatio(judge) => Check::AtRatio(judge),
         }
@@ -223,8 +224,9 @@ pub(super) fn the_supply(_: &Robot, _: &Joint) -> bool {
     false
 }
 
-pub(super) fn a_temperature(_: &Robot, joint: &Joint) -> bool {
-    joint.limits.winding_temperature.is_some()
+/// Heat is always a limit, whoever says how much.
+pub(super) fn always(_: &Robot, _: &Joint) -> bool {
+    true
 }
 
 /// A rating of the gear that the requirement describes, not of one from the catalogue.

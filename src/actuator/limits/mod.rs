@@ -15,7 +15,7 @@ mod needs;
 mod remarks;
 mod speed;
 
-pub use super::candidate::{Candidate, hot_winding, hottest};
+pub use super::candidate::{ASSUMED, Candidate, hottest};
 pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, Of, Remark, Verdict};
 pub use needs::{NEEDS, Need};
 
@@ -99,5 +99,8 @@ mod tests {
             assert!(names.insert(limit.name), "{} stands twice", limit.name);
             assert!(limit.formula.contains('≤'), "{}", limit.name);
         }
+        // A requirement names them in `reserve`.
+        let named: Vec<&str> = LIMITS.iter().map(|limit| limit.name).collect();
+        assert_eq!(named, crate::requirement::LIMIT_NAMES);
     }
 }

@@ -47,13 +47,12 @@ pub(super) const LIMITS: &[Limit] = &[
         of: Of::QAxis,
         class: Class::Convex,
         depends: Depends::Current,
-        stated: by_data_sheets,
+        stated: always,
         key: by_nobody,
-        prepare: |c| match c.motor.continuous_current {
-            _ if c.load.starts_cold() => Prepared::NotAsked,
-            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            Some(bound) => heating(c, 0.0, bound, "motor"),
-            None => Prepared::Unknown("the motor's continuous current is not known"),
+        prepare: |c| match c.continuous_current() {
+            // Heat without durations is looked at over the motion, as of the hottest point for ever.
+            Some(bound) if c.load.has_steady_heat => heating(c, 0.0, bound, "motor"),
+            _ => Prepared::NotAsked,
         },
     },
     Limit {
@@ -64,16 +63,14 @@ pub(super) const LIMITS: &[Limit] = &[
         of: Of::Other,
         class: Class::Convex,
         depends: Depends::Torque,
-        stated: by_data_sheets,
+        stated: always,
         key: by_nobody,
-        prepare: |c| match c.motor.continuous_torque {
-            None => Prepared::NotAsked,
-            _ if c.load.starts_cold() => Prepared::NotAsked,
-            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            Some(bound) => {
+        prepare: |c| match c.continuous_torque() {
+            Some(bound) if c.load.has_steady_heat => {
                 let mean = c.load.mean_torque_squared(&c.actuator) * c.load.share_of_time;
                 torque(Demand::Polynomial(mean, None), 1.0, bound, "motor")
             }
+            _ => Prepared::NotAsked,
         },
     },
 ];

@@ -93,7 +93,7 @@ pub const NEEDS: &[Need] = &[
     Need {
         name: STANDSTILL,
         of: Of::QAxis,
-        stated: a_temperature,
+        stated: always,
         key: by_temperature,
         missing: |_| None,
         at_ratio: |c| (c.load.dwell > 0.0 && c.two_node().is_some()).then_some(heat_at_standstill as Judge),

@@ -2,33 +2,55 @@
 
 use super::heat::STANDSTILL;
 use super::limit::{Asked, Remark};
-use crate::actuator::candidate::{Candidate, hot_winding, hottest};
+use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
+use crate::catalog::estimate::Estimated;
 
 impl Candidate<'_> {
     /// What the limits that are asked of this candidate assume at every ratio.
     pub fn assumptions(&self, asked: &[Asked]) -> Vec<Remark> {
         let mut assumed = Vec::new();
-        let resistance = match (
-            hottest(self.motor, self.joint),
-            hot_winding(self.motor, self.joint, self.robot.ambient),
-        ) {
-            (Some(_), _) => None,
-            (None, Some(_)) => Some(
-                "no highest winding temperature is known: its resistance is that of the temperature at which the continuous current settles, and the motion may heat it further for a while",
-            ),
-            (None, None) => {
-                Some("no temperature of the winding is known: its resistance is taken at the reference temperature")
-            }
-        };
-        let power = [("bus_power", self.robot.bus.power), ("bus_current", self.robot.bus.current)];
-        let takes = power.into_iter().filter(|(_, bound)| bound.is_some()).map(|(name, _)| name);
-        assumed.extend(std::iter::once("voltage").chain(takes).filter_map(|name| Some((name, resistance?))));
+        let stated = self.joint.limits.winding_temperature.is_some();
         let heat = |asked: &&Asked| super::heat::LIMITS.iter().any(|limit| limit.name == asked.limit.name);
-        let stated = self.joint.limits.winding_temperature.is_some() && self.motor.max_winding_temperature.is_none();
-        if let (true, Some(of_heat)) = (stated, asked.iter().find(heat)) {
+        if hottest(self.motor, self.joint).1 == ASSUMED {
+            assumed.push((
+                "winding_temperature",
+                "neither motor nor requirement gives a highest winding temperature: 100 degC is assumed, for heat and for the resistance that voltage is checked with",
+            ));
+        } else if let (true, None, Some(of_heat)) =
+            (stated, self.motor.max_winding_temperature, asked.iter().find(heat))
+        {
             assumed.push((
                 of_heat.limit.name,
                 "the motor's own highest temperature is not known: only that of the requirement counts",
+            ));
+        }
+        for estimate in &self.motor.estimates {
+            assumed.push(match estimate.of {
+                Estimated::ThermalResistance if self.is_mounted() => continue,
+                Estimated::ThermalResistance => (
+                    "winding_temperature",
+                    "estimated: the thermal resistance is that of motors built alike and as heavy, the hot end of its 90 % interval",
+                ),
+                Estimated::RotorInertia => (
+                    "rotor_inertia",
+                    "estimated: it is that of motors built alike, as heavy and as wide, the large end of its 90 % interval",
+                ),
+                Estimated::Inductance => (
+                    "voltage",
+                    "estimated: the inductance is that of motors built alike and as heavy, the large end of its 90 % interval",
+                ),
+            });
+        }
+        if self.is_rated() {
+            assumed.push((
+                "winding_temperature",
+                "estimated: the thermal resistance is computed from the continuous rating, as if the maker's highest temperature were 155 degC",
+            ));
+        }
+        if self.joint.limits.mount_resistance.is_some() && !self.is_mounted() {
+            assumed.push((
+                "winding_temperature",
+                "the row does not say what part of the thermal resistance is the winding's own: the resistance of the mount is not used, the row's rating counts as it is",
             ));
         }
         if asked.iter().any(|a| a.limit.name == STANDSTILL) && self.share_of_winding().is_none() {

@@ -1,6 +1,7 @@
 //! The row of a motor.
 
 use super::{Column, Field, Holds, Need, Row, find, identity, listed};
+use crate::catalog::about::{About, Construction};
 use crate::catalog::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
@@ -25,6 +26,8 @@ pub struct MotorRow {
     pub note: String,
     /// Audit findings that the note explains, by code.
     pub accepted_findings: Vec<String>,
+    /// How it is built, and how the row belongs with others.
+    pub about: About,
     /// What its numbers refer to.
     pub conventions: Conventions,
     /// Pole pairs, where the row says them.
@@ -44,6 +47,7 @@ impl Default for MotorRow {
             source_kind: SourceKind::Datasheet,
             note: String::new(),
             accepted_findings: Vec::new(),
+            about: About::default(),
             conventions: Conventions {
                 commutation: Commutation::Brushless,
                 terminals: Terminals::QAxis,
@@ -76,6 +80,7 @@ impl MotorRow {
             source_kind: identity.source_kind,
             note: identity.note,
             accepted_findings: identity.accepted_findings,
+            about: identity.about,
             conventions,
             pole_pairs,
             sheet,
@@ -95,6 +100,7 @@ impl MotorRow {
             source_kind: self.source_kind,
             note: self.note,
             accepted_findings: self.accepted_findings,
+            about: self.about,
         };
         Motor::new(identity, self.conventions, self.sheet, self.pole_pairs)
     }
@@ -208,6 +214,28 @@ impl Row for MotorRow {
         identity!(id),
         identity!(manufacturer),
         identity!(model),
+        Column {
+            name: "construction",
+            about: "how it is built; what its row lacks is estimated from rows that are built alike",
+            need: Need::May,
+            holds: Holds::Choice(
+                Construction::WORDS,
+                |r| r.about.construction.map(|c| word(Construction::NAMES, &c)),
+                |r, text| r.about.construction = find(Construction::NAMES, text),
+            ),
+        },
+        Column {
+            name: "only_inside",
+            about: "the module that it is only sold in: it is no free choice then",
+            need: Need::May,
+            holds: Holds::Text(|r| r.about.only_inside.clone(), |r, text| r.about.only_inside = text),
+        },
+        Column {
+            name: "same_as",
+            about: "id of a newer row of the same motor: the two are one motor, the newer row counts where both have a value",
+            need: Need::May,
+            holds: Holds::Text(|r| r.about.same_as.clone(), |r, text| r.about.same_as = text),
+        },
         Column {
             name: "commutation",
             about: "how it commutates; brushless by default",

@@ -36,6 +36,20 @@ impl Optimum {
         self
     }
 
+    /// The same optimum of the objective and a constant.
+    pub(super) fn plus(mut self, constant: f64) -> Optimum {
+        let before = self.objective;
+        self.objective += constant;
+        if let Certificate::Certified { lower_bound, gap, .. } = &mut self.certificate {
+            *lower_bound += constant;
+            *gap *= if self.objective == 0.0 { 1.0 } else { (before / self.objective).abs() };
+        }
+        for price in &mut self.shadow_prices {
+            price.elasticity *= if self.objective == 0.0 { 1.0 } else { before / self.objective };
+        }
+        self
+    }
+
     /// The window that N* lies in.
     pub fn window(&self) -> &Window {
         let inside = |w: &&Window| w.min <= self.ratio * (1.0 + 1e-9) && self.ratio <= w.max * (1.0 + 1e-9);

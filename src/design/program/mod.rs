@@ -98,6 +98,14 @@ pub struct RatioProgram<'a> {
     limits: Vec<Limited<'a>>,
 }
 
+/// An objective that counts a mass that no ratio changes: the rest of it, and what the mass adds.
+fn with_constant_mass(prepared: &Prepared, objective: &Objective) -> Option<(Objective, f64)> {
+    let (rest, weight) = objective.apart_from_mass()?;
+    let candidate = &prepared.candidate;
+    let mass = candidate.mass_at(1.0).filter(|_| candidate.gear.mass_per_stage.is_none())?;
+    Some((rest, weight * mass))
+}
+
 /// An end of the range of ratios with the limit that sets it.
 #[derive(Debug, Clone)]
 struct End {
@@ -141,6 +149,10 @@ impl<'a> RatioProgram<'a> {
                 Ok(optimum) => Ok(optimum.times(weight)),
                 other => other,
             };
+        }
+        if let Some((rest, constant)) = with_constant_mass(self.prepared, self.objective) {
+            let program = RatioProgram { objective: &rest, limits: self.limits.clone(), ..*self };
+            return program.solve().map(|optimum| optimum.plus(constant));
         }
         if let Some(infeasible) = self.fixed_limits() {
             return Err(Refusal::Infeasible(infeasible));

@@ -38,7 +38,7 @@ impl Total {
             return Err(format!(
                 "the joints minimise different things, and the best {} of `{}` is {best}: it cannot be the measure. Give \
                  every joint the same objective",
-                joint.objective.name(),
+                joint.goal(),
                 joint.name
             ));
         }

@@ -1,6 +1,6 @@
 //! The box of a motor's tolerances: its corners, and which of them a limit needs.
 
-use crate::actuator::limits::{Candidate, Depends, Limit, hottest};
+use crate::actuator::limits::{Depends, Limit};
 use crate::catalog::{FIELDS, Field, Motor, Printed};
 use crate::design::Prepared;
 use crate::design::program::Limited;
@@ -117,6 +117,8 @@ pub(super) fn with_numbers(motor: &Motor, numbers: impl Iterator<Item = (&'stati
         (field(column).set)(&mut sheet, Printed { value, tolerance: None });
     }
     let other = Motor::new(motor.identity(), motor.conventions, sheet, motor.pole_pairs).ok()?;
+    // What the sheet does not have, of another row of it or estimated, has no tolerance.
+    let other = other.filled_from(motor);
     Some(Motor { effects: motor.effects.clone(), fitted_gear: motor.fitted_gear, fit: motor.fit.clone(), ..other })
 }
 
@@ -221,10 +223,7 @@ pub(super) fn unproved(robot: &Robot, nominal: &Prepared, all: &[Toleranced]) ->
     if matches!(robot.bus.regeneration, Regeneration::Limited(_)) && has(&of_power) {
         return Some("power that comes back may be largest between the corners of the tolerances");
     }
-    let Candidate { motor, joint, .. } = nominal.candidate;
-    let settles = hottest(motor, joint).is_none() && motor.thermal_resistance.is_some();
-    let by_rating = settles && has_column("continuous_current");
-    if has_column("max_winding_temperature") || by_rating {
+    if has_column("max_winding_temperature") {
         return Some(
             "voltage takes the winding at its hottest, which the other end of its tolerance would make hotter",
         );

@@ -69,7 +69,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
             let change = s.objective.map_or_else(|| "no ratio is feasible".to_string(), percent);
             vec![s.parameter.to_string(), percent(s.change), change]
         });
-        let goal = format!("change of {}", joint.objective.name());
+        let goal = format!("change of {}", joint.goal());
         let table =
             Table::new("The ratio is chosen again each time", &["parameter", ">its change", &format!(">{goal}")]);
         sections.push(Section::new("If the motor were better", vec![Part::Table(table.rows(rows))]));

@@ -157,7 +157,10 @@ fn warned(result: &JointResult) -> Vec<String> {
     let joint = result.joint;
     let mut lines = Vec::new();
     if joint.motion.course == Course::Points(None) {
-        lines.push("the operating points have no durations: they weigh alike, and heat is not checked".to_string());
+        lines.push(
+            "the operating points have no durations: they weigh alike, and heat is that of the hottest, held continuously"
+                .to_string(),
+        );
     }
     if !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == crate::requirement::GearModel::IDEAL {
         lines.push("no gear is described: it is taken as free of loss, inertia and mass".into());
@@ -177,7 +180,7 @@ fn warned(result: &JointResult) -> Vec<String> {
 fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
     let joint = result.joint;
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
-    let mut parts = vec![Part::Text(format!("{ratio}, least {}: {verdict}.", joint.objective.name()))];
+    let mut parts = vec![Part::Text(format!("{ratio}, {}: {verdict}.", joint.aim()))];
     parts.extend(figure);
     parts.extend(candidates(result, names).part());
     if let Some(first) = result.candidates.first() {
@@ -186,7 +189,7 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
         parts
             .extend(limits.part().map(|part| folded("Limits of the first choice (on currents: q-axis amperes)", part)));
         let rows = first.optimum.shadow_prices.iter().map(|p| vec![p.limit.to_string(), number(p.elasticity)]);
-        let change = format!(">change of {} [%]", joint.objective.name());
+        let change = format!(">change of {} [%]", joint.goal());
         let prices = Table::new(format!("{names}: what one per cent more of a limit changes"), &["limit", &change]);
         parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
     }
@@ -230,8 +233,8 @@ fn candidates(result: &JointResult, names: &str) -> Table {
     let geared = matches!(joint.ratio, RatioChoice::Catalog { .. });
     let sprung = joint.limits.spring.is_some();
     let goal = match joint.objective.unit() {
-        "1" => format!(">{}", joint.objective.name()),
-        unit => format!(">{} [{unit}]", joint.objective.name()),
+        "1" => format!(">{}", joint.goal()),
+        unit => format!(">{} [{unit}]", joint.goal()),
     };
     let mut header = vec![">#", "motor"];
     header.push(if geared { "gear" } else { ">N from" });

@@ -81,8 +81,8 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
     let joint = sweep.joint;
     let geared = sweep.designs.iter().any(|d| d.gear.is_some());
     let goal = match joint.objective.unit() {
-        "1" => format!(">{}", joint.objective.name()),
-        unit => format!(">{} [{unit}]", joint.objective.name()),
+        "1" => format!(">{}", joint.goal()),
+        unit => format!(">{} [{unit}]", joint.goal()),
     };
     // A single quantity is a figure like any other.
     let own_column = joint.objective.sole().is_none();

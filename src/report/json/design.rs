@@ -11,7 +11,9 @@ use super::{finite, number_or_null};
 use crate::actuator::fitted::Note;
 use crate::actuator::limits::Remark;
 use crate::actuator::metrics::METRICS;
-use crate::catalog::Motor;
+use crate::catalog::convention::word;
+use crate::catalog::estimate::Estimate;
+use crate::catalog::{Construction, Motor};
 use crate::design::answer::SpringChoice;
 use crate::design::evaluate;
 use crate::design::figures::{FIGURES, Facts};
@@ -47,6 +49,8 @@ pub struct Design<'a> {
     pub not_checked: Vec<NotChecked<'a>>,
     /// Limits that count as kept, and as far as what holds.
     pub assumed: Vec<Assumed<'a>>,
+    /// Numbers of the motor that its row lacks and that are estimated.
+    pub estimated: Vec<Estimated>,
     /// What the audit calls an error in the motor's row.
     pub audit_errors: Vec<String>,
     /// How what was fitted to this motor enters the limits.
@@ -191,6 +195,36 @@ pub struct Assumed<'a> {
     /// As far as what holds.
     #[serde(rename = "as")]
     pub holds: &'a str,
+}
+
+/// A number of the motor that is estimated from rows built alike.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Estimated {
+    /// What it is.
+    pub quantity: &'static str,
+    /// What the model computes with, SI: the pessimistic end of the prediction interval (one-sided, 90 %).
+    pub value: f64,
+    /// The middle of the interval, SI.
+    pub middle: f64,
+    /// SI unit of both.
+    pub unit: &'static str,
+    /// How many rows it is made from.
+    pub rows: usize,
+    /// How they are built.
+    pub construction: &'static str,
+}
+
+/// What is estimated of a motor.
+pub fn estimated(motor: &Motor) -> Vec<Estimated> {
+    let one = |estimate: &Estimate| Estimated {
+        quantity: estimate.of.name(),
+        value: estimate.value,
+        middle: estimate.middle,
+        unit: estimate.of.unit(),
+        rows: estimate.rows,
+        construction: word(Construction::NAMES, &estimate.construction),
+    };
+    motor.estimates.iter().map(one).collect()
 }
 
 /// How an effect that was fitted enters.
@@ -465,6 +499,7 @@ impl<'a> Design<'a> {
             limits: limits(&e.margins, joint),
             not_checked: not_checked(facts.unchecked),
             assumed: assumed(facts.assumed),
+            estimated: estimated(facts.motor),
             audit_errors: optimize::contradictions(facts.motor),
             fitted: optimize::fitted_notes(facts.motor, joint).into_iter().map(Fitted::from).collect(),
             solution: facts.optimum.map(|optimum| Solution::new(optimum, joint)),

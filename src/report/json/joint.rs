@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::catalog::Motor;
 use crate::design::answer;
-use crate::requirement::{self, Between};
+use crate::requirement::{self, Balancing, Between};
 
 /// What is said of the joint itself.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -15,8 +15,11 @@ pub struct Joint<'a> {
     pub joint: &'a str,
     /// How many alike the robot has.
     pub count: u32,
-    /// What is minimised.
+    /// What is minimised: names of quantities, or `balanced`.
     pub objective: String,
+    /// What loss and mass are divided by where the objective is balanced.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference: Option<Reference>,
     /// What of the motion was not given but taken from a spline.
     pub derived_by_spline: &'a [&'static str],
     /// What is known of the motion between its samples; `null` where there is nothing between.
@@ -29,10 +32,77 @@ impl<'a> Joint<'a> {
         Joint {
             joint: &joint.name,
             count: joint.count,
-            objective: joint.objective.name(),
+            objective: joint.goal(),
+            reference: Reference::new(joint),
             derived_by_spline: &joint.motion.derived,
             between_samples: BetweenSamples::new(joint),
         }
+    }
+}
+
+/// What a balanced objective divides loss and mass by: the geometric means of the two ends.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Reference {
+    /// L₀.
+    pub loss_w: f64,
+    /// M₀.
+    pub mass_kg: f64,
+}
+
+impl Reference {
+    fn new(joint: &requirement::Joint) -> Option<Reference> {
+        match &joint.balancing {
+            Balancing::Made(balance) => Some(Reference { loss_w: balance.loss, mass_kg: balance.mass }),
+            _ => None,
+        }
+    }
+}
+
+/// The three designs between which an engineer chooses: a balanced one, and the ends of what it is balanced from.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Choices<'a> {
+    /// The lightest design.
+    pub lightest: Chosen<'a>,
+    /// The balanced design, the first candidate.
+    pub balanced: Option<Chosen<'a>>,
+    /// The design with the least loss.
+    pub least_loss: Chosen<'a>,
+}
+
+/// One of them.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Chosen<'a> {
+    /// Id of the motor.
+    pub motor: &'a str,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'a str>,
+    /// Ratio N.
+    pub ratio: f64,
+    /// Mean copper loss.
+    pub loss_w: f64,
+    /// Mass of motor and gear; `null` where it is not known.
+    pub mass_kg: Option<f64>,
+}
+
+impl<'a> Choices<'a> {
+    /// Of a joint with a balanced objective.
+    pub fn new(result: &'a answer::JointResult<'a>) -> Option<Choices<'a>> {
+        let Balancing::Made(balance) = &result.joint.balancing else { return None };
+        let end = |of: &'a requirement::Extreme| Chosen {
+            motor: &of.motor,
+            gear: of.gear.as_deref(),
+            ratio: of.ratio,
+            loss_w: of.loss,
+            mass_kg: Some(of.mass),
+        };
+        let balanced = result.candidates.first().map(|design| Chosen {
+            motor: &design.motor.id,
+            gear: design.gear,
+            ratio: design.evaluation.ratio,
+            loss_w: design.evaluation.loss,
+            mass_kg: design.evaluation.mass,
+        });
+        Some(Choices { lightest: end(&balance.lightest), balanced, least_loss: end(&balance.least_loss) })
     }
 }
 

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::joint::{Agreement, Joint, Pruned};
+use super::joint::{Agreement, Choices, Joint, Pruned};
 use super::robot::Choice;
 use super::torques::Mechanism;
 use super::{Design, OfRobot, design, document};
@@ -38,6 +38,9 @@ pub struct Robot<'a> {
 pub struct OfJoint<'a> {
     #[serde(flatten)]
     joint: Joint<'a>,
+    /// Where the objective is balanced: the lightest design, the balanced one and that with the least loss.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub choices: Option<Choices<'a>>,
     /// Designs of which every limit that the requirement states could be judged, the best first.
     pub candidates: Vec<Design<'a>>,
     /// Designs of which such a limit could not be judged: none of them is a choice.
@@ -56,6 +59,7 @@ impl<'a> OfJoint<'a> {
         let joint = result.joint;
         OfJoint {
             joint: Joint::new(joint),
+            choices: Choices::new(result),
             candidates: result.candidates.iter().map(|d| Design::new(d.facts(), joint)).collect(),
             unjudged: unjudged(result),
             rejected: result.rejected.iter().map(|r| rejected(r.motor, r.gear, &r.reason, joint)).collect(),

@@ -139,7 +139,7 @@ impl<'a> OfJoint<'a> {
             joint: &one.joint.name,
             motor: &one.motor,
             motors: one.motors,
-            objective: one.joint.objective.name(),
+            objective: one.joint.goal(),
             objective_unit: one.joint.objective.unit(),
             before: one.before.as_ref().map(choice),
             after: choice(&one.after),

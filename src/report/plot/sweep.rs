@@ -86,7 +86,7 @@ fn map(sweep: &JointSweep, motors: &[Swept]) -> Panel {
         empty: "no motor can be evaluated".into(),
         ..Panel::default()
     };
-    let goal = sweep.joint.objective.name();
+    let goal = sweep.joint.goal();
     let near = format!("feasible, {goal} within {:.0} % of the best", 100.0 * NEAR);
     let kinds: [(&str, Tone, Shape); 4] = [
         ("a limit is exceeded", Tone::Grey, Shape::Cross),

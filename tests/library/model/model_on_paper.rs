@@ -878,7 +878,7 @@ fn the_envelope_is_where_its_functional_meets_the_bound() {
                 let current = (phi * sign * load / n + rubs) / motor.torque_constant;
                 let poles = motor.inductance_and_poles().map_or(0.0, |(l, p)| l * p);
                 let asked = joint.limits.winding_temperature;
-                let hot = motor.resistance * raw::hottest_factor(motor, asked, case.robot.ambient);
+                let hot = motor.resistance * raw::hottest_factor(motor, asked);
                 let v_q = hot * current + motor.back_emf_constant * n * speed;
                 let v_d = poles * n * speed * current;
                 let work = motor.back_emf_constant * n * speed * current;

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use gearwise::actuator::Load;
+use gearwise::actuator::estimate::complete;
 use gearwise::catalog::convention::Commutation;
 use gearwise::catalog::fitted::FittedGear;
 use gearwise::catalog::{Catalog, Motor};
@@ -181,7 +182,7 @@ fn own(case: &Case, n: f64) -> Own {
     let squared_current = mean(&heating);
     let at_rest = timed().map(|(p, s)| s[1] * heating(p)).sum::<f64>();
     // Voltage and power taken, of the winding at its hottest.
-    let r_hot = r * raw::hottest_factor(motor, joint.limits.winding_temperature, robot.ambient);
+    let r_hot = r * raw::hottest_factor(motor, joint.limits.winding_temperature);
     let brushless = motor.conventions.commutation == Commutation::Brushless;
     let (l, poles) = (motor.inductance.unwrap_or(0.0), motor.pole_pairs.filter(|_| brushless).unwrap_or(0));
     let voltage = |p: &Point, s: f64| {
@@ -529,7 +530,7 @@ fn the_choice_is_made_again() {
             Some(motor.coulomb_friction.unwrap_or(0.0) + values(&case, "coulomb_friction", |_| 1.0)[0]);
         motor.fitted_gear = Some(FittedGear { ratio: Some(0.3 * middle(&case)), ..FittedGear::default() });
         let remade = &remake(&case.robot, &catalog, id, &motor)[0];
-        let alone = Catalog::of(vec![motor], Vec::new());
+        let alone = complete(Catalog::of(vec![motor], Vec::new()));
         let solved = optimize(&case.robot, &alone);
         match (&remade.after.outcome, solved.joints[0].candidates.first()) {
             (Ok(chosen), Some(design)) => {

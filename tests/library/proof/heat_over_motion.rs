@@ -8,8 +8,7 @@ use gearwise::actuator::Load;
 use gearwise::catalog::{Catalog, Motor};
 use gearwise::design::answer::Reason;
 use gearwise::design::evaluate::Judged;
-use gearwise::design::optimize::{optimize, optimize_with};
-use gearwise::design::options::Options;
+use gearwise::design::optimize::optimize;
 use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::*;
@@ -149,22 +148,19 @@ fn a_long_stretch_cannot_be_judged_without_time_constants() {
         max_relative = 1e-5
     );
     let why = said(&judged.unchecked, "winding_peak_temperature").expect("it is said");
-    assert!(why.contains("time constants are not known") && why.contains("1 s or longer"), "{why}");
+    assert!(why.contains("time constants are not known") && why.contains("so long"), "{why}");
     assert_eq!(said(&judged.assumed, "winding_peak_temperature"), None);
     // Known, the same motor is rejected: knowing less does not win.
     let known = motor(&[], &[]);
     assert!(!look(&robot, &known, 1.0).0.feasible);
     let catalog = |motor: Motor| Catalog::of(vec![motor], Vec::new());
-    let strict = Options { only_checked: true, ..Options::default() };
     let mut fixed = robot.clone();
     fixed.joints[0].ratio = RatioChoice::Continuous { min: 1.0, max: 1.001 };
     let with = catalog(unknown.clone());
-    let design = &optimize(&fixed, &with).joints[0].candidates[0];
-    assert!(said(&design.unchecked, "winding_peak_temperature").is_some());
-    let strictly = optimize_with(&fixed, &with, strict).unwrap();
-    assert!(strictly.joints[0].candidates.is_empty());
-    let reason = &strictly.joints[0].rejected[0].reason;
-    assert!(matches!(reason, Reason::Unchecked("winding_peak_temperature", _)), "{reason:?}");
+    // Heat is always a limit: what cannot be judged is no choice.
+    let found = &optimize(&fixed, &with).joints[0];
+    assert!(found.candidates.is_empty() && found.rejected.is_empty());
+    assert!(said(&found.unjudged[0].because, "winding_peak_temperature").is_some());
     let with = catalog(known);
     let reason = optimize(&fixed, &with).joints[0].rejected[0].reason.clone();
     assert!(matches!(reason, Reason::Infeasible(_)), "{reason:?}");
@@ -196,7 +192,7 @@ fn short_stretches_are_judged_by_the_mean_and_say_so() {
     let over = [(0.6, 28.0), (20.0, 0.0), (0.6, 28.0)];
     assert!(said(&of(&over).unchecked, "winding_peak_temperature").is_some());
     // A winding that is quicker than any of the catalogue averages less.
-    let quick = motor(&["max_winding"], &[("thermal_time_constant_winding [s]", "1.5")]);
+    let quick = motor(&["thermal_time_constant_housing"], &[("thermal_time_constant_winding [s]", "1.5")]);
     let (_, judged) = look(&holds(&[(0.4, 28.0), (9.6, 0.0)], Course::Periodic), &quick, 1.0);
     assert!(said(&judged.unchecked, "winding_peak_temperature").is_some());
 }
@@ -209,14 +205,19 @@ fn what_is_missing_is_what_is_said_to_be() {
         (vec![TIMES[0]], "the thermal time constants are not known"),
         (vec![TIMES[0], end], "the thermal time constants are not known"),
         (vec![TIMES[0], ways], "the thermal time constants are not known"),
-        (vec![end], "no highest winding temperature is known"),
-        (vec![end, current], "neither a highest winding temperature nor the motor's continuous current"),
-        (vec![ways, current], "neither the motor's thermal resistances nor its continuous current"),
-        (vec![TIMES[0], ways, current, end], "neither the motor's thermal resistances nor its continuous current"),
+        (vec![ways, current], "none of continuous current, continuous torque and thermal resistances"),
+        (vec![TIMES[0], ways, current, end], "none of continuous current, continuous torque and thermal resistances"),
     ] {
         let (_, judged) = look(&robot, &motor(&without, &[]), 1.0);
         let why = said(&judged.unchecked, "winding_peak_temperature").unwrap_or("nothing");
         assert!(why.starts_with(expected), "{without:?}: {why}");
+    }
+    // Without a highest temperature 100 °C is assumed, and said.
+    for without in [vec![end], vec![end, current]] {
+        let (evaluation, judged) = look(&robot, &motor(&without, &[]), 1.0);
+        let limit = evaluation.margins.iter().find(|m| m.limit == "winding_peak_temperature").expect("it is followed");
+        assert_eq!((limit.bound, limit.owner), (75.0, "assumed"), "{without:?}");
+        assert!(said(&judged.assumed, "winding_temperature").unwrap().contains("100 degC is assumed"));
     }
     // By the rated current alone, what never exceeds it is kept.
     let cool = holds(&[(120.0, 9.9), (3480.0, 0.0)], Course::Periodic);
@@ -374,7 +375,7 @@ fn an_inductance_without_pole_pairs_counts_where_the_current_changes() {
     let robot = robot("{ torque = '0.3 N*m', speed = '50 rad/s', torque_rate = '10 N*m/s' }");
     let with = [("inductance [mH]", "2")];
     let (evaluation, judged) = look(&robot, &motor(&["pole_pairs", "max_winding"], &with), 1.0);
-    let v_q = 3.0 * hot_rated() + 0.2 + 5.0;
+    let v_q = 3.0 * hot(100.0) + 0.2 + 5.0;
     assert_relative_eq!(demand(&evaluation, "voltage").unwrap(), v_q, max_relative = 1e-9);
     assert!(said(&judged.unchecked, "inductance").unwrap().contains("without p N ω L i"));
     // With them, the current at speed stands across: p ω L i = 7 · 50 · 2 mH · 3 A.
@@ -383,10 +384,9 @@ fn an_inductance_without_pole_pairs_counts_where_the_current_changes() {
     assert_eq!(said(&judged.unchecked, "inductance"), None);
 }
 
-/// Resistance at the temperature that the rated 10 A lead to, over that at the reference:
-/// R/R_0 = 1 + α x/(1 − α x) with the rise x = 100 K at constant resistance.
-fn hot_rated() -> f64 {
-    1.0 / (1.0 - 100.0 * 0.003_93 / (1.0 + 0.003_93 * 5.0))
+/// Resistance at a temperature [°C] over that at 25 °C.
+fn hot(celsius: f64) -> f64 {
+    1.0 + (celsius - 25.0) / (1.0 / 0.003_93 + 5.0)
 }
 
 #[test]
@@ -395,7 +395,6 @@ fn voltage_and_power_see_the_winding_at_its_hottest() {
     let mut robot = robot("{ torque = '0.3 N*m', speed = '50 rad/s', duration = '1 s' }");
     robot.bus.power = Some(1e3);
     robot.bus.regeneration = Regeneration::Limited(1.0);
-    let hot = |kelvin: f64| 1.0 + (kelvin - 25.0) / (1.0 / 0.003_93 + 5.0);
     let still = [("inductance [mH]", "0")];
     let look = |robot: &Robot, motor: &Motor| look(robot, motor, 1.0);
     let (evaluation, judged) = look(&robot, &motor(&[], &still));
@@ -404,17 +403,16 @@ fn voltage_and_power_see_the_winding_at_its_hottest() {
     // Loss and what comes back stay at the reference.
     assert_relative_eq!(evaluation.loss, 9.0, max_relative = 1e-9);
     assert_eq!(said(&judged.assumed, "voltage"), None);
-    // The requirement's limit is the lower; without any, the rated current tells.
+    // The requirement's limit is the lower; without any, 100 °C is assumed, and said.
     let mut cooler = robot.clone();
     cooler.joints[0].limits.winding_temperature = Some(373.15);
     let volts = demand(&look(&cooler, &motor(&[], &still)).0, "voltage").unwrap();
     assert_relative_eq!(volts, 3.0 * hot(100.0) + 5.0, max_relative = 1e-9);
     let volts = demand(&look(&robot, &motor(&["max_winding"], &still)).0, "voltage").unwrap();
-    assert_relative_eq!(volts, 3.0 * hot_rated() + 5.0, max_relative = 1e-9);
-    // Nothing tells: cold, and said.
+    assert_relative_eq!(volts, 3.0 * hot(100.0) + 5.0, max_relative = 1e-9);
     let (evaluation, judged) = look(&robot, &motor(&["max_winding", "continuous_current"], &still));
-    assert_relative_eq!(demand(&evaluation, "voltage").unwrap(), 8.0, max_relative = 1e-9);
-    assert!(said(&judged.assumed, "voltage").is_some());
+    assert_relative_eq!(demand(&evaluation, "voltage").unwrap(), 3.0 * hot(100.0) + 5.0, max_relative = 1e-9);
+    assert!(said(&judged.assumed, "winding_temperature").is_some());
     // Power that comes back: 5 · 3 − 9 W, cold.
     let back = self::robot("{ torque = '-0.3 N*m', speed = '50 rad/s', duration = '1 s' }");
     let back = Robot { bus: robot.bus, ..back };

@@ -3,6 +3,7 @@
 mod brute_force;
 mod effects_in_design;
 mod extremes;
+mod golden;
 mod heat_over_motion;
 mod instants;
 mod optimality;

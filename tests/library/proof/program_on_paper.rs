@@ -180,10 +180,13 @@ fn certificates_say_how_and_are_tight() {
                 panic!("{i} is not certified")
             };
             assert!(lower_bound <= optimum.objective && (0.0..=1e-6).contains(&gap));
-            // Relative to the objective, however small: heat is a sum of squares, in which nothing cancels.
-            if matches!(case.robot.joints[0].objective.terms.as_slice(), [(Quantity::Loss, _)]) {
+            // Relative to the objective, however small: heat is a sum of squares, in which nothing cancels. (Nothing but rounding
+            // is no heat.)
+            if optimum.objective > f64::EPSILON
+                && matches!(case.robot.joints[0].objective.terms.as_slice(), [(Quantity::Loss, _)])
+            {
                 let own = (optimum.objective - lower_bound) / optimum.objective;
-                assert!((own - gap).abs() < 1e-9 || own <= gap, "{i}: {own} {gap}");
+                assert!((own - gap).abs() < 1e-9 || own <= gap, "{i}: {own} {gap} {} {lower_bound}", optimum.objective);
                 small += usize::from(optimum.objective < 0.1);
             }
             all += 1;
@@ -563,7 +566,7 @@ fn what_is_not_convex_is_branched_on() {
 #[test]
 fn the_voltage_has_its_price_where_ratios_are_evaluated() {
     let mut checked = 0;
-    for i in 0..8 {
+    for i in 0..16 {
         let mut case = free(i);
         let look = case.look(30.0);
         let current = (look.quantities[0] / case.motor.resistance).sqrt();

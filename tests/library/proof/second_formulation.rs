@@ -131,7 +131,7 @@ impl<'a> Problem<'a> {
         let (l, j) = (inductance.unwrap_or(0.0), motor.rotor_inertia? + gear.inertia);
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
         // Voltage and power taken see the winding at its hottest.
-        let r_hot = r * raw::hottest_factor(motor, asked.winding_temperature, case.robot.ambient);
+        let r_hot = r * raw::hottest_factor(motor, asked.winding_temperature);
         let passed =
             |p: &Point| if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
         let sample = |p: &Point, share: [f64; 2], rubs: f64, phi: f64| {
@@ -170,7 +170,7 @@ impl<'a> Problem<'a> {
             (true, Modulation::Sine) => 0.375_f64.sqrt(),
             (true, Modulation::SpaceVector) => 0.5_f64.sqrt(),
         };
-        let hot = least(&[motor.max_winding_temperature, asked.winding_temperature]);
+        let hot = raw::hottest(motor, asked.winding_temperature);
         let resistance = r * (1.0 + raw::copper(motor.reference_temperature) * (hot - motor.reference_temperature));
         let by_heat = motor.thermal_resistance.map(|r_th| ((hot - case.robot.ambient) / (r_th * resistance)).sqrt());
         let heating = least(&[motor.continuous_current, by_heat]) * k_t;
@@ -182,7 +182,10 @@ impl<'a> Problem<'a> {
             torque: peak.min(motor.peak_torque.unwrap_or(NONE)) / asked.safety,
             rippled_torque: only(peak / asked.safety, ripples),
             rms: only(heating.min(motor.continuous_torque.unwrap_or(NONE)), steady),
-            holding: only(heating, steady && stands),
+            holding: only(
+                if heating < NONE { heating } else { motor.continuous_torque.unwrap_or(NONE) },
+                steady && stands,
+            ),
             own,
             voltage: volt,
             rippled_voltage: only(volt, ripples && inductance.is_some()),

@@ -49,7 +49,9 @@ impl Case {
         // The winding at its hottest, where that is known: here by a highest temperature or not at all.
         let (t_0, hottest) = (motor.reference_temperature, joint.limits.winding_temperature);
         assert!(motor.max_winding_temperature.is_none() && motor.thermal_resistance.is_none());
-        let r_hot = r * hottest.map_or(1.0, |t| 1.0 + (t - t_0) / (1.0 / 0.003_93 + t_0 - 293.15));
+        // 100 °C where nothing says it.
+        let t = hottest.unwrap_or(373.15);
+        let r_hot = r * (1.0 + (t - t_0) / (1.0 / 0.003_93 + t_0 - 293.15));
         let j = motor.rotor_inertia.unwrap() + gear.inertia;
         let (b, c) = (motor.viscous_friction.unwrap_or(0.0), motor.coulomb_friction.unwrap_or(0.0));
         let count = raw.time.len();

@@ -344,7 +344,7 @@ fn draw(index: u64) -> Case {
     let row = |i: usize| {
         let size = within(0.3, 3.0);
         format!(
-            "m{i},q_axis,q_axis,{},{},{},{},{},test,derived\n",
+            "m{i},q_axis,q_axis,{},{},{},{},{},1e6,100,test,derived\n",
             within(0.1, 1.0) / size,
             0.05 * size,
             100.0 * size * size * within(0.5, 2.0),
@@ -352,7 +352,7 @@ fn draw(index: u64) -> Case {
             12.0 * within(0.6, 2.0)
         )
     };
-    let header = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],source,source_kind\n";
+    let header = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],continuous_torque [N*m],reference_temperature [degC],source,source_kind\n";
     let rows: String = (0..motors).map(row).collect();
     let mut catalog = Catalog::from_sources(vec![source("motors.csv", format!("{header}{rows}"))]).unwrap();
     catalog.gears = Catalog::from_sources(vec![source("gears.csv", GEARS.into())]).unwrap().gears;

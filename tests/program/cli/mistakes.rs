@@ -40,9 +40,9 @@ const MOTION: &str = "time [s], torque [N*m], velocity [rad/s]
 0.4,  1.0,  0.5
 ";
 
-const MOTORS: &str = "id,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],pole_pairs,source,source_kind
-alpha-1,line_to_line,dc,0.5,0.2,0.05,300,200,7,a sheet,datasheet
-alpha-2,line_to_line,dc,0.7,0.3,0.06,320,210,7,a sheet,datasheet
+const MOTORS: &str = "id,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],source,source_kind
+alpha-1,line_to_line,dc,0.5,0.2,0.05,300,200,7,9,a sheet,datasheet
+alpha-2,line_to_line,dc,0.7,0.3,0.06,320,210,7,9,a sheet,datasheet
 ";
 
 const GEARS: &str = "id,kind,ratio,stages,efficiency,mass [g],inertia [g*cm^2],continuous_torque [N*m],peak_torque [N*m],fits,source,source_kind

@@ -8,12 +8,12 @@ use std::process::{Command, Output, Stdio};
 use rand::{RngExt, SeedableRng};
 use tempfile::TempDir;
 
-const MOTORS: &str = "id,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],pole_pairs,source,source_kind
-alpha-1,line_to_line,dc,0.5,0.2,0.05,300,200,7,a sheet,datasheet
-alpha-2,line_to_line,dc,0.7,0.3,0.06,320,210,7,a sheet,datasheet
-beta-1,line_to_line,dc,0.2,0.1,0.09,900,500,14,a sheet,datasheet
-beta-2,line_to_line,dc,0.1,0.1,0.08,700,450,14,a sheet,datasheet
-gamma-1,line_to_line,dc,2.5,0.9,0.03,40,90,4,a sheet,datasheet
+const MOTORS: &str = "id,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],source,source_kind
+alpha-1,line_to_line,dc,0.5,0.2,0.05,300,200,7,9,a sheet,datasheet
+alpha-2,line_to_line,dc,0.7,0.3,0.06,320,210,7,9,a sheet,datasheet
+beta-1,line_to_line,dc,0.2,0.1,0.09,900,500,14,9,a sheet,datasheet
+beta-2,line_to_line,dc,0.1,0.1,0.08,700,450,14,9,a sheet,datasheet
+gamma-1,line_to_line,dc,2.5,0.9,0.03,40,90,4,9,a sheet,datasheet
 ";
 
 const MOTION: &str = "time [s], torque [N*m], velocity [rad/s]

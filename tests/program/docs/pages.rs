@@ -117,7 +117,7 @@ fn requirements_are_documented() {
          [mechanism]\nmodel = \"a.urdf\"\ntrajectory = \"x.csv\"\npayload = {{ link = \"a\", mass = \"1 kg\", {NO} }}\n{NO}\n[[joint]]\n{NO}\nname = \"a\"\n\
          ratio = {{ min = 1, max = 2, {NO} }}\ngear = {{ {NO} }}\ndrive = {{ current = \"1 A\", {NO} }}\nobjective = {{ {NO} }}\n\
          reference = {{ {NO} }}\nscale = {{ {NO} }}\npoints = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\", {NO} }} ]\n[joint.limits]\n{NO}\n\
-         torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\", {NO} }}\nspring = {{ {NO} }}\n"
+         torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\", {NO} }}\nspring = {{ {NO} }}\nreserve = {{ {NO} }}\n[joint.mount]\nthermal_resistance_housing_ambient = \"1 K/W\"\n{NO}\n"
     );
     let joint =
         |lines: &str| format!("name = \"x\"\nbus = {{ voltage = \"1 V\" }}\n[[joint]]\nname = \"a\"\n{NO}\n{lines}\n");

@@ -3,3 +3,4 @@
 mod cords;
 mod metamorphic;
 mod unjudged;
+mod written;

@@ -169,9 +169,9 @@ fn gearwise(folder: &std::path::Path, arguments: &[&str]) -> Output {
 
 const MOTION: &str =
     "time [s], torque [N*m], velocity [rad/s]\n0, 1, 1\n0.1, 4, 3\n0.2, 2, 1\n0.3, -1, -3\n0.4, 1, 1\n";
-const MOTORS: &str = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],source,source_kind
-small,q_axis,q_axis,0.9,0.05,60,120,25,a sheet,datasheet
-large,q_axis,q_axis,0.3,0.08,400,420,40,a sheet,datasheet
+const MOTORS: &str = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],continuous_torque [N*m],source,source_kind
+small,q_axis,q_axis,0.9,0.05,60,120,25,9,a sheet,datasheet
+large,q_axis,q_axis,0.3,0.08,400,420,40,9,a sheet,datasheet
 ";
 
 fn arm(budget: &str) -> (tempfile::TempDir, String) {

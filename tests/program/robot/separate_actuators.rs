@@ -118,9 +118,9 @@ fn arm(budget: &str, mechanism: &str, shoulder: &str, elbow: &str) -> tempfile::
     );
     write("arm.toml", &text);
     let row = |(i, [r, k, j, m]): (usize, &[f64; 4])| {
-        format!("m{i},q_axis,q_axis,{r},{k},{},{},500,test,derived\n", j * 1e7, m * 1e3)
+        format!("m{i},q_axis,q_axis,{r},{k},{},{},500,1e6,100,test,derived\n", j * 1e7, m * 1e3)
     };
-    let header = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],source,source_kind\n";
+    let header = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],continuous_torque [N*m],reference_temperature [degC],source,source_kind\n";
     write("motors.csv", &(header.to_string() + &MOTORS.iter().enumerate().map(row).collect::<String>()));
     folder
 }

@@ -3,7 +3,7 @@
 use super::cells::Cells;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::row::MotorRow;
-use crate::catalog::{Conventions, FIELDS, Identity, OwnConventions, Printed, Sheet, SourceKind};
+use crate::catalog::{About, Conventions, FIELDS, Identity, OwnConventions, Printed, Sheet, SourceKind};
 use crate::input::Source;
 use crate::words::number;
 
@@ -139,6 +139,7 @@ pub fn read(cells: &mut Cells, key: &str, source: &Source) -> Option<MotorRow> {
         manufacturer,
         model,
         accepted_findings: Vec::new(),
+        about: About::default(),
     };
     Some(MotorRow::new(identity, conventions, sheet, None))
 }

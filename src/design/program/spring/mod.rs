@@ -16,7 +16,9 @@ mod region;
 mod search;
 
 use super::Bind;
-use super::{Certificate, GAP_TOLERANCE, Infeasible, Optimum, RatioProgram, Refusal, Unsolved, Window};
+use super::{
+    Certificate, GAP_TOLERANCE, Infeasible, Optimum, RatioProgram, Refusal, Unsolved, Window, with_constant_mass,
+};
 use crate::actuator::Load;
 use crate::design::Candidate;
 use crate::design::evaluate::Prepared;
@@ -81,6 +83,16 @@ pub fn solve(
         return Ok(SpringOptimum {
             optimum: found.optimum.times(weight),
             lower_bound: found.lower_bound.map(|bound| weight * bound),
+            ..found
+        });
+    }
+    if let Some((rest, constant)) = with_constant_mass(prepared, objective) {
+        let found = solve(prepared, &rest, spring, (min, max), covered)?;
+        let gap = |gap: f64| gap * (found.optimum.objective / (found.optimum.objective + constant)).abs();
+        return Ok(SpringOptimum {
+            lower_bound: found.lower_bound.map(|bound| bound + constant),
+            gap: found.gap.map(gap),
+            optimum: found.optimum.clone().plus(constant),
             ..found
         });
     }

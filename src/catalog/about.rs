@@ -1,0 +1,36 @@
+//! What a row says of its motor beyond its numbers: how it is built, and how the row belongs with others.
+
+use super::convention::has_words;
+
+/// How a motor is built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Construction {
+    /// Stator and rotor without shaft, bearings or housing.
+    Frameless,
+    /// An inner rotor in a housing of its own.
+    Housed,
+    /// An outer rotor on bearings of its own.
+    Outrunner,
+}
+
+impl Construction {
+    /// Every construction with the word a catalogue uses for it.
+    pub const NAMES: &[(&str, Construction)] = &[
+        ("frameless", Construction::Frameless),
+        ("housed", Construction::Housed),
+        ("outrunner", Construction::Outrunner),
+    ];
+}
+
+has_words!(Construction);
+
+/// What a row says of its motor beyond its numbers.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct About {
+    /// How it is built; `None` where the row does not say.
+    pub construction: Option<Construction>,
+    /// The module that it is only sold in; empty where it can be bought alone.
+    pub only_inside: String,
+    /// The id of a newer row of the same motor; empty where there is none.
+    pub same_as: String,
+}

@@ -1,0 +1,64 @@
+//! Numbers that a row lacks and that are estimated: what is kept of them.
+
+use super::about::Construction;
+use super::convention::{has_words, word};
+
+/// What may be estimated of a motor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Estimated {
+    /// Thermal resistance from winding to ambient \[K/W\].
+    ThermalResistance,
+    /// Rotor inertia \[kg·m²\].
+    RotorInertia,
+    /// Inductance on the q axis \[H\].
+    Inductance,
+}
+
+impl Estimated {
+    /// Every quantity with its name.
+    pub const NAMES: &[(&str, Estimated)] = &[
+        ("thermal_resistance", Estimated::ThermalResistance),
+        ("rotor_inertia", Estimated::RotorInertia),
+        ("inductance", Estimated::Inductance),
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        word(Estimated::NAMES, &self)
+    }
+
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Estimated::ThermalResistance => "thermal resistance",
+            Estimated::RotorInertia => "rotor inertia",
+            Estimated::Inductance => "inductance",
+        }
+    }
+
+    /// Its SI unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Estimated::ThermalResistance => "K/W",
+            Estimated::RotorInertia => "kg*m^2",
+            Estimated::Inductance => "H",
+        }
+    }
+}
+
+has_words!(Estimated);
+
+/// An estimated number of a motor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// What it is of.
+    pub of: Estimated,
+    /// The number that the model computes with, SI: the pessimistic end of the prediction interval (one-sided, 90 %).
+    pub value: f64,
+    /// The middle of the interval, SI.
+    pub middle: f64,
+    /// Rows that it is made from.
+    pub rows: usize,
+    /// How they are built.
+    pub construction: Construction,
+}

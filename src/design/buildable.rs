@@ -1,0 +1,232 @@
+//! Ratios that can be built: planetary gears of few teeth near an optimum, and what they cost.
+//!
+//! The one idea: a ratio of a proof has as many digits as a number has; a gear has teeth. A simple planetary stage (ring
+//! held, sun in, carrier out) has 1 + ring/sun. Where three planets fit and can be assembled, it is one of the ratios that are
+//! listed here; the motor is solved again at such a ratio, so that what is written keeps every limit.
+
+use std::sync::LazyLock;
+
+use super::answer::{Design, Refused};
+use super::best::best_design;
+use super::mount::{JointDemand, Site};
+use crate::catalog::{Catalog, Motor};
+use crate::requirement::{Joint, RatioChoice, Robot};
+
+/// A simple planetary stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stage {
+    /// Teeth of the sun.
+    pub sun: u32,
+    /// Teeth of the ring.
+    pub ring: u32,
+}
+
+/// Planets of a stage.
+const PLANETS: u32 = 3;
+/// Fewest teeth of sun and planet: fewer are undercut.
+const FEWEST_TEETH: u32 = 12;
+/// Most teeth of a ring.
+const MOST_TEETH: u32 = 120;
+/// Most teeth of a sun.
+const LARGEST_SUN: u32 = 48;
+/// Largest ratio of a stage that is listed.
+const LARGEST_STAGE: f64 = 10.0;
+/// A gear this near to the optimum (relative) is taken for its few teeth.
+const NEAR: f64 = 0.01;
+/// Further away than this (relative) none is looked for.
+const FAR: f64 = 0.1;
+/// Most ratios that are tried for one design.
+const TRIES: usize = 6;
+
+impl Stage {
+    /// Its ratio.
+    pub fn ratio(self) -> f64 {
+        1.0 + f64::from(self.ring) / f64::from(self.sun)
+    }
+
+    /// Teeth of a planet.
+    pub fn planet(self) -> u32 {
+        self.ring.saturating_sub(self.sun) / 2
+    }
+
+    /// Whether three equal planets fit between sun and ring and can be put in at equal distances.
+    pub fn can_be_assembled(self) -> bool {
+        let Stage { sun, ring } = self;
+        let even = ring > sun && (ring - sun).is_multiple_of(2) && (ring + sun).is_multiple_of(PLANETS);
+        // Neighbours do not touch: their centres are apart by more than two outer radii.
+        let apart = f64::from(sun + self.planet()) * (std::f64::consts::PI / f64::from(PLANETS)).sin();
+        even && self.planet() >= FEWEST_TEETH && apart > f64::from(self.planet() + 2)
+    }
+}
+
+/// A gear of one to three simple planetary stages.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Train {
+    /// Its stages, the motor's first.
+    pub stages: Vec<Stage>,
+}
+
+impl Train {
+    /// Its ratio.
+    pub fn ratio(&self) -> f64 {
+        self.stages.iter().map(|stage| stage.ratio()).product()
+    }
+
+    /// All teeth of suns and rings.
+    fn teeth(&self) -> u32 {
+        self.stages.iter().map(|stage| stage.sun + stage.ring).sum()
+    }
+}
+
+/// Every stage that can be assembled, of each ratio the one with the fewest teeth, by ratio.
+fn stages() -> &'static [Stage] {
+    static ALL: LazyLock<Vec<Stage>> = LazyLock::new(|| {
+        let mut all: Vec<Stage> = (FEWEST_TEETH..=LARGEST_SUN)
+            .flat_map(|sun| (sun + 1..=MOST_TEETH).map(move |ring| Stage { sun, ring }))
+            .filter(|stage| stage.ring > stage.sun && stage.can_be_assembled() && stage.ratio() <= LARGEST_STAGE)
+            .collect();
+        all.sort_by(|a, b| a.ratio().total_cmp(&b.ratio()).then(a.ring.cmp(&b.ring)));
+        all.dedup_by(|b, a| (a.ratio() - b.ratio()).abs() < 1e-12);
+        all
+    });
+    &ALL
+}
+
+/// The stages that are put one behind another: those of few teeth.
+fn few_teeth(most: u32) -> impl Iterator<Item = Stage> + Clone {
+    stages().iter().copied().filter(move |stage| stage.ring <= most)
+}
+
+/// Gears whose ratio lies between two, those near `ratio` with the fewest teeth first, then the nearest.
+pub fn trains(ratio: f64, (min, max): (f64, f64)) -> Vec<Train> {
+    let within = |r: f64| min <= r && r <= max && (r / ratio - 1.0).abs() <= FAR;
+    let mut found: Vec<Train> = Vec::new();
+    if ratio <= LARGEST_STAGE * (1.0 + FAR) {
+        let one = few_teeth(MOST_TEETH).filter(|a| within(a.ratio()));
+        found.extend(one.map(|a| Train { stages: vec![a] }));
+    } else if ratio <= LARGEST_STAGE.powi(2) * (1.0 + FAR) {
+        let all: Vec<Stage> = few_teeth(84).collect();
+        for (k, a) in all.iter().enumerate() {
+            let second = all[k..].iter().filter(|b| within(a.ratio() * b.ratio()));
+            found.extend(second.map(|b| Train { stages: vec![*b, *a] }));
+        }
+    } else {
+        let all: Vec<Stage> = few_teeth(60).collect();
+        for (k, a) in all.iter().enumerate() {
+            for (l, b) in all.iter().enumerate().skip(k) {
+                let third = all[l..].iter().filter(|c| within(a.ratio() * b.ratio() * c.ratio()));
+                found.extend(third.map(|c| Train { stages: vec![*c, *b, *a] }));
+            }
+        }
+    }
+    let away = |train: &Train| (train.ratio() / ratio - 1.0).abs();
+    let rank = |train: &Train| match away(train) {
+        off if off <= NEAR => (0, f64::from(train.teeth()), off),
+        off => (1, off, 0.0),
+    };
+    found.sort_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.total_cmp(&b.2))
+    });
+    found
+}
+
+/// A design at a ratio that can be built.
+#[derive(Debug, Clone)]
+pub struct Built<'a> {
+    /// A gear that has the ratio; `None` where it is rounded to few digits.
+    pub train: Option<Train>,
+    /// The design, solved again at that ratio: with its spring, where the joint asks for one.
+    pub design: Design<'a>,
+}
+
+/// A design of a free ratio at a ratio that can be built: that of a simple planetary gear inside the window of the
+/// optimum; else with fewer digits. `None` where neither keeps the limits, or the ratio is none that is free.
+pub fn built<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Design<'a>) -> Option<Built<'a>> {
+    let RatioChoice::Continuous { min, max } = joint.ratio else { return None };
+    if design.gear.is_some() {
+        return None;
+    }
+    let optimal = design.optimum.ratio;
+    // With a spring the window is that of the spring found; another ratio brings another spring.
+    let window = match joint.limits.spring {
+        Some(_) => (min, max),
+        None => (design.optimum.window().min, design.optimum.window().max),
+    };
+    let trains = trains(optimal, window).into_iter().take(TRIES).map(|train| (train.ratio(), Some(train)));
+    let rounded = rounded(optimal, window).into_iter().map(|ratio| (ratio, None));
+    trains.chain(rounded).find_map(|(ratio, train)| {
+        let design = at_ratio(robot, joint, catalog, design.motor, ratio)?;
+        Some(Built { train, design })
+    })
+}
+
+/// The ratio with few digits, downwards and upwards, where that stays inside a window.
+fn rounded(ratio: f64, (min, max): (f64, f64)) -> Vec<f64> {
+    let digits = |digits: i32| {
+        let step = 10.0_f64.powi(ratio.log10().floor() as i32 + 1 - digits);
+        [(ratio / step).floor() * step, (ratio / step).ceil() * step]
+    };
+    let all = [3, 4, 5].into_iter().flat_map(digits);
+    let all = all.map(|r| format!("{r:.6}").parse().unwrap_or(r));
+    all.filter(|r| min <= *r && *r <= max).collect()
+}
+
+/// The best design of a motor at one ratio; `None` where it is no choice there.
+fn at_ratio<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, motor: &'a Motor, ratio: f64) -> Option<Design<'a>> {
+    let joint = Joint { ratio: RatioChoice::Continuous { min: ratio, max: ratio }, ..joint.clone() };
+    let demand = JointDemand::new(&joint, catalog);
+    let found: Result<Design, Refused> = best_design(Site::new(robot, &joint, &demand), motor, false);
+    let Design { optimum, evaluation, unchecked, assumed, winding_temperature, reversal_time, spring, .. } =
+        found.ok()?;
+    Some(Design {
+        motor,
+        gear: None,
+        optimum,
+        evaluation,
+        unchecked,
+        assumed,
+        winding_temperature,
+        reversal_time,
+        spring,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_are_those_that_can_be_put_together() {
+        // 24/72 with planets of 24: 96/3 is whole, the planets fit. 20/60: 80/3 is not.
+        assert!(Stage { sun: 24, ring: 72 }.can_be_assembled());
+        assert!(!Stage { sun: 20, ring: 60 }.can_be_assembled());
+        assert!((Stage { sun: 24, ring: 72 }.ratio() - 4.0).abs() < 1e-12);
+        for stage in stages() {
+            assert_eq!((stage.sun + stage.ring) % 3, 0);
+            assert_eq!(stage.sun + 2 * stage.planet(), stage.ring);
+            assert!(stage.planet() >= FEWEST_TEETH && stage.ratio() <= LARGEST_STAGE);
+        }
+    }
+
+    #[test]
+    fn trains_stay_in_their_window_and_the_first_is_near_with_few_teeth() {
+        for (ratio, window) in
+            [(4.02, (3.0, 4.02)), (9.84, (5.0, 9.84)), (45.93, (20.0, 45.93)), (133.6, (62.0, 133.6))]
+        {
+            let found = trains(ratio, window);
+            assert!(!found.is_empty(), "{ratio}");
+            assert!(found.iter().all(|t| window.0 <= t.ratio() && t.ratio() <= window.1));
+            let first = &found[0];
+            let near: Vec<&Train> = found.iter().filter(|t| (t.ratio() / ratio - 1.0).abs() <= NEAR).collect();
+            assert!(near.is_empty() || near.iter().all(|t| first.teeth() <= t.teeth()), "{ratio} {first:?}");
+        }
+        assert!(trains(1.5, (1.0, 2.0)).is_empty());
+    }
+
+    #[test]
+    fn a_rounded_ratio_stays_inside() {
+        assert_eq!(rounded(1.53718, (1.0, 1.53718)), [1.53, 1.537, 1.5371]);
+        assert!(rounded(1.53718, (1.53717, 1.53719)).is_empty());
+    }
+}

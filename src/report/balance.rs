@@ -1,0 +1,70 @@
+//! What a balanced objective is balanced from: three designs next to each other.
+
+use super::number;
+use super::table::{Column, Table, paragraph};
+use crate::design::answer::JointResult;
+use crate::requirement::{Balance, Balancing, Extreme};
+
+/// How the objective came about, in a sentence.
+pub fn sentence(balance: &Balance) -> String {
+    format!(
+        "Balanced: the least loss/{} W + mass/{} kg, the geometric means of the lightest design and of that with the least loss.",
+        number(balance.loss),
+        number(balance.mass)
+    )
+}
+
+/// The three designs of a joint with their cells: name, motor, gear, N, loss, mass.
+pub fn rows(result: &JointResult, balance: &Balance) -> Vec<Vec<String>> {
+    let row = |name: &str, motor: &str, gear: Option<&str>, numbers: [Option<f64>; 3]| {
+        let motor = gear.map_or_else(|| motor.to_string(), |gear| format!("{motor}\nwith {gear}"));
+        let cells = numbers.map(|n| n.map_or_else(|| "?".into(), number));
+        [vec![name.to_string(), motor], cells.to_vec()].concat()
+    };
+    let end = |name: &str, of: &Extreme| {
+        row(name, &of.motor, of.gear.as_deref(), [Some(of.ratio), Some(of.loss), Some(of.mass)])
+    };
+    let first = result.candidates.first().map(|d| {
+        let e = &d.evaluation;
+        row("balanced", &d.motor.id, d.gear, [Some(e.ratio), Some(e.loss), e.mass])
+    });
+    let ends = (end("lightest", &balance.lightest), end("least loss", &balance.least_loss));
+    [Some(ends.0), first, Some(ends.1)].into_iter().flatten().collect()
+}
+
+/// Headings of [`rows`].
+pub fn columns() -> Vec<Column> {
+    vec![
+        Column::name("choice"),
+        Column::name("motor"),
+        Column::number("N", ""),
+        Column::number("loss", "W"),
+        Column::number("mass", "kg"),
+    ]
+}
+
+/// The three designs of a joint, or why there are none.
+pub fn text(result: &JointResult) -> String {
+    match &result.joint.balancing {
+        Balancing::Made(balance) => {
+            let mut table = Table::new(columns()).indented(2);
+            for row in rows(result, balance) {
+                table.push(row, Vec::new());
+            }
+            let mut out = paragraph(&sentence(balance), 2, 4);
+            if result.joint.limits.actuator_mass.is_none() && result.joint.limits.reflected_inertia.is_none() {
+                out.push_str(&paragraph(NO_LIMIT, 2, 4));
+            }
+            out + "\n" + &table.text()
+        }
+        Balancing::Cannot(why) => paragraph(
+            &format!("No objective is stated, and it cannot be balanced: {why}. The least loss counts."),
+            2,
+            4,
+        ),
+        Balancing::No | Balancing::Asked => String::new(),
+    }
+}
+
+/// What is said where nothing holds the least loss back.
+const NO_LIMIT: &str = "No limit on mass or inertia: the design with the least loss is that of the largest motor.";

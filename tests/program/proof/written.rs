@@ -1,0 +1,169 @@
+//! What `optimize --write-design` writes passes `check` with the same rules: of random joints, with free ratios and gears, with
+//! springs, and with rules of one's own.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+use serde_json::Value;
+
+use crate::common::repository;
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Rules with a bound on a measure: of gearwise, and one's own.
+fn is_bound(code: &str) -> bool {
+    ["GW101", "GW102", "GW103", "GW104", "GW105", "GW106", "GW107", "GW108", "GW109"].contains(&code)
+        || !code.starts_with("GW")
+}
+
+const RULES: &str = "
+[[rule]]
+rule = \"voltage-headroom\"
+min = 0.2
+reason = \"the battery sags\"
+[[rule]]
+name = \"cool\"
+measure = \"continuous_current_margin\"
+min = 0.25
+severity = \"error\"
+reason = \"a closed housing\"
+[[rule]]
+name = \"light\"
+measure = \"mass\"
+max = \"1.5 kg\"
+severity = \"error\"
+reason = \"a leg\"
+[[rule]]
+name = \"quiet\"
+measure = \"loss\"
+max = \"20 W\"
+severity = \"error\"
+reason = \"no limit of the model bounds it: looked at on the result\"
+";
+
+#[test]
+fn what_is_written_passes_its_rules() {
+    let mut generator = Pcg64::seed_from_u64(1806);
+    let mut random = move || (generator.next_u64() >> 11) as f64 * 2.0_f64.powi(-53);
+    let (mut written, mut tightened, mut built) = (0, 0, 0);
+    for round in 0..16 {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path();
+        let mut between = |low: f64, high: f64| low * (high / low).powf(random());
+        let (torque, speed) = (between(2.0, 50.0), between(2.0, 15.0));
+        let geared = round % 4 == 1;
+        let ratio = if geared {
+            "gears = [\"planetary-*\", \"strain-wave-*\"]".to_string()
+        } else {
+            "ratio = { min = 3, max = 100 }\ngear = { efficiency = 0.9, mass = \"200 g\", inertia = \"5e-6 kg*m^2\" }"
+                .into()
+        };
+        // A swing whose torque goes with the angle, for the spring.
+        let mut motion = String::from("time [s], torque [N*m], velocity [rad/s], position [rad]\n");
+        for k in 0..=40 {
+            let (t, w) = (f64::from(k) / 40.0, std::f64::consts::TAU);
+            let (q, v) = (speed / w * (w * t).sin(), speed * (w * t).cos());
+            motion.push_str(&format!("{t},{},{v},{q}\n", torque * (w * t).sin() + 0.1 * torque * (w * t).cos()));
+        }
+        fs::write(at.join("motion.csv"), motion).unwrap();
+        let spring = match round % 8 {
+            2 => format!(
+                "spring = {{ stiffness = [\"0 N*m/rad\", \"{} N*m/rad\"], rest_angle = [\"-10 deg\", \"10 deg\"] }}\n",
+                torque
+            ),
+            _ => String::new(),
+        };
+        let text = format!(
+            "name = \"robot\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"60 A\"\n[[joint]]\nname = \"joint\"\n{ratio}\n\
+             motion = \"motion.csv\"\nperiodic = true\n[joint.limits]\nsafety = 1.1\n{spring}"
+        );
+        fs::write(at.join("robot.toml"), text).unwrap();
+        fs::write(at.join("rules.toml"), RULES).unwrap();
+        let own = round % 2 == 1;
+        let mut arguments = vec!["optimize", "robot.toml", "--write-design", "design.toml", "--only-top", "40"];
+        if own {
+            arguments.extend(["--rules", "rules.toml"]);
+        }
+        let output = run(at, &arguments);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+        tightened += usize::from(printed.contains("the rules cost"));
+        if !at.join("design.toml").exists() {
+            assert!(said.contains("no design written: "), "{round}: {said}");
+            continue;
+        }
+        written += 1;
+        let design = fs::read_to_string(at.join("design.toml")).unwrap();
+        assert_eq!(design.contains("rules = "), own, "{design}");
+        built += usize::from(design.contains("planetary: sun"));
+        assert!(geared || design.contains("optimal_ratio = "), "{design}");
+        let output = run(at, &["check", "design.toml", "--json"]);
+        let found: Value = serde_json::from_slice(&output.stdout)
+            .unwrap_or_else(|e| panic!("{round}: {e}: {}", String::from_utf8_lossy(&output.stderr)));
+        assert_eq!((output.status.code(), &found["passes"]), (Some(0), &Value::Bool(true)), "{round}: {found}");
+        for finding in found["findings"].as_array().unwrap() {
+            let code = finding["code"].as_str().unwrap();
+            let weighs = finding["severity"] != "note";
+            assert!(!(weighs && is_bound(code)), "{round}: {finding}\n{design}");
+        }
+    }
+    assert!(written >= 10 && tightened >= 4 && built >= 4, "{written} written, {tightened} tightened, {built} built");
+}
+
+/// Without rules the optimum may lie on a limit, and the check says so: what the rules are there for.
+#[test]
+fn without_rules_the_optimum_may_break_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let robot = repository("requirements/arm_six_axis_pick_and_place.toml");
+    let robot = robot.to_str().unwrap();
+    let design = folder.path().join("design.toml");
+    let design = design.to_str().unwrap();
+    let here = repository("");
+    let warnings = |options: &[&str]| {
+        let output = run(&here, &[&["optimize", robot, "--write-design", design], options].concat());
+        assert_eq!(output.status.code(), Some(0));
+        let found: Value = serde_json::from_slice(&run(&here, &["check", design, "--json"]).stdout).unwrap();
+        let all = found["findings"].as_array().unwrap();
+        all.iter().filter(|f| f["severity"] != "note" && is_bound(f["code"].as_str().unwrap())).count()
+    };
+    assert!(warnings(&["--no-rules"]) > 0);
+    assert_eq!(warnings(&[]), 0);
+}
+
+#[test]
+fn a_rules_file_of_the_requirement_is_kept_and_its_mistakes_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let text = "name = \"robot\"\nrules = \"rules.toml\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"joint\"\nratio = { min = 3, max = 30 }\n\
+        points = [ { torque = \"5 N*m\", speed = \"40 rad/s\", duration = \"1 s\" } ]\n";
+    fs::write(at.join("robot.toml"), text).unwrap();
+    fs::write(at.join("rules.toml"), RULES).unwrap();
+    let ratio = |options: &[&str]| {
+        let output = run(at, &[&["optimize", "robot.toml", "--json"], options].concat());
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let first = found["joints"][0]["candidates"][0].clone();
+        (first["ratio"].as_f64().unwrap(), first["loss_w"].as_f64().unwrap())
+    };
+    let (with, without) = (ratio(&[]), ratio(&["--no-rules"]));
+    assert!(with.1 >= without.1 && with != without, "{with:?} {without:?}");
+    fs::write(at.join("rules.toml"), RULES.replace("min = 0.2\n", "min = \"abc\"\n")).unwrap();
+    let output = run(at, &["optimize", "robot.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("rules.toml"));
+    let output = run(at, &["optimize", "robot.toml", "--rules", "nothing.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    // A share of one or more leaves nothing.
+    fs::write(
+        at.join("robot.toml"),
+        format!("{text}limits = {{ reserve = {{ voltage = 1.5 }} }}\n").replace("rules = \"rules.toml\"\n", ""),
+    )
+    .unwrap();
+    let output = run(at, &["optimize", "robot.toml"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && said.contains("voltage") && said.contains("less than 1"), "{said}");
+}
