@@ -107,26 +107,32 @@ impl Candidate<'_> {
     /// gives a rating alone, what that says at most.
     pub fn thermal_resistance(&self) -> Option<f64> {
         let rated = self.motor.rated_thermal_resistance.filter(|_| self.is_rated());
-        self.mounted_resistance().or(self.motor.thermal_resistance).or(rated)
+        if self.is_mounted() {
+            return self.mounted_resistance();
+        }
+        self.motor.thermal_resistance.or(rated)
     }
 
     /// Whether the thermal resistance is told from the motor's rating, because the requirement states a temperature and
     /// the row gives no resistance.
     pub fn is_rated(&self) -> bool {
         let Motor { thermal_resistance, rated_thermal_resistance, .. } = self.motor;
-        let stated = self.joint.limits.winding_temperature.is_some();
+        let stated = self.joint.limits.winding_temperature.is_some() || self.is_mounted();
         stated && thermal_resistance.is_none() && rated_thermal_resistance.is_some()
     }
 
-    /// The same with the mount's resistance, where the joint says one and the row what to add to it.
+    /// The same with the mount's resistance, where the joint says one: added to the winding's own, or to all of the row's
+    /// where it does not say what part that is. The winding's part is no more than the whole: that is from above.
     fn mounted_resistance(&self) -> Option<f64> {
         let mount = self.joint.limits.mount_resistance?;
-        Some(self.motor.sheet.thermal_resistance_winding_housing?.value + mount)
+        let own = self.motor.sheet.thermal_resistance_winding_housing.map(|p| p.value);
+        let whole = self.motor.thermal_resistance.or(self.motor.rated_thermal_resistance);
+        Some(own.or(whole)? + mount)
     }
 
     /// Whether what the row says of heat is that of another mounting than the joint's: its ratings do not count then.
     pub fn is_mounted(&self) -> bool {
-        self.mounted_resistance().is_some()
+        self.joint.limits.mount_resistance.is_some()
     }
 
     /// The motor's continuous current \[A\], where it counts.

@@ -142,13 +142,16 @@ fn tells_heat(motor: &Motor) -> bool {
 }
 
 /// A point of a regression: which motor it is of, ln mass, ln y.
-type Point<'m> = ((&'m str, u64), f64, f64);
+type Point<'m> = (MotorKey<'m>, f64, f64);
+
+/// What windings of one motor have in common: maker, mass and outer diameter.
+type MotorKey<'m> = (&'m str, u64, Option<u64>);
 
 /// One point for each motor: the mean over its windings.
 fn per_motor(points: &[Point]) -> Vec<(f64, f64)> {
-    let mut motors: Vec<(&str, u64)> = points.iter().map(|p| p.0).collect();
+    let mut motors: Vec<MotorKey> = points.iter().map(|p| p.0).collect();
     motors.dedup();
-    let mean = |motor: &(&str, u64)| {
+    let mean = |motor: &MotorKey| {
         let own: Vec<&Point> = points.iter().filter(|p| p.0 == *motor).collect();
         let n = own.len() as f64;
         (own.iter().map(|p| p.1).sum::<f64>() / n, own.iter().map(|p| p.2).sum::<f64>() / n)
@@ -162,7 +165,8 @@ impl Law {
         let mut points: Vec<Point> = Vec::new();
         for motor in motors.iter().filter(|m| is_alone(m) && m.about.construction == Some(construction)) {
             let Some((Some(y), mass)) = reduced(of, motor).map(|r| r.0).zip(motor.mass) else { continue };
-            points.push(((motor.manufacturer.as_str(), mass.to_bits()), mass.ln(), y.ln()));
+            let diameter = motor.sheet.outer_diameter.map(|p| p.value.to_bits());
+            points.push(((motor.manufacturer.as_str(), mass.to_bits(), diameter), mass.ln(), y.ln()));
         }
         points.sort_by(|a, b| a.0.cmp(&b.0));
         let sloped = of != Estimated::RotorInertia;
@@ -249,7 +253,7 @@ pub fn builtin_laws() -> &'static [Law] {
 /// The motor with what its row lacks and a law of the built-in catalogue says. What is estimated stands in
 /// `motor.estimates`.
 pub fn completed(motor: Motor) -> Motor {
-    if !is_alone(&motor) {
+    if !motor.about.only_inside.is_empty() {
         return motor;
     }
     let law = |of: Estimated| {
@@ -294,6 +298,7 @@ mod tests {
             (Estimated::ThermalResistance, Housed),
             (Estimated::ThermalResistance, Outrunner),
             (Estimated::RotorInertia, Frameless),
+            (Estimated::RotorInertia, Housed),
             (Estimated::Inductance, Outrunner),
         ];
         assert_eq!(shipped, expected);
@@ -323,8 +328,10 @@ mod tests {
         for construction in [Construction::Frameless, Construction::Housed, Construction::Outrunner] {
             let (mut beyond, mut seen) = (0, Vec::new());
             for motor in all.iter().filter(|m| is_alone(m) && m.about.construction == Some(construction)) {
-                let same = |m: &&Motor| m.manufacturer == motor.manufacturer && m.mass == motor.mass;
-                let name = (motor.manufacturer.clone(), motor.mass.map(f64::to_bits));
+                let diameter = |m: &Motor| m.sheet.outer_diameter.map(|p| p.value.to_bits());
+                let key = |m: &Motor| (m.manufacturer.clone(), m.mass.map(f64::to_bits), diameter(m));
+                let same = |m: &&Motor| key(m) == key(motor);
+                let name = key(motor);
                 let told: Vec<f64> = all
                     .iter()
                     .filter(same)

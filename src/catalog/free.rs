@@ -8,9 +8,10 @@ impl Catalog {
     /// `also_inside`; a row that is `same_as` another is joined with it. Both can still be named ([`Catalog::motor`]):
     /// they stand in `aside`.
     pub fn free(self, also_inside: bool) -> Catalog {
-        let ids: Vec<String> = self.motors.iter().map(|m| m.id.clone()).collect();
-        let is_twin = |m: &Motor| ids.contains(&m.about.same_as);
         let is_inside = |m: &Motor| !also_inside && !m.about.only_inside.is_empty();
+        // A row that is the same as one inside a module stays where that one leaves.
+        let ids: Vec<String> = self.motors.iter().filter(|m| !is_inside(m)).map(|m| m.id.clone()).collect();
+        let is_twin = |m: &Motor| ids.contains(&m.about.same_as);
         let (aside, motors): (Vec<Motor>, Vec<Motor>) =
             self.motors.into_iter().partition(|m| is_twin(m) || is_inside(m));
         let join = |motor: Motor| {

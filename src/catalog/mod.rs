@@ -90,7 +90,8 @@ impl Catalog {
         BUILTIN.iter().map(|(name, text)| Arc::new(Source::new(*name, *text))).collect()
     }
 
-    /// Reads files and the `*.csv` files in folders (one level, and `motors`, `gears` below).
+    /// Reads files and the `*.csv` files in folders (one level, and `motors`, `gears` below). The words `builtin` and `user`
+    /// are the built-in catalogue and the user's own ([`user_catalog`]); a file of such a name is `./builtin`.
     ///
     /// # Errors
     /// All mistakes of all files.
@@ -117,7 +118,13 @@ impl Catalog {
     pub fn sources(paths: &[PathBuf]) -> Result<Vec<Arc<Source>>, (Vec<Arc<Source>>, Vec<InputError>)> {
         let mut files = Vec::new();
         let mut errors = Vec::new();
+        let mut sources = Vec::new();
         for path in paths {
+            if path.as_os_str() == BUILTIN_WORD {
+                sources.extend(Catalog::builtin_sources());
+                continue;
+            }
+            let path = &if path.as_os_str() == USER_WORD { user_catalog() } else { path.clone() };
             if path.is_dir() {
                 let found = csv_files(path);
                 if found.is_empty() {
@@ -132,7 +139,6 @@ impl Catalog {
                 files.push(path.clone());
             }
         }
-        let mut sources = Vec::new();
         for file in files {
             match Source::read(&file) {
                 Ok(source) => sources.push(source),
@@ -174,6 +180,7 @@ impl Catalog {
                 Err(error) => errors.push(error),
             }
         }
+        errors.extend(sources.iter().flat_map(|source| wrong_twins(source, &catalog.motors)));
         if !errors.is_empty() {
             return Err(errors);
         }
@@ -181,6 +188,20 @@ impl Catalog {
         catalog.gears.sort_by(|a, b| a.id.cmp(&b.id));
         catalog.origin = Origin::Files(sources);
         Ok(catalog)
+    }
+
+    /// Up to three motors whose id or model has a text in it, or are near it, for whoever wrote another id.
+    pub fn near(&self, text: &str) -> Vec<&str> {
+        let plain = |text: &str| text.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
+        let wanted = plain(text);
+        let has =
+            |m: &&Motor| !wanted.is_empty() && (plain(&m.id).contains(&wanted) || plain(&m.model).contains(&wanted));
+        let all = || self.motors.iter().chain(&self.aside);
+        let found: Vec<&str> = all().filter(has).take(3).map(|m| m.id.as_str()).collect();
+        match found.is_empty() {
+            true => crate::words::nearest(text, all().map(|m| m.id.as_str())).into_iter().collect(),
+            false => found,
+        }
     }
 
     /// The motor with this id, or the nearest id that exists.
@@ -194,6 +215,51 @@ impl Catalog {
             .find(|m| m.id == id)
             .ok_or_else(|| crate::words::nearest(id, self.motors.iter().map(|m| m.id.as_str())))
     }
+}
+
+/// The word for the built-in catalogue among paths.
+pub const BUILTIN_WORD: &str = "builtin";
+
+/// The word for the user's own catalogue among paths.
+pub const USER_WORD: &str = "user";
+
+/// Whether a path is one of these words.
+pub fn is_word(path: &str) -> bool {
+    [BUILTIN_WORD, USER_WORD].contains(&path)
+}
+
+/// Where a file or folder of a catalogue is that a file names which stands in a folder; a word stays one.
+pub fn place(folder: &Path, named: &str) -> PathBuf {
+    if is_word(named) { named.into() } else { folder.join(named) }
+}
+
+/// Where the user's own catalogue is: `$GEARWISE_CATALOG`, else the folder `gearwise` in the system's configuration directory.
+/// It is never read unless it is named.
+pub fn user_catalog() -> PathBuf {
+    let of = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let home = |below: &str| of("HOME").map(|home| home.join(below));
+    let configuration = match std::env::consts::OS {
+        "windows" => of("APPDATA"),
+        "macos" => home("Library/Application Support"),
+        _ => of("XDG_CONFIG_HOME").or_else(|| home(".config")),
+    };
+    of("GEARWISE_CATALOG").or(configuration.map(|c| c.join("gearwise"))).unwrap_or_else(|| "gearwise".into())
+}
+
+/// Rows of a file that are said to be the same motor as one that is itself the same as another: neither would count.
+fn wrong_twins(source: &Arc<Source>, motors: &[Motor]) -> Option<InputError> {
+    let other = |motor: &Motor| motors.iter().find(|m| m.id == motor.about.same_as && !m.id.is_empty());
+    let wrong = motors.iter().filter(|m| other(m).is_some_and(|o| !o.about.same_as.is_empty()));
+    let problem = |motor: &Motor| {
+        // Each is reported where its own row is.
+        let at = source.text().find(&format!("{},", motor.id))?;
+        let message =
+            format!("`{}` is `same_as` `{}`, which is itself `same_as` another row", motor.id, motor.about.same_as);
+        let problem = Problem::at(at..at + motor.id.len(), message, "this row");
+        Some(problem.help("name the one row that counts; that row has no `same_as`"))
+    };
+    let problems: Vec<Problem> = wrong.filter_map(problem).collect();
+    (!problems.is_empty()).then(|| InputError { source: source.clone(), problems })
 }
 
 fn csv_files(folder: &Path) -> Vec<PathBuf> {

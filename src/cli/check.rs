@@ -77,7 +77,8 @@ fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failu
 
 fn checked(arguments: &Arguments) -> Result<Done, Failure> {
     let mut design = DesignFile::read(&arguments.design)?;
-    let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
+    let named = arguments.catalog.paths();
+    let paths = if named.is_empty() { &design.catalog } else { &named };
     let catalog = arguments.catalog.prepared(super::catalog(paths)?);
     design.robot = super::balanced(&design.robot, &catalog)?;
     let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {

@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     super::check_plot(arguments.plot.as_ref())?;
     let robot = requirement::read(&arguments.requirement)?;
     let catalog = arguments.catalog.motors()?;
-    super::check_gears(&robot, &catalog)?;
+    super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;

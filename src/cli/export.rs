@@ -59,7 +59,7 @@ fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
     let source = Source::read(path).map_err(|e| vec![e])?;
     let robot = requirement::read_source(&source)?;
     let catalog = arguments.catalog.motors()?;
-    super::check_gears(&robot, &catalog)?;
+    super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
@@ -82,7 +82,8 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
         )));
     }
     let design = DesignFile::read(path)?;
-    let paths = if arguments.catalog.catalog.is_empty() { &design.catalog } else { &arguments.catalog.catalog };
+    let named = arguments.catalog.paths();
+    let paths = if named.is_empty() { &design.catalog } else { &named };
     let catalog = arguments.catalog.prepared(super::catalog(paths)?);
     let choices = design.choices(&catalog).map_err(|e| vec![e])?;
     let only = match &arguments.joint {

@@ -71,7 +71,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let remade = match &robot {
         None => None,
         Some(robot) => {
-            super::check_gears(robot, &bench.catalog)?;
+            super::check_patterns(robot, &bench.catalog)?;
             let (Some(declared), Some(Fitted::Motor(motor))) = (&bench.declared.motor, &actuator) else {
                 let why = "`--requirement`: a linear axis has no motor of the catalogue to choose again";
                 return Err(Failure::Argument(why.into()));

@@ -38,7 +38,7 @@ use std::process::ExitCode;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::actuator::estimate::complete;
-use crate::catalog::{Catalog, Motor};
+use crate::catalog::{BUILTIN_WORD, Catalog, Motor};
 use crate::design::options::{Options, Stopped};
 use crate::design::robot::NoChoice;
 use crate::input::{InputError, InputFile, tame};
@@ -147,9 +147,12 @@ impl Output {
 /// Which catalogue is used.
 #[derive(Debug, Args)]
 struct CatalogChoice {
-    /// Catalogue files or folders, in place of the built-in catalogue
-    #[arg(long, value_name = "PATH", num_args = 1..)]
+    /// Catalogue files or folders, in place of the built-in catalogue; `builtin` and `user` name that and your own
+    #[arg(long, value_name = "PATH", num_args = 1.., conflicts_with = "also")]
     catalog: Vec<PathBuf>,
+    /// Catalogue files or folders next to the built-in catalogue
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    also: Vec<PathBuf>,
     /// What a row lacks stays unknown: no estimates of heat, rotor inertia and inductance from rows built alike
     #[arg(long)]
     no_estimates: bool,
@@ -161,7 +164,7 @@ struct CatalogChoice {
 impl CatalogChoice {
     /// The catalogue that one chooses from: each motor once, what its rows lack estimated. It has at least one motor.
     fn motors(&self) -> Result<Catalog, Failure> {
-        let catalog = self.prepared(catalog(&self.catalog)?);
+        let catalog = self.prepared(catalog(&self.paths())?);
         if catalog.motors.is_empty() {
             let why = match catalog.aside.is_empty() {
                 true => "the catalogue has no motors",
@@ -170,6 +173,14 @@ impl CatalogChoice {
             return Err(Failure::Argument(why.into()));
         }
         Ok(catalog)
+    }
+
+    /// The paths that are named; none for the built-in catalogue alone.
+    fn paths(&self) -> Vec<PathBuf> {
+        match self.also.as_slice() {
+            [] => self.catalog.clone(),
+            also => std::iter::once(BUILTIN_WORD.into()).chain(also.iter().cloned()).collect(),
+        }
     }
 
     /// A catalogue as one chooses from it.
@@ -244,9 +255,9 @@ fn balanced(robot: &Robot, catalog: &Catalog) -> Result<Robot, Failure> {
     Ok(crate::design::balance::balanced(robot, catalog, Options::default())?)
 }
 
-/// Every gear pattern of a robot must name a gear of the catalogue.
-fn check_gears(robot: &Robot, catalog: &Catalog) -> Result<(), Failure> {
-    crate::design::check_gears(robot, catalog).map_err(Failure::Argument)
+/// Every pattern of a robot must name a motor or gear of the catalogue.
+fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), Failure> {
+    crate::design::check_patterns(robot, catalog).map_err(Failure::Argument)
 }
 
 /// A picture's file name must be one before any work is done.
@@ -318,7 +329,13 @@ fn call(mut arguments: impl Iterator<Item = String>) -> String {
 /// The motor of the catalogue with this id.
 fn find_motor<'c>(catalog: &'c Catalog, id: &str) -> Result<&'c Motor, Failure> {
     catalog.motor(id).map_err(|near| {
-        let help = near.map_or_else(|| "`gearwise rank` lists them".to_string(), |n| format!("did you mean `{n}`?"));
+        let help = match (catalog.near(id).as_slice(), near) {
+            ([], None) => "`gearwise rank` lists them".to_string(),
+            ([], Some(near)) => format!("did you mean `{near}`?"),
+            (some, _) => {
+                format!("did you mean {}?", some.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(" or "))
+            }
+        };
         Failure::Argument(format!("there is no motor `{id}` in the catalogue; {help}"))
     })
 }

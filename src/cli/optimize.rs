@@ -48,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Write what was chosen as a design file, for `check` and `export`: the best combination where the whole
-    /// robot is looked at, else the first choices
+    /// robot is looked at, else the first choices. Keeps the default rules of `check` (`--no-rules` does not)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["pareto", "robust"])]
     write_design: Option<PathBuf>,
     /// Rules that a choice has to keep (a file as for `check`): what they bound becomes a limit of the program
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         (None, false) => requirement::read(&arguments.requirement)?,
     };
     let catalog = arguments.catalog.motors()?;
-    super::check_gears(&robot, &catalog)?;
+    super::check_patterns(&robot, &catalog)?;
     let plain = robot;
     let writes = arguments.write_design.is_some();
     let mut ruled = Ruled::new(plain.clone(), arguments.rules.as_deref(), writes, arguments.no_rules)?;
@@ -138,11 +138,19 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         );
         return Ok(Done { text, satisfied });
     }
-    let result = optimize_with(robot, &catalog, options)?;
+    let mut result = optimize_with(robot, &catalog, options)?;
     bar.finish_and_clear();
+    let paths = arguments.catalog.paths();
+    let files = (&catalog, paths.as_slice());
+    let target = arguments.write_design.as_deref();
+    let whole = robot.is_coupled() || arguments.robot;
+    // Rules that are no limit of the program are looked at on the first designs, and the next are tried.
+    let text = match !whole && (ruled.keeps() || target.is_some()) {
+        true => ruled.keep(&mut result, &arguments.requirement, files, target),
+        false => Ok(None),
+    };
     super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
-    let whole = robot.is_coupled() || arguments.robot;
     let options = robot::Options {
         only_checked: arguments.only_checked,
         runner_ups: arguments.runner_ups as usize,
@@ -154,13 +162,26 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         || [robot.files(), catalog.files()].concat(),
         || html::optimize::page(&result, choice.as_ref(), &catalog),
     )?;
-    if let Some(path) = &arguments.write_design {
-        let files = (&catalog, arguments.catalog.catalog.as_slice());
-        match ruled.written(&result, choice.as_ref(), &arguments.requirement, files, path) {
-            Ok(text) => write_whole(path, text.as_bytes()).map_err(Failure::Argument)?,
-            // Not satisfied is said by the table and the exit status; here only why there is no file.
-            Err(why) => tell!("no design written: {why}"),
+    let text = match (&choice, target) {
+        (Some(whole), Some(path)) => ruled.whole(&result, whole, &arguments.requirement, files, path).map(Some),
+        _ => text,
+    };
+    let mut kept = true;
+    match (text, target) {
+        (Ok(Some(text)), Some(path)) => write_whole(path, text.as_bytes()).map_err(Failure::Argument)?,
+        (Ok(None), Some(path)) => {
+            let without = report::without_choice(&result).join("; ").replace("NO ", "no ");
+            let stays = if path.exists() { format!("; {} is left as it was", path.display()) } else { String::new() };
+            tell!("no design written: {without}{stays}");
+            kept = false;
         }
+        (Err(why), target) => {
+            let stays = target.filter(|path| path.exists());
+            let stays = stays.map_or_else(String::new, |path| format!("; {} is left as it was", path.display()));
+            tell!("{}{why}{stays}", if target.is_some() { "no design written: " } else { "" });
+            kept = false;
+        }
+        (Ok(_), None) => {}
     }
     let costs = ruled.costs(&plain, &catalog, &result)?;
     let text = arguments.output.choose(
@@ -172,6 +193,6 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         || json::optimize::json(&result, choice.as_ref()),
         || report::csv(&result),
     );
-    let satisfied = choice.as_ref().map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty());
+    let satisfied = kept && choice.as_ref().map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty());
     Ok(Done { text, satisfied })
 }

@@ -86,13 +86,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let file = study_file(&arguments.paths)?;
     let (inputs, catalog_paths) = match &file {
         Some(file) => {
-            if !arguments.catalog.catalog.is_empty() && !file.catalog.is_empty() {
+            if !arguments.catalog.paths().is_empty() && !file.catalog.is_empty() {
                 return Err(Failure::Argument("the study file names its catalogue; leave `--catalog` out".into()));
             }
             let base = file.source.folder().to_path_buf();
             let inputs = Inputs { base, paths: file.requirements.clone(), grid: file.grid.clone() };
-            let named = if file.catalog.is_empty() { &arguments.catalog.catalog } else { &file.catalog };
-            (inputs, named.clone())
+            let named = if file.catalog.is_empty() { arguments.catalog.paths() } else { file.catalog.clone() };
+            (inputs, named)
         }
         None => {
             let text = |path: &PathBuf| {
@@ -100,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
                 text.ok_or_else(|| Failure::Argument(format!("`{}` is not UTF-8", path.display())))
             };
             let paths = arguments.paths.iter().map(text).collect::<Result<_, _>>()?;
-            (Inputs { base: PathBuf::new(), paths, grid: Grid::default() }, arguments.catalog.catalog.clone())
+            (Inputs { base: PathBuf::new(), paths, grid: Grid::default() }, arguments.catalog.paths())
         }
     };
     let (catalog, catalog_files) = catalog(&arguments.catalog, &catalog_paths)?;

@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = requirement::read_without_springs(&arguments.requirement, "`sweep`")?;
     let catalog = arguments.catalog.motors()?;
-    super::check_gears(&robot, &catalog)?;
+    super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
     let bar = super::progress(robot.joints.len() * catalog.motors.len(), "sweeping");
     let options = Options { tick: &|| bar.inc(1), ..Options::default() };

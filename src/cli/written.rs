@@ -5,15 +5,16 @@ use std::sync::Arc;
 
 use super::Failure;
 use crate::catalog::Catalog;
-use crate::design::answer::{Design, RobotResult};
-use crate::design::buildable::{Built, built};
+use crate::design::answer::{Design, Reason, Rejected, RobotResult};
+use crate::design::buildable::built;
+use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::robot::Choice;
 use crate::input::Source;
-use crate::report::design_file::{self, Written, way};
+use crate::report::design_file::{self, Made, Written, way};
 use crate::report::{number, optimize::without_choice};
-use crate::requirement::{DesignFile, Robot};
+use crate::requirement::{DesignFile, Joint, Robot};
 use crate::rules::bounded::{Kept, bounded};
 use crate::rules::lock::path_of;
 use crate::rules::{RULES, RulesFile, Severity, Test, check, file};
@@ -49,12 +50,17 @@ impl Ruled {
         Ok(Ruled { robot, kept, rules, path })
     }
 
+    /// Whether there are rules to keep.
+    pub fn keeps(&self) -> bool {
+        self.rules.is_some()
+    }
+
     /// What the rules cost each joint: its first choice against that without them.
     ///
     /// # Errors
     /// It was stopped.
     pub fn costs(&self, plain: &Robot, catalog: &Catalog, result: &RobotResult) -> Result<Vec<String>, Failure> {
-        if self.kept.is_empty() {
+        if self.rules.is_none() {
             return Ok(Vec::new());
         }
         // By the same objective: what it is balanced from is found among designs that keep the rules.
@@ -69,46 +75,90 @@ impl Ruled {
                 (None, Some(first)) => {
                     Some(format!("{name}: no design keeps the rules; without them {}", named(first)))
                 }
-                (Some(with), Some(free)) => self.cost(name, with, free),
+                (Some(first), Some(free)) => self.cost(with.joint, first, free, catalog),
                 (_, None) => None,
             }
         };
         Ok(result.joints.iter().zip(&free.joints).filter_map(line).collect())
     }
 
-    fn cost(&self, joint: &str, with: &Design, free: &Design) -> Option<String> {
+    fn cost(&self, joint: &Joint, with: &Design, free: &Design, catalog: &Catalog) -> Option<String> {
         let (now, was) = (with.optimum.objective, free.optimum.objective);
         let same = with.motor.id == free.motor.id && with.gear == free.gear;
         if same && now <= was * (1.0 + 1e-6) {
             return None;
         }
-        // What ends the ratios of the choice, or is used up there, and is a rule's.
-        let tightest = with.evaluation.margins.iter().filter(|m| m.margin < 1e-6).map(|m| m.limit);
-        let window = with.optimum.window();
-        let binds: Vec<&str> = [window.low.limit, window.high.limit].into_iter().chain(tightest).collect();
+        // What the choice without rules exceeds with them.
+        let demand = JointDemand::new(joint, catalog);
+        let mount = Site::new(&self.robot, joint, &demand).mount(free.motor, free.gear).ok();
+        let exceeded: Vec<&str> = mount.and_then(|m| m.prepared().ok()).map_or_else(Vec::new, |prepared| {
+            let there = prepared.at(free.evaluation.ratio);
+            there.margins.iter().filter(|m| m.margin < -1e-9).map(|m| m.limit).collect()
+        });
         let mut rules: Vec<&str> = self
             .kept
             .iter()
-            .filter(|kept| kept.joint == joint && binds.contains(&kept.limit))
+            .filter(|kept| kept.joint == joint.name && exceeded.contains(&kept.limit))
             .map(|kept| kept.rule.as_str())
             .collect();
         rules.dedup();
-        let because = if rules.is_empty() { "they rule it out".into() } else { format!("{} binds", rules.join(", ")) };
+        let because = match rules.as_slice() {
+            [] => "it breaks a rule that is looked at on the result".into(),
+            rules => format!("it breaks {}", rules.join(" and ")),
+        };
         let more = match was > 0.0 {
             true => format!("{:+.1} % of the objective", 100.0 * (now / was - 1.0)),
             false => format!("{} instead of {}", number(now), number(was)),
         };
-        Some(format!("{joint}: the rules cost {more} ({because}); without them {}", named(free)))
+        Some(format!("{}: the rules cost {more}; without them {}, but {because}", joint.name, named(free)))
     }
 
-    /// The text of the design file: the first designs that pass the rules, at ratios that can be built.
+    /// Leaves out, of each joint, first designs that break a rule that is no limit of the program: they are rejected with it.
+    /// What is left passes its check. With `path` the text of the design file, at ratios that can be built; without, that of
+    /// the optima. `None` where a joint has no design left.
+    ///
+    /// # Errors
+    /// In words, a rule about the robot as a whole that is broken.
+    pub fn keep(
+        &self,
+        result: &mut RobotResult,
+        requirement: &Path,
+        catalog: (&Catalog, &[PathBuf]),
+        path: Option<&Path>,
+    ) -> Result<Option<String>, String> {
+        loop {
+            if result.joints.iter().any(|joint| joint.candidates.is_empty()) {
+                return Ok(None);
+            }
+            let designs: Vec<&Design> = result.joints.iter().map(|joint| &joint.candidates[0]).collect();
+            let make = |(joint, design): (&crate::design::JointResult, &&Design)| {
+                path.and_then(|_| {
+                    built(result.robot, joint.joint, catalog.0, design)
+                        .map(|b| (b.train, b.design.optimum.ratio, b.design.spring))
+                })
+            };
+            let made = result.joints.iter().zip(&designs).map(make).collect();
+            let at = path.unwrap_or(Path::new("design.toml"));
+            let text = self.text(result, "First choices", designs, made, requirement, catalog.1, at);
+            let Some(rules) = &self.rules else { return Ok(Some(text)) };
+            let broken = broken(&text, at, catalog.0, rules, &self.robot)?;
+            let Some((joint, why)) = broken.into_iter().next() else { return Ok(Some(text)) };
+            let place = joint.and_then(|name| result.joints.iter().position(|j| j.joint.name == name));
+            let Some(place) = place else { return Err(format!("the rules are not kept: {why}")) };
+            let joint = &mut result.joints[place];
+            let Design { motor, gear, .. } = joint.candidates.remove(0);
+            joint.rejected.push(Rejected { motor, gear, reason: Reason::Rule(why) });
+        }
+    }
+
+    /// The text of the design file of a whole robot: the first combination that passes the rules.
     ///
     /// # Errors
     /// In words, why there is none.
-    pub fn written(
+    pub fn whole(
         &self,
         result: &RobotResult,
-        whole: Option<&Choice>,
+        whole: &Choice,
         requirement: &Path,
         catalog: (&Catalog, &[PathBuf]),
         path: &Path,
@@ -117,58 +167,56 @@ impl Ruled {
         if !without.is_empty() {
             return Err(without.join("; ").replace("NO ", "no "));
         }
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let catalog_files: Vec<PathBuf> = catalog.1.iter().map(|p| way(folder, p)).collect();
-        let rules_file = self.path.as_ref().map(|p| way(folder, p));
-        // Designs that are left out, by joint: of a whole robot, combinations.
-        let mut next = vec![0; result.joints.len()];
-        let mut combination = 0;
-        loop {
-            let (what, designs): (&str, Vec<&Design>) = match whole {
-                None => {
-                    let all = result.joints.iter().zip(&next).map(|(joint, k)| &joint.candidates[*k]);
-                    ("First choices", all.collect())
-                }
-                Some(whole) => {
-                    let found = whole.combinations.get(combination);
-                    let why = "no combination of motors keeps the robot's budgets";
-                    ("Best combination", found.ok_or(why)?.joints.iter().collect())
-                }
-            };
+        let mut last = "no combination of motors keeps the robot's budgets".to_string();
+        for combination in &whole.combinations {
+            let designs: Vec<&Design> = combination.joints.iter().collect();
             // Where joints depend on each other one of them is not solved again by itself.
-            let coupled = whole.is_some() && result.robot.is_coupled();
-            let mut built_ones: Vec<Option<Built>> = Vec::new();
-            for (joint, design) in result.joints.iter().zip(&designs) {
-                built_ones.push(if coupled { None } else { built(result.robot, joint.joint, catalog.0, design) });
-            }
-            let text = design_file::toml(&Written {
-                result,
-                what,
-                designs: designs.iter().copied().zip(built_ones).collect(),
-                requirement: &way(folder, requirement),
-                catalog: &catalog_files,
-                rules: rules_file.as_deref(),
-            });
+            let made = designs
+                .iter()
+                .zip(&result.joints)
+                .map(|(design, joint)| {
+                    let alone = !result.robot.is_coupled();
+                    let again = alone.then(|| built(result.robot, joint.joint, catalog.0, design)).flatten();
+                    again.map(|b| (b.train, b.design.optimum.ratio, b.design.spring))
+                })
+                .collect();
+            let text = self.text(result, "Best combination", designs, made, requirement, catalog.1, path);
             let Some(rules) = &self.rules else { return Ok(text) };
-            let broken = broken(&text, path, catalog.0, rules, &self.robot)?;
-            let Some((joint, why)) = broken.first() else { return Ok(text) };
-            let Some(place) = joint.as_ref().and_then(|name| result.joints.iter().position(|j| j.joint.name == *name))
-            else {
-                return Err(format!("the rules are not kept: {why}"));
-            };
-            match whole {
-                Some(_) => combination += 1,
-                None => next[place] += 1,
-            }
-            let left = match whole {
-                Some(whole) => combination < whole.combinations.len(),
-                None => next[place] < result.joints[place].candidates.len(),
-            };
-            if !left {
-                let name = joint.as_deref().unwrap_or_default();
-                return Err(format!("no design that was found keeps all rules; of the last one at {name}: {why}"));
+            match broken(&text, path, catalog.0, rules, &self.robot)?.into_iter().next() {
+                None => return Ok(text),
+                Some((joint, why)) => {
+                    last = format!(
+                        "no combination that was found keeps all rules; of the last one at {}: {why}",
+                        joint.unwrap_or_default()
+                    );
+                }
             }
         }
+        Err(last)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "what a design file is made of")]
+    fn text(
+        &self,
+        result: &RobotResult,
+        what: &str,
+        designs: Vec<&Design>,
+        made: Vec<Option<Made>>,
+        requirement: &Path,
+        catalog: &[PathBuf],
+        path: &Path,
+    ) -> String {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let catalog: Vec<PathBuf> = catalog.iter().map(|p| way(folder, p)).collect();
+        let rules = self.path.as_ref().map(|p| way(folder, p));
+        design_file::toml(&Written {
+            result,
+            what,
+            designs: designs.into_iter().zip(made).collect(),
+            requirement: &way(folder, requirement),
+            catalog: &catalog,
+            rules: rules.as_deref(),
+        })
     }
 }
 

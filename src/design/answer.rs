@@ -226,6 +226,8 @@ pub enum Reason {
     Unchecked(&'static str, &'static str),
     /// It keeps all that could be judged, but limits that the requirement states cannot be: which, and why.
     Unjudged(Vec<Remark>),
+    /// It keeps every limit, and breaks a design rule that is looked at on the result: which, in words.
+    Rule(String),
     /// No gear of the catalogue keeps all limits; at the nearest one this is exceeded.
     Gears {
         /// The limit, with its sample.
@@ -246,6 +248,8 @@ pub enum Reason {
 /// Why a motor, or a motor with a gear, is not a candidate at all.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Unusable {
+    /// The requirement does not allow it.
+    NotAllowed,
     /// The rotor inertia is not known: neither metric nor acceleration torque can be computed.
     RotorInertia,
     /// No gear of the catalogue that the joint allows fits the motor.
@@ -262,6 +266,7 @@ impl Unusable {
     /// In words.
     pub fn reason(&self) -> &'static str {
         match self {
+            Unusable::NotAllowed => "the requirement does not allow it",
             Unusable::RotorInertia => "its rotor inertia is not known",
             Unusable::NoGearFits => "no allowed gear of the catalogue fits it",
             Unusable::GearEfficiency => "the gear's efficiency is not known",

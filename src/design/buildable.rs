@@ -10,7 +10,7 @@ use super::answer::{Design, Refused};
 use super::best::best_design;
 use super::mount::{JointDemand, Site};
 use crate::catalog::{Catalog, Motor};
-use crate::requirement::{Joint, RatioChoice, Robot};
+use crate::requirement::{Joint, RatioChoice, Robot, stages as stages_of};
 
 /// A simple planetary stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,20 +97,33 @@ fn few_teeth(most: u32) -> impl Iterator<Item = Stage> + Clone {
     stages().iter().copied().filter(move |stage| stage.ring <= most)
 }
 
-/// Gears whose ratio lies between two, those near `ratio` with the fewest teeth first, then the nearest.
-pub fn trains(ratio: f64, (min, max): (f64, f64)) -> Vec<Train> {
+/// Gears whose ratio lies between two, those near `ratio` with the fewest teeth first, then the nearest: of as few stages as can
+/// have it; where the mass is counted by stages of at most some ratio, of as many as were counted.
+pub fn trains(ratio: f64, window: (f64, f64), largest: Option<f64>) -> Vec<Train> {
+    match largest {
+        Some(largest) => trains_of(stages_of(ratio, largest), ratio, window, largest),
+        None => {
+            let mut all = (1..=3).map(|count| trains_of(count, ratio, window, LARGEST_STAGE));
+            all.find(|found| !found.is_empty()).unwrap_or_default()
+        }
+    }
+}
+
+/// The same with a number of stages, each of at most some ratio.
+fn trains_of(count: u32, ratio: f64, (min, max): (f64, f64), largest: f64) -> Vec<Train> {
     let within = |r: f64| min <= r && r <= max && (r / ratio - 1.0).abs() <= FAR;
     let mut found: Vec<Train> = Vec::new();
-    if ratio <= LARGEST_STAGE * (1.0 + FAR) {
+    let few_teeth = |most: u32| few_teeth(most).filter(|stage| stage.ratio() <= largest * (1.0 + 1e-9));
+    if count == 1 {
         let one = few_teeth(MOST_TEETH).filter(|a| within(a.ratio()));
         found.extend(one.map(|a| Train { stages: vec![a] }));
-    } else if ratio <= LARGEST_STAGE.powi(2) * (1.0 + FAR) {
-        let all: Vec<Stage> = few_teeth(84).collect();
+    } else if count == 2 {
+        let all: Vec<Stage> = few_teeth(MOST_TEETH).collect();
         for (k, a) in all.iter().enumerate() {
             let second = all[k..].iter().filter(|b| within(a.ratio() * b.ratio()));
             found.extend(second.map(|b| Train { stages: vec![*b, *a] }));
         }
-    } else {
+    } else if count == 3 {
         let all: Vec<Stage> = few_teeth(60).collect();
         for (k, a) in all.iter().enumerate() {
             for (l, b) in all.iter().enumerate().skip(k) {
@@ -153,7 +166,10 @@ pub fn built<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Desig
         Some(_) => (min, max),
         None => (design.optimum.window().min, design.optimum.window().max),
     };
-    let trains = trains(optimal, window).into_iter().take(TRIES).map(|train| (train.ratio(), Some(train)));
+    let trains = trains(optimal, window, joint.gear.mass_per_stage.map(|(_, largest)| largest))
+        .into_iter()
+        .take(TRIES)
+        .map(|train| (train.ratio(), Some(train)));
     let rounded = rounded(optimal, window).into_iter().map(|ratio| (ratio, None));
     trains.chain(rounded).find_map(|(ratio, train)| {
         let design = at_ratio(robot, joint, catalog, design.motor, ratio)?;
@@ -214,14 +230,18 @@ mod tests {
         for (ratio, window) in
             [(4.02, (3.0, 4.02)), (9.84, (5.0, 9.84)), (45.93, (20.0, 45.93)), (133.6, (62.0, 133.6))]
         {
-            let found = trains(ratio, window);
+            let found = trains(ratio, window, None);
             assert!(!found.is_empty(), "{ratio}");
             assert!(found.iter().all(|t| window.0 <= t.ratio() && t.ratio() <= window.1));
             let first = &found[0];
             let near: Vec<&Train> = found.iter().filter(|t| (t.ratio() / ratio - 1.0).abs() <= NEAR).collect();
             assert!(near.is_empty() || near.iter().all(|t| first.teeth() <= t.teeth()), "{ratio} {first:?}");
         }
-        assert!(trains(1.5, (1.0, 2.0)).is_empty());
+        assert!(trains(1.5, (1.0, 2.0), None).is_empty());
+        // A mass of two stages of at most 3:1 each: no single stage of 9:1.
+        let two = trains(8.9, (8.0, 8.9), Some(3.0));
+        assert!(!two.is_empty() && two.iter().all(|t| t.stages.len() == 2));
+        assert!(two.iter().flat_map(|t| &t.stages).all(|s| s.ratio() <= 3.0 + 1e-9));
     }
 
     #[test]

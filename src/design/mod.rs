@@ -39,14 +39,24 @@ pub use options::Options;
 pub use sweep::sweep;
 
 use crate::catalog::{Catalog, matches_pattern};
-use crate::requirement::{RatioChoice, Robot};
+use crate::requirement::{Filter, RatioChoice, Robot};
 
-/// Every gear pattern of a robot must name a gear of the catalogue.
+/// Every pattern of a robot must name a motor or a gear of the catalogue.
 ///
 /// # Errors
 /// The pattern that names none, in words.
-pub fn check_gears(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
+pub fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
     for joint in &robot.joints {
+        for pattern in joint.motors.patterns() {
+            let named = |m: &&crate::catalog::Motor| Filter::matches(pattern, m);
+            if catalog.motors.iter().chain(&catalog.aside).find(named).is_none() {
+                let help = match catalog.near(pattern).as_slice() {
+                    [] => "`gearwise rank` lists the motors".to_string(),
+                    near => format!("there are {}", near.join(", ")),
+                };
+                return Err(format!("joint `{}`: no motor of the catalogue matches `{pattern}`; {help}", joint.name));
+            }
+        }
         let RatioChoice::Catalog { patterns, .. } = &joint.ratio else { continue };
         for pattern in patterns {
             if catalog.gears.iter().any(|g| matches_pattern(pattern, &g.id)) {

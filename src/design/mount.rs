@@ -63,6 +63,9 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
     /// Motor or gear lack a number that every evaluation needs.
     pub fn candidate(self) -> Result<Candidate<'l>, Unusable> {
         let Mount { robot, joint, load, motor, gear: catalog_gear, stop: _ } = self;
+        if !joint.motors.allows(motor) {
+            return Err(Unusable::NotAllowed);
+        }
         let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
         let hottest = hottest(motor, joint).0;
         let (gear, actuator) = match catalog_gear {

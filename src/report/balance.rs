@@ -8,7 +8,7 @@ use crate::requirement::{Balance, Balancing, Extreme};
 /// How the objective came about, in a sentence.
 pub fn sentence(balance: &Balance) -> String {
     format!(
-        "Balanced: the least loss/{} W + mass/{} kg, the geometric means of the lightest design and of that with the least loss.",
+        "Balanced: the least copper loss/{} W + mass/{} kg, the geometric means of the lightest design and of that with the least loss.",
         number(balance.loss),
         number(balance.mass)
     )
@@ -67,4 +67,4 @@ pub fn text(result: &JointResult) -> String {
 }
 
 /// What is said where nothing holds the least loss back.
-const NO_LIMIT: &str = "No limit on mass or inertia: the design with the least loss is that of the largest motor.";
+const NO_LIMIT: &str = "No limit on mass or inertia is stated: nothing keeps the least loss from a large motor.";

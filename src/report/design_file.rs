@@ -3,11 +3,15 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::number;
-use crate::design::answer::{Design, RobotResult};
-use crate::design::buildable::{Built, Stage};
+use crate::catalog::is_word;
+use crate::design::answer::{Design, RobotResult, SpringChoice};
+use crate::design::buildable::{Stage, Train};
 
 /// The way from a folder to a file, both as they are on disk; the file's own path where one of them is not there.
 pub fn way(folder: &Path, file: &Path) -> PathBuf {
+    if file.to_str().is_some_and(is_word) {
+        return file.to_path_buf();
+    }
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let (Ok(from), Ok(to)) = (folder.canonicalize(), file.canonicalize()) else { return file.to_path_buf() };
     let (from, to): (Vec<Component>, Vec<Component>) = (from.components().collect(), to.components().collect());
@@ -25,6 +29,9 @@ fn quoted(path: &Path) -> String {
     toml::Value::String(if cfg!(windows) { text.replace('\\', "/") } else { text }).to_string()
 }
 
+/// A ratio that can be built: its gear where one was found, the ratio, and the spring there.
+pub type Made = (Option<Train>, f64, Option<SpringChoice>);
+
 /// What a design file is made of.
 #[derive(Debug)]
 pub struct Written<'a, 'd> {
@@ -33,7 +40,7 @@ pub struct Written<'a, 'd> {
     /// What the designs are, as in "First choices".
     pub what: &'a str,
     /// One design for each joint, and where its ratio was made buildable, that.
-    pub designs: Vec<(&'a Design<'d>, Option<Built<'d>>)>,
+    pub designs: Vec<(&'a Design<'d>, Option<Made>)>,
     /// The way to the requirement.
     pub requirement: &'a Path,
     /// The ways to the catalogue's files; none for the built-in ones.
@@ -62,7 +69,11 @@ pub fn toml(written: &Written) -> String {
     }
     for (joint, (optimal, built)) in result.joints.iter().zip(designs) {
         let objective = &joint.joint.objective;
-        let design = built.as_ref().map_or(*optimal, |built| &built.design);
+        let (ratio, spring) = match built {
+            Some((_, ratio, spring)) => (*ratio, *spring),
+            None => (optimal.optimum.ratio, optimal.spring),
+        };
+        let design = optimal;
         let window = optimal.optimum.window();
         out.push_str(&format!(
             "\n# {} {}; {} can do it alone",
@@ -76,12 +87,12 @@ pub fn toml(written: &Written) -> String {
         out.push_str(&format!("\n[[joint]]\nname = {}\nmotor = {}\n", text(&joint.joint.name), text(&design.motor.id)));
         match design.gear {
             Some(gear) => out.push_str(&format!("gear = {}\n", text(gear))),
-            None => out.push_str(&format!("ratio = {:?}{}\n", design.optimum.ratio, built_text(built.as_ref()))),
+            None => out.push_str(&format!("ratio = {ratio:?}{}\n", built_text(built.as_ref()))),
         }
         if built.is_some() {
             out.push_str(&format!("optimal_ratio = {:?}\n", optimal.optimum.ratio));
         }
-        if let Some((stiffness, angle)) = design.spring.and_then(|s| Some((s.stiffness, s.rest_angle?))) {
+        if let Some((stiffness, angle)) = spring.and_then(|s| Some((s.stiffness, s.rest_angle?))) {
             out.push_str(&format!(
                 "spring = {{ stiffness = \"{stiffness:?} N*m/rad\", rest_angle = \"{angle:?} rad\" }}\n"
             ));
@@ -91,8 +102,8 @@ pub fn toml(written: &Written) -> String {
 }
 
 /// How a ratio can be built, as a comment behind it.
-fn built_text(built: Option<&Built>) -> String {
-    let Some(Built { train: Some(train), .. }) = built else { return String::new() };
+fn built_text(built: Option<&Made>) -> String {
+    let Some((Some(train), ..)) = built else { return String::new() };
     let stage = |stage: &Stage| format!("sun {}, ring {}", stage.sun, stage.ring);
     let stages: Vec<String> = train.stages.iter().map(stage).collect();
     format!("  # for example planetary: {}", stages.join("; "))

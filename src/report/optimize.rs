@@ -107,6 +107,7 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
             (format!("{limit} cannot be checked"), format!("{limit} cannot be checked: {why}"))
         }
         Reason::Unjudged(because) => (unjudged::class(because), unjudged::sentence(because)),
+        Reason::Rule(why) => ("a rule is broken".into(), format!("a rule is broken: {why}")),
         Reason::Unbounded => ("the objective has no lower bound".into(), "the objective has no lower bound".into()),
         Reason::NotSolved(why) => ("not solved".into(), format!("not solved: {why}")),
     }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use super::gear::RatioChoice;
 use super::robot::{Joint, Robot};
-use crate::catalog::{Catalog, Gear, Motor, matches_pattern, read_fitted};
+use crate::catalog::{Catalog, Gear, Motor, is_word, matches_pattern, place, read_fitted};
 use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key, limits};
 use crate::units;
 use crate::words::nearest;
@@ -226,12 +226,12 @@ fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFil
     });
     let catalog: Vec<PathBuf> = if root.has(CATALOG) {
         let paths = root.texts("catalog").unwrap_or_default();
-        let missing = paths.iter().filter(|p| !folder.join(p.get_ref()).exists());
+        let missing = paths.iter().filter(|p| !is_word(p.get_ref()) && !folder.join(p.get_ref()).exists());
         for path in missing {
             let message = format!("catalogue `{}`: there is no such file", path.get_ref());
             root.note(Problem::at(path.span(), message, "paths are relative to this file"));
         }
-        paths.iter().map(|p| folder.join(p.get_ref())).collect()
+        paths.iter().map(|p| place(&folder, p.get_ref())).collect()
     } else {
         Vec::new()
     };

@@ -7,7 +7,7 @@ use super::gear::{GearModel, RatioChoice};
 use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
-use super::robot::Joint;
+use super::robot::{Filter, Joint};
 use super::{gear, objective};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
@@ -68,6 +68,18 @@ pub(super) fn read(
         section.note(Problem::at(span, "`actuator` is not supported by this version", "remove it"));
     }
     let carries = carried::read(&section, columns.unwrap_or_default());
+    let names = |about: &'static str, name: &'static str| {
+        let asked = key(name, about).value("list of patterns");
+        let texts = section.has(asked).then(|| section.texts(asked));
+        texts.flatten().unwrap_or_default().into_iter().map(|text| text.into_inner()).collect()
+    };
+    let motors = Filter {
+        allowed: names(
+            "motors that may be chosen, by id or maker, `*` for any run of characters; all by default",
+            "motors",
+        ),
+        excluded: names("motors that may not be chosen, by id or maker", "exclude"),
+    };
     let phases = read_phases(&section, count, motion.as_deref());
     section.finish();
     let joint = Joint {
@@ -75,6 +87,7 @@ pub(super) fn read(
         count,
         ratio: ratio?,
         gear,
+        motors,
         motion: motion?,
         objective: objective?,
         balancing: balancing?,

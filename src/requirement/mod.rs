@@ -25,4 +25,4 @@ pub use limits::{LIMIT_NAMES, Limits, Spring, TorqueBandwidth};
 pub use motions::{FromDisk, Motions};
 pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use read::{describe, read, read_changed, read_source, read_without_springs};
-pub use robot::{Budget, Carried, Joint, Robot};
+pub use robot::{Budget, Carried, Filter, Joint, Robot};

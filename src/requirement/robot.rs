@@ -8,6 +8,7 @@ use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
 use super::objective::{Balancing, Objective};
+use crate::catalog::{Motor, matches_pattern};
 use crate::input::{InputFile, Source};
 use crate::motion::Motion;
 
@@ -96,6 +97,8 @@ pub struct Joint {
     pub ratio: RatioChoice,
     /// The gear that goes with a continuous ratio.
     pub gear: GearModel,
+    /// Which motors may be chosen: patterns of ids or makers.
+    pub motors: Filter,
     /// What the joint does.
     pub motion: Arc<Motion>,
     /// What makes a choice good.
@@ -110,6 +113,34 @@ pub struct Joint {
     pub phases: Vec<f64>,
     /// Whose actuators this joint carries.
     pub carries: Vec<Carried>,
+}
+
+/// Which rows of a catalogue may be chosen.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Filter {
+    /// Patterns of which one has to match; empty for all.
+    pub allowed: Vec<String>,
+    /// Patterns of which none may match.
+    pub excluded: Vec<String>,
+}
+
+impl Filter {
+    /// Whether a motor may be chosen: by its id, or by its maker in letters of either case.
+    pub fn allows(&self, motor: &Motor) -> bool {
+        let is = |pattern: &String| Filter::matches(pattern, motor);
+        (self.allowed.is_empty() || self.allowed.iter().any(is)) && !self.excluded.iter().any(is)
+    }
+
+    /// Whether a pattern is of a motor.
+    pub fn matches(pattern: &str, motor: &Motor) -> bool {
+        let maker = || matches_pattern(&pattern.to_lowercase(), &motor.manufacturer.to_lowercase());
+        matches_pattern(pattern, &motor.id) || maker()
+    }
+
+    /// Every pattern.
+    pub fn patterns(&self) -> impl Iterator<Item = &String> {
+        self.allowed.iter().chain(&self.excluded)
+    }
 }
 
 impl Joint {
@@ -137,6 +168,7 @@ impl Joint {
             count: _,
             ratio,
             gear,
+            motors,
             motion,
             objective,
             balancing,
@@ -147,6 +179,7 @@ impl Joint {
         } = self;
         *ratio == other.ratio
             && *gear == other.gear
+            && *motors == other.motors
             && *objective == other.objective
             && *balancing == other.balancing
             && *limits == other.limits

@@ -26,8 +26,9 @@ pub fn bounded(robot: &Robot, file: &RulesFile) -> (Robot, Vec<Kept>) {
     let mut kept = Vec::new();
     for joint in &mut robot.joints {
         let name = joint.name.clone();
+        let own = joint.limits.clone();
         let mut keep = |joint: &mut Joint, rule: &str, measure: &Measure, min: Option<f64>, max: Option<f64>| {
-            if let Some(limit) = tighten(joint, measure, min, max) {
+            if let Some(limit) = tighten(joint, &own, measure, min, max) {
                 kept.push(Kept { rule: rule.into(), joint: name.clone(), limit });
             }
         };
@@ -57,16 +58,22 @@ pub fn bounded(robot: &Robot, file: &RulesFile) -> (Robot, Vec<Kept>) {
     (robot, kept)
 }
 
-/// Tightens a limit of a joint by the bounds of a measure; the limit, where there is one that the measure is of.
-fn tighten(joint: &mut Joint, measure: &Measure, min: Option<f64>, max: Option<f64>) -> Option<&'static str> {
-    let Limits { safety, .. } = joint.limits;
+/// Tightens a limit of a joint by the bounds of a measure; the limit, where there is one that the measure is of. `own` is
+/// what the requirement itself asks: several rules of one limit do not add up.
+fn tighten(
+    joint: &mut Joint,
+    own: &Limits,
+    measure: &Measure,
+    min: Option<f64>,
+    max: Option<f64>,
+) -> Option<&'static str> {
+    let Limits { safety, .. } = *own;
     let least = |place: &mut Option<f64>, most: f64| *place = Some(place.map_or(most, |was| was.min(most)));
     match (measure.value, measure.name.as_str()) {
         (Value::Margin(limit), _) => {
             let (limit, share) = (limit_named(limit)?, min?);
             // Of what the requirement's own reserve leaves.
-            let own = joint.limits.reserve(limit);
-            joint.limits.keep_reserve(limit, 1.0 - (1.0 - own) * (1.0 - share));
+            joint.limits.keep_reserve(limit, 1.0 - (1.0 - own.reserve(limit)) * (1.0 - share));
             Some(limit)
         }
         (Value::Reserve(limit), _) => {

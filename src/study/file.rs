@@ -7,6 +7,7 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::grid::{Grid, Parameter};
+use crate::catalog::place;
 use crate::input::{Change, Description, Form, InputError, Key, Problem, Section, Source, key};
 use crate::units;
 use crate::words::nearest;
@@ -78,7 +79,7 @@ fn read_root(root: &Section) -> Option<StudyFile> {
         (one, many) => one.or(many),
     };
     let catalog = root.texts(CATALOG).unwrap_or_default();
-    let catalog = catalog.into_iter().map(|path| source.folder().join(path.into_inner())).collect();
+    let catalog = catalog.into_iter().map(|path| place(source.folder(), &path.into_inner())).collect();
     let grid = root.section(GRID).map_or_else(|| Some(Grid::default()), |section| read_grid(&section));
     Some(StudyFile { source: source.clone(), requirements: requirements?, catalog, grid: grid? })
 }

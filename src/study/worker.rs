@@ -244,7 +244,7 @@ impl Worker<'_> {
             Ok(read) => read,
             Err(errors) => return Ok(broken(String::new(), Broken::of(&errors))),
         };
-        if let Err(message) = crate::design::check_gears(&read, self.catalog) {
+        if let Err(message) = crate::design::check_patterns(&read, self.catalog) {
             let source = Arc::new(Source::new(requirement, ""));
             let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
             return Ok(broken(read.name.clone(), Broken::of(&errors)));

@@ -26,7 +26,6 @@ impl Candidate<'_> {
         }
         for estimate in &self.motor.estimates {
             assumed.push(match estimate.of {
-                Estimated::ThermalResistance if self.is_mounted() => continue,
                 Estimated::ThermalResistance => (
                     "winding_temperature",
                     "estimated: the thermal resistance is that of motors built alike and as heavy, the hot end of its 90 % interval",
@@ -47,10 +46,11 @@ impl Candidate<'_> {
                 "estimated: the thermal resistance is computed from the continuous rating, as if the maker's highest temperature were 155 degC",
             ));
         }
-        if self.joint.limits.mount_resistance.is_some() && !self.is_mounted() {
+        let split = self.motor.sheet.thermal_resistance_winding_housing.is_some();
+        if self.is_mounted() && !split && self.thermal_resistance().is_some() {
             assumed.push((
                 "winding_temperature",
-                "the row does not say what part of the thermal resistance is the winding's own: the resistance of the mount is not used, the row's rating counts as it is",
+                "the row does not say what part of its thermal resistance is the winding's own: all of it is added to that of the mount",
             ));
         }
         if asked.iter().any(|a| a.limit.name == STANDSTILL) && self.share_of_winding().is_none() {

@@ -1,6 +1,7 @@
 //! The command line: what it takes, prints, writes and refuses.
 
 mod basics;
+mod catalogs;
 mod characterize_cli;
 mod check;
 mod export;

@@ -213,7 +213,7 @@ fn an_estimate_judges_and_is_marked_everywhere() {
     // The law of docs/estimates.md at 0.2 kg, and its pessimistic end.
     let (middle, value) =
         (first["estimated"][0]["middle"].as_f64().unwrap(), first["estimated"][0]["value"].as_f64().unwrap());
-    assert!((middle / (4.422 * 0.2_f64.powf(-0.5967)) - 1.0).abs() < 1e-3 && value > middle, "{middle} {value}");
+    assert!((middle / (4.496 * 0.2_f64.powf(-0.5851)) - 1.0).abs() < 1e-3 && value > middle, "{middle} {value}");
     assert!(found["joints"][0]["candidates"][1]["estimated"].as_array().unwrap().is_empty());
     let (_, out, _) = case.run_estimating(&[&files[..], &["--csv"]].concat());
     assert!(out.lines().nth(1).unwrap().contains("thermal_resistance"), "{out}");
@@ -226,6 +226,40 @@ fn an_estimate_judges_and_is_marked_everywhere() {
     let (_, found) = case.json(&files);
     assert_eq!(names(&found["joints"][0]["candidates"]), ["known"]);
     assert_eq!(names(&found["joints"][0]["unjudged"]), ["blank"]);
+}
+
+/// The thermal resistance of the mount is part of every motor's, whatever its row says: a row that says less does not pass
+/// where one that says more fails.
+#[test]
+fn a_mount_counts_for_every_row() {
+    let rows =
+        catalog(&[("split", &[]), ("rated", HEAT), ("nothing", &[HEAT, &[("continuous_current", "")]].concat())]);
+    let asked = |mount: &str| {
+        let mount = format!("[joint.mount]\nthermal_resistance_housing_ambient = \"{mount}\"\n");
+        robot("", RATIO, "") + &mount
+    };
+    let case = Case::new(&rows, &asked("1000 K/W"));
+    let files = ["optimize", "robot.toml", "--catalog", "motors.csv", "--json"];
+    let found = |case: &Case, estimating: bool| {
+        let out = if estimating { case.run_estimating(&files) } else { case.run(&files) };
+        serde_json::from_str::<Value>(&out.1).unwrap()["joints"][0].clone()
+    };
+    for estimating in [true, false] {
+        let joint = found(&case, estimating);
+        assert!(names(&joint["candidates"]).is_empty(), "{joint}");
+        let unjudged = names(&joint["unjudged"]);
+        assert_eq!(unjudged.contains(&"rated"), !estimating, "{joint}");
+        assert!(unjudged.contains(&"nothing") && !unjudged.contains(&"split"), "{joint}");
+    }
+    // A good one is better than the row's 1.5 K/W: the rated current does not count, the resistances do.
+    fs::write(case.path().join("robot.toml"), asked("0.1 K/W")).unwrap();
+    let joint = found(&case, true);
+    let split = joint["candidates"].as_array().unwrap().iter().find(|c| c["motor"] == "split").unwrap();
+    assert!(split["margins"].get("continuous_current").is_none(), "{split}");
+    // 95 K over 0.6 K/W and hot copper.
+    let bound: f64 = (95.0_f64 / 0.6 / (0.4 * (1.0 + 0.003_93 / (1.0 + 0.003_93 * 5.0) * 95.0))).sqrt();
+    let limit = split["limits"].as_array().unwrap().iter().find(|l| l["limit"] == "winding_temperature").unwrap();
+    assert!((limit["bound"].as_f64().unwrap() / bound - 1.0).abs() < 1e-6, "{limit} {bound}");
 }
 
 /// What the objective counts and nobody knows cannot be ranked: it is told apart with what is known of it.

@@ -115,6 +115,74 @@ fn what_is_written_passes_its_rules() {
     assert!(written >= 10 && tightened >= 4 && built >= 4, "{written} written, {tightened} tightened, {built} built");
 }
 
+/// A rule that is no limit of the program is kept by what is shown first, with a file or without; where nothing keeps it the
+/// exit status says so, and a file that was there stays.
+#[test]
+fn rules_that_are_looked_at_on_the_result_are_kept_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let text = "name = \"robot\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"joint\"\nratio = { min = 3, max = 30 }\nobjective = \"mass\"\n\
+        gear = { efficiency = 0.9, mass = \"200 g\" }\npoints = [ { torque = \"5 N*m\", speed = \"8 rad/s\", duration = \"1 s\" } ]\n";
+    fs::write(at.join("robot.toml"), text).unwrap();
+    let rule = |most: &str| {
+        format!(
+            "[[rule]]\nname = \"cool\"\nmeasure = \"loss\"\nmax = \"{most}\"\nseverity = \"error\"\nreason = \"x\"\n"
+        )
+    };
+    let first = |options: &[&str]| {
+        let output = run(at, &[&["optimize", "robot.toml", "--json"], options].concat());
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (output.status.code(), found["joints"][0]["candidates"][0].clone(), found["joints"][0]["rejected"].clone())
+    };
+    fs::write(at.join("rules.toml"), rule("1 W")).unwrap();
+    let (_, free, _) = first(&[]);
+    let (status, kept, rejected) = first(&["--rules", "rules.toml"]);
+    assert!(free["loss_w"].as_f64().unwrap() > 1.0, "{free}");
+    assert!(status == Some(0) && kept["loss_w"].as_f64().unwrap() <= 1.0, "{kept}");
+    let broken = |r: &&Value| r["because"].as_str().unwrap().contains("a rule is broken: cool");
+    assert!(rejected.as_array().unwrap().iter().filter(broken).any(|r| r["motor"] == free["motor"]), "{rejected}");
+    let (_, written, _) = first(&["--rules", "rules.toml", "--write-design", "design.toml"]);
+    assert_eq!(written["motor"], kept["motor"]);
+    let before = fs::read_to_string(at.join("design.toml")).unwrap();
+    fs::write(at.join("rules.toml"), rule("1 uW")).unwrap();
+    let output = run(at, &["optimize", "robot.toml", "--rules", "rules.toml", "--write-design", "design.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("no design written") && said.contains("design.toml is left as it was"), "{said}");
+    assert_eq!(fs::read_to_string(at.join("design.toml")).unwrap(), before);
+}
+
+/// Two rules of one margin do not add up: the stricter one counts.
+#[test]
+fn rules_of_one_limit_do_not_add_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let text = "name = \"robot\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"joint\"\nratio = { min = 3, max = 60 }\nobjective = \"loss\"\n\
+        points = [ { torque = \"5 N*m\", speed = \"30 rad/s\", duration = \"1 s\" } ]\n";
+    fs::write(at.join("robot.toml"), text).unwrap();
+    let rule = |name: &str| {
+        format!(
+            "[[rule]]\nname = \"{name}\"\nmeasure = \"voltage_margin\"\nmin = 0.3\nseverity = \"error\"\nreason = \"x\"\n"
+        )
+    };
+    let ratio = |rules: String| {
+        fs::write(at.join("rules.toml"), rules).unwrap();
+        let output = run(at, &["optimize", "robot.toml", "--json", "--rules", "rules.toml"]);
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let first = found["joints"][0]["candidates"][0].clone();
+        (first["motor"].clone(), first["ratio"].as_f64().unwrap())
+    };
+    let one = ratio(rule("a"));
+    assert_eq!(one, ratio(rule("a") + &rule("b")));
+    // The voltage of the choice is used to 70 % and no less.
+    let (motor, n) = one;
+    let design = format!("{}@{n}", motor.as_str().unwrap());
+    let output = run(at, &["explain", &design, "robot.toml", "--json"]);
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let margin = found["joints"][0]["design"]["margins"]["voltage"].as_f64().unwrap();
+    assert!((margin - 0.3).abs() < 1e-6, "{margin}");
+}
+
 /// Without rules the optimum may lie on a limit, and the check says so: what the rules are there for.
 #[test]
 fn without_rules_the_optimum_may_break_them() {
