@@ -14,12 +14,11 @@ pub fn sentence(balance: &Balance) -> String {
     )
 }
 
-/// The three designs of a joint with their cells: name, motor, gear, N, loss, mass.
-pub fn rows(result: &JointResult, balance: &Balance) -> Vec<Vec<String>> {
+/// The three designs of a joint: their cells (name, motor, N, loss, mass), and the gear where there is one.
+pub fn rows(result: &JointResult, balance: &Balance) -> Vec<(Vec<String>, Option<String>)> {
     let row = |name: &str, motor: &str, gear: Option<&str>, numbers: [Option<f64>; 3]| {
-        let motor = gear.map_or_else(|| motor.to_string(), |gear| format!("{motor}\nwith {gear}"));
         let cells = numbers.map(|n| n.map_or_else(|| "?".into(), number));
-        [vec![name.to_string(), motor], cells.to_vec()].concat()
+        ([vec![name.to_string(), motor.to_string()], cells.to_vec()].concat(), gear.map(|gear| format!("with {gear}")))
     };
     let end = |name: &str, of: &Extreme| {
         row(name, &of.motor, of.gear.as_deref(), [Some(of.ratio), Some(of.loss), Some(of.mass)])
@@ -30,6 +29,23 @@ pub fn rows(result: &JointResult, balance: &Balance) -> Vec<Vec<String>> {
     });
     let ends = (end("lightest", &balance.lightest), end("least loss", &balance.least_loss));
     [Some(ends.0), first, Some(ends.1)].into_iter().flatten().collect()
+}
+
+/// The same as sentences, for a page.
+pub fn sentences(result: &JointResult) -> Vec<String> {
+    match &result.joint.balancing {
+        Balancing::Made(balance) => {
+            let line = |(row, gear): (Vec<String>, Option<String>)| {
+                let gear = gear.map_or_else(String::new, |gear| format!(" {gear}"));
+                format!("{}: {}{gear} at N = {}, {} W, {} kg", row[0], row[1], row[2], row[3], row[4])
+            };
+            std::iter::once(sentence(balance)).chain(rows(result, balance).into_iter().map(line)).collect()
+        }
+        Balancing::Cannot(why) => {
+            vec![format!("No objective is stated, and it cannot be balanced: {why}. The least loss counts.")]
+        }
+        Balancing::No | Balancing::Asked => Vec::new(),
+    }
 }
 
 /// Headings of [`rows`].
@@ -48,8 +64,8 @@ pub fn text(result: &JointResult) -> String {
     match &result.joint.balancing {
         Balancing::Made(balance) => {
             let mut table = Table::new(columns()).indented(2);
-            for row in rows(result, balance) {
-                table.push(row, Vec::new());
+            for (row, gear) in rows(result, balance) {
+                table.push(row, gear.into_iter().collect());
             }
             let mut out = paragraph(&sentence(balance), 2, 4);
             if result.joint.limits.actuator_mass.is_none() && result.joint.limits.reflected_inertia.is_none() {

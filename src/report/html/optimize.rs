@@ -181,6 +181,7 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
     let joint = result.joint;
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
     let mut parts = vec![Part::Text(format!("{ratio}, {}: {verdict}.", joint.aim()))];
+    parts.extend(crate::report::balance::sentences(result).into_iter().map(Part::Text));
     parts.extend(figure);
     parts.extend(candidates(result, names).part());
     if let Some(first) = result.candidates.first() {
