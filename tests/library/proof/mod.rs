@@ -1,5 +1,6 @@
 //! Whether an answer is what it claims to be: the best there is, infeasible, certified.
 
+mod balanced;
 mod brute_force;
 mod effects_in_design;
 mod extremes;
