@@ -37,6 +37,8 @@ fn every_feasible_pair_of_cords_with_its_loss() {
         motor.inductance = Some(0.0);
         (motor.continuous_current, motor.continuous_torque, motor.peak_torque) = (None, None, None);
         (motor.thermal_resistance, motor.max_winding_temperature) = (None, None);
+        // Nor does the resistance rise: the 100 °C that are assumed for the winding are its reference.
+        motor.reference_temperature = 373.15;
     }
     for gear in &mut catalog.gears {
         // Its filter of the continuous torque is a number of its own.
