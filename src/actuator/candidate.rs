@@ -121,8 +121,9 @@ impl Candidate<'_> {
         stated && thermal_resistance.is_none() && rated_thermal_resistance.is_some()
     }
 
-    /// The same with the mount's resistance, where the joint says one: added to the winding's own, or to all of the row's
-    /// where it does not say what part that is. The winding's part is no more than the whole: that is from above.
+    /// The thermal resistance to ambient with the mount's, where the joint says one: added to the winding's own, or to
+    /// all of the row's where it does not say what part that is. The winding's part is no more than the whole: that is
+    /// from above.
     fn mounted_resistance(&self) -> Option<f64> {
         let mount = self.joint.limits.mount_resistance?;
         let own = self.motor.sheet.thermal_resistance_winding_housing.map(|p| p.value);
@@ -205,13 +206,7 @@ pub fn hottest(motor: &Motor, joint: &Joint) -> (f64, &'static str) {
     let motor = motor.max_winding_temperature.map(|t| (t, "motor"));
     let asked = joint.limits.winding_temperature.map(|t| (t, "requirement"));
     match (motor, asked) {
-        (Some(m), Some(a)) => {
-            if a.0 < m.0 {
-                a
-            } else {
-                m
-            }
-        }
+        (Some(m), Some(a)) if a.0 < m.0 => a,
         (m, a) => m.or(a).unwrap_or((ASSUMED_WINDING_TEMPERATURE, ASSUMED)),
     }
 }

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -166,19 +166,23 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         (Some(whole), Some(path)) => ruled.whole(&result, whole, &arguments.requirement, files, path).map(Some),
         _ => text,
     };
+    let stays = |path: &Path| match path.exists() {
+        true => format!("; {} is left as it was", path.display()),
+        false => String::new(),
+    };
     let mut kept = true;
     match (text, target) {
         (Ok(Some(text)), Some(path)) => write_whole(path, text.as_bytes()).map_err(Failure::Argument)?,
         (Ok(None), Some(path)) => {
             let without = report::without_choice(&result).join("; ").replace("NO ", "no ");
-            let stays = if path.exists() { format!("; {} is left as it was", path.display()) } else { String::new() };
-            tell!("no design written: {without}{stays}");
+            tell!("no design written: {without}{}", stays(path));
             kept = false;
         }
         (Err(why), target) => {
-            let stays = target.filter(|path| path.exists());
-            let stays = stays.map_or_else(String::new, |path| format!("; {} is left as it was", path.display()));
-            tell!("{}{why}{stays}", if target.is_some() { "no design written: " } else { "" });
+            match target {
+                Some(path) => tell!("no design written: {why}{}", stays(path)),
+                None => tell!("{why}"),
+            }
             kept = false;
         }
         (Ok(_), None) => {}

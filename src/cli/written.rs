@@ -7,6 +7,7 @@ use super::Failure;
 use crate::catalog::Catalog;
 use crate::design::answer::{Design, Reason, Rejected, RobotResult};
 use crate::design::buildable::built;
+use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
@@ -65,9 +66,7 @@ impl Ruled {
         }
         // By the same objective: what it is balanced from is found among designs that keep the rules.
         let mut plain = plain.clone();
-        for (joint, ruled) in plain.joints.iter_mut().zip(&self.robot.joints) {
-            (joint.objective, joint.balancing) = (ruled.objective.clone(), ruled.balancing.clone());
-        }
+        take_objectives(&mut plain, &self.robot);
         let free = optimize_with(&plain, catalog, Options { keep: Some(1), reasons: false, ..Options::default() })?;
         let line = |(with, free): (&crate::design::JointResult, &crate::design::JointResult)| {
             let name = &with.joint.name;
@@ -93,7 +92,7 @@ impl Ruled {
         let mount = Site::new(&self.robot, joint, &demand).mount(free.motor, free.gear).ok();
         let exceeded: Vec<&str> = mount.and_then(|m| m.prepared().ok()).map_or_else(Vec::new, |prepared| {
             let there = prepared.at(free.evaluation.ratio);
-            there.margins.iter().filter(|m| m.margin < -1e-9).map(|m| m.limit).collect()
+            there.margins.iter().filter(|m| m.margin < -FEASIBILITY_TOLERANCE).map(|m| m.limit).collect()
         });
         let mut rules: Vec<&str> = self
             .kept
@@ -132,10 +131,7 @@ impl Ruled {
             }
             let designs: Vec<&Design> = result.joints.iter().map(|joint| &joint.candidates[0]).collect();
             let make = |(joint, design): (&crate::design::JointResult, &&Design)| {
-                path.and_then(|_| {
-                    built(result.robot, joint.joint, catalog.0, design)
-                        .map(|b| (b.train, b.design.optimum.ratio, b.design.spring))
-                })
+                path.and_then(|_| made_again(result.robot, joint.joint, catalog.0, design))
             };
             let made = result.joints.iter().zip(&designs).map(make).collect();
             let at = path.unwrap_or(Path::new("design.toml"));
@@ -176,8 +172,7 @@ impl Ruled {
                 .zip(&result.joints)
                 .map(|(design, joint)| {
                     let alone = !result.robot.is_coupled();
-                    let again = alone.then(|| built(result.robot, joint.joint, catalog.0, design)).flatten();
-                    again.map(|b| (b.train, b.design.optimum.ratio, b.design.spring))
+                    alone.then(|| made_again(result.robot, joint.joint, catalog.0, design)).flatten()
                 })
                 .collect();
             let text = self.text(result, "Best combination", designs, made, requirement, catalog.1, path);
@@ -225,6 +220,18 @@ fn named(design: &Design) -> String {
     format!("{}{gear} at N = {}", design.motor.id, number(design.evaluation.ratio))
 }
 
+/// A design as it is built: with its train of gears, its ratio and its spring; `None` as for [`built`].
+fn made_again(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Design) -> Option<Made> {
+    built(robot, joint, catalog, design).map(|b| (b.train, b.design.optimum.ratio, b.design.spring))
+}
+
+/// Gives each joint the objective of the same joint of another robot, with what it is balanced from.
+fn take_objectives(robot: &mut Robot, from: &Robot) {
+    for (joint, from) in robot.joints.iter_mut().zip(&from.joints) {
+        (joint.objective, joint.balancing) = (from.objective.clone(), from.balancing.clone());
+    }
+}
+
 /// What keeps a design from passing its rules: errors, and rules that bound a measure, with their joint.
 fn broken(
     text: &str,
@@ -239,9 +246,7 @@ fn broken(
         format!("the design that was made cannot be read: {}", said.join("; "))
     };
     let mut design = DesignFile::read_source(&source).map_err(failed)?;
-    for (joint, ruled) in design.robot.joints.iter_mut().zip(&robot.joints) {
-        (joint.objective, joint.balancing) = (ruled.objective.clone(), ruled.balancing.clone());
-    }
+    take_objectives(&mut design.robot, robot);
     let report = check(&design, catalog, rules, None, &path_of(path)).map_err(failed)?;
     let bounds = |code: &str| match RULES.iter().find(|rule| rule.code == code) {
         Some(rule) => matches!(rule.test, Test::Bounds { .. }),

@@ -14,6 +14,11 @@ pub fn sentence(balance: &Balance) -> String {
     )
 }
 
+/// That the objective could not be balanced, and why.
+fn cannot(why: &str) -> String {
+    format!("No objective is stated, and it cannot be balanced: {why}. The least loss counts.")
+}
+
 /// The three designs of a joint: their cells (name, motor, N, loss, mass), and the gear where there is one.
 pub fn rows(result: &JointResult, balance: &Balance) -> Vec<(Vec<String>, Option<String>)> {
     let row = |name: &str, motor: &str, gear: Option<&str>, numbers: [Option<f64>; 3]| {
@@ -42,7 +47,7 @@ pub fn sentences(result: &JointResult) -> Vec<String> {
             std::iter::once(sentence(balance)).chain(rows(result, balance).into_iter().map(line)).collect()
         }
         Balancing::Cannot(why) => {
-            vec![format!("No objective is stated, and it cannot be balanced: {why}. The least loss counts.")]
+            vec![cannot(why)]
         }
         Balancing::No | Balancing::Asked => Vec::new(),
     }
@@ -73,11 +78,7 @@ pub fn text(result: &JointResult) -> String {
             }
             out + "\n" + &table.text()
         }
-        Balancing::Cannot(why) => paragraph(
-            &format!("No objective is stated, and it cannot be balanced: {why}. The least loss counts."),
-            2,
-            4,
-        ),
+        Balancing::Cannot(why) => paragraph(&cannot(why), 2, 4),
         Balancing::No | Balancing::Asked => String::new(),
     }
 }

@@ -190,24 +190,16 @@ const OBJECTIVE: Key = key("objective", "what is minimised; a weight, also a sin
     .value("name of a quantity, or table of weights")
     .default("`balanced`");
 
-/// The words of an objective: a quantity, or `balanced`.
-const WORDS: [(&str, Option<Quantity>); 7] = [
-    ("balanced", None),
-    ("loss", Some(Quantity::Loss)),
-    ("reflected_inertia", Some(Quantity::ReflectedInertia)),
-    ("peak_current", Some(Quantity::PeakCurrent)),
-    ("mass", Some(Quantity::Mass)),
-    ("energy", Some(Quantity::Energy)),
-    ("peak_power", Some(Quantity::PeakPower)),
-];
-
 /// Reads `objective` of a joint, with its `reference`.
 pub(super) fn read(section: &Section) -> Option<(Objective, Balancing)> {
     if !section.has("objective") {
         return Some((Objective::single(Quantity::Loss), Balancing::Asked));
     }
     if !section.is_table("objective") {
-        return section.choice(OBJECTIVE, &WORDS).map(|quantity| match quantity {
+        // The words of an objective: `balanced`, or a quantity.
+        let quantities = Quantity::NAMES.iter().map(|(name, quantity)| (*name, Some(*quantity)));
+        let words: Vec<_> = std::iter::once(("balanced", None)).chain(quantities).collect();
+        return section.choice(OBJECTIVE, &words).map(|quantity| match quantity {
             Some(quantity) => (Objective::single(quantity), Balancing::No),
             None => (Objective::single(Quantity::Loss), Balancing::Asked),
         });
