@@ -3,10 +3,11 @@
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
 use super::thermal::winding_temperature;
+use super::heat_course::HeatCourse;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
 use crate::numerics::laurent::Laurent;
-use crate::requirement::{self, Motion, TorqueBandwidth};
+use crate::requirement::{Motion, TorqueBandwidth};
 
 /// A rise that is so many times its bound is cut off by its logarithm: a motion from cold may come to numbers whose
 /// rounding is larger than any bound.
@@ -38,6 +39,8 @@ pub struct Load {
     pub has_durations: bool,
     /// Period, or duration \[s\], where the motion has one.
     pub duration: Option<f64>,
+    /// How long one period, duration or sequence of cases moves \[s\]; zero where nothing says so.
+    moves: f64,
     /// Whether heat has a steady state: not that of a motion that happens once from cold.
     pub has_steady_heat: bool,
     /// The share of all time that the motion takes: less than one where rest follows it.
@@ -50,43 +53,6 @@ pub struct Load {
     samples: Vec<WavePoint>,
     weight: Vec<f64>,
     rest: Vec<f64>,
-}
-
-/// How heat goes on in time.
-#[derive(Debug, Clone)]
-struct HeatCourse {
-    /// After the last sample.
-    course: Course,
-    /// Times of the samples \[s\], and of both ends of the rest, where some follows.
-    times: Vec<f64>,
-    /// Period, or duration \[s\].
-    lasts: f64,
-}
-
-impl HeatCourse {
-    fn new(motion: &Motion) -> Option<HeatCourse> {
-        let mut times = motion.time.clone();
-        let (course, lasts) = match (motion.course, motion.repeat_every) {
-            (requirement::Course::Periodic(period), _) => (Course::Periodic, period),
-            (requirement::Course::Once(duration), None) => (Course::FromCold, duration),
-            (requirement::Course::Once(duration), Some(every)) => {
-                times.extend([times[0] + duration, times[0] + every.max(duration)]);
-                (Course::Periodic, every.max(duration))
-            }
-            (requirement::Course::Points(_), _) => return None,
-        };
-        Some(HeatCourse { course, times, lasts })
-    }
-
-    /// The heat at its times, from that at the samples.
-    fn with_rest(&self, mut at_samples: Vec<f64>) -> Vec<f64> {
-        at_samples.resize(self.times.len(), 0.0);
-        at_samples
-    }
-
-    fn heat<'h>(&'h self, heat: &'h [f64]) -> Heat<'h> {
-        Heat { times: &self.times, period_or_duration: self.lasts, heat }
-    }
 }
 
 impl Load {
@@ -151,6 +117,10 @@ impl Load {
             dwell: motion.dwell.iter().sum(),
             has_durations: motion.has_durations(),
             duration: motion.duration(),
+            moves: match &motion.cases {
+                Some(cases) => cases.sequence_lasts().0,
+                None => motion.duration().unwrap_or(0.0),
+            },
             has_steady_heat: motion.has_steady_heat(),
             share_of_time: motion.share_of_time(),
             course: HeatCourse::new(motion),
@@ -305,9 +275,8 @@ impl Load {
     pub fn winding_peak(&self, actuator: &Actuator, node: &TwoNode, ratio: f64) -> (f64, Option<usize>) {
         let heat = self.copper_heat(actuator, ratio);
         match self.settle(node, heat) {
-            Some((_, _, temperature)) => {
-                // What follows the last sample is rest.
-                let sample = temperature.peak_sample.min(self.samples.len() - 1);
+            Some((course, _, temperature)) => {
+                let sample = course.sample(temperature.peak_sample, self.samples.len());
                 (temperature.peak - node.ambient, Some(sample))
             }
             None => (f64::INFINITY, None),
@@ -395,8 +364,8 @@ impl Load {
         let heat = self.copper_heat(actuator, ratio);
         match self.settle(node, heat.clone()) {
             Some((course, heat, temperature)) => {
-                let mut gradient = node.peak_gradient(&course.heat(&heat), course.course, &temperature);
-                gradient.truncate(self.samples.len());
+                let gradient = node.peak_gradient(&course.heat(&heat), course.course, &temperature);
+                let gradient = course.gather(gradient, self.samples.len());
                 let rise = temperature.peak - node.ambient;
                 if rise <= FAR_BEYOND * bound { (rise, gradient) } else { node.far_beyond(rise, gradient, bound) }
             }
@@ -407,7 +376,7 @@ impl Load {
     /// Rise and gradient after the first periods of a heat that runs away.
     fn first_periods(&self, node: &TwoNode, heat: Vec<f64>, bound: f64) -> (f64, Vec<f64>) {
         let Some(course) = &self.course else { return (f64::INFINITY, vec![0.0; heat.len()]) };
-        let heat = course.with_rest(heat);
+        let heat = course.spread(heat);
         let mut periods = 1;
         loop {
             let times: Vec<f64> =
@@ -418,8 +387,8 @@ impl Load {
             let rise = temperature.peak - node.ambient;
             if (rise > bound && rise.is_finite()) || periods >= 1 << 14 {
                 let each = node.peak_gradient(&long, Course::FromCold, &temperature);
-                let of_sample = |k: usize| each.iter().skip(k).step_by(heat.len()).sum();
-                return (rise, (0..self.samples.len()).map(of_sample).collect());
+                let of_entry = |k: usize| each.iter().skip(k).step_by(heat.len()).sum();
+                return (rise, course.gather((0..heat.len()).map(of_entry).collect(), self.samples.len()));
             }
             periods *= 2;
         }
@@ -428,7 +397,7 @@ impl Load {
     /// The course, the heat over it with its rest, and the temperatures; `None` where they run away.
     fn settle(&self, node: &TwoNode, heat: Vec<f64>) -> Option<(&HeatCourse, Vec<f64>, Temperature)> {
         let course = self.course.as_ref()?;
-        let heat = course.with_rest(heat);
+        let heat = course.spread(heat);
         let temperature = match course.course {
             Course::Periodic => match node.periodic_state(&course.heat(&heat)) {
                 Outcome::Settles(temperature) => temperature,
@@ -449,7 +418,7 @@ impl Load {
     /// The largest heat at standstill \[W\] at a ratio, at the reference temperature; how long the motion stands in all
     /// \[s\]; and after what time it is made again \[s\], infinite where it is made once.
     pub fn standing(&self, actuator: &Actuator, ratio: f64) -> (f64, f64, f64) {
-        let duration = self.duration.unwrap_or(0.0);
+        let duration = self.moves;
         let cycle = match &self.course {
             None => duration,
             Some(HeatCourse { course: Course::Periodic, lasts, .. }) => *lasts,
@@ -458,6 +427,18 @@ impl Load {
         let heat = self.copper_heat(actuator, ratio).into_iter().zip(&self.rest);
         let largest = heat.filter(|(_, rest)| **rest > 0.0).map(|(heat, _)| heat).fold(0.0, f64::max);
         (largest, self.dwell * duration, cycle)
+    }
+
+    /// The heat at standstill over the motion \[W\] at a ratio, at the reference temperature, in the order of time, nothing
+    /// while it moves; and whether it repeats. `None` where the motion has no order.
+    pub fn standing_course(&self, actuator: &Actuator, ratio: f64) -> Option<(Vec<Piece>, bool)> {
+        let course = self.course.as_ref()?;
+        let heat = self.copper_heat(actuator, ratio);
+        // In a mean over a case each sample has the share of its time that stands.
+        let share = |k: usize| if self.weight[k] > 0.0 { self.rest[k] / self.weight[k] } else { 0.0 };
+        let means = (0..heat.len()).map(|k| share(k) * heat[k]).collect();
+        let stands = self.rest.iter().map(|rest| f64::from(*rest > 0.0)).collect();
+        Some((course.pieces_where(stands, heat, means), course.course == Course::Periodic))
     }
 
     /// What the heat of a sample counts as, for the phase that is worst off.
@@ -479,17 +460,7 @@ impl Load {
             pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
             return (pieces, true);
         };
-        let (squares, times) = (course.with_rest(squares), &course.times);
-        let last = times.len() - 1;
-        let piece = |k: usize| match k < last {
-            true => Piece { duration: times[k + 1] - times[k], from: squares[k], to: squares[k + 1] },
-            false => {
-                let next = if course.course == Course::Periodic { 0 } else { last };
-                let duration = (course.lasts - (times[last] - times[0])).max(0.0);
-                Piece { duration, from: squares[last], to: squares[next] }
-            }
-        };
-        ((0..=last).map(piece).collect(), course.course == Course::Periodic)
+        (course.pieces(&course.spread(squares)), course.course == Course::Periodic)
     }
 
     /// Copper heat of every sample at a ratio, at the reference temperature \[W\].

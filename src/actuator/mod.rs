@@ -9,6 +9,7 @@ pub mod candidate;
 pub mod envelope;
 pub mod estimate;
 pub mod fitted;
+mod heat_course;
 pub mod limits;
 pub mod load;
 pub mod metrics;

@@ -296,9 +296,6 @@ impl<'a> Prepared<'a> {
         let candidate = &self.candidate;
         let inductance = candidate.motor.inductance?;
         let motion = &candidate.joint.motion;
-        if matches!(motion.course, Course::Points(_)) {
-            return Some(0.0);
-        }
         let actuator = &candidate.actuator;
         let torque = |flow, k: usize, sign: f64| {
             let mut features = [0.0; FEATURES];
@@ -311,13 +308,17 @@ impl<'a> Prepared<'a> {
             let drag = fitted::drag(candidate.motor, ratio * motion.velocity[k], sign).0;
             actuator.torque_form(flow).polynomial(&features).at(ratio) + drag
         };
-        // The sample before each change of direction, standstill in between included.
-        let moving: Vec<usize> = (0..motion.len()).filter(|k| motion.velocity[*k] != 0.0).collect();
-        let closes = matches!(motion.course, Course::Periodic(_));
-        let pairs = moving
-            .windows(2)
-            .map(|w| (w[0], w[1]))
-            .chain(moving.last().zip(moving.first()).filter(|_| closes).map(|(a, b)| (*a, *b)));
+        // The sample before each change of direction, standstill in between included, in each case by itself.
+        let pairs = motion.courses().into_iter().flat_map(|(samples, course)| {
+            let moving: Vec<usize> = samples.filter(|k| motion.velocity[*k] != 0.0).collect();
+            let closing = moving.last().copied().zip(moving.first().copied());
+            let closing = closing.filter(|_| matches!(course, Course::Periodic(_)));
+            let mut pairs: Vec<(usize, usize)> = moving.windows(2).map(|w| (w[0], w[1])).chain(closing).collect();
+            if matches!(course, Course::Points(_)) {
+                pairs.clear();
+            }
+            pairs
+        });
         let mut longest = 0.0_f64;
         for (before, after) in pairs {
             let (was, is) = (motion.velocity[before].signum(), motion.velocity[after].signum());

@@ -10,7 +10,7 @@ use super::robot::{carried_first, carrying, power_course};
 use super::{Evaluation, Unusable};
 use crate::actuator::limits::{LIMITS, Remark, hottest};
 use crate::actuator::thermal::Winding;
-use crate::requirement::{Choice, Course, Joint, Motion, RatioChoice, Robot};
+use crate::requirement::{Choice, Joint, Motion, RatioChoice, Robot};
 
 /// What is known of a chosen design. SI.
 #[derive(Debug, Clone)]
@@ -128,12 +128,13 @@ const UNCERTAIN: f64 = 0.1;
 /// where that explains less than nine tenths of the torque: then other forces rule, and the slope would be
 /// noise.
 pub(crate) fn apparent_inertia(motion: &Motion) -> Option<f64> {
-    if matches!(motion.course, Course::Points(_)) {
+    // What a spline says between the samples is no evidence of its own, and operating points are no motion.
+    let seen: Vec<usize> = motion.given.iter().copied().filter(|k| !motion.is_point(*k)).collect();
+    if seen.is_empty() {
         return None;
     }
-    // What a spline says between the samples is no evidence of its own.
-    let given = |values: &[f64]| motion.given.iter().map(|k| values[*k]).collect::<Vec<f64>>();
-    let samples = motion.given.len();
+    let given = |values: &[f64]| seen.iter().map(|k| values[*k]).collect::<Vec<f64>>();
+    let samples = seen.len();
     let mut columns = vec![vec![1.0; samples], given(&motion.acceleration), given(&motion.velocity)];
     if let Some(position) = motion.position.as_ref().map(|q| given(q)) {
         columns.push(position.iter().map(|q| q.sin()).collect());
@@ -161,7 +162,7 @@ pub(crate) fn apparent_inertia(motion: &Motion) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::requirement::Samples;
+    use crate::requirement::{Course, Samples};
 
     fn pendulum(push: f64) -> Motion {
         let time: Vec<f64> = (0..200).map(|k| f64::from(k) / 200.0).collect();

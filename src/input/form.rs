@@ -376,6 +376,13 @@ impl<'a> Section<'a> {
     /// A list of tables (`[[joint]]`, or `points = [{…}]`), empty if the key is not there.
     pub fn sections(&self, key: impl Into<Key>) -> Vec<Section<'a>> {
         let key = key.into();
+        let path = format!("[[{}]]", key.name);
+        self.sections_at(key, &path)
+    }
+
+    /// As [`Section::sections`], under another name than the key's: of a key that tables of two kinds have.
+    pub fn sections_at(&self, key: impl Into<Key>, path: &str) -> Vec<Section<'a>> {
+        let key = key.into();
         let Some(value) = self.ask(&key, &Asked::Tables) else { return Vec::new() };
         let key = key.name;
         let Some(array) = value.get_ref().as_array() else {
@@ -385,7 +392,7 @@ impl<'a> Section<'a> {
         let mut sections = Vec::new();
         for item in array.iter() {
             match item.get_ref().as_table() {
-                Some(table) => sections.push(self.child(table, item.span(), format!("[[{key}]]"))),
+                Some(table) => sections.push(self.child(table, item.span(), path.to_string())),
                 None => self.wrong_type(item, key, "a table"),
             }
         }

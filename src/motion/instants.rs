@@ -300,9 +300,9 @@ fn intervals(motion: &Motion) -> Vec<Interval> {
     (0..count).map(interval).collect()
 }
 
-/// The largest time of a sample, by magnitude \[s\].
-fn latest(motion: &Motion) -> f64 {
-    [motion.time[0], motion.time[motion.len() - 1]].into_iter().fold(0.0, |a, t| t.abs().max(a))
+/// The largest of increasing times, by magnitude \[s\].
+fn latest(time: &[f64]) -> f64 {
+    [time[0], time[time.len() - 1]].into_iter().fold(0.0, |a, t| t.abs().max(a))
 }
 
 /// A part of an interval without a change of sign.
@@ -327,7 +327,7 @@ pub(super) fn with_holds(motion: Motion) -> Motion {
     if !intervals.iter().any(Interval::holds_beside_a_motion) {
         return motion;
     }
-    let apart = apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion));
+    let apart = apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion.time));
     let mut pieces = Vec::new();
     for (i, interval) in intervals.iter().enumerate() {
         let mut cuts = vec![0.0, interval.length];
@@ -343,7 +343,7 @@ pub(super) fn with_holds(motion: Motion) -> Motion {
 pub(super) fn resolve(motion: Motion) -> Motion {
     let largest = Largest::new(&motion);
     let intervals = intervals(&motion);
-    let apart = apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion));
+    let apart = apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion.time));
     let mut pieces = Vec::with_capacity(intervals.len());
     for (i, interval) in intervals.iter().enumerate() {
         let bend = interval.bend(&largest);
@@ -385,9 +385,11 @@ fn emptied(motion: &Motion) -> Motion {
         weight: Vec::new(),
         dwell: Vec::new(),
         position: motion.position.as_ref().map(|_| Vec::new()),
+        placed: motion.placed,
         derived: motion.derived.clone(),
         given: Vec::new(),
         between: motion.between,
+        cases: None,
     }
 }
 
@@ -480,16 +482,21 @@ impl Motion {
         (0..self.len()).map(at).unzip()
     }
 
-    /// The given sample, counted from zero, that sample k is; or is but for standing on one side of its change of
-    /// sign. `None` for an instant between two of them.
+    /// The given sample, counted from zero in its case, that sample k is; or is but for standing on one side of its change
+    /// of sign. `None` for an instant between two of them.
     pub fn given_sample(&self, k: usize) -> Option<usize> {
-        let (Course::Periodic(duration) | Course::Once(duration)) = self.course else { return Some(k) };
-        let (i, time) = (self.given.partition_point(|g| *g <= k) - 1, self.time[k]);
-        let near = |at: f64| (time - at).abs() <= 2.0 * apart(duration, self.given.len(), latest(self));
-        match self.given.get(i + 1) {
-            _ if self.given[i] == k || near(self.time[self.given[i]]) => Some(i),
-            Some(next) => near(self.time[*next]).then_some(i + 1),
-            None => near(self.time[0] + duration).then_some(0),
+        let (course, given, samples) = match self.case_of(k) {
+            Some(case) => (case.course, &self.given[case.given.clone()], case.samples.clone()),
+            None => (self.course, self.given.as_slice(), 0..self.len()),
+        };
+        let (Course::Periodic(duration) | Course::Once(duration)) = course else { return Some(k - samples.start) };
+        let (i, time) = (given.partition_point(|g| *g <= k) - 1, &self.time);
+        let latest = latest(&time[samples.clone()]);
+        let near = |at: f64| (time[k] - at).abs() <= 2.0 * apart(duration, given.len(), latest);
+        match given.get(i + 1) {
+            _ if given[i] == k || near(time[given[i]]) => Some(i),
+            Some(next) => near(time[*next]).then_some(i + 1),
+            None => near(time[samples.start] + duration).then_some(0),
         }
     }
 }

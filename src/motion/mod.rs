@@ -1,11 +1,15 @@
 //! What the joint does: load torque and speed over time, or at independent operating points.
 
+pub mod cases;
 pub mod instants;
 mod read;
 
+pub use cases::{Case, Cases, Lasting, Often, Step};
 pub use instants::Between;
 pub use read::{CarriedColumn, OWN_COLUMNS, columns, read, read_carrying};
 pub(crate) use read::{check_length, check_time, course, disagreement, may_carry, repeats};
+
+use std::sync::Arc;
 
 use crate::numerics::spline::{self, Derivatives};
 
@@ -18,6 +22,8 @@ pub enum Course {
     Once(f64),
     /// Independent operating points, with their total duration \[s\] where durations are given.
     Points(Option<f64>),
+    /// Several load cases, each with a course of its own (`Motion::cases`).
+    Cases,
 }
 
 /// Samples k = 1…K of what a joint asks of its actuator, output side, SI: those that are given, and the instants
@@ -26,7 +32,7 @@ pub enum Course {
 pub struct Motion {
     /// Periodic, once, or points.
     pub course: Course,
-    /// Time \[s\]; the index for operating points.
+    /// Time \[s\]; the index for operating points. Of several cases each has its own.
     pub time: Vec<f64>,
     /// Load torque \[N·m\], τ: without the actuator's own rotor.
     pub torque: Vec<f64>,
@@ -47,6 +53,8 @@ pub struct Motion {
     /// Position \[rad\], q: as given, else the integral of the speed from zero; `None` where it is not
     /// given and the motion does not close, and for operating points.
     pub position: Option<Vec<f64>>,
+    /// Whether the position is given, and not counted from where the motion begins.
+    pub placed: bool,
     /// What was not given but taken from the spline.
     pub derived: Vec<&'static str>,
     /// After what time a motion that happens once is made again \[s\], with rest in between; `None` where it is
@@ -56,6 +64,8 @@ pub struct Motion {
     pub given: Vec<usize>,
     /// What is known between the samples.
     pub between: Between,
+    /// The load cases, where there are several.
+    pub cases: Option<Arc<Cases>>,
 }
 
 /// Samples as they stand in a file or in a requirement; `None` is to be derived.
@@ -148,6 +158,7 @@ impl Motion {
                 (first, jerk.unwrap_or(second))
             }
         };
+        let placed = position.is_some();
         let position = position.or_else(|| integral(&time, &velocity, &acceleration, course));
         let torque_rate = torque_rate.unwrap_or_else(|| {
             derived.push("torque_rate");
@@ -166,9 +177,11 @@ impl Motion {
             weight,
             dwell,
             position,
+            placed,
             derived,
             repeat_every: None,
             between: Between::Nothing,
+            cases: None,
         }
     }
 
@@ -195,10 +208,12 @@ impl Motion {
             weight: points.iter().map(share).collect(),
             dwell: points.iter().map(|p| if p.velocity == 0.0 { share(p) } else { 0.0 }).collect(),
             position: None,
+            placed: false,
             derived: Vec::new(),
             repeat_every: None,
             given: (0..points.len()).collect(),
             between: Between::Nothing,
+            cases: None,
         }
     }
 
@@ -221,6 +236,13 @@ impl Motion {
     /// what time it is made again stays what it was, or becomes how long it lasts where that is longer.
     #[must_use]
     pub fn scaled(mut self, torque: f64, speed: f64) -> Motion {
+        if let Some(cases) = self.cases.clone() {
+            let parts = self.parts().into_iter().map(|(_, part)| part.scaled(torque, speed)).collect();
+            let every = self.repeat_every;
+            let scaled = Motion { repeat_every: every, ..Motion::recomposed(&cases, parts) };
+            let repeat_every = every.zip(scaled.duration()).map(|(every, lasts)| every.max(lasts));
+            return Motion { repeat_every, ..scaled };
+        }
         let times = |values: &mut Vec<f64>, factor: f64| values.iter_mut().for_each(|v| *v *= factor);
         times(&mut self.torque, torque);
         times(&mut self.torque_rate, torque * speed);
@@ -230,6 +252,7 @@ impl Motion {
         self.course = match self.course {
             Course::Periodic(duration) => Course::Periodic(duration / speed),
             Course::Once(duration) => Course::Once(duration / speed),
+            Course::Cases => Course::Cases,
             // The time of a point is its number.
             Course::Points(duration) => return Motion { course: Course::Points(duration.map(|d| d / speed)), ..self },
         };
@@ -253,9 +276,11 @@ impl Motion {
         self.course != Course::Points(None)
     }
 
-    /// Period or duration \[s\]; `None` for points without durations.
+    /// Period or duration \[s\]; `None` for points without durations. Of several cases: how long all that is stated
+    /// moves, without rest; `None` where only shares of the time are stated.
     pub fn duration(&self) -> Option<f64> {
         match self.course {
+            Course::Cases => self.cases.as_ref()?.moves(),
             Course::Periodic(duration) | Course::Once(duration) => Some(duration),
             Course::Points(duration) => duration,
         }
@@ -268,13 +293,18 @@ impl Motion {
             Course::Periodic(_) => true,
             Course::Once(_) => self.repeat_every.is_some(),
             Course::Points(total) => total.is_some(),
+            Course::Cases => self.repeat_every.is_some() || !self.cases.as_ref().is_some_and(|c| c.once),
         }
     }
 
     /// The share of all time that the motion takes: less than one where rest follows it.
     pub fn share_of_time(&self) -> f64 {
-        match (self.course, self.repeat_every) {
-            (Course::Once(duration), Some(every)) => duration / every,
+        match (self.course, self.repeat_every, &self.cases) {
+            (Course::Once(duration), Some(every), _) => duration / every,
+            (Course::Cases, every, Some(cases)) => {
+                let lasts = cases.sequence_lasts().1;
+                cases.moving() * every.map_or(1.0, |every| lasts / every.max(lasts))
+            }
             _ => 1.0,
         }
     }
@@ -286,15 +316,36 @@ impl Motion {
 
     /// When sample k is \[s\]: beside a change of sign at a given sample, that of the given one.
     pub fn moment(&self, k: usize) -> f64 {
-        self.time[self.given_sample(k).map_or(k, |i| self.given[i])]
+        let first = self.case_of(k).map_or(0, |case| case.given.start);
+        self.time[self.given_sample(k).map_or(k, |i| self.given[first + i])]
     }
 
-    /// Names sample k for people: its time, or its number for operating points.
-    pub fn name_sample(&self, k: usize) -> String {
-        match self.course {
-            Course::Points(_) => format!("point {}", k + 1),
-            _ => format!("t = {} s", crate::words::number(self.moment(k))),
+    /// The load case that sample k is of, where there are several.
+    pub fn case_of(&self, k: usize) -> Option<&Case> {
+        self.cases.as_ref()?.of(k)
+    }
+
+    /// The samples of each of its cases with their course, or all of them with its own.
+    pub fn courses(&self) -> Vec<(std::ops::Range<usize>, Course)> {
+        match &self.cases {
+            Some(cases) => cases.list.iter().map(|case| (case.samples.clone(), case.course)).collect(),
+            None => vec![(0..self.len(), self.course)],
         }
+    }
+
+    /// Whether sample k is an operating point: it has a number and no time.
+    pub fn is_point(&self, k: usize) -> bool {
+        matches!(self.case_of(k).map_or(self.course, |case| case.course), Course::Points(_))
+    }
+
+    /// Names sample k for people: its case where there are several, and its time, or its number for operating points.
+    pub fn name_sample(&self, k: usize) -> String {
+        let case = self.case_of(k);
+        let name = match self.is_point(k) {
+            true => format!("point {}", k - case.map_or(0, |case| case.samples.start) + 1),
+            false => format!("t = {} s", crate::words::number(self.moment(k))),
+        };
+        case.map_or(name.clone(), |case| format!("{}, {name}", case.name))
     }
 }
 

@@ -85,8 +85,9 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&paragraph(&format!("{limit}: {what}"), 2, 4));
         }
     }
-    if let Some(note) = super::between::words(joint) {
-        out.push_str(&format!("\n{}", paragraph(&format!("{note}."), 0, 2)));
+    for (place, note) in super::motion::notes(joint).into_iter().enumerate() {
+        out.push_str(if place == 0 { "\n" } else { "" });
+        out.push_str(&paragraph(&format!("{note}."), 0, 2));
     }
     let line = format!("The row: {}; {}", conventions_line(story.motor), story.motor.source);
     out.push_str(&format!("\n{}", paragraph(&line, 0, 2)));

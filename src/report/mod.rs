@@ -3,7 +3,6 @@
 
 pub mod audit;
 mod balance;
-mod between;
 pub mod characterize;
 pub mod check;
 pub mod columns;
@@ -19,6 +18,7 @@ pub mod html;
 pub mod identify;
 pub mod import;
 pub mod json;
+mod motion;
 pub mod optimize;
 pub mod pareto;
 pub mod plot;

@@ -182,7 +182,7 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
     if ideal {
         out.push_str(&paragraph("No gear is described: it is taken as free of loss, inertia and mass.", 2, 4));
     }
-    if let Some(note) = super::between::words(joint) {
+    for note in super::motion::notes(joint) {
         out.push_str(&format!("  {}\n", wrap(&format!("{note}."), 4)));
     }
     if let Some(spring) = &joint.limits.spring {

@@ -188,7 +188,7 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     for ((limit, what), n) in assumed {
         out.push(format!("Assumed in {}: {limit}: {what}", crate::words::counted(n, "design")));
     }
-    out.extend(super::between::words(sweep.joint));
+    out.extend(super::motion::notes(sweep.joint));
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {
         reasons

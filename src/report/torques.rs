@@ -78,7 +78,7 @@ pub fn text(answer: &Answer) -> String {
     let course = match trajectory.course {
         Course::Periodic(period) => format!("repeating every {} s", number(period)),
         Course::Once(duration) => format!("once, {} s", number(duration)),
-        Course::Points(_) => String::new(),
+        Course::Points(_) | Course::Cases => String::new(),
     };
     let heading = format!(
         "{}: {}, {} kg with payload, {}, {course}",

@@ -37,7 +37,7 @@ pub(super) fn read(section: &Section, columns: Vec<CarriedColumn>) -> Vec<Asked>
         }
         asked.push(Asked { name, value: What::Constant(value) });
     }
-    let place = section.span_of("motion");
+    let place = section.span_of(if section.has("case") { "case" } else { "motion" });
     asked.extend(columns.into_iter().map(|(name, values, rates)| Asked {
         name: Spanned::new(place.clone(), name),
         value: What::Course(values, rates),

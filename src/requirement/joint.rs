@@ -8,7 +8,7 @@ use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
-use super::{gear, objective};
+use super::{cases, gear, objective};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
@@ -43,7 +43,9 @@ pub(super) fn read(
         None => GearModel::IDEAL,
     };
     let scale = motions::read_scale(&section);
-    let (read, taken) = if section.has("mechanism_joint") {
+    let (read, taken) = if section.has("case") {
+        (cases::read(&section, joints, name.as_ref(), scale, reader), None)
+    } else if section.has("mechanism_joint") {
         let (motion, taken) = mechanism::read_joint(&section, scale, model).unzip();
         (motion.map(|m| (Arc::new(m), Vec::new())), taken)
     } else {
@@ -128,6 +130,10 @@ fn read_limits(section: &Section, ambient: f64, no_springs: Option<&str>, motion
             section.note(
                 Problem::at(span, message, "the points say no position").help("give `motion`, or remove `spring`"),
             );
+        } else if spring.is_some() && motion.is_some_and(|m| m.cases.is_some() && !m.placed) {
+            let message = "a spring needs the `position` of every load case: where each begins is not known without it";
+            let help = "give a column `position` in the motion of every case; operating points have none";
+            section.note(Problem::at(span, message, "asked for here").help(help));
         } else if spring.is_some() && motion.is_some_and(|m| m.position.is_none()) {
             let message = "a spring needs the position, but the motion does not come back to where it began";
             section.note(Problem::at(span, message, "the motion's position is not periodic").help(
@@ -167,7 +173,7 @@ fn read_phases(section: &Section, count: u32, motion: Option<&Motion>) -> Vec<f6
     } else if phases.iter().any(|p| !(0.0..=1.0).contains(p)) {
         let message = "`phases` are shares of the period";
         section.note(Problem::at(span, message, "expected numbers from 0 to 1").help("half a period late is 0.5"));
-    } else if motion.is_some_and(|m| !matches!(m.course, motion::Course::Periodic(_))) {
+    } else if motion.is_some_and(|m| !m.courses().iter().any(|(_, c)| matches!(c, motion::Course::Periodic(_)))) {
         let message = "`phases` need a motion that repeats";
         section
             .note(Problem::at(span, message, "this joint has none").help("give a periodic `motion`, or remove them"));

@@ -5,6 +5,7 @@
 
 mod bus;
 mod carried;
+mod cases;
 pub mod design_file;
 mod driven;
 mod gear;
@@ -17,6 +18,7 @@ mod read;
 mod robot;
 
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
+pub use cases::RobotCase;
 pub use bus::{Bus, Regeneration};
 pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, Reduction};
 pub use driven::Driven;

@@ -243,7 +243,7 @@ pub(super) fn repeat_every(section: &Section, every: Option<f64>, course: motion
         }
         motion::Course::Periodic(_) => Problem::at(span, needs, "this one repeats without rest")
             .help("set `periodic = false`, or remove `repeat_every`"),
-        motion::Course::Points(_) => Problem::at(span, needs, "not with operating points")
+        motion::Course::Points(_) | motion::Course::Cases => Problem::at(span, needs, "not with operating points")
             .help("give a `motion` and `periodic = false`; or add a point at rest without torque, with its duration"),
     });
     None

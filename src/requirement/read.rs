@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::motions::{FromDisk, MotionReader, Motions};
 use super::robot::{Budget, Robot};
-use super::{bus, carried, joint, mechanism};
+use super::{bus, carried, cases, joint, mechanism};
 use crate::input::{Change, Description, Form, InputError, Problem, Range, Section, Source, key, limits};
 use crate::units;
 
@@ -74,6 +74,15 @@ objective = ''
 [[joint]]
 mechanism_joint = 'a'
 actuator_at = {}
+[[joint]]
+order = [{}]
+[[joint.case]]
+motion = ''
+scale = {}
+[[joint.case]]
+points = [{}]
+[[case]]
+joints = {}
 ";
 
 /// What the reader asks for.
@@ -185,12 +194,14 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         mechanism::load(driven, &mut joints);
     }
     carried::resolve(root, &mut joints, carried, spans)?;
+    let cases = cases::read_robot(root, &joints)?;
     Some(Robot {
         name: name?,
         bus: bus?,
         ambient: surroundings,
         budget: budget.unwrap_or_default(),
         joints,
+        cases,
         driven,
         rules,
         sources: [vec![root.source().clone()], std::mem::take(&mut motions.opened)].concat(),

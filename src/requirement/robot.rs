@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::bus::Bus;
+use super::cases::RobotCase;
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
@@ -25,6 +26,8 @@ pub struct Robot {
     pub budget: Budget,
     /// The joints.
     pub joints: Vec<Joint>,
+    /// Load cases of the joints that happen together; empty where those of one name do.
+    pub cases: Vec<RobotCase>,
     /// Where motions come from a description of the robot: what was done with it.
     pub driven: Option<Driven>,
     /// The rules file that designs for it have to keep, where it names one.

@@ -86,7 +86,8 @@ pub(super) const LIMITS: &[Limit] = &[
 ];
 
 /// By how much the phase that carries two thirds of the heat at standstill can be hotter than the mean of the three
-/// \[K\], where the winding stays below `hottest` \[K\]: from above, as if all the time at standstill were one.
+/// \[K\], where the winding stays below `hottest` \[K\]: from above; of operating points as if all the time at standstill
+/// were one.
 ///
 /// Its own way to the housing has three times the winding's resistance and a third of its capacity, and twice the
 /// mean phase's heat: what it has more is a first order with the winding's resistance and time constant.
@@ -94,10 +95,15 @@ fn rise_at_standstill(candidate: &Candidate, node: &TwoNode, hottest: f64, ratio
     if candidate.standing_share() == 0.0 {
         return 0.0;
     }
-    let (heat, stands, cycle) = candidate.load.standing(&candidate.actuator, ratio);
-    let answer = |time: f64| -(-time / node.time_constant_winding).exp_m1();
-    let share = if stands == 0.0 { 0.0 } else { answer(stands) / answer(cycle) };
-    heat * thermal::resistance_factor(hottest, node.reference) * node.resistance_winding_housing * share
+    let heat = match candidate.load.standing_course(&candidate.actuator, ratio) {
+        Some((course, repeats)) => stretch::lagged(&course, node.time_constant_winding, repeats),
+        None => {
+            let (heat, stands, cycle) = candidate.load.standing(&candidate.actuator, ratio);
+            let answer = |time: f64| -(-time / node.time_constant_winding).exp_m1();
+            heat * if stands == 0.0 { 0.0 } else { answer(stands) / answer(cycle) }
+        }
+    };
+    heat * thermal::resistance_factor(hottest, node.reference) * node.resistance_winding_housing
 }
 
 /// A stretch above the steady limit shorter than this \[s\] is averaged by the winding: the least thermal time constant

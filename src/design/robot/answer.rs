@@ -57,6 +57,8 @@ pub struct Combination<'a> {
     /// Largest power that all joints draw together \[W\]: at one instant where they share a time base, else
     /// the sum of their peaks.
     pub peak_power: f64,
+    /// The same in each load case \[W\], by name; empty where joints have no cases.
+    pub peak_power_by_case: Vec<(String, f64)>,
     /// Change of the total per watt more of shared power, where that is limited.
     pub power_price: Option<f64>,
     /// Number of different motors.

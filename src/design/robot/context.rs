@@ -307,10 +307,8 @@ impl<'a> Context<'a> {
         let mut worth = 0.0;
         for (places, multiplier) in &price.rows {
             worth += multiplier * limit;
-            for (group, place) in self.schedule.groups.iter().zip(places) {
-                for (j, sample, weight) in &group.instants[*place].parts {
-                    weights[*j].push((*sample, multiplier * weight));
-                }
+            for (j, sample, weight) in self.schedule.parts(places) {
+                weights[*j].push((*sample, multiplier * weight));
             }
         }
         let priced = menus
@@ -333,7 +331,10 @@ impl<'a> Context<'a> {
         let items: Vec<&Item> = menus.iter().zip(&found.items).map(|(m, i)| &m.items[*i]).collect();
         let own_ratios: Vec<f64> = items.iter().map(|i| i.design.evaluation.ratio).collect();
         let ratios = found.ratios.clone().unwrap_or(own_ratios);
-        let peak = self.with_parts(&items, &found.coordinates, |parts| shared::power(parts, &self.schedule, &ratios));
+        let (peak, peak_by_case) = self.with_parts(&items, &found.coordinates, |parts| {
+            let by_case = shared::power_by_case(parts, &self.schedule, &ratios);
+            (shared::power(parts, &self.schedule, &ratios), by_case)
+        });
         let price = self.power.map(|limit| match self.solve(&items, &found.coordinates, limit) {
             Outcome::Solved(solved) => -solved.price.rows.iter().map(|r| r.1).sum::<f64>(),
             Outcome::TooMuch { .. } => 0.0,
@@ -369,6 +370,7 @@ impl<'a> Context<'a> {
             lower_bound: found.lower,
             mass,
             peak_power: peak,
+            peak_power_by_case: peak_by_case,
             power_price: price,
             distinct_motors: motors.len(),
             carried: carried_torque,

@@ -24,7 +24,7 @@ use crate::catalog::Catalog;
 use crate::design::Prepared;
 use crate::design::options::Stop;
 use crate::design::program::GAP_TOLERANCE;
-use crate::requirement::{Course, Joint, Robot};
+use crate::requirement::{Joint, Robot};
 pub use answer::{Apart, Change, Choice, Combination, NoChoice, Options, Proof, Wanting};
 use context::Context;
 use search::{Answer, Rules};
@@ -71,8 +71,12 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     let proof = prove(&context, &answer);
     let unjudged = unjudged(&context);
     let name = |j: &usize| robot.joints[*j].name.clone();
-    let groups = &context.schedule.groups;
-    let timed = |g: &power::Group| !matches!(robot.joints[g.joints[0]].motion.course, Course::Points(_));
+    let scenarios = &context.schedule.scenarios;
+    // One joint that is alone in its place needs no time.
+    let timed = |g: &power::Group| g.timed || robot.joints.iter().all(|j| j.count == 1);
+    let one_by_one = |s: &power::Scenario| s.groups.len() == 1 && timed(&s.groups[0]);
+    let most_groups = scenarios.iter().map(|s| &s.groups).max_by_key(|groups| groups.len());
+    let bases = most_groups.into_iter().flatten().map(|g| g.joints.iter().map(name).collect());
     Ok(stop.unless(Choice {
         robot,
         combinations,
@@ -82,8 +86,8 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         others_left_out,
         front,
         unjudged,
-        time_bases: groups.iter().map(|g| g.joints.iter().map(name).collect()).collect(),
-        instant_by_instant: groups.len() == 1 && (timed(&groups[0]) || robot.joints.iter().all(|j| j.count == 1)),
+        time_bases: bases.collect(),
+        instant_by_instant: scenarios.iter().all(one_by_one),
         total: context.total,
     })?)
 }

@@ -9,7 +9,7 @@ use crate::actuator::shaft::Flow;
 use crate::actuator::waveform::{Functional, WavePoint};
 use crate::actuator::{Actuator, Laurent, Load};
 use crate::design::Prepared;
-use crate::requirement::{Course, Joint, Motion, Robot};
+use crate::requirement::{Course, Motion, Robot};
 
 /// Instants closer than this share of the period are one.
 const SAME_INSTANT: f64 = 1e-9;
@@ -26,27 +26,78 @@ pub(super) struct Instant {
 pub(super) struct Group {
     pub joints: Vec<usize>,
     pub instants: Vec<Instant>,
+    /// Whether they meet at instants of time, not at operating points.
+    pub timed: bool,
 }
 
 /// When which joint does what.
 #[derive(Debug, Clone)]
 pub(super) struct Schedule {
+    /// What the robot does: one of these at a time.
+    pub scenarios: Vec<Scenario>,
+}
+
+/// What all joints do together.
+#[derive(Debug, Clone)]
+pub(super) struct Scenario {
+    /// The load case; `None` where joints have none.
+    pub name: Option<String>,
     pub groups: Vec<Group>,
+}
+
+/// An instant of each group of a scenario.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Places {
+    scenario: usize,
+    instants: Vec<usize>,
+}
+
+/// What a joint does in a scenario: the motion, and which of the joint's samples it is.
+struct Doing {
+    joint: usize,
+    first: usize,
+    motion: Motion,
+    /// Whether it may be at any of these samples, whatever the others do.
+    any: bool,
 }
 
 impl Schedule {
     pub(super) fn new(robot: &Robot) -> Schedule {
-        let mut groups: Vec<Vec<usize>> = Vec::new();
-        for (j, joint) in robot.joints.iter().enumerate() {
-            let same = |group: &&mut Vec<usize>| share_time(&robot.joints[group[0]].motion, &joint.motion);
-            match groups.iter_mut().find(same) {
-                Some(group) => group.push(j),
-                None => groups.push(vec![j]),
-            }
-        }
-        let make = |joints: Vec<usize>| Group { instants: instants(robot, &joints), joints };
-        Schedule { groups: groups.into_iter().map(make).collect() }
+        let scenarios = robot.scenarios().into_iter().map(|(name, doing)| {
+            let doing = robot.joints.iter().zip(doing).enumerate().map(|(joint, (of, case))| match case {
+                Some(case) => {
+                    let (samples, motion) = of.motion.parts().swap_remove(case);
+                    Doing { joint, first: samples.start, motion, any: false }
+                }
+                None => Doing { joint, first: 0, motion: of.motion.as_ref().clone(), any: of.motion.cases.is_some() },
+            });
+            Scenario { name, groups: groups(robot, doing.collect()) }
+        });
+        Schedule { scenarios: scenarios.collect() }
     }
+
+    /// Joint, sample and weight of everything that counts at an instant of each group.
+    pub(super) fn parts<'s>(&'s self, places: &'s Places) -> impl Iterator<Item = &'s (usize, usize, f64)> {
+        let groups = &self.scenarios[places.scenario].groups;
+        groups.iter().zip(&places.instants).flat_map(|(group, place)| &group.instants[*place].parts)
+    }
+}
+
+fn groups(robot: &Robot, doing: Vec<Doing>) -> Vec<Group> {
+    let mut groups: Vec<Vec<Doing>> = Vec::new();
+    for one in doing {
+        let same = |group: &&mut Vec<Doing>| !one.any && !group[0].any && share_time(&group[0].motion, &one.motion);
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(one),
+            None => groups.push(vec![one]),
+        }
+    }
+    let make = |group: Vec<Doing>| Group {
+        instants: instants(robot, &group),
+        joints: group.iter().map(|doing| doing.joint).collect(),
+        timed: matches!(group[0].motion.course, Course::Periodic(_) | Course::Once(_)),
+    };
+    groups.into_iter().map(make).collect()
 }
 
 fn share_time(a: &Motion, b: &Motion) -> bool {
@@ -56,32 +107,33 @@ fn share_time(a: &Motion, b: &Motion) -> bool {
     }
 }
 
-fn instants(robot: &Robot, joints: &[usize]) -> Vec<Instant> {
-    let first = &robot.joints[joints[0]];
+fn instants(robot: &Robot, group: &[Doing]) -> Vec<Instant> {
+    let first = &group[0];
     let period = match first.motion.course {
-        Course::Points(_) => {
-            let whole = |k| Instant { parts: vec![(joints[0], k, f64::from(first.count))] };
+        Course::Points(_) | Course::Cases => {
+            let count = f64::from(robot.joints[first.joint].count);
+            let whole = |k| Instant { parts: vec![(first.joint, first.first + k, count)] };
             return (0..first.motion.len()).map(whole).collect();
         }
         Course::Periodic(period) => Some(period),
         Course::Once(_) => None,
     };
     let wrap = |t: f64| period.map_or(t, |p| t.rem_euclid(p));
-    let own = |joint: &Joint| -> Vec<f64> {
-        let start = joint.motion.time[0];
-        joint.motion.time.iter().map(|t| t - start).collect()
+    let own = |doing: &Doing| -> Vec<f64> {
+        let start = doing.motion.time[0];
+        doing.motion.time.iter().map(|t| t - start).collect()
     };
-    let late = |joint: &Joint| -> Vec<(f64, f64)> {
+    let late = |doing: &Doing| -> Vec<(f64, f64)> {
+        let joint = &robot.joints[doing.joint];
         match (period, joint.phases.is_empty()) {
             (Some(period), false) => joint.phases.iter().map(|share| (share * period, 1.0)).collect(),
             _ => vec![(0.0, f64::from(joint.count))],
         }
     };
     let mut times: Vec<f64> = Vec::new();
-    for j in joints {
-        let joint = &robot.joints[*j];
-        for (shift, _) in late(joint) {
-            times.extend(own(joint).iter().map(|t| wrap(t + shift)));
+    for doing in group {
+        for (shift, _) in late(doing) {
+            times.extend(own(doing).iter().map(|t| wrap(t + shift)));
         }
     }
     times.sort_by(f64::total_cmp);
@@ -89,12 +141,11 @@ fn instants(robot: &Robot, joints: &[usize]) -> Vec<Instant> {
     times.dedup_by(|b, a| (*b - *a).abs() <= scale);
     let at = |t: f64| {
         let mut parts = Vec::new();
-        for j in joints {
-            let joint = &robot.joints[*j];
-            let times = own(joint);
-            for (shift, weight) in late(joint) {
+        for doing in group {
+            let times = own(doing);
+            for (shift, weight) in late(doing) {
                 for (sample, share) in between(&times, wrap(t - shift), period, scale) {
-                    parts.push((*j, sample, weight * share));
+                    parts.push((doing.joint, doing.first + sample, weight * share));
                 }
             }
         }
@@ -171,10 +222,22 @@ impl Profile {
 
 /// The largest power over time of all joints together \[W\], from the course of each, and the instant of each
 /// group that makes it.
-pub(super) fn largest(schedule: &Schedule, courses: &[Vec<f64>]) -> (f64, Vec<usize>) {
+pub(super) fn largest(schedule: &Schedule, courses: &[Vec<f64>]) -> (f64, Places) {
+    let mut best = (f64::NEG_INFINITY, Places { scenario: 0, instants: Vec::new() });
+    for (scenario, of) in schedule.scenarios.iter().enumerate() {
+        let (power, instants) = worst(of, courses);
+        if power > best.0 {
+            best = (power, Places { scenario, instants });
+        }
+    }
+    best
+}
+
+/// The largest power over time in one scenario \[W\], and the instant of each group that makes it.
+fn worst(scenario: &Scenario, courses: &[Vec<f64>]) -> (f64, Vec<usize>) {
     let mut sum = 0.0;
     let mut places = Vec::new();
-    for group in &schedule.groups {
+    for group in &scenario.groups {
         let power = |instant: &Instant| instant.parts.iter().map(|(j, k, w)| w * courses[*j][*k]).sum::<f64>();
         let mut best = (f64::NEG_INFINITY, 0);
         for (i, instant) in group.instants.iter().enumerate() {
@@ -187,4 +250,10 @@ pub(super) fn largest(schedule: &Schedule, courses: &[Vec<f64>]) -> (f64, Vec<us
         places.push(best.1);
     }
     (sum, places)
+}
+
+/// The largest power of each load case \[W\] with its name; nothing where joints have no cases.
+pub(super) fn by_case(schedule: &Schedule, courses: &[Vec<f64>]) -> Vec<(String, f64)> {
+    let named = schedule.scenarios.iter().filter_map(|scenario| Some((scenario.name.clone()?, scenario)));
+    named.map(|(name, scenario)| (name, worst(scenario, courses).0)).collect()
 }

@@ -9,7 +9,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::convex::{Convex, add, under};
-use super::power::{Profile, Schedule, largest};
+use super::power::{Places, Profile, Schedule, by_case, largest};
 use crate::design::Prepared;
 use crate::design::program::{RatioProgram, minimise, value};
 use crate::requirement::Joint;
@@ -66,7 +66,7 @@ impl Part<'_> {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Price {
     /// For each row the instant of each group, and its multiplier \[objective/W\].
-    pub rows: Vec<(Vec<usize>, f64)>,
+    pub rows: Vec<(Places, f64)>,
 }
 
 /// What came of a combination.
@@ -99,7 +99,8 @@ impl Solved {
 struct Cut {
     epigraph: Option<usize>,
     parts: Vec<(usize, Convex)>,
-    places: Vec<usize>,
+    /// Of power: the instants that it is the row of.
+    places: Option<Places>,
 }
 
 struct Program<'p> {
@@ -184,24 +185,30 @@ pub(super) fn power(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> f64 
     Program { parts, schedule }.power(ratios).0
 }
 
+/// What all joints draw at their worst instant of each load case \[W\]; nothing where joints have no cases.
+pub(super) fn power_by_case(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> Vec<(String, f64)> {
+    by_case(schedule, &Program { parts, schedule }.courses(ratios))
+}
+
 impl Program<'_> {
-    fn power(&self, ratios: &[f64]) -> (f64, Vec<usize>) {
-        let courses: Vec<Vec<f64>> = self.parts.iter().zip(ratios).map(|(p, n)| p.profile.course(*n)).collect();
-        largest(self.schedule, &courses)
+    fn power(&self, ratios: &[f64]) -> (f64, Places) {
+        largest(self.schedule, &self.courses(ratios))
+    }
+
+    fn courses(&self, ratios: &[f64]) -> Vec<Vec<f64>> {
+        self.parts.iter().zip(ratios).map(|(p, n)| p.profile.course(*n)).collect()
     }
 
     /// The row of an instant of each group.
-    fn row(&self, places: &[usize], ratios: &[f64], epigraph: Option<usize>) -> Cut {
+    fn row(&self, places: &Places, ratios: &[f64], epigraph: Option<usize>) -> Cut {
         let mut sums: Vec<Option<Convex>> = vec![None; self.parts.len()];
-        for (group, place) in self.schedule.groups.iter().zip(places) {
-            for (j, sample, weight) in &group.instants[*place].parts {
-                let (_, polynomial) = self.parts[*j].profile.at(*sample, ratios[*j]);
-                let convex = under(&polynomial, self.parts[*j].ratios, ratios[*j]);
-                add(sums[*j].get_or_insert([0.0; 4]), &convex, *weight);
-            }
+        for (j, sample, weight) in self.schedule.parts(places) {
+            let (_, polynomial) = self.parts[*j].profile.at(*sample, ratios[*j]);
+            let convex = under(&polynomial, self.parts[*j].ratios, ratios[*j]);
+            add(sums[*j].get_or_insert([0.0; 4]), &convex, *weight);
         }
         let parts = sums.into_iter().enumerate().filter_map(|(j, sum)| Some((j, sum?))).collect();
-        Cut { epigraph, parts, places: places.to_vec() }
+        Cut { epigraph, parts, places: Some(places.clone()) }
     }
 
     /// Ratios of the least peak, a bound below it, and the rows that show the bound.
@@ -238,7 +245,7 @@ impl Program<'_> {
         self.add_objective(&mut cuts, gentlest);
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
             for n in [part.ratios.0, part.ratios.1] {
-                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, part.cut(n))], places: Vec::new() });
+                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, part.cut(n))], places: None });
             }
         }
         for _ in 0..ROUNDS {
@@ -273,7 +280,7 @@ impl Program<'_> {
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
             let cut = part.cut(ratios[j]);
             if !cuts.iter().any(|c| c.epigraph == Some(j) && c.parts[0].1 == cut) {
-                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, cut)], places: Vec::new() });
+                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, cut)], places: None });
             }
         }
     }
@@ -442,8 +449,8 @@ impl Program<'_> {
 }
 
 fn prices(cuts: &[Cut], multipliers: &[f64]) -> Price {
-    let rows = cuts.iter().zip(multipliers).filter(|(c, m)| !c.places.is_empty() && **m > 0.0);
-    let rows: Vec<(Vec<usize>, f64)> = rows.map(|(c, m)| (c.places.clone(), *m)).collect();
+    let rows = cuts.iter().zip(multipliers).filter(|(_, m)| **m > 0.0);
+    let rows: Vec<(Places, f64)> = rows.filter_map(|(c, m)| Some((c.places.clone()?, *m))).collect();
     let most = rows.iter().map(|r| r.1).fold(0.0, f64::max);
     Price { rows: rows.into_iter().filter(|r| r.1 > 1e-6 * most).collect() }
 }

@@ -101,7 +101,7 @@ fn warnings(story: &Explanation) -> Vec<String> {
     if story.winding_temperature.runs_away() {
         all.push(RUNAWAY.to_string());
     }
-    all.extend(crate::report::between::words(story.joint));
+    all.extend(crate::report::motion::notes(story.joint));
     all.extend(story.unchecked.iter().map(|(limit, why)| format!("not checked: {limit}: {why}")));
     all.extend(story.assumed.iter().map(|(limit, what)| format!("assumed: {limit}: {what}")));
     all.extend(fitted_notes(story.motor, story.joint).into_iter().map(|n| format!("fitted: {}: {}", n.effect, n.how)));

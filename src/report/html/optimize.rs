@@ -165,7 +165,7 @@ fn warned(result: &JointResult) -> Vec<String> {
     if !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == crate::requirement::GearModel::IDEAL {
         lines.push("no gear is described: it is taken as free of loss, inertia and mass".into());
     }
-    lines.extend(crate::report::between::words(joint));
+    lines.extend(crate::report::motion::notes(joint));
     if asks_for_nothing(joint) {
         lines.push("the motion asks for no torque and no acceleration: the order says nothing".into());
     }

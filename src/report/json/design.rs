@@ -20,7 +20,7 @@ use crate::design::figures::{FIGURES, Facts};
 use crate::design::program;
 use crate::report::columns::metric_key;
 use crate::report::{optimize, unjudged};
-use crate::requirement::{Course, Joint};
+use crate::requirement::Joint;
 
 /// A motor with its ratio or gear at a joint.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -98,7 +98,10 @@ pub struct Binds<T> {
 pub struct Bind<'a> {
     /// Name of the limit; `ratio_min` and `ratio_max` are the requirement's own.
     pub limit: &'static str,
-    /// Line of the motion that it binds at, from 0.
+    /// The load case that it binds in, where the joint has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub case: Option<&'a str>,
+    /// Line of the motion (of the case) that it binds at, from 0.
     pub sample: Option<usize>,
     /// When that is.
     pub time_s: Option<f64>,
@@ -170,7 +173,10 @@ pub struct Limit<'a> {
     pub margin: Option<f64>,
     /// Whose limit it is.
     pub of: &'static str,
-    /// Line of the motion with the largest demand, from 0.
+    /// The load case that has the largest demand, where the joint has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub case: Option<&'a str>,
+    /// Line of the motion (of the case) with the largest demand, from 0.
     pub sample: Option<usize>,
     /// When that is.
     pub time_s: Option<f64>,
@@ -430,6 +436,7 @@ pub fn limits<'a>(of: &[evaluate::Margin], joint: &'a Joint) -> Vec<Limit<'a>> {
         unit: m.unit,
         margin: finite(m.margin),
         of: m.owner,
+        case: m.sample.and_then(|k| case_of(joint, k)),
         sample: m.sample.and_then(|k| joint.motion.given_sample(k)),
         time_s: m.sample.and_then(|k| time_of(joint, k)),
         at: m.sample.map(|k| joint.motion.name_sample(k).into()),
@@ -439,7 +446,12 @@ pub fn limits<'a>(of: &[evaluate::Margin], joint: &'a Joint) -> Vec<Limit<'a>> {
 
 /// When a sample of a joint's motion is \[s\]; operating points have no time.
 fn time_of(joint: &Joint, sample: usize) -> Option<f64> {
-    (!matches!(joint.motion.course, Course::Points(_))).then(|| joint.motion.moment(sample))
+    (!joint.motion.is_point(sample)).then(|| joint.motion.moment(sample))
+}
+
+/// The load case that a sample is of.
+fn case_of(joint: &Joint, sample: usize) -> Option<&str> {
+    joint.motion.case_of(sample).map(|case| case.name.as_str())
 }
 
 /// Limits that could not be checked.
@@ -452,9 +464,10 @@ pub fn assumed(of: &[Remark]) -> Vec<Assumed<'_>> {
     of.iter().map(|(limit, holds)| Assumed { limit, holds }).collect()
 }
 
-fn bind<'a>(of: &'a program::Bind, joint: &Joint) -> Bind<'a> {
+fn bind<'a>(of: &'a program::Bind, joint: &'a Joint) -> Bind<'a> {
     Bind {
         limit: of.limit,
+        case: of.sample.and_then(|k| case_of(joint, k)),
         sample: of.sample.and_then(|k| joint.motion.given_sample(k)),
         time_s: of.sample.and_then(|k| time_of(joint, k)),
         at: of.sample.map(|k| joint.motion.name_sample(k)),
@@ -464,7 +477,7 @@ fn bind<'a>(of: &'a program::Bind, joint: &Joint) -> Bind<'a> {
 
 impl<'a> Solution<'a> {
     /// What the ratio program found.
-    pub fn new(optimum: &'a program::Optimum, joint: &Joint) -> Solution<'a> {
+    pub fn new(optimum: &'a program::Optimum, joint: &'a Joint) -> Solution<'a> {
         let window = optimum.window();
         let prices = |of: fn(&program::ShadowPrice) -> f64| {
             Pairs::of(optimum.shadow_prices.iter().map(|price| (price.limit, of(price))))

@@ -24,6 +24,76 @@ pub struct Joint<'a> {
     pub derived_by_spline: &'a [&'static str],
     /// What is known of the motion between its samples; `null` where there is nothing between.
     pub between_samples: Option<BetweenSamples>,
+    /// The load cases, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cases: Option<Cases<'a>>,
+}
+
+/// The load cases of a joint.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Cases<'a> {
+    /// Each of them.
+    pub list: Vec<Case<'a>>,
+    /// Whether the requirement states the sequence in which heat is followed.
+    pub order_is_stated: bool,
+    /// Whether the sequence is made once, from cold.
+    pub once: bool,
+    /// The sequence in which heat is followed.
+    pub heat_sequence: Vec<Step<'a>>,
+}
+
+/// One load case.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Case<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// Share of the time, the rest after it included.
+    pub share: f64,
+    /// How long it moves in one repetition.
+    pub lasts_s: f64,
+    /// From one repetition to the next, rest included.
+    pub cycle_s: f64,
+    /// Largest load torque.
+    pub peak_torque_nm: f64,
+    /// Largest speed.
+    pub peak_speed_rad_s: f64,
+}
+
+/// A case that is repeated before the next one comes.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Step<'a> {
+    /// Name of the case.
+    pub case: &'a str,
+    /// How many times.
+    pub repetitions: f64,
+}
+
+impl<'a> Cases<'a> {
+    /// Of a joint's motion; `None` where it has no cases.
+    pub fn new(joint: &'a requirement::Joint) -> Option<Cases<'a>> {
+        let (motion, cases) = (&joint.motion, joint.motion.cases.as_deref()?);
+        let case = |case: &'a crate::motion::Case| {
+            let most = |of: &[f64]| of[case.samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            Case {
+                name: &case.name,
+                share: case.share,
+                lasts_s: case.lasts(),
+                cycle_s: case.cycle(),
+                peak_torque_nm: most(&motion.torque),
+                peak_speed_rad_s: most(&motion.velocity),
+            }
+        };
+        let step = |step: &crate::motion::Step| Step {
+            case: &cases.list[step.case].name,
+            repetitions: step.repetitions,
+        };
+        Some(Cases {
+            list: cases.list.iter().map(case).collect(),
+            order_is_stated: cases.is_ordered(),
+            once: cases.once,
+            heat_sequence: cases.sequence.iter().map(step).collect(),
+        })
+    }
 }
 
 impl<'a> Joint<'a> {
@@ -36,6 +106,7 @@ impl<'a> Joint<'a> {
             reference: Reference::new(joint),
             derived_by_spline: &joint.motion.derived,
             between_samples: BetweenSamples::new(joint),
+            cases: Cases::new(joint),
         }
     }
 }

@@ -4,7 +4,6 @@ use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Tone, thinned};
 use crate::actuator::limits::Demand;
 use crate::design::Prepared;
 use crate::report::number;
-use crate::requirement::Course;
 use crate::units::in_unit;
 
 /// Most points of a curve.
@@ -15,7 +14,7 @@ pub fn panel(prepared: &Prepared, ratio: f64) -> Option<Panel> {
     let asked = prepared.asked.iter().find(|a| matches!(a.demand, Demand::WindingPeak(_)))?;
     let Demand::WindingPeak(node) = asked.demand else { return None };
     let candidate = &prepared.candidate;
-    let periodic = matches!(candidate.joint.motion.course, Course::Periodic(_));
+    let periodic = candidate.joint.motion.has_steady_heat();
     let mut panel = Panel {
         title: if periodic { "temperature, settled" } else { "temperature, from cold" }.into(),
         x: Axis::linear("time [s]"),

@@ -56,8 +56,11 @@ pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
     panel.y = Axis::linear("torque at the output [N·m]").within(-(1.25 * deepest).max(0.25 * up).min(up), up);
     panel.series.push(Series::new(Tone::Grey, Mark::Dots, loads).named("load torque alone"));
     let order: Vec<(f64, f64)> = motion.iter().map(|(_, p)| *p).collect();
-    if !matches!(candidate.joint.motion.course, Course::Points(_)) {
-        panel.series.push(Series::new(Tone::Sky, Mark::Thin(Dash::Solid), order.clone()));
+    for (samples, course) in candidate.joint.motion.courses() {
+        let of_it: Vec<(f64, f64)> = motion.iter().filter(|(k, _)| samples.contains(k)).map(|(_, p)| *p).collect();
+        if !matches!(course, Course::Points(_)) {
+            panel.series.push(Series::new(Tone::Sky, Mark::Thin(Dash::Solid), of_it));
+        }
     }
     let notes = motion.iter().map(|(k, _)| candidate.joint.motion.name_sample(*k)).collect();
     panel.series.push(Series::new(Tone::Blue, Mark::Dots, order).named("motion, with the rotor").noted(notes));
@@ -233,6 +236,14 @@ fn straight(prepared: &Prepared, ratio: f64, (fastest, strongest): (f64, f64)) -
 /// Where the motion is at the start and after each quarter.
 fn instants(candidate: &Candidate, motion: &[(usize, (f64, f64))]) -> Vec<Label> {
     let m = &candidate.joint.motion;
+    if let Some(cases) = &m.cases {
+        // Where each case begins.
+        let first = |case: &crate::motion::Case| {
+            let (_, p) = motion.iter().find(|(k, _)| case.samples.contains(k))?;
+            Some(Label { at: *p, text: case.name.clone(), chosen: false })
+        };
+        return cases.list.iter().filter_map(first).collect();
+    }
     let Some(duration) = m.duration().filter(|_| !matches!(m.course, Course::Points(_))) else {
         let points = motion.iter().take(6);
         return points.map(|(k, p)| Label { at: *p, text: m.name_sample(*k), chosen: false }).collect();
