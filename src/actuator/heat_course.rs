@@ -9,7 +9,7 @@ use crate::requirement::{self, Motion};
 
 /// Samples that the repetitions of one step of a sequence take at most one by one: those at its beginning and at its end,
 /// and some between. The others count with their mean heat.
-const ONE_BY_ONE: f64 = 6000.0;
+const ONE_BY_ONE: f64 = 1500.0;
 
 /// How heat goes on in time.
 #[derive(Debug, Clone)]
@@ -44,7 +44,7 @@ impl HeatCourse {
     /// Of a motion; `None` for operating points, which have no order.
     pub(super) fn new(motion: &Motion) -> Option<HeatCourse> {
         if let Some(cases) = &motion.cases {
-            return Some(HeatCourse::of_cases(motion, cases));
+            return Some(HeatCourse::of_cases(motion, cases, ONE_BY_ONE));
         }
         let mut times = motion.time.clone();
         let (course, lasts) = match (motion.course, motion.repeat_every) {
@@ -59,7 +59,7 @@ impl HeatCourse {
         Some(HeatCourse { course, times, lasts, play: None })
     }
 
-    fn of_cases(motion: &Motion, cases: &Cases) -> HeatCourse {
+    fn of_cases(motion: &Motion, cases: &Cases, one_by_one: f64) -> HeatCourse {
         let mean = |case: &Case| {
             let weights = &motion.weight[case.samples.clone()];
             let all: f64 = weights.iter().sum();
@@ -67,7 +67,7 @@ impl HeatCourse {
             let share = if all > 0.0 { moving / all } else { 0.0 };
             (case.samples.clone(), weights.iter().map(|w| w * share).collect())
         };
-        let mut track = Track { motion, times: Vec::new(), entries: Vec::new(), at: 0.0 };
+        let mut track = Track { motion, times: Vec::new(), entries: Vec::new(), at: 0.0, one_by_one };
         for step in &cases.sequence {
             track.repeat(&cases.list[step.case], step.case, step.repetitions);
         }
@@ -175,11 +175,15 @@ struct Track<'m> {
     entries: Vec<Entry>,
     /// Now \[s\].
     at: f64,
+    /// Samples of one step at most.
+    one_by_one: f64,
 }
 
 impl Track<'_> {
     fn push(&mut self, time: f64, entry: Entry) {
-        self.times.push(time);
+        // Sums of durations may miss each other by rounding.
+        let last = self.times.last().copied().unwrap_or(0.0);
+        self.times.push(time.max(last));
         self.entries.push(entry);
     }
 
@@ -187,7 +191,7 @@ impl Track<'_> {
     fn repeat(&mut self, case: &Case, number: usize, repetitions: f64) {
         let whole = (repetitions * (1.0 + 1e-12)).floor();
         let part = (repetitions - whole).max(0.0);
-        let most = (ONE_BY_ONE / case.samples.len() as f64).floor().max(12.0);
+        let most = (self.one_by_one / case.samples.len() as f64).floor().max(9.0);
         if whole <= most {
             (0..whole as usize).for_each(|_| self.once(case));
             self.mean(case, number, part);
@@ -247,6 +251,93 @@ impl Track<'_> {
             self.push(self.at, Entry::Mean(number));
             self.at += repetitions * case.cycle();
             self.push(self.at, Entry::Mean(number));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::actuator::thermal_motion::{Outcome, TwoNode};
+    use crate::motion::{Lasting, Often, Point, Samples};
+
+    const MOTOR: TwoNode = TwoNode {
+        resistance_winding_housing: 0.9,
+        resistance_housing_ambient: 1.4,
+        time_constant_winding: 12.0,
+        time_constant_housing: 700.0,
+        ambient: 298.15,
+        reference: 298.15,
+    };
+
+    fn cases(period: f64, steps: Vec<(usize, Lasting)>) -> Motion {
+        let time: Vec<f64> = (0..40).map(|k| period * f64::from(k) / 40.0).collect();
+        let at = |t: &f64| (std::f64::consts::TAU * t / period).sin();
+        let torque: Vec<f64> = time.iter().map(at).collect();
+        let trot = Samples { time, position: Some(torque.clone()), torque, ..Samples::default() };
+        let trot = Motion::from_samples(trot, requirement::Course::Periodic(period));
+        let point = |torque, duration| Point { torque, duration: Some(duration), ..Point::default() };
+        let jump = Motion::from_points(&[point(3.0, 0.1), point(0.0, 0.5), point(2.5, 0.2)]);
+        let rest = Motion::from_points(&[point(0.0, 1.0)]);
+        let list = [("trot", trot), ("jump", jump), ("rest", rest)];
+        let list = list.into_iter().map(|(name, motion)| (name.to_string(), motion)).collect();
+        Motion::from_cases(list, Often::Order(steps), false)
+    }
+
+    /// Heat of 10 W at a torque of 1 N·m.
+    fn peak(motion: &Motion, one_by_one: f64) -> f64 {
+        let course = HeatCourse::of_cases(motion, motion.cases.as_ref().unwrap(), one_by_one);
+        let heat = course.spread(motion.torque.iter().map(|t| 10.0 * t * t).collect());
+        match MOTOR.periodic_state(&course.heat(&heat)) {
+            Outcome::Settles(temperature) => temperature.peak - MOTOR.ambient,
+            Outcome::Runaway => f64::INFINITY,
+        }
+    }
+
+    #[test]
+    fn many_repetitions_are_as_if_each_were_followed() {
+        use Lasting::{Count, Duration};
+        let orders = [
+            (0.5, vec![(0, Duration(300.0)), (1, Count(20.0)), (2, Duration(60.0))]),
+            (3.0, vec![(2, Duration(900.0)), (0, Duration(1500.0)), (1, Count(4.0))]),
+            // A hot start: the winding cools, the housing warms.
+            (1.0, vec![(1, Count(60.0)), (0, Duration(800.0)), (2, Duration(30.0))]),
+            (0.2, vec![(0, Duration(40.0)), (1, Count(1.0)), (2, Duration(400.3))]),
+        ];
+        for (period, steps) in orders {
+            let motion = cases(period, steps);
+            let (short, full) = (peak(&motion, ONE_BY_ONE), peak(&motion, 1e9));
+            assert!((short / full - 1.0).abs() < 2e-4, "{short} {full}");
+        }
+    }
+
+    #[test]
+    fn what_is_gathered_is_the_gradient_of_what_is_spread() {
+        let motion = cases(0.5, vec![(0, Lasting::Duration(300.0)), (1, Lasting::Count(2.0)), (2, Lasting::Count(1.0))]);
+        let course = HeatCourse::new(&motion).unwrap();
+        let samples = motion.len();
+        let weights: Vec<f64> = (0..course.times.len()).map(|k| 1.0 + (k % 7) as f64).collect();
+        let sum = |at: &[f64]| course.spread(at.to_vec()).iter().zip(&weights).map(|(a, w)| a * w).sum::<f64>();
+        let gathered = course.gather(weights.clone(), samples);
+        for k in [0, 5, samples - 4, samples - 3, samples - 1] {
+            let mut unit = vec![0.0; samples];
+            unit[k] = 1.0;
+            assert!((sum(&unit) - gathered[k]).abs() < 1e-9 * (1.0 + gathered[k]), "{k}");
+        }
+    }
+
+    #[test]
+    fn the_sequence_has_the_mean_heat_of_the_shares() {
+        let motion = cases(0.5, vec![(0, Lasting::Duration(100.0)), (1, Lasting::Count(5.0)), (2, Lasting::Count(10.0))]);
+        for one_by_one in [ONE_BY_ONE, 1e9] {
+            let course = HeatCourse::of_cases(&motion, motion.cases.as_ref().unwrap(), one_by_one);
+            let heat = course.spread(motion.torque.iter().map(|t| t * t).collect());
+            let pieces = course.pieces(&heat);
+            let all: f64 = pieces.iter().map(|p| 0.5 * p.duration * (p.from + p.to)).sum();
+            let mean = motion.mean(|k| motion.torque[k].powi(2)) * motion.share_of_time();
+            // Between two samples heat is a straight line here, and a parabola there.
+            assert!((all / course.lasts / mean - 1.0).abs() < 2e-3, "{all} {mean}");
+            assert!((pieces.iter().map(|p| p.duration).sum::<f64>() / course.lasts - 1.0).abs() < 1e-12);
         }
     }
 }
