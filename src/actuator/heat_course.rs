@@ -313,7 +313,8 @@ mod tests {
 
     #[test]
     fn what_is_gathered_is_the_gradient_of_what_is_spread() {
-        let motion = cases(0.5, vec![(0, Lasting::Duration(300.0)), (1, Lasting::Count(2.0)), (2, Lasting::Count(1.0))]);
+        let motion =
+            cases(0.5, vec![(0, Lasting::Duration(300.0)), (1, Lasting::Count(2.0)), (2, Lasting::Count(1.0))]);
         let course = HeatCourse::new(&motion).unwrap();
         let samples = motion.len();
         let weights: Vec<f64> = (0..course.times.len()).map(|k| 1.0 + (k % 7) as f64).collect();
@@ -328,7 +329,8 @@ mod tests {
 
     #[test]
     fn the_sequence_has_the_mean_heat_of_the_shares() {
-        let motion = cases(0.5, vec![(0, Lasting::Duration(100.0)), (1, Lasting::Count(5.0)), (2, Lasting::Count(10.0))]);
+        let motion =
+            cases(0.5, vec![(0, Lasting::Duration(100.0)), (1, Lasting::Count(5.0)), (2, Lasting::Count(10.0))]);
         for one_by_one in [ONE_BY_ONE, 1e9] {
             let course = HeatCourse::of_cases(&motion, motion.cases.as_ref().unwrap(), one_by_one);
             let heat = course.spread(motion.torque.iter().map(|t| t * t).collect());

@@ -1,9 +1,9 @@
 //! Everything about a joint that does not depend on motor, gear or ratio, computed once.
 
+use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
 use super::thermal::winding_temperature;
-use super::heat_course::HeatCourse;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
 use crate::numerics::laurent::Laurent;

@@ -155,6 +155,10 @@ fn sums(choice: &Choice, combination: &Combination) -> String {
         true => text.push_str(&format!(", {peak} W at the worst instant")),
         false => text.push_str(&format!(", {peak} W as the sum of peaks")),
     }
+    if !combination.peak_power_by_case.is_empty() {
+        let cases = combination.peak_power_by_case.iter().map(|(name, power)| format!("{name} {} W", number(*power)));
+        text.push_str(&format!(" ({})", cases.collect::<Vec<_>>().join(", ")));
+    }
     text
 }
 

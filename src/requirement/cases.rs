@@ -54,7 +54,8 @@ fn case_named(joint: &Joint, name: &str) -> Option<usize> {
     joint.motion.cases.as_ref()?.list.iter().position(|case| case.name == name)
 }
 
-const CASE: Key = key("case", "load cases in place of one motion: each with a motion or points of its own").or("motion");
+const CASE: Key =
+    key("case", "load cases in place of one motion: each with a motion or points of its own").or("motion");
 const ORDER: Key = key("order", "the sequence of load cases, in which heat is followed; it is made again and again");
 const SHARE: Key = key("share", "of the time, its rest included; the shares of all cases sum to one").or("cycles");
 const CYCLES: Key = key("cycles", "how many times it happens, for each time that the others happen theirs").or("share");
@@ -172,22 +173,24 @@ fn read_order(section: &Section, read: &[Option<Read>]) -> Option<Vec<(usize, La
     if tables.is_empty() || tables.len() > MOST {
         let message = format!("`order` has 1 to {MOST} steps, not {}", tables.len());
         let problem = Problem::at(section.span_of("order"), message, "expected a list of steps");
-        section.note(problem.help("order = [{ case = \"trot\", duration = \"120 s\" }, { case = \"jump\", count = 5 }]"));
+        section
+            .note(problem.help("order = [{ case = \"trot\", duration = \"120 s\" }, { case = \"jump\", count = 5 }]"));
         return None;
     }
-    let names: Vec<Option<&str>> =
-        read.iter().map(|r| r.as_ref().map(|r: &Read| r.name.get_ref().as_str())).collect();
+    let names: Vec<Option<&str>> = read.iter().map(|r| r.as_ref().map(|r: &Read| r.name.get_ref().as_str())).collect();
     let mut steps = Vec::new();
     let mut good = true;
     for table in tables {
         let case = table.required_text(key("case", "name of the load case"), "\"trot\"");
-        let duration = table.quantity(key("duration", "how long it goes on").or("count"), &units::TIME, Range::Positive);
+        let duration =
+            table.quantity(key("duration", "how long it goes on").or("count"), &units::TIME, Range::Positive);
         let count = table.count(key("count", "how many times").or("duration"));
         let lasting = match (duration, count, table.has("duration") && table.has("count")) {
             (Some(duration), None, false) => Some(Lasting::Duration(duration)),
             (None, Some(count), false) => Some(Lasting::Count(f64::from(count))),
             (None, None, false) if !table.has("duration") && !table.has("count") => {
-                let problem = Problem::at(table.span(), "a step of `order` has no length", "neither `duration` nor `count`");
+                let problem =
+                    Problem::at(table.span(), "a step of `order` has no length", "neither `duration` nor `count`");
                 table.note(problem.help("give duration = \"120 s\", or count = 5"));
                 None
             }
@@ -314,7 +317,8 @@ fn joined(
         let (mut values, mut rates) = (Vec::new(), Vec::new());
         for (place, of_case) in columns.iter().enumerate() {
             let Some((_, v, r)) = of_case.iter().find(|(other, ..)| other == name) else {
-                let message = format!("load case `{}` has no torque per mass of `{name}`, and another has", cases[place].0);
+                let message =
+                    format!("load case `{}` has no torque per mass of `{name}`, and another has", cases[place].0);
                 let help = "what a joint carries in one case it carries in all: give every motion the column";
                 section.note(Problem::at(spans[place].clone(), message, "in this table").help(help));
                 return None;
@@ -332,7 +336,8 @@ pub(super) fn read_robot(root: &Section, joints: &[Joint]) -> Option<Vec<RobotCa
     let mut cases = Vec::new();
     let mut good = true;
     let mut names = HashSet::new();
-    for table in root.sections(key("case", "load cases of the joints that happen together; else those of one name do")) {
+    for table in root.sections(key("case", "load cases of the joints that happen together; else those of one name do"))
+    {
         let name = table.required_text(key("name", "name of the robot's load case"), "\"trot\"");
         if let Some(twice) = name.as_ref().filter(|name| !names.insert(name.get_ref().clone())) {
             let message = format!("two load cases of the robot are called `{}`", twice.get_ref());
@@ -363,7 +368,8 @@ pub(super) fn read_robot(root: &Section, joints: &[Joint]) -> Option<Vec<RobotCa
             good = false;
             continue;
         };
-        let or_named = |(joint, chosen): (&Joint, Option<Option<usize>>)| chosen.unwrap_or_else(|| case_named(joint, &name));
+        let or_named =
+            |(joint, chosen): (&Joint, Option<Option<usize>>)| chosen.unwrap_or_else(|| case_named(joint, &name));
         let of_joints = joints.iter().zip(chosen).map(or_named).collect();
         cases.push(RobotCase { name, cases: of_joints });
     }

@@ -18,8 +18,8 @@ mod read;
 mod robot;
 
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
-pub use cases::RobotCase;
 pub use bus::{Bus, Regeneration};
+pub use cases::RobotCase;
 pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, Reduction};
 pub use driven::Driven;
 pub use gear::{EfficiencyCovers, GearModel, RatioChoice, backdrive_efficiency, stages};

@@ -244,7 +244,7 @@ impl Worker<'_> {
             Ok(read) => read,
             Err(errors) => return Ok(broken(String::new(), Broken::of(&errors))),
         };
-        if let Err(message) = crate::design::check_patterns(&read, self.catalog) {
+        if let Err(message) = crate::design::check_patterns(&read, self.catalog).and_then(|()| each_by_itself(&read)) {
             let source = Arc::new(Source::new(requirement, ""));
             let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
             return Ok(broken(read.name.clone(), Broken::of(&errors)));
@@ -260,6 +260,26 @@ impl Worker<'_> {
             rows: columns::rows(joint),
         });
         Ok(Record { robot, name: read.name.clone(), inputs, joints: joints.collect(), broken: None })
+    }
+}
+
+/// A study looks at each joint by itself: what binds joints together it cannot keep.
+fn each_by_itself(robot: &Robot) -> Result<(), String> {
+    if robot.joints.iter().any(|joint| !joint.carries.is_empty()) {
+        let carrying: Vec<&str> =
+            robot.joints.iter().filter(|joint| !joint.carries.is_empty()).map(|joint| joint.name.as_str()).collect();
+        return Err(format!(
+            "{} carries actuators of other joints, and a study looks at each joint by itself: `optimize` takes the whole robot",
+            carrying.join(", ")
+        ));
+    }
+    match robot.is_coupled() {
+        true => {
+            Err("`budget` binds the joints together, and a study looks at each joint by itself: remove it, or use \
+            `optimize` for the whole robot"
+                .into())
+        }
+        false => Ok(()),
     }
 }
 

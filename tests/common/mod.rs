@@ -77,6 +77,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         ambient: 298.15,
         budget: Budget::default(),
         joints: vec![joint],
+        cases: Vec::new(),
         driven: None,
         rules: None,
         sources: Vec::new(),

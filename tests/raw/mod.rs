@@ -47,6 +47,7 @@ pub fn shares(raw: &[Point], time: &[f64], course: Course) -> Vec<[f64; 2]> {
             Course::Points(_) => (k, raw[k].duration.unwrap_or(1.0)),
             Course::Periodic(period) => ((k + 1) % n, (time[(k + 1) % n] - time[k]).rem_euclid(period)),
             Course::Once(_) => ((k + 1).min(n - 1), time[(k + 1).min(n - 1)] - time[k]),
+            Course::Cases => unreachable!("a drawn motion has no cases"),
         };
         let rests = raw[k].velocity == 0.0 && raw[next].velocity == 0.0;
         for end in [k, next] {
@@ -169,6 +170,7 @@ impl Case {
         let duration = match joint.motion.course {
             Course::Periodic(duration) | Course::Once(duration) => duration,
             Course::Points(total) => total.unwrap_or(0.0),
+            Course::Cases => unreachable!("a drawn motion has no cases"),
         };
         let energy = duration * timed.map(|(p, s)| s[0] * drawn(p)).sum::<f64>();
         let quantities = [r * square / (k_t * k_t), inertia, most_torque / k_t, mass, energy, watt.max(0.0)];

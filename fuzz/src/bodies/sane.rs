@@ -57,21 +57,29 @@ pub fn not_negative(what: &str, values: impl IntoIterator<Item = f64>) {
 
 /// A motion: columns of one length, time that goes forwards, shares that make a whole.
 pub fn motion(motion: &Motion) {
-    let Motion { course, time, torque, velocity, acceleration, torque_rate, jerk, weight, dwell, position, .. } =
-        motion;
+    let Motion { time, torque, velocity, acceleration, torque_rate, jerk, weight, dwell, position, .. } = motion;
     let columns = [torque, velocity, acceleration, torque_rate, jerk, weight, dwell];
     for column in columns.into_iter().chain(position) {
         assert_eq!(column.len(), time.len());
         finite("a sample", column.iter().copied());
     }
     finite("a time", time.iter().copied());
-    assert!(!time.is_empty() && time.windows(2).all(|w| w[0] < w[1]), "time does not go forwards: {time:?}");
+    assert!(!time.is_empty());
+    for (samples, course) in motion.courses() {
+        let time = &time[samples];
+        assert!(!time.is_empty() && time.windows(2).all(|w| w[0] < w[1]), "time does not go forwards: {time:?}");
+        match course {
+            Course::Periodic(duration) | Course::Once(duration) => positive("a duration", [duration]),
+            Course::Points(duration) => positive("a duration", duration),
+            Course::Cases => panic!("a case has no cases"),
+        }
+    }
+    if let Some(cases) = &motion.cases {
+        assert!((cases.list.iter().map(|case| case.share).sum::<f64>() - 1.0).abs() < 1e-6);
+        positive("repetitions", cases.sequence.iter().map(|step| step.repetitions));
+    }
     assert!((weight.iter().sum::<f64>() - 1.0).abs() < 1e-9, "shares of time {weight:?}");
     assert!(weight.iter().zip(dwell).all(|(w, d)| *d >= 0.0 && *w >= 0.0 && *d <= w * (1.0 + 1e-12)));
-    match *course {
-        Course::Periodic(duration) | Course::Once(duration) => positive("a duration", [duration]),
-        Course::Points(duration) => positive("a duration", duration),
-    }
 }
 
 /// A robot that a requirement describes.

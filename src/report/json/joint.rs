@@ -83,10 +83,8 @@ impl<'a> Cases<'a> {
                 peak_speed_rad_s: most(&motion.velocity),
             }
         };
-        let step = |step: &crate::motion::Step| Step {
-            case: &cases.list[step.case].name,
-            repetitions: step.repetitions,
-        };
+        let step =
+            |step: &crate::motion::Step| Step { case: &cases.list[step.case].name, repetitions: step.repetitions };
         Some(Cases {
             list: cases.list.iter().map(case).collect(),
             order_is_stated: cases.is_ordered(),

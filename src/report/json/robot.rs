@@ -91,6 +91,9 @@ pub struct Combination<'a> {
     pub actuator_mass_kg: Option<f64>,
     /// Largest power of all joints together.
     pub peak_power_w: Option<f64>,
+    /// The same in each load case, by name, where joints have cases.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_power_of_cases_w: Option<Pairs<'a>>,
     /// Change of the total per watt more.
     pub objective_per_watt: Option<f64>,
     /// Number of different motors.
@@ -212,6 +215,8 @@ impl<'a> Combination<'a> {
             lower_bound: Some(of.lower_bound).filter(|bound| bound.is_finite()),
             actuator_mass_kg: of.mass,
             peak_power_w: Some(of.peak_power).filter(|power| power.is_finite()),
+            peak_power_of_cases_w: (!of.peak_power_by_case.is_empty())
+                .then(|| Pairs::of(of.peak_power_by_case.iter().map(|(name, power)| (name.as_str(), *power)))),
             objective_per_watt: of.power_price,
             distinct_motors: of.distinct_motors,
         }

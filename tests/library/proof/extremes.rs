@@ -122,6 +122,7 @@ impl Scale {
             Course::Periodic(duration) => Course::Periodic(duration * self.time),
             Course::Once(duration) => Course::Once(duration * self.time),
             Course::Points(duration) => Course::Points(duration.map(|duration| duration * self.time)),
+            Course::Cases => unreachable!("a drawn motion has no cases"),
         };
         r
     }

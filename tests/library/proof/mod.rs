@@ -2,6 +2,7 @@
 
 mod balanced;
 mod brute_force;
+mod cases;
 mod effects_in_design;
 mod extremes;
 mod golden;

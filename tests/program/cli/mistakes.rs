@@ -49,6 +49,10 @@ const GEARS: &str = "id,kind,ratio,stages,efficiency,mass [g],inertia [g*cm^2],c
 planetary-1,planetary,9,2,0.9,150,5,4,8,*,a sheet,datasheet
 ";
 
+/// In place of the joint's motion.
+const TWO_CASES: &str =
+    "[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n[[joint.case]]\nname = \"b\"\nmotion = \"knee.csv\"\n";
+
 /// Runs `optimize` on a folder with these files and gives its report. It must refuse them.
 fn report(requirement: &str, motion: &[u8], motors: &str, gears: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
@@ -127,6 +131,83 @@ fn requirement_files() {
                 "motion = \"knee.csv\"",
                 "points = [ { torque = \"1 N*m\", speed = \"0 rad/s\", duration = \"1 s\" }, { torque = \"1 N*m\", speed = \"1 rad/s\" } ]",
             )],
+        ),
+        ("cases beside a motion", &[("objective = \"loss\"", "[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n")]),
+        ("cases without shares", &[("motion = \"knee.csv\"\nobjective = \"loss\"", TWO_CASES)]),
+        (
+            "shares that do not sum to one",
+            &[
+                ("motion = \"knee.csv\"\nobjective = \"loss\"", TWO_CASES),
+                ("name = \"a\"\n", "name = \"a\"\nshare = 0.9\n"),
+                ("name = \"b\"\n", "name = \"b\"\nshare = 0.2\n"),
+            ],
+        ),
+        (
+            "a share that is missing",
+            &[
+                ("motion = \"knee.csv\"\nobjective = \"loss\"", TWO_CASES),
+                ("name = \"a\"\n", "name = \"a\"\nshare = 1\n"),
+            ],
+        ),
+        (
+            "share and cycles",
+            &[
+                ("motion = \"knee.csv\"\nobjective = \"loss\"", TWO_CASES),
+                ("name = \"a\"\n", "name = \"a\"\nshare = 0.5\n"),
+                ("name = \"b\"\n", "name = \"b\"\nshare = 0.5\ncycles = 3\n"),
+            ],
+        ),
+        (
+            "an order with mistakes",
+            &[(
+                "motion = \"knee.csv\"\nobjective = \"loss\"",
+                "order = [{ case = \"a\", duration = \"0.1 s\" }, { case = \"c\", count = 2 }, { case = \"b\" }]\n[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n[[joint.case]]\nname = \"b\"\nmotion = \"knee.csv\"\n",
+            )],
+        ),
+        (
+            "an order shorter than a case",
+            &[(
+                "motion = \"knee.csv\"\nobjective = \"loss\"",
+                "order = [{ case = \"a\", duration = \"0.1 s\" }]\n[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n",
+            )],
+        ),
+        (
+            "a case that is not in the order",
+            &[(
+                "motion = \"knee.csv\"\nobjective = \"loss\"",
+                "order = [{ case = \"a\", count = 2 }]\n[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n[[joint.case]]\nname = \"b\"\nmotion = \"knee.csv\"\n",
+            )],
+        ),
+        (
+            "points of a case without duration",
+            &[(
+                "motion = \"knee.csv\"\nobjective = \"loss\"",
+                "[[joint.case]]\nname = \"a\"\npoints = [{ torque = \"1 N*m\", speed = \"0 rad/s\" }]\n",
+            )],
+        ),
+        (
+            "two cases of one name",
+            &[(
+                "motion = \"knee.csv\"\nobjective = \"loss\"",
+                "[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n",
+            )],
+        ),
+        (
+            "a spring and cases without a position",
+            &[(
+                "motion = \"knee.csv\"\nobjective = \"loss\"",
+                "spring = { stiffness = [\"0 N*m/rad\", \"9 N*m/rad\"], rest_angle = [\"-9 deg\", \"9 deg\"] }\n[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n",
+            )],
+        ),
+        (
+            "a case of the robot that names what is not there",
+            &[
+                ("[bus]", "[[case]]\nname = \"run\"\njoints = { kne = \"a\", knee = \"b\" }\n[bus]"),
+                (
+                    "motion = \"knee.csv\"\nobjective = \"loss\"",
+                    "[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n",
+                ),
+            ],
         ),
         ("speed in hertz", &[("motion = \"knee.csv\"", "points = [ { torque = \"1 N*m\", speed = \"2 Hz\" } ]")]),
         ("count that is not whole", &[("count = 2", "count = 2.5")]),
