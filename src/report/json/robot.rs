@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::Design;
-use super::design::Unjudged;
+use super::design::{Pairs, Unjudged};
 use crate::design::robot::{self, Apart, Wanting};
 use crate::requirement;
 
