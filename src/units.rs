@@ -291,6 +291,17 @@ pub fn difference(text: &str, kind: &Kind) -> Result<f64, UnitError> {
     Ok(if offset == 0.0 { value } else { number_value(&text[..number_length(text)])? })
 }
 
+/// The number at the beginning of a text, and what follows it: a blank between the two is not needed.
+///
+/// ```
+/// assert_eq!(gearwise::units::apart("5kg"), ("5", "kg"));
+/// ```
+pub fn apart(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    let (number, unit) = text.split_at(number_length(text));
+    (number, unit.trim())
+}
+
 /// Reads a bare number: finite, with a decimal point (a decimal comma is refused, not guessed).
 ///
 /// # Errors

@@ -10,6 +10,7 @@ use super::motor::Motor;
 use super::row::{self, Cells, MotorRow, TomlCells};
 use super::sheet::{Printed, SourceKind};
 use crate::effects::{EFFECTS, Effect, FittedEffect, Named, Shape};
+use crate::input::kind::{self, FileKind};
 use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
 use crate::units;
 
@@ -83,7 +84,12 @@ static EFFECT_TOLERANCES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| {
 
 /// Whether a file is that of a fitted actuator: by its name.
 pub(crate) fn is_fitted_file(source: &Source) -> bool {
-    source.name().to_ascii_lowercase().ends_with(".toml")
+    let toml = || {
+        let kinds = [FileKind::Fitted, FileKind::Motors, FileKind::Gears];
+        // A table has no such keys.
+        kind::recognise(source).is_some_and(|(kind, shown)| kinds.contains(&kind) && shown.starts_with("keys"))
+    };
+    source.name().to_ascii_lowercase().ends_with(".toml") || source.is_stdin() && toml()
 }
 
 /// Reads a fitted actuator as a motor.
@@ -92,7 +98,7 @@ pub(crate) fn is_fitted_file(source: &Source) -> bool {
 /// Every mistake of the file, and a linear axis.
 pub fn read_fitted(source: &Arc<Source>) -> Result<Motor, InputError> {
     super::read::check_version(source)?;
-    Form::read(source, read_choice)
+    Form::read(source, read_choice).map_err(|error| kind::instead(error, &[FileKind::Fitted]))
 }
 
 /// A fitted actuator as a motor that can be chosen.

@@ -140,7 +140,7 @@ impl Catalog {
             }
         }
         for file in files {
-            match Source::read(&file) {
+            match Source::argument(&file) {
                 Ok(source) => sources.push(source),
                 Err(error) => errors.push(error),
             }

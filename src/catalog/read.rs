@@ -11,6 +11,7 @@ use super::gear::Gear;
 use super::motor::Motor;
 use super::row::{self, Cells, CsvCells, MotorRow, TomlCells};
 use crate::input::csv::{Column, Table};
+use crate::input::kind::{self, FileKind as Of};
 use crate::input::{Form, InputError, Problem, Section, Source};
 
 /// The version of the columns that this program reads. Within a version columns are only added.
@@ -96,6 +97,11 @@ pub fn read_gears(source: &Arc<Source>) -> Result<Vec<Gear>, InputError> {
 /// # Errors
 /// Every mistake of the file.
 pub(super) fn read_rows(source: &Arc<Source>) -> Result<Rows, InputError> {
+    const WANTED: [Of; 5] = [Of::Motors, Of::Gears, Of::Fitted, Of::Table, Of::Empty];
+    rows_of(source).map_err(|error| kind::instead(error, &WANTED))
+}
+
+fn rows_of(source: &Arc<Source>) -> Result<Rows, InputError> {
     if !fitted::is_fitted_file(source) {
         return read_table(source, kind_of(source));
     }

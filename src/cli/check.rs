@@ -3,8 +3,8 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure};
-use crate::input::{InputError, Source};
+use super::{CatalogChoice, Done, Failure, Set};
+use crate::input::{InputError, Problem, Source};
 use crate::output;
 use crate::report::check::{github, input, junit, sarif, text};
 use crate::report::json_text;
@@ -18,7 +18,7 @@ use crate::rules::lock::{Lock, path_of};
     before_help = "Examples:\n  gearwise check requirements/designs/quadruped_mini_cheetah/design.toml\n  gearwise check design.toml --rules rules.toml --strict\n  gearwise check design.toml --sarif check.sarif --junit check.xml --github\n  gearwise check design.toml --lock\n\nExit status 1 if a rule with severity `error` is broken. Where an input file is wrong (exit status 2) the mistakes are in what --github, --json, --junit and --sarif write."
 )]
 pub struct Arguments {
-    /// Design file (TOML)
+    /// Design file (TOML); `-` is standard input, without a lock
     design: PathBuf,
     /// Rules file, in place of the one that the design names
     #[arg(long, value_name = "FILE")]
@@ -26,6 +26,8 @@ pub struct Arguments {
     /// Warnings fail the check too
     #[arg(long)]
     strict: bool,
+    #[command(flatten)]
+    set: Set,
     #[command(flatten)]
     catalog: CatalogChoice,
     /// Print JSON (SI units, the unit next to the value)
@@ -50,8 +52,14 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let result = checked(arguments);
-    if let Err(Failure::Input(errors)) = &result {
-        wrong_input(arguments, errors)?;
+    match &result {
+        Err(Failure::Input(errors)) => wrong_input(arguments, errors)?,
+        // What is wrong with the input as a whole has no place in a file: it stands at the design.
+        Err(Failure::Argument(why)) => {
+            let source = Arc::new(Source::new(arguments.design.display().to_string(), ""));
+            wrong_input(arguments, &[InputError { source, problems: vec![Problem::whole(why)] }])?;
+        }
+        _ => {}
     }
     result
 }
@@ -76,7 +84,12 @@ fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failu
 }
 
 fn checked(arguments: &Arguments) -> Result<Done, Failure> {
-    let mut design = DesignFile::read(&arguments.design)?;
+    let settings = arguments.set.settings()?;
+    if arguments.design.as_os_str() == Source::STDIN && (arguments.lock || arguments.update_lock) {
+        return Err(Failure::Argument("a lock stands beside the design's file: give a file in place of `-`".into()));
+    }
+    let source = Source::argument(&arguments.design).map_err(|e| vec![e])?;
+    let mut design = DesignFile::read_set(&source, &settings)?;
     let named = arguments.catalog.paths();
     let paths = if named.is_empty() { &design.catalog } else { &named };
     let catalog = arguments.catalog.prepared(super::catalog(paths)?);
@@ -89,7 +102,7 @@ fn checked(arguments: &Arguments) -> Result<Done, Failure> {
     let written = write_lock(arguments, &lock_path, &design, &catalog)?;
     let lock = match &written {
         Some(text) => Some(Arc::new(Source::new(lock_path.display().to_string(), text.clone()))),
-        None if lock_path.exists() => Some(Source::read(&lock_path).map_err(|e| vec![e])?),
+        None if !source.is_stdin() && lock_path.exists() => Some(Source::read(&lock_path).map_err(|e| vec![e])?),
         None => None,
     };
     let report = crate::rules::check(&design, &catalog, &rules, lock.as_ref(), &lock_path)?;
@@ -107,7 +120,7 @@ fn checked(arguments: &Arguments) -> Result<Done, Failure> {
     let text = match (arguments.json, arguments.github) {
         (true, _) => json_text(&crate::report::json::check::json(&report, arguments.strict)),
         (_, true) => github::text(&report, &root),
-        _ => text::text(&report, arguments.strict),
+        _ => super::told_set(&design.robot) + &text::text(&report, arguments.strict),
     };
     Ok(Done { text, satisfied: report.passes(arguments.strict) })
 }

@@ -3,12 +3,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::chosen::Chosen;
-use super::{Call, CatalogChoice, Done, Failure, Html};
+use super::{Call, CatalogChoice, Done, Failure, Html, Set};
 use crate::design::explain::explain;
 use crate::report::explain as report;
 use crate::report::plot::design as plot;
 use crate::report::{html, json};
-use crate::requirement;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -18,11 +17,13 @@ use crate::requirement;
 pub struct Arguments {
     /// Motor id, with `@RATIO` or `@GEAR` for a certain design; else the best ratio
     design: String,
-    /// Requirement file (TOML)
+    /// Requirement file (TOML); `-` is standard input
     requirement: PathBuf,
     /// Joint; may be left out where the requirement has only one
     #[arg(long, value_name = "NAME")]
     joint: Option<String>,
+    #[command(flatten)]
+    set: Set,
     #[command(flatten)]
     catalog: CatalogChoice,
     /// Draw the design: torque over speed, temperature, objective and limits over the ratio: an .svg or .png file
@@ -38,7 +39,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let robot = requirement::read(&arguments.requirement)?;
+    let robot = arguments.set.read(&arguments.requirement, None)?;
     let catalog = arguments.catalog.motors()?;
     super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
@@ -52,7 +53,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let text = if arguments.json {
         crate::report::json_text(&json::explain::json(&robot, &story))
     } else {
-        report::text(&story)
+        super::told_set(&robot) + &report::text(&story)
     };
     Ok(Done { text, satisfied: story.is_choice() })
 }

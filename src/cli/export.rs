@@ -4,7 +4,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::chosen::Chosen;
-use super::{CatalogChoice, Done, Failure};
+use super::{CatalogChoice, Done, Failure, Set};
 use crate::catalog::{Gear, Motor};
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::examine;
@@ -16,7 +16,7 @@ use crate::input::Source;
 use crate::output;
 use crate::report::export::{Exported, FORMATS, NamedFile, Origin, patch};
 use crate::report::unjudged::sentence;
-use crate::requirement::{self, DesignFile, Joint, Robot};
+use crate::requirement::{DesignFile, Joint, Robot};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -24,9 +24,9 @@ use crate::requirement::{self, DesignFile, Joint, Robot};
     before_help = "Examples:\n  gearwise export requirements/designs/quadruped_mini_cheetah/design.toml --to mjcf\n  gearwise export design.toml --into robot.urdf --out with_limits.urdf\n  gearwise export t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee --to mjcf\n  gearwise export t-motor-u8-lee requirements/quadruped_mini_cheetah.toml --joint knee --to json\n  gearwise export t-motor-ri50@9 robot.toml --joint knee --into model.xml --map 'knee=*_knee' --out with_motors.xml\n\nExit status 1 if a design is not feasible; it is exported all the same."
 )]
 pub struct Arguments {
-    /// Design file (TOML); or a motor's id, with `@RATIO` or `@GEAR`, else at its best ratio
+    /// Design file (TOML; `-` is standard input); or a motor's id, with `@RATIO` or `@GEAR`, else at its best ratio
     design: String,
-    /// Requirement file (TOML), where no design file names it
+    /// Requirement file (TOML), where no design file names it; `-` is standard input
     requirement: Option<PathBuf>,
     /// Joint: by default all of a design file; may be left out where the requirement has only one
     #[arg(long, value_name = "NAME")]
@@ -44,6 +44,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    set: Set,
+    #[command(flatten)]
     catalog: CatalogChoice,
 }
 
@@ -56,8 +58,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
 
 /// A motor at a joint of a requirement.
 fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
-    let source = Source::read(path).map_err(|e| vec![e])?;
-    let robot = requirement::read_source(&source)?;
+    let settings = arguments.set.settings()?;
+    let source = Source::argument(path).map_err(|e| vec![e])?;
+    let robot = settings.read(&source, None)?;
     let catalog = arguments.catalog.motors()?;
     super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
@@ -75,13 +78,15 @@ fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
 /// The joints of a design file.
 fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
     let path = Path::new(&arguments.design);
-    if !path.exists() && path.extension().is_none_or(|e| e != "toml") {
+    let settings = arguments.set.settings()?;
+    let stdin = path.as_os_str() == Source::STDIN;
+    if !stdin && !path.exists() && path.extension().is_none_or(|e| e != "toml") {
         return Err(Failure::Argument(format!(
             "`{0}` is no design file; a motor needs its requirement: gearwise export {0} robot.toml --joint NAME",
             arguments.design
         )));
     }
-    let design = DesignFile::read(path)?;
+    let design = DesignFile::read_set(&Source::argument(path).map_err(|e| vec![e])?, &settings)?;
     let named = arguments.catalog.paths();
     let paths = if named.is_empty() { &design.catalog } else { &named };
     let catalog = arguments.catalog.prepared(super::catalog(paths)?);
@@ -155,7 +160,12 @@ fn origin(robot: &Robot, requirement: &Source, design: Option<&Source>) -> Origi
         let name = Path::new(source.name()).file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         NamedFile { name, sha256: source.sha256() }
     };
-    Origin { robot: robot.name.clone(), requirement: file(requirement), design: design.map(file) }
+    Origin {
+        robot: robot.name.clone(),
+        set: robot.set.clone(),
+        requirement: file(requirement),
+        design: design.map(file),
+    }
 }
 
 /// Warns, makes the text and puts it where it belongs.

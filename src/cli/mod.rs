@@ -23,6 +23,7 @@ mod import;
 mod man;
 mod merge;
 mod optimize;
+mod progress;
 mod rank;
 mod rule;
 mod study;
@@ -31,8 +32,8 @@ mod torques;
 mod written;
 
 use std::ffi::OsString;
-use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
@@ -41,11 +42,12 @@ use crate::actuator::estimate::complete;
 use crate::catalog::{BUILTIN_WORD, Catalog, Motor};
 use crate::design::options::{Options, Stopped};
 use crate::design::robot::NoChoice;
-use crate::input::{InputError, InputFile, tame};
+use crate::input::{InputError, InputFile, Source, tame};
 use crate::report::html;
 use crate::report::plot::{self, Figure};
 use crate::report::table;
-use crate::requirement::Robot;
+use crate::requirement::{Robot, Settings};
+use crate::units;
 
 /// Choose the motor and the gear ratio of a robot joint, and prove that the choice is the best.
 #[derive(Debug, Parser)]
@@ -190,6 +192,38 @@ impl CatalogChoice {
     }
 }
 
+/// Values in the place of a requirement's own.
+#[derive(Debug, Args)]
+struct Set {
+    /// Put a value in the place of the requirement's: a path as in the grid of a study, and a value as in the file. May be
+    /// repeated, e.g. --set bus.voltage="48 V" --set 'joint.*.limits.safety=1.2' --set scale.torque=1.1
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl Set {
+    /// The values.
+    fn settings(&self) -> Result<Settings, Failure> {
+        Settings::of_arguments(&self.set).map_err(Failure::Argument)
+    }
+
+    /// The requirement at a path (`-` is standard input) with them; `no_springs` as for `read_without_springs`.
+    fn read(&self, path: &Path, no_springs: Option<&str>) -> Result<Robot, Failure> {
+        let settings = self.settings()?;
+        let source = Source::argument(path).map_err(|e| vec![e])?;
+        Ok(settings.read(&source, no_springs)?)
+    }
+}
+
+/// What was put in the place of a requirement's own values, as a line of text; nothing where nothing was.
+fn told_set(robot: &Robot) -> String {
+    if robot.set.is_empty() {
+        return String::new();
+    }
+    let set: Vec<String> = robot.set.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    table::paragraph(&format!("Set: {}", set.join(", ")), 0, 2)
+}
+
 /// Catalogue files.
 #[derive(Debug, Args)]
 struct CatalogPaths {
@@ -326,6 +360,15 @@ fn call(mut arguments: impl Iterator<Item = String>) -> String {
     words.join(" ")
 }
 
+/// A tolerance as an option gives it, a share.
+fn tolerance(text: Option<&str>) -> Result<Option<f64>, Failure> {
+    let Some(text) = text else { return Ok(None) };
+    match units::quantity(text, &units::RATIO) {
+        Ok(value) if (0.0..1.0).contains(&value) => Ok(Some(value)),
+        _ => Err(Failure::Argument(format!("`--tolerance {text}` is not a tolerance; write it like 5% or 0.05"))),
+    }
+}
+
 /// The motor of the catalogue with this id.
 fn find_motor<'c>(catalog: &'c Catalog, id: &str) -> Result<&'c Motor, Failure> {
     catalog.motor(id).map_err(|near| {
@@ -358,11 +401,17 @@ fn unknown_order<'a>(name: &str, names: impl Iterator<Item = &'a str> + Clone) -
     Failure::Argument(format!("`--sort {name}` is not an order; {help}"))
 }
 
-/// A progress bar on stderr where that is a terminal; else nothing.
-fn progress(length: usize, what: &'static str) -> indicatif::ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return indicatif::ProgressBar::hidden();
+/// What turns while a work of unknown size is done.
+fn spinner(what: &'static str) -> indicatif::ProgressBar {
+    let bar = indicatif::ProgressBar::new_spinner().with_message(what);
+    match indicatif::ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
     }
+}
+
+/// A bar, with an estimate of the time that is left.
+fn bar(length: usize, what: &'static str) -> indicatif::ProgressBar {
     let style = indicatif::ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}");
     let bar = indicatif::ProgressBar::new(length as u64).with_message(what);
     match style {
@@ -398,6 +447,9 @@ pub fn run_with(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 
         }
     };
     let call = Call::new(&arguments);
+    if let Some(why) = stdin_twice(&arguments) {
+        return finish(Err(why));
+    }
     let result = match cli.threads {
         None => answer(&cli.command, &call),
         Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build() {
@@ -406,6 +458,16 @@ pub fn run_with(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> u8 
         },
     };
     finish(result)
+}
+
+/// Standard input can be read once: that it is asked for more often.
+fn stdin_twice(arguments: &[OsString]) -> Option<Failure> {
+    let names = |argument: &&OsString| {
+        let text = argument.to_string_lossy();
+        text == Source::STDIN || text.starts_with("--") && text.ends_with("=-")
+    };
+    let why = "`-` is standard input, which can be read only once: name one file at least";
+    (arguments.iter().filter(names).count() > 1).then(|| Failure::Argument(why.into()))
 }
 
 /// Does what a command asks for.

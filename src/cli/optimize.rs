@@ -2,17 +2,19 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::progress::Telling;
 use super::written::Ruled;
-use super::{Call, CatalogChoice, Done, Failure, Html, Output};
+use super::{Call, CatalogChoice, Done, Failure, Html, Output, Set};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::pareto::fronts;
 use crate::design::robot::{self, choose};
-use crate::design::robust::robust;
+use crate::design::robust::{assume_tolerance, robust};
+use crate::input::Source;
 use crate::output::write_whole;
 use crate::report::optimize as report;
 use crate::report::{html, json, pareto, plot, robot as robot_report, robust as robust_report, table};
-use crate::requirement::{self, Quantity};
+use crate::requirement::{Quantity, Robot};
 use crate::words::nearest;
 
 /// Arguments of the command.
@@ -21,7 +23,7 @@ use crate::words::nearest;
     before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --html robot.html\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
-    /// Requirement file (TOML)
+    /// Requirement file (TOML); `-` is standard input
     requirement: PathBuf,
     /// How many motors of each joint the table shows
     #[arg(long, default_value_t = 5, value_name = "N")]
@@ -41,6 +43,9 @@ pub struct Arguments {
     /// Designs that keep all limits over the motors' tolerances, and how likely the first choice stays first
     #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot", "html"])]
     robust: bool,
+    /// Tolerance (±, 95 %) of every number whose row states none, e.g. 5%, with --robust; temperatures have none
+    #[arg(long, value_name = "PERCENT", requires = "robust")]
+    tolerance: Option<String>,
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
@@ -65,9 +70,13 @@ pub struct Arguments {
     #[arg(long, default_value_t = 3, value_name = "K", value_parser = clap::value_parser!(u32).range(..=1000))]
     runner_ups: u32,
     #[command(flatten)]
+    set: Set,
+    #[command(flatten)]
     html: Html,
     #[command(flatten)]
     catalog: CatalogChoice,
+    #[command(flatten)]
+    telling: Telling,
     #[command(flatten)]
     output: Output,
 }
@@ -88,15 +97,41 @@ fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
     }
 }
 
+/// A design file names its files, and what is written is read again: standard input has no name.
+fn read_again(arguments: &Arguments, robot: &Robot) -> Result<(), Failure> {
+    let stdin = |path: &Path| path.as_os_str() == Source::STDIN;
+    let rules = arguments.rules.as_ref().or(robot.rules.as_ref()).filter(|_| !arguments.no_rules);
+    let why = match (stdin(&arguments.requirement), &arguments.write_design) {
+        (true, Some(_)) => "`--write-design` names the requirement's file in the design: give a file in place of `-`",
+        (true, None) if rules.is_some() => {
+            "rules are looked at with the requirement's file: give a file in place of `-`"
+        }
+        (false, Some(_)) if rules.is_some_and(|path| stdin(path)) => {
+            "`--write-design` names the rules' file in the design: give a file in place of `-`"
+        }
+        (_, Some(_)) if arguments.catalog.paths().iter().any(|path| stdin(path)) => {
+            "`--write-design` names the catalogue's files in the design: give a file in place of `-`"
+        }
+        _ => return Ok(()),
+    };
+    Err(Failure::Argument(why.into()))
+}
+
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let robot = match (&arguments.pareto, arguments.robust) {
-        (Some(_), _) => requirement::read_without_springs(&arguments.requirement, "`--pareto`")?,
-        (None, true) => requirement::read_without_springs(&arguments.requirement, "`--robust`")?,
-        (None, false) => requirement::read(&arguments.requirement)?,
+    let no_springs = match (&arguments.pareto, arguments.robust) {
+        (Some(_), _) => Some("`--pareto`"),
+        (None, true) => Some("`--robust`"),
+        (None, false) => None,
     };
-    let catalog = arguments.catalog.motors()?;
+    let robot = arguments.set.read(&arguments.requirement, no_springs)?;
+    read_again(arguments, &robot)?;
+    let tolerance = super::tolerance(arguments.tolerance.as_deref())?;
+    let mut catalog = arguments.catalog.motors()?;
+    if let Some(share) = tolerance {
+        assume_tolerance(&mut catalog.motors, share);
+    }
     super::check_patterns(&robot, &catalog)?;
     let plain = robot;
     let writes = arguments.write_design.is_some();
@@ -118,32 +153,33 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         )?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
         let text = arguments.output.choose(
-            || pareto::text(&fronts),
+            || super::told_set(robot) + &pareto::text(&fronts),
             || json::pareto::json(robot, &fronts),
             || pareto::csv(&fronts),
         );
         return Ok(Done { text, satisfied });
     }
-    let bar = super::progress(robot.joints.len() * catalog.motors.len(), "optimising");
+    let work = arguments.telling.counted(robot.joints.len() * catalog.motors.len(), "optimising");
     let keep = arguments.only_top.map(|k| k as usize);
-    let options = Options { only_checked: arguments.only_checked, keep, tick: &|| bar.inc(1), ..Options::default() };
+    let options = Options { only_checked: arguments.only_checked, keep, tick: &|| work.step(), ..Options::default() };
     if arguments.robust {
         let joints = robust(robot, &catalog, options)?;
-        bar.finish_and_clear();
+        work.end();
         let satisfied = joints.iter().all(|j| !j.designs.is_empty());
         let text = arguments.output.choose(
-            || robust_report::text(robot, &joints, arguments.top),
-            || json::robust::json(robot, &joints),
+            || super::told_set(robot) + &robust_report::text(robot, &joints, arguments.top, tolerance),
+            || json::robust::json(robot, &joints, tolerance),
             || robust_report::csv(&joints),
         );
         return Ok(Done { text, satisfied });
     }
     let mut result = optimize_with(robot, &catalog, options)?;
-    bar.finish_and_clear();
+    work.end();
     let paths = arguments.catalog.paths();
     let files = (&catalog, paths.as_slice());
     let target = arguments.write_design.as_deref();
     let whole = robot.is_coupled() || arguments.robot;
+    let telling = if whole { arguments.telling } else { Telling { progress: false, quiet: true } };
     // Rules that are no limit of the program are looked at on the first designs, and the next are tried.
     let text = match !whole && (ruled.keeps() || target.is_some()) {
         true => ruled.keep(&mut result, &arguments.requirement, files, target),
@@ -151,12 +187,18 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
     let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
+    let of_joints = telling.counted(robot.joints.len(), "the whole robot: joints");
+    let search = telling.search("the whole robot");
     let options = robot::Options {
         only_checked: arguments.only_checked,
         runner_ups: arguments.runner_ups as usize,
+        tick: &|| of_joints.step(),
+        searched: &|branches, solved| search.at(branches, solved),
         ..robot::Options::default()
     };
     let choice = whole.then(|| choose(robot, &catalog, options)).transpose()?;
+    of_joints.end();
+    search.end();
     arguments.html.write(
         call,
         || [robot.files(), catalog.files()].concat(),
@@ -192,7 +234,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         || {
             let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
             let costs: String = costs.iter().map(|line| table::paragraph(line, 2, 4)).collect();
-            report::text(&result, shown) + &costs + &whole
+            super::told_set(robot) + &report::text(&result, shown) + &costs + &whole
         },
         || json::optimize::json(&result, choice.as_ref()),
         || report::csv(&result),

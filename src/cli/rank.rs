@@ -7,7 +7,6 @@ use crate::actuator::metrics::{METRICS, metric};
 use crate::report::html;
 use crate::report::plot::rank as plot;
 use crate::report::rank::{self as report, Ranking};
-use crate::units;
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -44,17 +43,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let name = super::metric_name(&arguments.sort, arguments.mass_weight)?;
     let by = metric(&name).ok_or_else(|| super::unknown_order(&arguments.sort, METRICS.iter().map(|m| m.name)))?;
-    let tolerance = match &arguments.tolerance {
-        None => None,
-        Some(text) => match units::quantity(text, &units::RATIO) {
-            Ok(value) if (0.0..1.0).contains(&value) => Some(value),
-            _ => {
-                return Err(Failure::Argument(format!(
-                    "`--tolerance {text}` is not a tolerance; write it like 5% or 0.05"
-                )));
-            }
-        },
-    };
+    let tolerance = super::tolerance(arguments.tolerance.as_deref())?;
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let catalog = super::motors(&arguments.catalog)?.free(true);

@@ -1,4 +1,3 @@
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -6,13 +5,14 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure};
+use super::progress::Telling;
+use super::{CatalogChoice, Done, Failure, Set};
 use crate::catalog::Catalog;
 use crate::input::Source;
 use crate::report::number;
 use crate::study::assemble::{Shards, assemble};
-use crate::study::file::{StudyFile, is_study_file, read};
-use crate::study::grid::Grid;
+use crate::study::file::{StudyFile, is_study_file, not_looked_at, read};
+use crate::study::grid::{Grid, Parameter};
 use crate::study::journal::Journal;
 use crate::study::output;
 use crate::study::plan::{Hashed, Inputs};
@@ -51,20 +51,24 @@ pub struct Arguments {
     /// Only this part of the study, e.g. 2/8; `merge` puts the parts together
     #[arg(long, value_name = "I/N")]
     shard: Option<String>,
-    /// Lines of progress on stderr, for logs, also where that is no terminal
-    #[arg(long)]
-    progress: bool,
+    #[command(flatten)]
+    telling: Telling,
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    set: Set,
     #[command(flatten)]
     catalog: CatalogChoice,
 }
 
 /// Broken robots that are reported in full on stderr; all are in errors.csv.
 const REPORTED: u64 = 10;
-/// Time between two lines of progress.
+/// Time between two lines of progress, where they are asked for.
 const PACE: Duration = Duration::from_secs(2);
+/// Lines of progress at most where there is no terminal and nobody asks; none before so much time has passed.
+const PARTS: u64 = 50;
+const LONG: Duration = Duration::from_secs(5);
 
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Failure {
@@ -84,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         Some(text) => Shard::parse(text).map_err(|e| Failure::Argument(format!("`--shard`: {e}")))?,
     };
     let file = study_file(&arguments.paths)?;
-    let (inputs, catalog_paths) = match &file {
+    let (mut inputs, catalog_paths) = match &file {
         Some(file) => {
             if !arguments.catalog.paths().is_empty() && !file.catalog.is_empty() {
                 return Err(Failure::Argument("the study file names its catalogue; leave `--catalog` out".into()));
@@ -103,10 +107,12 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             (Inputs { base: PathBuf::new(), paths, grid: Grid::default() }, arguments.catalog.paths())
         }
     };
+    let homes = set(&arguments.set, file.as_ref(), &mut inputs.grid)?;
     let (catalog, catalog_files) = catalog(&arguments.catalog, &catalog_paths)?;
     let study = Study {
         inputs: &inputs,
         file: file.as_ref().map(|f| &f.source),
+        homes: &homes,
         catalog: &catalog,
         catalog_files,
         settings: Settings {
@@ -141,6 +147,29 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         );
     }
     Ok(told(arguments, &summary))
+}
+
+/// What is set for every robot: parameters of the grid with one value each, so that plan and results have them. Gives the texts
+/// that the grid is written in.
+fn set(set: &Set, file: Option<&StudyFile>, grid: &mut Grid) -> Result<Vec<Arc<Source>>, Failure> {
+    let settings = set.settings()?;
+    settings.check_factors()?;
+    let mut homes: Vec<Arc<Source>> = file.map(|f| f.source.clone()).into_iter().collect();
+    let (changes, written) = settings.parts();
+    let mut parameters = std::mem::take(&mut grid.parameters);
+    for change in changes {
+        let key = change.key();
+        if let Some(why) = not_looked_at(key) {
+            return Err(Failure::Argument(format!("`--set {key}` would change nothing: {why}")));
+        }
+        if parameters.iter().any(|p| p.key == key) {
+            return Err(Failure::Argument(format!("`--set {key}`: the grid of the study has values for it already")));
+        }
+        parameters.push(Parameter::new(key.to_string(), vec![change.clone().written_after(homes.len())]));
+    }
+    homes.extend(written.iter().cloned());
+    *grid = Grid::new(parameters).map_err(Failure::Argument)?;
+    Ok(homes)
 }
 
 fn told(arguments: &Arguments, summary: &crate::study::Summary) -> Done {
@@ -189,11 +218,16 @@ fn broken_of(journal: &Journal) -> Result<u64, Failure> {
 fn study_file(paths: &[PathBuf]) -> Result<Option<StudyFile>, Failure> {
     let [path] = paths else { return Ok(None) };
     // A pattern, or nothing. What is there and is no file is refused by the reader.
-    if path.is_dir() || path.symlink_metadata().is_err() {
+    let stdin = path.as_os_str() == Source::STDIN;
+    if !stdin && (path.is_dir() || path.symlink_metadata().is_err()) {
         return Ok(None);
     }
-    let source: Arc<Source> = Source::read(path).map_err(|e| vec![e])?;
+    let source: Arc<Source> = Source::argument(path).map_err(|e| vec![e])?;
     if !is_study_file(&source) {
+        if stdin {
+            let why = "a study notes the names of its requirements: what comes from `-` can be a study file only";
+            return Err(Failure::Argument(why.into()));
+        }
         return Ok(None);
     }
     Ok(Some(read(&source).map_err(|e| vec![e])?))
@@ -223,18 +257,23 @@ fn watched(arguments: &Arguments, study: &Study, journal: &Journal) -> Result<u6
         }
     });
     let (done, of, before) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
-    let bar = match arguments.progress || !std::io::stderr().is_terminal() {
-        true => indicatif::ProgressBar::hidden(),
-        false => super::progress(0, "robots"),
-    };
+    let Telling { progress, quiet } = arguments.telling;
+    let shows_bar = arguments.telling.bar();
+    let bar = if shows_bar { super::bar(0, "robots") } else { indicatif::ProgressBar::hidden() };
     let began = Instant::now();
     let told = std::sync::Mutex::new(began);
     let line = |last: bool| {
-        if !arguments.progress {
+        // Without a terminal a long study tells a line for each part of it; a short one ends first.
+        let counted = !progress && !quiet && !shows_bar;
+        if !progress && !counted {
+            return;
+        }
+        let part = of.load(Ordering::Relaxed).div_ceil(PARTS).max(1);
+        if counted && (last || !done.load(Ordering::Relaxed).is_multiple_of(part)) {
             return;
         }
         let Ok(mut told) = told.try_lock() else { return };
-        if !last && told.elapsed() < PACE {
+        if !last && told.elapsed() < if counted { LONG } else { PACE } {
             return;
         }
         *told = Instant::now();

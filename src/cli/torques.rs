@@ -117,9 +117,12 @@ fn payload(text: &str) -> Result<Payload, Failure> {
 fn vector(text: &str, kind: &'static Kind, flag: &str, example: &str) -> Result<[f64; 3], Failure> {
     let wrong =
         || Failure::Argument(format!("`{flag}`: `{text}` is not a vector with its unit; write it like {example}"));
-    let (numbers, unit) = text.trim().rsplit_once(' ').ok_or_else(wrong)?;
+    let parts: Vec<&str> = text.split(',').collect();
+    // The unit stands behind the last number, with a blank or without.
+    let Some((last, before)) = parts.split_last() else { return Err(wrong()) };
+    let (last, unit) = units::apart(last);
+    let numbers = before.iter().copied().chain([last]);
     let parts: Vec<f64> = numbers
-        .split(',')
         .map(|n| units::quantity(&format!("{} {unit}", n.trim()), kind).map_err(|_| wrong()))
         .collect::<Result<_, _>>()?;
     <[f64; 3]>::try_from(parts).map_err(|_| wrong())

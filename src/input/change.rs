@@ -10,7 +10,7 @@ use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-use super::{InputError, Problem, Source};
+use super::{InputError, Problem, Source, limits};
 
 /// One key of a table with another value than the file's.
 #[derive(Debug, Clone)]
@@ -20,17 +20,37 @@ pub struct Change {
     // The value as TOML, and where it was written.
     text: String,
     at: Span<usize>,
+    // Which of the files with changes both were written in.
+    home: usize,
 }
 
 impl Change {
-    /// Spans from here on are of the file that the value was written in.
+    /// Spans from here on are of a file that a value was written in.
     pub const ELSEWHERE: usize = usize::MAX / 2 + 1;
+    /// Apart by this are the spans of two such files: more than a text may have.
+    const APART: usize = 2 * limits::TEXT_BYTES as usize;
 
     /// A change of `key`, a path with points: `bus.voltage`, `joint.knee.gear.efficiency`, or
     /// `joint.*.gear.efficiency` for all of a list. `text` is the value as TOML; both places are those in
     /// the file that they were written in.
     pub fn new(key: impl Into<String>, key_at: Span<usize>, text: impl Into<String>, at: Span<usize>) -> Change {
-        Change { key: key.into(), key_at: moved(key_at), text: text.into(), at }
+        Change { key: key.into(), key_at, text: text.into(), at, home: 0 }
+    }
+
+    /// The same change, written in one that is further down by `homes` in the list of files of [`Change::send_home`].
+    #[must_use]
+    pub fn written_after(self, homes: usize) -> Change {
+        Change { home: self.home + homes, ..self }
+    }
+
+    /// A problem with the key, where it was written.
+    pub fn problem_of_key(&self, message: impl Into<String>, label: impl Into<String>) -> Problem {
+        Problem::at(self.moved(self.key_at.clone()), message, label)
+    }
+
+    /// A problem with the value, where it was written.
+    pub fn problem_of_value(&self, message: impl Into<String>, label: impl Into<String>) -> Problem {
+        Problem::at(self.moved(self.at.clone()), message, label)
     }
 
     /// The key, a path with points.
@@ -55,11 +75,11 @@ impl Change {
     fn value(&self) -> Spanned<DeValue<'_>> {
         let made = self.at.len() != self.text.len();
         let place = |span: Span<usize>| {
-            moved(if made { self.at.clone() } else { self.at.start + span.start..self.at.start + span.end })
+            self.moved(if made { self.at.clone() } else { self.at.start + span.start..self.at.start + span.end })
         };
         match DeValue::parse(&self.text) {
             Ok(value) => relocated(value, &place),
-            Err(_) => Spanned::new(moved(self.at.clone()), DeValue::Boolean(false)),
+            Err(_) => Spanned::new(self.moved(self.at.clone()), DeValue::Boolean(false)),
         }
     }
 
@@ -74,7 +94,7 @@ impl Change {
         };
         let path = if before.is_empty() { first.to_string() } else { format!("{before}.{first}") };
         if !table.contains_key(first) {
-            let empty = Spanned::new(self.key_at.clone(), DeValue::Table(DeTable::new()));
+            let empty = Spanned::new(self.moved(self.key_at.clone()), DeValue::Table(DeTable::new()));
             table.insert(self.spanned_key(first), empty);
         }
         let value = table.get_mut(first).expect("it is there").get_mut();
@@ -99,14 +119,14 @@ impl Change {
                 }
                 let asked = rest.split('.').next().unwrap_or(rest);
                 let problem = Problem::at(
-                    self.key_at.clone(),
+                    self.moved(self.key_at.clone()),
                     format!("the key `{}` names no `{first}` of the requirement", self.key),
                     format!("there is no `{asked}`, or nothing of it is named"),
                 );
                 Err(problem.suggest(asked, names.iter().map(String::as_str)))
             }
             _ => Err(Problem::at(
-                self.key_at.clone(),
+                self.moved(self.key_at.clone()),
                 format!("the key `{}` leads through `{path}`, which is not a table", self.key),
                 "names something inside a value",
             )),
@@ -114,35 +134,44 @@ impl Change {
     }
 
     fn spanned_key<'t>(&self, key: &str) -> Spanned<DeString<'t>> {
-        Spanned::new(self.key_at.clone(), DeString::Owned(key.to_string()))
+        Spanned::new(self.moved(self.key_at.clone()), DeString::Owned(key.to_string()))
     }
 
-    /// Sorts the problems of a reading with changes by the file that they were written in; `home` is that
-    /// of the changes.
-    pub fn send_home(errors: Vec<InputError>, home: &Arc<Source>) -> Vec<InputError> {
-        let mut sorted = Vec::new();
+    fn moved(&self, span: Span<usize>) -> Span<usize> {
+        let start = Change::ELSEWHERE + self.home * Change::APART;
+        start + span.start..start + span.end
+    }
+
+    /// Sorts the problems of a reading with changes by the file that they were written in; `homes` are those
+    /// of the changes, in the order of [`Change::written_after`]. A mistake that a change makes in many places is told once.
+    pub fn send_home(errors: Vec<InputError>, homes: &[Arc<Source>]) -> Vec<InputError> {
+        let mut sorted: Vec<InputError> = Vec::new();
         for InputError { source, problems } in errors {
-            let elsewhere = |p: &Problem| p.span.as_ref().is_some_and(|s| s.start >= Change::ELSEWHERE);
-            let (away, here): (Vec<Problem>, Vec<Problem>) = problems.into_iter().partition(elsewhere);
-            let away: Vec<Problem> = away
-                .into_iter()
-                .map(|p| {
-                    let span = p.span.clone().map(|s| s.start - Change::ELSEWHERE..s.end - Change::ELSEWHERE);
-                    Problem { span, ..p }
-                })
-                .collect();
-            for (source, problems) in [(home.clone(), away), (source, here)] {
+            let home = |p: &Problem| {
+                let start = p.span.as_ref().map_or(0, |s| s.start);
+                start.checked_sub(Change::ELSEWHERE).map(|from| from / Change::APART)
+            };
+            let mut here = Vec::new();
+            let mut away: Vec<Vec<Problem>> = homes.iter().map(|_| Vec::new()).collect();
+            for mut problem in problems {
+                let Some((k, list)) = home(&problem).and_then(|k| Some((k, away.get_mut(k)?))) else {
+                    here.push(problem);
+                    continue;
+                };
+                let start = Change::ELSEWHERE + k * Change::APART;
+                problem.span = problem.span.map(|s| s.start - start..s.end - start);
+                if !list.contains(&problem) {
+                    list.push(problem);
+                }
+            }
+            for (source, problems) in homes.iter().zip(away).chain([(&source, here)]) {
                 if !problems.is_empty() {
-                    sorted.push(InputError { source, problems });
+                    sorted.push(InputError { source: source.clone(), problems });
                 }
             }
         }
         sorted
     }
-}
-
-fn moved(span: Span<usize>) -> Span<usize> {
-    span.start + Change::ELSEWHERE..span.end + Change::ELSEWHERE
 }
 
 /// A value with its spans where `place` says.

@@ -9,7 +9,7 @@ use std::io::{self, Read, Seek};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use super::{Problem, limits};
+use super::{Problem, kind, limits};
 
 /// The clock of file systems is this coarse, with room to spare: a younger file may change without its time
 /// saying so.
@@ -110,6 +110,12 @@ fn is_pipe(_: &Metadata) -> bool {
 pub(crate) fn text(bytes: Vec<u8>) -> Result<String, Problem> {
     if let Some(problem) = utf_16(&bytes) {
         return Err(problem);
+    }
+    if let Some(what) = kind::of_bytes(&bytes) {
+        return Err(Problem::whole(format!("this is {what}, not a text")));
+    }
+    if bytes.iter().take(512).any(|b| *b == 0) {
+        return Err(Problem::whole("this is not a text file: it has bytes that are zero"));
     }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();

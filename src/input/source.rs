@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::io::Read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -45,7 +46,13 @@ pub fn sha256<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     hex(&hash.finalize())
 }
 
+/// The name of standard input in messages.
+const STDIN_NAME: &str = "<stdin>";
+
 impl Source {
+    /// What standard input is called on the command line.
+    pub const STDIN: &str = "-";
+
     /// Reads a file.
     ///
     /// # Errors
@@ -67,6 +74,38 @@ impl Source {
         let bytes = opened.read(most).map_err(fail)?;
         let text = file::text(bytes).map_err(fail)?;
         Ok(Arc::new(Source { path: path.to_path_buf(), ..Source::new(name, text) }))
+    }
+
+    /// Reads a file that is named on the command line: `-` is standard input, whose relative paths start from the
+    /// working directory.
+    ///
+    /// # Errors
+    /// As [`Source::read`]; that nothing came.
+    pub fn argument(path: &Path) -> Result<Arc<Source>, InputError> {
+        if path.as_os_str() != Source::STDIN {
+            return Source::read(path);
+        }
+        let fail = |problem: Problem| InputError {
+            source: Arc::new(Source::new(STDIN_NAME, String::new())),
+            problems: vec![problem],
+        };
+        let mut bytes = Vec::new();
+        let most = limits::TABLE_BYTES;
+        let cannot = |e: std::io::Error| Problem::whole(format!("cannot read it: {}", crate::words::reason(&e)));
+        std::io::stdin().lock().take(most + 1).read_to_end(&mut bytes).map_err(|e| fail(cannot(e)))?;
+        if let Some(problem) = limits::bytes(bytes.len() as u64, most) {
+            return Err(fail(problem));
+        }
+        if bytes.is_empty() {
+            return Err(fail(Problem::whole("nothing came on standard input")));
+        }
+        let text = file::text(bytes).map_err(fail)?;
+        Ok(Arc::new(Source::new(STDIN_NAME, text)))
+    }
+
+    /// Whether it came from standard input.
+    pub fn is_stdin(&self) -> bool {
+        self.name == STDIN_NAME
     }
 
     /// A source from text at hand, under a name for messages.

@@ -21,6 +21,7 @@ use self::table::{Condition, Rows, Wanted};
 use super::bench::*;
 use crate::catalog::Catalog;
 use crate::catalog::convention::Commutation;
+use crate::input::kind::{self, FileKind};
 use crate::input::{Description, Form, InputError, InputFile, Key, Problem, Range, Section, Source, key};
 use crate::units;
 use crate::words::number;
@@ -58,10 +59,11 @@ pub fn read_for_row(path: &Path, catalog: Option<Catalog>) -> Result<Bench, Vec<
 }
 
 fn read_file(path: &Path, catalog: Option<Catalog>, for_row: bool) -> Result<Bench, Vec<InputError>> {
-    let source = Source::read(path).map_err(|e| vec![e])?;
+    let source = Source::argument(path).map_err(|e| vec![e])?;
     let mut others = Vec::new();
     let bench = Form::read(&source, |root| read_bench(root, path, &source, catalog, for_row, &mut others));
-    Form::with_others(bench, others)
+    let read = Form::with_others(bench, others);
+    read.map_err(|errors| kind::instead_of_all(errors, &source, &[FileKind::Bench]))
 }
 
 /// A log as the bench file describes it.

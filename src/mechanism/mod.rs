@@ -24,6 +24,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
+use crate::input::kind::{self, FileKind};
 use crate::input::{InputError, Problem, Source};
 
 /// A tree of rigid bodies on a base that does not move.
@@ -196,12 +197,12 @@ pub struct Payload {
 }
 
 impl Mechanism {
-    /// Reads a description: MJCF where the root element is `mujoco`, URDF where it is `robot`.
+    /// Reads a description (`-` is standard input): MJCF where the root element is `mujoco`, URDF where it is `robot`.
     ///
     /// # Errors
     /// All mistakes of the file, and everything in it that would change the motion and is not modelled.
     pub fn read(path: &Path) -> Result<Mechanism, InputError> {
-        Mechanism::read_source(&Source::read(path)?)
+        Mechanism::read_source(&Source::argument(path)?)
     }
 
     /// As [`Mechanism::read`], from a source at hand.
@@ -220,6 +221,7 @@ impl Mechanism {
                 None
             }
         })
+        .map_err(|error| kind::instead(error, &[FileKind::Description, FileKind::Xml]))
     }
 
     /// Indices of the bodies that have a joint, in their order. A joint's number is its place in this list.

@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use super::dynamics::{State, Wrench};
 use super::{Joint, Mechanism, Motion as Degree};
 use crate::input::csv::{Column, Content, Table};
+use crate::input::kind::{self, FileKind};
 use crate::input::{InputError, Problem, Range, Source, limits};
 use crate::motion::{Course, Motion, Samples};
 use crate::motion::{check_length, check_time, course, repeats};
@@ -133,7 +134,9 @@ pub fn read(
 ) -> Result<Trajectory, InputError> {
     let mut problems = Vec::new();
     let trajectory = read_table(source, mechanism, periodic, period, &mut problems);
-    InputError::unless_empty(source, problems)?;
+    // A table with another joint's name is a trajectory with a slip.
+    let wanted = [FileKind::OverTime, FileKind::Table, FileKind::Empty];
+    InputError::unless_empty(source, problems).map_err(|error| kind::instead(error, &wanted))?;
     trajectory.ok_or_else(|| InputError {
         source: source.clone(),
         problems: vec![Problem::whole("the trajectory could not be read")],

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Course, Motion, Samples};
 use crate::input::csv::{Column, Content, Table};
+use crate::input::kind::{self, FileKind};
 use crate::input::{InputError, Problem, Range, Source};
 use crate::numerics::spline;
 use crate::units;
@@ -36,7 +37,8 @@ pub fn read_carrying(
 ) -> Result<(Motion, Vec<CarriedColumn>), InputError> {
     let mut problems = Vec::new();
     let read = read_samples(source, periodic, period, joints, &mut problems);
-    InputError::unless_empty(source, problems)?;
+    let wanted = [FileKind::Motion, FileKind::OverTime, FileKind::Table, FileKind::Empty];
+    InputError::unless_empty(source, problems).map_err(|error| kind::instead(error, &wanted))?;
     let (motion, carried) = read.expect("a motion without problems was read");
     let with_rate = |(name, values): (String, Vec<f64>)| {
         let (values, rates) = motion.at_every_sample(&values[..motion.given.len()]);

@@ -60,6 +60,10 @@ pub fn toml(written: &Written) -> String {
         result.robot.name,
         quoted(requirement)
     );
+    if !result.robot.set.is_empty() {
+        let set: Vec<String> = result.robot.set.iter().map(|(key, value)| format!("{} = {value}", text(key))).collect();
+        out.push_str(&format!("set = {{ {} }}\n", set.join(", ")));
+    }
     if !catalog.is_empty() {
         let paths: Vec<String> = catalog.iter().map(|p| quoted(p)).collect();
         out.push_str(&format!("catalog = [{}]\n", paths.join(", ")));

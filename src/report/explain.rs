@@ -2,7 +2,7 @@
 
 use super::optimize::{bind_text, fitted_notes, proof, reason_text};
 use super::table::{Column, Table, paragraph};
-use super::{currents, number, optional};
+use super::{currents, heat_or, number, optional};
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::answer::Reason;
@@ -29,7 +29,14 @@ pub fn text(story: &Explanation) -> String {
     let quantities = quantities(story);
     let room = quantities.iter().map(|(what, ..)| what.chars().count() + 2).fold(24, usize::max);
     for (what, value, unit) in quantities {
-        out.push_str(&format!("  {what:<room$}{} {unit}\n", optional(value)));
+        let value = value.map_or_else(
+            || format!("{} {unit}", optional(None)),
+            |value| match heat_or(value, unit) {
+                hot if hot != super::with_unit(value, unit) => hot,
+                _ => format!("{} {unit}", number(value)),
+            },
+        );
+        out.push_str(&format!("  {what:<room$}{value}\n"));
         if what == figure("winding_temperature_k").words && story.winding_temperature.runs_away() {
             out.push_str(&paragraph(RUNAWAY, 2, 4));
         }
@@ -203,7 +210,11 @@ pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> 
             let at = m.sample.map_or_else(String::new, |k| joint.motion.name_sample(k));
             vec![
                 m.limit.into(),
-                number(m.demand),
+                // A cell: the word alone.
+                match heat_or(m.demand, m.unit) {
+                    hot if hot != super::with_unit(m.demand, m.unit) => hot,
+                    _ => number(m.demand),
+                },
                 number(m.bound),
                 m.unit.into(),
                 percent(m.margin),

@@ -35,10 +35,12 @@ pub mod torques;
 pub mod unjudged;
 
 pub use crate::words::csv::{csv_number, csv_row, csv_text, guarded};
-pub(crate) use crate::words::{counted, with_unit};
+pub(crate) use crate::words::{counted, heat_or, with_unit};
 pub use crate::words::{number, optional};
 
 use serde_json::Value;
+
+use crate::design::evaluate::Margin;
 
 /// How many different motors there are, in words.
 ///
@@ -48,6 +50,15 @@ use serde_json::Value;
 /// ```
 pub fn different_motors(count: usize) -> String {
     if count == 1 { "one motor".into() } else { format!("{count} different motors") }
+}
+
+/// What a limit is asked and what it allows, in words: `12 of 10 A`, `thermal runaway, where 85 K are allowed`.
+pub(crate) fn demand_of(margin: &Margin) -> String {
+    let Margin { demand, bound, unit, .. } = margin;
+    match heat_or(*demand, unit) {
+        hot if hot != with_unit(*demand, unit) => format!("{hot}, where {} {unit} are allowed", number(*bound)),
+        _ => format!("{} of {} {unit}", number(*demand), number(*bound)),
+    }
 }
 
 /// JSON text, two spaces deep, with a final newline.

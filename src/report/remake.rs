@@ -114,13 +114,7 @@ fn chosen_row(what: &str, joint: &Joint, chosen: &Chosen, rank: Option<usize>) -
 
 fn regret_text(regret: &Regret, joint: &Joint) -> String {
     if let Some(margin) = &regret.broken {
-        return format!(
-            "not feasible: {} is {} of {} {}",
-            margin.limit,
-            number(margin.demand),
-            number(margin.bound),
-            margin.unit
-        );
+        return format!("not feasible: {} is {}", margin.limit, super::demand_of(margin));
     }
     match (regret.objective, regret.relative) {
         (Some(objective), Some(relative)) => format!(

@@ -33,10 +33,14 @@ fn tolerances_text(all: &[Toleranced]) -> String {
     all.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// For people.
-pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize) -> String {
+/// For people; `assumed` is the tolerance of numbers whose rows state none.
+pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize, assumed: Option<f64>) -> String {
     let heading = format!("{}: designs that keep all limits over the tolerances of the motors", robot.name);
     let mut out = paragraph(&heading, 0, 2);
+    if let Some(share) = assumed {
+        let line = "of every number whose row states no tolerance, temperatures apart";
+        out.push_str(&paragraph(&format!("assumed: ± {} % {line}", number(100.0 * share)), 2, 4));
+    }
     for joint in joints {
         out.push('\n');
         out.push_str(&joint_text(joint, top));

@@ -56,6 +56,22 @@ pub fn ordered<'r, 'a>(sweep: &'r JointSweep<'a>, order: Order) -> Vec<&'r Swept
     designs.into_iter().map(|(d, _)| d).collect()
 }
 
+/// Keeps the first `most` gears of each motor in an order; how many designs that leaves out.
+pub fn first_gears(sweep: &mut JointSweep, order: Order, most: usize) -> usize {
+    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+    let mut kept: BTreeSet<(String, Option<String>)> = BTreeSet::new();
+    for design in ordered(sweep, order) {
+        let count = seen.entry(design.motor.id.clone()).or_default();
+        *count += 1;
+        if *count <= most {
+            kept.insert((design.motor.id.clone(), design.gear.map(String::from)));
+        }
+    }
+    let before = sweep.designs.len();
+    sweep.designs.retain(|d| kept.contains(&(d.motor.id.clone(), d.gear.map(String::from))));
+    before - sweep.designs.len()
+}
+
 /// Why a design is no choice: the worst limit, by how much, and when; or what cannot be judged. Empty for a choice.
 pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -> String {
     match (design.is_choice(), design.is_unjudged()) {
@@ -65,7 +81,7 @@ pub(super) fn because(design: &SweptDesign, joint: &crate::requirement::Joint) -
     }
     let Some(worst) = design.evaluation.tightest() else { return String::new() };
     let at = worst.sample.map_or_else(String::new, |k| format!(" at {}", joint.motion.name_sample(k)));
-    format!("{}: {} of {} {}{at}", worst.limit, number(worst.demand), number(worst.bound), worst.unit)
+    format!("{}: {}{at}", worst.limit, super::demand_of(worst))
 }
 
 /// The same in short: the text of all designs that fail alike.

@@ -11,7 +11,9 @@ use std::sync::Arc;
 
 use super::gear::RatioChoice;
 use super::robot::{Joint, Robot};
+use super::set::{SET, Settings};
 use crate::catalog::{Catalog, Gear, Motor, is_word, matches_pattern, place, read_fitted};
+use crate::input::kind::{self, FileKind};
 use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key, limits};
 use crate::units;
 use crate::words::nearest;
@@ -118,14 +120,23 @@ impl DesignFile {
         DesignFile::read_source(&Source::read(path).map_err(|e| vec![e])?)
     }
 
+    /// As [`DesignFile::read_source`], with values in the place of the requirement's, after those that the design sets.
+    ///
+    /// # Errors
+    /// As [`DesignFile::read`].
+    pub fn read_set(source: &Arc<Source>, settings: &Settings) -> Result<DesignFile, Vec<InputError>> {
+        let mut others = Vec::new();
+        let read = Form::read(source, |root| read_design(root, settings, &mut others));
+        let read = Form::with_others(read, others);
+        read.map_err(|errors| kind::instead_of_all(errors, source, &[FileKind::Design]))
+    }
+
     /// As [`DesignFile::read`], from a source; other files are looked for beside it.
     ///
     /// # Errors
     /// As [`DesignFile::read`].
     pub fn read_source(source: &Arc<Source>) -> Result<DesignFile, Vec<InputError>> {
-        let mut others = Vec::new();
-        let read = Form::read(source, |root| read_design(root, &mut others));
-        Form::with_others(read, others)
+        DesignFile::read_set(source, &Settings::default())
     }
 
     /// Looks up motors and gears.
@@ -213,16 +224,23 @@ const GEAR: Key = key("gear", "of the catalogue").value("id").or("ratio");
 
 /// What the reader asks for.
 pub fn describe() -> Description {
-    Form::describe("[[joint]]\nspring = {}\n", |root| read_design(root, &mut Vec::new()))
+    Form::describe("[[joint]]\nspring = {}\n", |root| read_design(root, &Settings::default(), &mut Vec::new()))
 }
 
-fn read_design(root: &Section, others: &mut Vec<InputError>) -> Option<DesignFile> {
+fn read_design(root: &Section, settings: &Settings, others: &mut Vec<InputError>) -> Option<DesignFile> {
     let folder = root.source().folder().to_path_buf();
     let requirement = root.required_text(key("requirement", "next to this file").value("file"), "\"robot.toml\"");
     let requirement_span = root.span_of("requirement");
+    let own = root.section(SET).map(|section| Settings::of_section(&section)).unwrap_or_default();
     let robot = requirement.as_ref().and_then(|file| {
         let source = open(root, &folder, file.get_ref(), file.span(), "requirement")?;
-        super::read_source(&source).map_err(|errors| others.extend(errors)).ok().map(|robot| (source, robot))
+        let robot = own.then(settings).read(&source, None);
+        let mut noted = |error: InputError| match Arc::ptr_eq(&error.source, root.source()) {
+            // What the design itself sets.
+            true => error.problems.into_iter().for_each(|problem| root.note(problem)),
+            false => others.push(error),
+        };
+        robot.map_err(|errors| errors.into_iter().for_each(&mut noted)).ok().map(|robot| (source, robot))
     });
     let catalog: Vec<PathBuf> = if root.has(CATALOG) {
         let paths = root.texts("catalog").unwrap_or_default();

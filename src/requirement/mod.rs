@@ -16,6 +16,7 @@ mod motions;
 mod objective;
 mod read;
 mod robot;
+pub mod set;
 
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
 pub use bus::{Bus, Regeneration};
@@ -28,3 +29,4 @@ pub use motions::{FromDisk, Motions};
 pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use read::{describe, read, read_changed, read_source, read_without_springs};
 pub use robot::{Budget, Carried, Filter, Joint, Robot};
+pub use set::Settings;

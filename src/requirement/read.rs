@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::motions::{FromDisk, MotionReader, Motions};
 use super::robot::{Budget, Robot};
 use super::{bus, carried, cases, joint, mechanism};
+use crate::input::kind::{self, FileKind};
 use crate::input::{Change, Description, Form, InputError, Problem, Range, Section, Source, key, limits};
 use crate::units;
 
@@ -92,7 +93,7 @@ pub fn describe() -> Description {
     Form::describe(SKELETON, |root| read_robot(root, None, &mut reader))
 }
 
-fn read_as(
+pub(super) fn read_as(
     source: &Arc<Source>,
     changes: &[Change],
     no_springs: Option<&str>,
@@ -100,7 +101,9 @@ fn read_as(
 ) -> Result<Robot, Vec<InputError>> {
     let mut reader = MotionReader::new(motions);
     let robot = Form::read_changed(source, changes, |root| read_robot(root, no_springs, &mut reader));
-    Form::with_others(robot, reader.errors)
+    let robot = robot.map(|robot| Robot { set: changes.iter().map(super::set::said).collect(), ..robot });
+    let read = Form::with_others(robot, reader.errors);
+    read.map_err(|errors| kind::instead_of_all(errors, source, &[FileKind::Requirement]))
 }
 
 fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionReader) -> Option<Robot> {
@@ -204,6 +207,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         cases,
         driven,
         rules,
+        set: Vec::new(),
         sources: [vec![root.source().clone()], std::mem::take(&mut motions.opened)].concat(),
     })
 }

@@ -34,6 +34,8 @@ pub struct Robot {
     pub rules: Option<PathBuf>,
     /// The files that it was read from: the requirement, its motions, the description of the robot.
     pub sources: Vec<Arc<Source>>,
+    /// What was put in the place of the requirement's own values: path, and value as TOML.
+    pub set: Vec<(String, String)>,
 }
 
 /// Limits of the whole robot.

@@ -8,6 +8,7 @@ use super::measure::{Measure, measure, measures};
 use super::registry::{RULES, rule};
 use super::rule::{Rule, Severity, Test};
 use crate::catalog::matches_pattern;
+use crate::input::kind::{self, FileKind};
 use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
 
 /// A rules file.
@@ -99,12 +100,12 @@ pub struct Allow {
     pub span: Span<usize>,
 }
 
-/// Reads a rules file.
+/// Reads a rules file; `-` is standard input.
 ///
 /// # Errors
 /// Every mistake in it.
 pub fn read(path: &Path) -> Result<RulesFile, InputError> {
-    read_source(&Source::read(path)?)
+    read_source(&Source::argument(path)?)
 }
 
 /// Reads rules from a source.
@@ -112,7 +113,7 @@ pub fn read(path: &Path) -> Result<RulesFile, InputError> {
 /// # Errors
 /// As [`read`].
 pub fn read_source(source: &Arc<Source>) -> Result<RulesFile, InputError> {
-    Form::read(source, read_root)
+    Form::read(source, read_root).map_err(|error| kind::instead(error, &[FileKind::Rules]))
 }
 
 fn read_root(root: &Section) -> Option<RulesFile> {

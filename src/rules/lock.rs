@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use crate::catalog::convention::word;
 use crate::catalog::{FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, Motor, SourceKind};
+use crate::input::kind::{self, FileKind};
 use crate::input::{Form, InputError, Problem, Section, Source, sha256};
 use crate::requirement::{Choice, DesignFile};
 
@@ -221,6 +222,7 @@ impl Lock {
             let rows = motors.chain(gears).collect();
             Some(Lock { robot: robot?.into_inner(), design: of_design?.into_inner(), rows })
         })
+        .map_err(|error| kind::instead(error, &[FileKind::Lock]))
     }
 
     /// What differs between this lock and another, newer one.

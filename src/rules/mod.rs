@@ -27,6 +27,7 @@ use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::examine::examine;
 use crate::input::{InputError, Source};
 use crate::requirement::DesignFile;
+use crate::words::{heat_or, with_unit};
 use facts::{JointFacts, RobotFacts};
 use file::Selection;
 use lock::{Lock, LockState};
@@ -397,7 +398,8 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
     }
     let number = crate::words::number;
     let at = margin.sample.map_or_else(String::new, |k| format!(" at {}", joint.choice.joint.motion.name_sample(k)));
-    let over = if margin.bound > 0.0 && margin.demand.is_finite() {
+    let hot = heat_or(margin.demand, margin.unit) != with_unit(margin.demand, margin.unit);
+    let over = if margin.bound > 0.0 && margin.demand.is_finite() && !hot {
         format!(" ({} % over)", number((1000.0 * (margin.demand / margin.bound - 1.0)).round() / 10.0))
     } else {
         String::new()
@@ -406,8 +408,8 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
     let q_axis = LIMITS.iter().any(|l| l.name == limit && l.is_q_axis());
     let unit = if q_axis { format!("{} (q axis)", margin.unit) } else { margin.unit.to_string() };
     let message = format!(
-        "`{limit}` is exceeded: {} {unit} where the {} allows {} {unit}{over}{at}",
-        number(margin.demand),
+        "`{limit}` is exceeded: {} where the {} allows {} {unit}{over}{at}",
+        if hot { heat_or(margin.demand, margin.unit) } else { format!("{} {unit}", number(margin.demand)) },
         margin.owner,
         number(margin.bound),
     );

@@ -8,6 +8,7 @@ use toml::de::DeValue;
 
 use super::grid::{Grid, Parameter};
 use crate::catalog::place;
+use crate::input::kind::{self, FileKind};
 use crate::input::{Change, Description, Form, InputError, Key, Problem, Section, Source, key};
 use crate::units;
 use crate::words::nearest;
@@ -43,7 +44,7 @@ pub fn is_study_file(source: &Source) -> bool {
 /// Every mistake of the file. Whether the grid's keys and values fit the requirements is seen only where
 /// those are read.
 pub fn read(source: &Arc<Source>) -> Result<StudyFile, InputError> {
-    Form::read(source, read_root)
+    Form::read(source, read_root).map_err(|error| kind::instead(error, &[FileKind::Study]))
 }
 
 const REQUIREMENT: Key = key("requirement", "the requirement, next to this file").value("file").or("requirements");
@@ -173,7 +174,7 @@ fn gather(
 }
 
 /// Why a study does not look at what stands at a key, where it does not.
-fn not_looked_at(key: &str) -> Option<&'static str> {
+pub(crate) fn not_looked_at(key: &str) -> Option<&'static str> {
     let mut parts = key.split('.');
     match (parts.next(), parts.next_back()) {
         (Some("budget"), _) => Some("a study takes each joint by itself, budgets are not looked at"),
@@ -205,15 +206,14 @@ fn range(key: &str, value: &Spanned<DeValue>) -> Result<Vec<String>, Box<Problem
             DeValue::Integer(number) => Some((number.as_str().parse().ok()?, String::new())),
             DeValue::Float(number) => Some((number.as_str().parse().ok()?, String::new())),
             DeValue::String(text) => {
-                let split = text.trim().find(|c: char| c.is_whitespace()).unwrap_or(text.trim().len());
-                let (number, unit) = text.trim().split_at(split);
-                Some((units::number_value(number).ok()?, unit.trim().to_string()))
+                let (number, unit) = units::apart(text);
+                Some((units::number_value(number).ok()?, unit.to_string()))
             }
             _ => None,
         }
     };
-    let (from, unit) = end("from").ok_or_else(|| fail("`from` is a number, or a number, a space and a unit"))?;
-    let (to, unit_to) = end("to").ok_or_else(|| fail("`to` is a number, or a number, a space and a unit"))?;
+    let (from, unit) = end("from").ok_or_else(|| fail("`from` is a number, or a number and a unit"))?;
+    let (to, unit_to) = end("to").ok_or_else(|| fail("`to` is a number, or a number and a unit"))?;
     if unit != unit_to {
         return Err(fail("`from` and `to` have different units"));
     }

@@ -22,7 +22,7 @@ pub struct Parameter {
 
 impl Parameter {
     /// Keys that multiply a motion instead of replacing a value.
-    pub const SCALES: [&'static str; 2] = ["scale.torque", "scale.speed"];
+    pub const SCALES: [&'static str; 2] = crate::requirement::set::SCALES;
 
     /// A parameter from its changes.
     pub fn new(key: String, changes: Vec<Change>) -> Parameter {

@@ -22,6 +22,8 @@ pub struct Study<'a> {
     pub inputs: &'a Inputs,
     /// The study file.
     pub file: Option<&'a Arc<Source>>,
+    /// Where the grid is written: the study file, the command line.
+    pub homes: &'a [Arc<Source>],
     /// The catalogue.
     pub catalog: &'a Catalog,
     /// The catalogue's files.
@@ -151,7 +153,9 @@ impl Drop for ListFile {
 /// Tries every value of the grid once on the first requirement, so that a mistake in the study file is told
 /// at once and not once for each robot.
 fn check_grid(study: &Study, list: &Path, plan: &Plan) -> Result<(), StudyError> {
-    let Some(home) = study.file.filter(|_| !plan.grid.is_empty()) else { return Ok(()) };
+    if plan.grid.is_empty() {
+        return Ok(());
+    }
     let first = std::fs::read_to_string(list).map_err(|e| StudyError::file("read", list, &e))?;
     let Some(first) = first.lines().next() else { return Ok(()) };
     let worker = worker(study);
@@ -159,13 +163,16 @@ fn check_grid(study: &Study, list: &Path, plan: &Plan) -> Result<(), StudyError>
     for parameter in 0..plan.grid.len() {
         for value in 0..plan.grid[parameter].values.len() as u64 {
             let (read, _) = worker.read(first, value * plan.stride(parameter));
-            for error in read.err().into_iter().flatten().filter(|e| Arc::ptr_eq(&e.source, home)) {
-                for problem in error.problems {
-                    match errors.first_mut() {
-                        Some(known) if known.problems.contains(&problem) => {}
-                        Some(known) => known.problems.push(problem),
-                        None => errors.push(InputError { source: home.clone(), problems: vec![problem] }),
+            let of_grid = |e: &InputError| study.homes.iter().any(|home| Arc::ptr_eq(&e.source, home));
+            for error in read.err().into_iter().flatten().filter(of_grid) {
+                let known = errors.iter_mut().find(|known| Arc::ptr_eq(&known.source, &error.source));
+                match known {
+                    Some(known) => {
+                        let new =
+                            error.problems.into_iter().filter(|p| !known.problems.contains(p)).collect::<Vec<_>>();
+                        known.problems.extend(new);
                     }
+                    None => errors.push(error),
                 }
             }
         }
@@ -178,7 +185,7 @@ fn worker<'a>(study: &'a Study) -> Worker<'a> {
         catalog: study.catalog,
         settings: study.settings,
         grid: &study.inputs.grid,
-        home: study.file,
+        homes: study.homes,
         base: &study.inputs.base,
         store: Store::default(),
     }

@@ -181,8 +181,8 @@ pub struct Worker<'a> {
     pub settings: Settings,
     /// The grid.
     pub grid: &'a Grid,
-    /// The study file, where the grid is written.
-    pub home: Option<&'a Arc<Source>>,
+    /// Where the grid is written: the study file, the command line.
+    pub homes: &'a [Arc<Source>],
     /// The folder that requirements' names start from.
     pub base: &'a Path,
     /// Files read before.
@@ -201,20 +201,9 @@ impl Worker<'_> {
             reading.note(Path::new(requirement), &hash);
             requirement::read_changed(&source, &changes, &mut reading)
         });
-        let robot = read.map_err(|errors| match self.home {
-            Some(home) => Change::send_home(errors, home),
-            None => errors,
-        });
+        let robot = read.map_err(|errors| Change::send_home(errors, self.homes));
         let scaled = robot.map(|mut robot| {
-            // As it is, it is shared.
-            let joints = robot.joints.iter_mut().filter(|_| scale != super::grid::Scale::default());
-            for joint in joints {
-                joint.motion = joint.motion.as_ref().clone().scaled(scale.torque, scale.speed).into();
-                // What is carried weighs the same; only its course runs faster.
-                for carried in &mut joint.carries {
-                    carried.rate.iter_mut().for_each(|rate| *rate *= scale.speed);
-                }
-            }
+            requirement::set::scale(&mut robot, scale.torque, scale.speed);
             robot
         });
         let inputs = reading.inputs.into_iter().map(|(path, hash)| (super::plan::path_name(&path), hash)).collect();

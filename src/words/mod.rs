@@ -6,6 +6,25 @@ pub mod xml;
 
 use std::io;
 
+/// Below this a number is what rounding leaves of zero.
+const ROUNDING: f64 = 1e-15;
+/// No winding is as hot as this \[°C\], and none is by this hotter than what is around it \[K\]: the model has left its range.
+const HOTTEST: f64 = 1000.0;
+
+/// A number with its unit, where it may be a temperature, or a rise of one \[K\], that no winding has: that is thermal runaway.
+///
+/// ```
+/// use gearwise::words::heat_or;
+/// assert_eq!((heat_or(85.0, "degC").as_str(), heat_or(4e4, "degC").as_str()), ("85 degC", "thermal runaway"));
+/// assert_eq!(heat_or(4e4, "A"), "40000 A");
+/// ```
+pub fn heat_or(value: f64, unit: &str) -> String {
+    match unit {
+        "degC" | "K" if value >= HOTTEST => "thermal runaway".into(),
+        _ => with_unit(value, unit),
+    }
+}
+
 /// A number with four significant digits, without needless zeros.
 ///
 /// ```
@@ -13,9 +32,12 @@ use std::io;
 /// assert_eq!(number(0.064366), "0.06437");
 /// assert_eq!(number(1200.0), "1200");
 /// assert_eq!(number(9.01e-6), "9.010e-6");
+/// assert_eq!(number(-2.2e-16), "0");
 /// ```
+///
+/// What rounding leaves of a zero is zero: nothing that is measured in SI units is so small.
 pub fn number(value: f64) -> String {
-    if value == 0.0 {
+    if value.abs() < ROUNDING {
         return "0".into();
     }
     if value.is_infinite() {

@@ -157,7 +157,7 @@ pub fn study(bytes: &[u8]) {
         let (changes, scale) = file.grid.at(point);
         positive("scale", [scale.torque, scale.speed]);
         let read = requirement::read_changed(&base, &changes, &mut parts);
-        if let Some(robot) = accepted(read.map_err(|errors| Change::send_home(errors, &home))) {
+        if let Some(robot) = accepted(read.map_err(|errors| Change::send_home(errors, std::slice::from_ref(&home)))) {
             sane::robot(&robot);
         }
     }

@@ -18,6 +18,8 @@ pub struct Options<'p> {
     pub budgets: bool,
     /// Called once for each joint that is done.
     pub tick: &'p (dyn Fn() + Sync),
+    /// Called at each branch of a search: how many were looked at in it, and how many complete combinations solved.
+    pub searched: &'p (dyn Fn(usize, usize) + Sync),
     /// As [`stop`](crate::design::Options::stop) of a joint's search; also asked for each combination.
     pub stop: &'p (dyn Fn() -> bool + Sync),
 }
@@ -39,7 +41,14 @@ impl From<Stopped> for NoChoice {
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { only_checked: false, runner_ups: 3, budgets: true, tick: &|| {}, stop: &|| false }
+        Options {
+            only_checked: false,
+            runner_ups: 3,
+            budgets: true,
+            tick: &|| {},
+            searched: &|_, _| {},
+            stop: &|| false,
+        }
     }
 }
 

@@ -34,6 +34,9 @@ const PRICES: usize = 6;
 /// Tables of prices that are kept, those with the best bounds.
 const TABLES: usize = 4;
 
+/// Told at each branch of a search.
+type Searched<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
 /// The robot with all that was found out about its joints.
 pub(super) struct Context<'a> {
     pub robot: &'a Robot,
@@ -42,6 +45,7 @@ pub(super) struct Context<'a> {
     pub needs: Vec<Needs>,
     /// Whether the search is to stop.
     pub stop: Stop<'a>,
+    searched: Searched<'a>,
     pub certain: Vec<Option<Rc<Menu<'a>>>>,
     made: HashMap<(usize, Vec<u64>), Rc<Menu<'a>>>,
     /// Lightest and heaviest actuator of each joint.
@@ -114,6 +118,7 @@ impl<'a> Context<'a> {
             catalog,
             needs,
             stop,
+            searched: options.searched,
             certain,
             reach,
             boxes,
@@ -498,6 +503,10 @@ impl<'a> Joints<'a> for Context<'a> {
 
     fn is_stopped(&self) -> bool {
         self.stop.now()
+    }
+
+    fn searched(&self, branches: usize, solved: usize) {
+        (self.searched)(branches, solved);
     }
 
     fn is_costly(&self) -> bool {

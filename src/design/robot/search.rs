@@ -88,6 +88,8 @@ pub(super) trait Joints<'a> {
     fn bound(&self, joint: usize, masses: &[Option<f64>]) -> (f64, f64);
     /// Whether the search is to stop.
     fn is_stopped(&self) -> bool;
+    /// Told at each branch: how many were looked at, and how many complete combinations solved.
+    fn searched(&self, branches: usize, solved: usize);
     /// Whether a complete combination takes a program of its own.
     fn is_costly(&self) -> bool;
     /// Best ratios, value and bound of a complete combination; `None` where it cannot be.
@@ -330,6 +332,7 @@ impl<'a, J: Joints<'a>> Search<'_, 'a, J> {
                 return;
             }
             self.answer.nodes += 1;
+            self.joints.searched(self.answer.nodes, self.answer.solved);
             let before = (state.mass, state.sums.clone());
             state.mass = mass;
             state.masses[joint] = Some(chosen.mass);

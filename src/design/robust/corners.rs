@@ -5,6 +5,7 @@ use crate::catalog::{FIELDS, Field, Motor, Printed};
 use crate::design::Prepared;
 use crate::design::program::Limited;
 use crate::requirement::{Regeneration, Robot};
+use crate::units::TEMPERATURE;
 
 /// Which end of a tolerance is the worse one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,6 +109,21 @@ pub fn toleranced(motor: &Motor) -> Vec<Toleranced> {
         counts(column).then_some(Toleranced { column, value: printed.value, tolerance, part: *part, worst: *worst })
     };
     COLUMNS.iter().filter_map(of).collect()
+}
+
+/// Gives each number of the sheets that limits depend on, and that states no tolerance, one of this share of it. Temperatures
+/// are left as they are: a share of kelvin says nothing.
+pub fn assume_tolerance(motors: &mut [Motor], share: f64) {
+    for motor in motors {
+        for (column, ..) in COLUMNS {
+            let field = field(column);
+            let Some(printed) = (field.get)(&motor.sheet) else { continue };
+            if printed.tolerance.is_none() && field.kind.name != TEMPERATURE.name {
+                let tolerance = Some(share * printed.value.abs());
+                (field.set)(&mut motor.sheet, Printed { value: printed.value, tolerance });
+            }
+        }
+    }
 }
 
 /// The same motor with other numbers in its sheet; `None` where they make no motor.

@@ -36,7 +36,7 @@ use crate::requirement::Robot;
 
 pub use boxed::best_robust;
 pub use chance::{CONTENDERS, Contender, SAMPLES, standard_error};
-pub use corners::{Corner, Toleranced, corners, toleranced};
+pub use corners::{Corner, Toleranced, assume_tolerance, corners, toleranced};
 
 /// A design that keeps its limits over the whole box of tolerances.
 #[derive(Debug, Clone)]

@@ -39,6 +39,8 @@ pub struct Exported<'a> {
 pub struct Origin {
     /// Name of the robot.
     pub robot: String,
+    /// What was put in the place of the requirement's own values: path, and value as TOML.
+    pub set: Vec<(String, String)>,
     /// The requirement.
     pub requirement: NamedFile,
     /// The design file, where there is one.
@@ -91,6 +93,10 @@ fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Export
             origin.requirement.name, origin.robot, origin.requirement.sha256
         ),
     ];
+    if !origin.set.is_empty() {
+        let set: Vec<String> = origin.set.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        lines.push(format!("with {}", set.join(", ")));
+    }
     lines.extend(origin.design.iter().map(|d| format!("design {}, SHA-256 {}", d.name, d.sha256)));
     for e in joints {
         let s = &e.simulated;

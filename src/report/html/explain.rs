@@ -1,5 +1,7 @@
 //! The page of an explanation.
 
+use crate::words::{heat_or, with_unit};
+
 use super::{Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
@@ -23,13 +25,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
             true => {
                 format!("Tightest: {}, {} left.", margin.limit, percent(margin.margin.max(0.0)).trim_start_matches('+'))
             }
-            false => format!(
-                "Most exceeded: {}, {} of {} {}.",
-                margin.limit,
-                number(margin.demand),
-                number(margin.bound),
-                margin.unit
-            ),
+            false => format!("Most exceeded: {}, {}.", margin.limit, crate::report::demand_of(margin)),
         };
         summary.push(Part::Text(text));
     }
@@ -90,9 +86,12 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
 }
 
 fn needs(story: &Explanation) -> Table {
-    let rows = quantities(story)
-        .into_iter()
-        .map(|(what, value, unit)| vec![what.to_string(), optional(value), unit.to_string()]);
+    let rows = quantities(story).into_iter().map(|(what, value, unit)| {
+        match value.filter(|v| heat_or(*v, unit) != with_unit(*v, unit)) {
+            Some(hot) => vec![what.to_string(), heat_or(hot, unit), String::new()],
+            None => vec![what.to_string(), optional(value), unit.to_string()],
+        }
+    });
     Table::new("At this ratio", &["quantity", ">value", "unit"]).rows(rows)
 }
 

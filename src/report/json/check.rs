@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::design::{NotChecked, not_checked};
 use super::joint::Joint;
-use super::{Design, document};
+use super::{Design, Setting, document};
 use crate::actuator::limits::Remark;
 use crate::design::judge;
 use crate::report::check::unit_of;
@@ -80,6 +80,9 @@ pub struct Answer<'a> {
 pub struct Robot<'a> {
     /// Name of the robot.
     pub name: &'a str,
+    /// What the design or the call puts in the place of the requirement's own values; left out where nothing is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<Setting<'a>>,
     /// The design file.
     pub design: String,
     /// The requirement file.
@@ -208,6 +211,7 @@ pub fn json(report: &Report, strict: bool) -> Value {
     let answer = Answer {
         robot: Robot {
             name: &design.robot.name,
+            set: Setting::all(&design.robot.set),
             design: clean(design.source.name()),
             requirement: clean(design.requirement.name()),
         },

@@ -169,6 +169,6 @@ pub fn json(robot: &requirement::Robot, story: &Explanation) -> Value {
         remedies: story.remedies.iter().map(Remedy::from).collect(),
         spring,
     };
-    let answer = Answer { robot: Named::new(&*robot.name), joints: vec![of_joint], mechanism: None };
+    let answer = Answer { robot: Named::new(&*robot.name, &robot.set), joints: vec![of_joint], mechanism: None };
     document("explain", answer)
 }

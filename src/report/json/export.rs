@@ -117,7 +117,7 @@ pub fn json(origin: &Origin, joints: &[Exported]) -> Value {
         "export",
         Answer {
             gearwise: env!("CARGO_PKG_VERSION"),
-            robot: Named::new(origin.robot.as_str()),
+            robot: Named::new(origin.robot.as_str(), &origin.set),
             requirement: &origin.requirement.name,
             requirement_sha256: &origin.requirement.sha256,
             design: origin.design.as_ref().map(|d| d.name.as_str()),

@@ -75,12 +75,31 @@ pub struct OfRobot<'a, R, J> {
 pub struct Named<'a> {
     /// Name of the robot.
     pub name: Cow<'a, str>,
+    /// What was put in the place of the requirement's own values; left out where nothing was.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<Setting<'a>>,
+}
+
+/// A value in the place of the requirement's own.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Setting<'a> {
+    /// Its path.
+    pub key: &'a str,
+    /// The value, as TOML.
+    pub value: &'a str,
+}
+
+impl<'a> Setting<'a> {
+    /// All of them.
+    pub fn all(set: &'a [(String, String)]) -> Vec<Setting<'a>> {
+        set.iter().map(|(key, value)| Setting { key, value }).collect()
+    }
 }
 
 impl<'a> Named<'a> {
-    /// A robot of this name.
-    pub fn new(name: impl Into<Cow<'a, str>>) -> Named<'a> {
-        Named { name: name.into() }
+    /// A robot of this name, with what was set.
+    pub fn new(name: impl Into<Cow<'a, str>>, set: &'a [(String, String)]) -> Named<'a> {
+        Named { name: name.into(), set: Setting::all(set) }
     }
 }
 

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::joint::{Agreement, Choices, Joint, Pruned};
 use super::robot::Choice;
 use super::torques::Mechanism;
-use super::{Design, OfRobot, design, document};
+use super::{Design, OfRobot, Setting, design, document};
 use crate::design::answer::{JointResult, RobotResult};
 use crate::design::robot;
 use crate::report::optimize::reason_text;
@@ -20,6 +20,9 @@ pub type Answer<'a> = OfRobot<'a, Robot<'a>, OfJoint<'a>>;
 pub struct Robot<'a> {
     /// Name of the robot.
     pub name: &'a str,
+    /// What was put in the place of the requirement's own values; left out where nothing was.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub set: Vec<Setting<'a>>,
     /// Whether every joint has a candidate, or, where the whole robot was chosen, whether there is a combination.
     pub satisfied: bool,
     /// Whether every limit of every first choice could be checked.
@@ -96,6 +99,7 @@ pub fn json(result: &RobotResult, choice: Option<&robot::Choice>) -> Value {
     let answer = Answer {
         robot: Robot {
             name: &robot.name,
+            set: Setting::all(&robot.set),
             satisfied: choice.map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty()),
             first_choices_fully_checked: result.joints.iter().all(checked),
             actuator_mass_kg: result.actuator_mass(),

@@ -51,8 +51,11 @@ pub struct Point<'a> {
 
 /// Every point.
 pub fn json(robot: &requirement::Robot, fronts: &[Front]) -> Value {
-    let answer =
-        Answer { robot: Named::new(&*robot.name), joints: fronts.iter().map(OfJoint::new).collect(), mechanism: None };
+    let answer = Answer {
+        robot: Named::new(&*robot.name, &robot.set),
+        joints: fronts.iter().map(OfJoint::new).collect(),
+        mechanism: None,
+    };
     document("optimize --pareto", answer)
 }
 

@@ -25,6 +25,9 @@ pub struct OfJoint<'a> {
     pub unjudged: Vec<Unjudged<'a>>,
     /// Motors that can do it by their printed numbers, but not over their tolerances.
     pub rejected: Vec<Lost<'a>>,
+    /// The tolerance, a share, that was assumed of every number whose row states none, temperatures apart; left out where none was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub assumed_tolerance: Option<f64>,
     /// How many samples of all tolerances were drawn for `contenders`.
     pub samples: usize,
     /// How the first motors fare among each other when all vary within their tolerances.
@@ -155,8 +158,8 @@ impl<'a> Contender<'a> {
     }
 }
 
-/// Robust designs, and how the first fare.
-pub fn json(robot: &requirement::Robot, joints: &[RobustJoint]) -> Value {
+/// Robust designs, and how the first fare; `assumed` is the tolerance of numbers whose rows state none.
+pub fn json(robot: &requirement::Robot, joints: &[RobustJoint], assumed: Option<f64>) -> Value {
     let joints = joints.iter().map(|of| {
         let joint = of.nominal.joint;
         let lost = of.lost.iter().map(|l| Lost {
@@ -169,9 +172,10 @@ pub fn json(robot: &requirement::Robot, joints: &[RobustJoint]) -> Value {
             unjudged: unjudged(&of.nominal),
             rejected: lost.collect(),
             samples: SAMPLES,
+            assumed_tolerance: assumed,
             contenders: of.contenders.iter().map(Contender::new).collect(),
         }
     });
-    let answer = Answer { robot: Named::new(&*robot.name), joints: joints.collect(), mechanism: None };
+    let answer = Answer { robot: Named::new(&*robot.name, &robot.set), joints: joints.collect(), mechanism: None };
     document("optimize --robust", answer)
 }

@@ -63,7 +63,7 @@ fn exceeded<'a>(design: &'a SweptDesign<'a>, joint: &requirement::Joint, object:
 /// Every design, in the order that was asked for.
 pub fn json(robot: &requirement::Robot, sweeps: &[JointSweep], order: Order) -> Value {
     let answer = Answer {
-        robot: Named::new(&*robot.name),
+        robot: Named::new(&*robot.name, &robot.set),
         joints: sweeps.iter().map(|sweep| OfJoint::new(sweep, order)).collect(),
         mechanism: None,
     };
