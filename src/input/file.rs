@@ -108,11 +108,11 @@ fn is_pipe(_: &Metadata) -> bool {
 /// # Errors
 /// It is no text in UTF-8; said apart where it is UTF-16.
 pub(crate) fn text(bytes: Vec<u8>) -> Result<String, Problem> {
-    if let Some(problem) = utf_16(&bytes) {
-        return Err(problem);
-    }
     if let Some(what) = kind::of_bytes(&bytes) {
         return Err(Problem::whole(format!("this is {what}, not a text")));
+    }
+    if let Some(problem) = utf_16(&bytes) {
+        return Err(problem);
     }
     if bytes.iter().take(512).any(|b| *b == 0) {
         return Err(Problem::whole("this is not a text file: it has bytes that are zero"));

@@ -229,6 +229,10 @@ fn wanting_text(choice: &Choice) -> String {
         false => "No combination was found that keeps all of this; that there is none is not proved.",
     };
     let mut out = paragraph(proved, 2, 4);
+    if choice.wanting.is_empty() {
+        let line = "with any one of the budgets given up none was found either";
+        out.push_str(&format!("    {}\n", wrap(line, 6)));
+    }
     for wanting in &choice.wanting {
         let line = match wanting {
             Wanting::Joints(names) => match choice.unjudged.is_empty() {

@@ -81,6 +81,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         driven: None,
         rules: None,
         sources: Vec::new(),
+        set: Vec::new(),
     }
 }
 

@@ -373,9 +373,10 @@ fn motors_without_tolerances_stay_nominal_and_threads_change_nothing() {
                 }
                 assert_eq!(joint.designs.len() + joint.lost.len(), joint.nominal.candidates.len());
             }
-            let text = report::robust::text(&robot, &joints, 200);
+            let text = report::robust::text(&robot, &joints, 200, None);
             assert!(text.contains("no tolerances in the catalogue: nominal"));
-            text + &report::robust::csv(&joints) + &report::json_text(&report::json::robust::json(&robot, &joints))
+            text + &report::robust::csv(&joints)
+                + &report::json_text(&report::json::robust::json(&robot, &joints, None))
         })
     };
     assert_eq!(run(1), run(4));

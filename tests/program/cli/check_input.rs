@@ -16,7 +16,7 @@ fn spoilt() -> Vec<(&'static str, String, Option<u64>, &'static str)> {
         ("design.toml", DESIGN.replace("alpha-1", "alpha-9"), Some(6), "there is no motor `alpha-9`"),
         ("rules.toml", RULES.replace("min", "mni"), Some(3), "unknown key `mni`"),
         ("motors.csv", MOTORS.replace("0.5,0.2", "0.5,-0.2"), Some(2), "inductance"),
-        ("motors.csv", MOTORS.lines().next().unwrap().to_string() + "\n", None, "no motor"),
+        ("motors.csv", MOTORS.lines().next().unwrap().to_string() + "\n", Some(1), "has a header but no rows"),
     ]
 }
 
@@ -38,8 +38,7 @@ fn every_form_of_a_wrong_input_has_the_mistake_and_its_place() {
             ran.out.lines().find(|l| l.contains(said)).unwrap_or_else(|| panic!("{file} {said}: {}", ran.out));
         assert!(annotation.starts_with("::error file="), "{annotation}");
         let junit = read("a.xml");
-        let escaped = said.replace('`', "`");
-        assert!(junit.contains("errors=\"1\"") && junit.contains(&escaped), "{junit}");
+        assert!(junit.contains("errors=\"1\"") && junit.contains(said), "{junit}");
         let sarif: Value = serde_json::from_str(&read("a.sarif")).unwrap();
         let results = sarif["runs"][0]["results"].as_array().unwrap();
         let of = |r: &&Value| r["message"]["text"].as_str().unwrap().contains(said);
@@ -60,6 +59,22 @@ fn every_form_of_a_wrong_input_has_the_mistake_and_its_place() {
             assert!(junit.contains(&format!("{file}:{line}:")), "{junit}");
         }
     }
+}
+
+/// A mistake that stands in no file is told at the design.
+#[test]
+fn a_wrong_option_is_told_in_every_form() {
+    let folder = folder();
+    let ran =
+        run(&folder, &["check", "design.toml", "--set", "voltage", "--sarif", "a.sarif", "--junit", "a.xml", "--json"]);
+    assert_eq!(ran.status, 2);
+    for text in [ran.out, read_text(&folder, "a.sarif"), read_text(&folder, "a.xml")] {
+        assert!(text.contains("write KEY=VALUE") && text.contains("design.toml"), "{text}");
+    }
+}
+
+fn read_text(folder: &tempfile::TempDir, name: &str) -> String {
+    fs::read_to_string(folder.path().join(name)).unwrap()
 }
 
 /// Yesterday's files are not left standing, and a good input leaves none of this.

@@ -1,6 +1,7 @@
 //! The command line: what it takes, prints, writes and refuses.
 
 mod basics;
+mod budgets;
 mod catalogs;
 mod characterize_cli;
 mod check;
@@ -14,6 +15,7 @@ mod import_mgdb;
 mod json;
 mod kinds;
 mod mistakes;
+mod plain;
 mod plots;
 mod set;
 mod stdin;
