@@ -86,7 +86,7 @@ fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failu
 fn checked(arguments: &Arguments) -> Result<Done, Failure> {
     let settings = arguments.set.settings()?;
     if arguments.design.as_os_str() == Source::STDIN && (arguments.lock || arguments.update_lock) {
-        return Err(Failure::Argument("a lock stands beside the design's file: give a file in place of `-`".into()));
+        return Err(Failure::Argument("a lock is a file next to the design: give a file in place of `-`".into()));
     }
     let source = Source::argument(&arguments.design).map_err(|e| vec![e])?;
     let mut design = DesignFile::read_set(&source, &settings)?;

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use clap::Args;
 use indicatif::ProgressBar;
 
-/// Whether progress is told.
+/// Whether progress is reported.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Telling {
     /// Lines of progress on stderr, for logs, also where that is no terminal
@@ -21,7 +21,7 @@ pub struct Telling {
 
 /// Lines that a work whose size is known has at most.
 const LINES: u64 = 10;
-/// A search is first told of after so many branches, then each time there are twice as many.
+/// A search is first reported after so many branches, then each time there are twice as many.
 const FIRST: u64 = 1024;
 
 impl Telling {
@@ -72,7 +72,7 @@ impl Counted {
     }
 }
 
-/// Whether a step is one that is told: one of ten, and the last.
+/// Whether a step is one that is reported: one of ten, and the last.
 fn is_told(done: u64, of: u64) -> bool {
     done == of || done.is_multiple_of(of.div_ceil(LINES).max(1))
 }

@@ -63,6 +63,11 @@ impl Change {
         &self.text
     }
 
+    /// As it is written down: key, and value as TOML.
+    pub fn said(&self) -> (String, String) {
+        (self.key.clone(), self.text.clone())
+    }
+
     /// Puts the value in its place.
     ///
     /// # Errors

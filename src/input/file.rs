@@ -9,7 +9,7 @@ use std::io::{self, Read, Seek};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use super::{Problem, kind, limits};
+use super::{Problem, limits};
 
 /// The clock of file systems is this coarse, with room to spare: a younger file may change without its time
 /// saying so.
@@ -108,7 +108,7 @@ fn is_pipe(_: &Metadata) -> bool {
 /// # Errors
 /// It is no text in UTF-8; said apart where it is UTF-16.
 pub(crate) fn text(bytes: Vec<u8>) -> Result<String, Problem> {
-    if let Some(what) = kind::of_bytes(&bytes) {
+    if let Some(what) = of_bytes(&bytes) {
         return Err(Problem::whole(format!("this is {what}, not a text")));
     }
     if let Some(problem) = utf_16(&bytes) {
@@ -125,6 +125,19 @@ pub(crate) fn text(bytes: Vec<u8>) -> Result<String, Problem> {
         let message = format!("not a text file: byte {} (line {line}, column {column}) is not UTF-8", valid + 1);
         Problem::whole(message).help("save the file as UTF-8")
     })
+}
+
+/// What bytes that are no text are, by how they begin.
+fn of_bytes(bytes: &[u8]) -> Option<&'static str> {
+    const BEGINNINGS: [(&[u8], &str); 6] = [
+        (b"\x89PNG", "a PNG picture"),
+        (b"\xff\xd8\xff", "a JPEG picture"),
+        (b"%PDF", "a PDF document"),
+        (b"PK\x03\x04", "a ZIP archive; spreadsheets are such, and can be saved as CSV"),
+        (b"\x1f\x8b", "a gzip archive"),
+        (b"PAR1", "a Parquet table"),
+    ];
+    BEGINNINGS.iter().find(|(begins, _)| bytes.starts_with(begins)).map(|(_, what)| *what)
 }
 
 /// A text of two bytes per letter: by its mark, or because every other byte of its beginning is zero.

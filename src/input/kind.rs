@@ -90,7 +90,7 @@ impl FileKind {
             FileKind::Rules => "`--rules` takes it, or `rules = ` in a design",
             FileKind::Bench => "`gearwise identify` and `characterize` take a bench file",
             FileKind::Study => "`gearwise study` takes a study file",
-            FileKind::Lock => "`gearwise check` finds it beside the design",
+            FileKind::Lock => "`gearwise check` finds it next to the design",
             FileKind::Fitted => "`--also` takes it in place of a row, or `actuator = ` of a joint in a design",
             FileKind::Motors | FileKind::Gears => "`--also` and `--catalog` take a catalogue",
             FileKind::Motion => "a joint of a requirement names it: `motion = `",
@@ -221,19 +221,6 @@ fn table(source: &Source) -> Option<(FileKind, String)> {
     let shown: Vec<String> = names.iter().take(3).map(|n| format!("`{n}`")).collect();
     let more = if names.len() > 3 { ", …" } else { "" };
     Some((kind, format!("columns {}{more}", shown.join(", "))))
-}
-
-/// What bytes that are no text are, by how they begin.
-pub(super) fn of_bytes(bytes: &[u8]) -> Option<&'static str> {
-    const BEGINNINGS: [(&[u8], &str); 6] = [
-        (b"\x89PNG", "a PNG picture"),
-        (b"\xff\xd8\xff", "a JPEG picture"),
-        (b"%PDF", "a PDF document"),
-        (b"PK\x03\x04", "a ZIP archive; spreadsheets are such, and can be saved as CSV"),
-        (b"\x1f\x8b", "a gzip archive"),
-        (b"PAR1", "a Parquet table"),
-    ];
-    BEGINNINGS.iter().find(|(begins, _)| bytes.starts_with(begins)).map(|(_, what)| *what)
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ pub(super) fn read_as(
 ) -> Result<Robot, Vec<InputError>> {
     let mut reader = MotionReader::new(motions);
     let robot = Form::read_changed(source, changes, |root| read_robot(root, no_springs, &mut reader));
-    let robot = robot.map(|robot| Robot { set: changes.iter().map(super::set::said).collect(), ..robot });
+    let robot = robot.map(|robot| Robot { set: changes.iter().map(Change::said).collect(), ..robot });
     let read = Form::with_others(robot, reader.errors);
     read.map_err(|errors| kind::instead_of_all(errors, source, &[FileKind::Requirement]))
 }

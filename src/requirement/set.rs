@@ -128,7 +128,7 @@ impl Settings {
             }
         };
         scale(&mut robot, torque, speed);
-        robot.set = self.changes.iter().map(said).collect();
+        robot.set = self.changes.iter().map(Change::said).collect();
         Ok(robot)
     }
 
@@ -166,11 +166,6 @@ impl Settings {
         }
         (factors, problems)
     }
-}
-
-/// A change as it is told and written down: key, and value as TOML.
-pub(super) fn said(change: &Change) -> (String, String) {
-    (change.key().to_string(), change.text().to_string())
 }
 
 fn is_scale(key: &str) -> bool {

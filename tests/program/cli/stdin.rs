@@ -62,7 +62,7 @@ fn what_standard_input_cannot_do_is_refused() {
         ),
         ([&["optimize", "-"], &catalog[..], &["--rules", "rules.toml"]].concat(), REQUIREMENT, "in place of `-`"),
         (vec!["optimize", "robot.toml", "--catalog", "-", "--write-design", "d.toml"], MOTORS, "names the catalogue"),
-        (vec!["check", "-", "--lock"], DESIGN, "a lock stands beside"),
+        (vec!["check", "-", "--lock"], DESIGN, "a lock is a file next to the design"),
         (vec!["optimize", "-"], "\u{0}\u{0}", "bytes that are zero"),
         // Mistakes have their line.
         (vec!["optimize", "-"], "name = \"leg\"\n[bus]\nvoltag = 1\n", "<stdin>:3:1"),
