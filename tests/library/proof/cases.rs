@@ -320,9 +320,9 @@ fn heat_of_an_order_is_between_its_cases_and_an_order_of_blocks_is_hotter() {
     let alone = |case: usize| peak(list().swap_remove(case).1);
     let (cool, hot) = (alone(0), alone(1));
     let order = |walk: f64, climb: f64| Often::Order(vec![(0, Lasting::Duration(walk)), (1, Lasting::Duration(climb))]);
-    let (short, long) = (order(8.0, 2.0), order(8000.0, 2000.0));
+    let (short, long) = (order(8.0, 2.0), order(40_000.0, 10_000.0));
     let (short, long) = (peak(Motion::from_cases(list(), short, false)), peak(Motion::from_cases(list(), long, false)));
-    // Mixed quickly it is the mean of both; in blocks of half an hour it is all of the hotter one.
+    // Mixed quickly it is the mean of both; in blocks of hours it is all of the hotter one.
     assert!(cool < short && short < long && long <= hot * (1.0 + 1e-6), "{cool} {short} {long} {hot}");
     assert!(long > 0.99 * hot, "{long} {hot}");
     let shares = peak(Motion::from_cases(list(), Often::Shares(vec![0.8, 0.2]), false));
