@@ -52,6 +52,14 @@ pub enum Demand {
     MeanCurrentSquared(f64),
 }
 
+impl Demand {
+    /// Whether it is dear at every ratio: a walk over all samples, or many where heat runs away. Such a limit is looked at
+    /// where the others are kept.
+    pub fn takes_a_walk(&self) -> bool {
+        matches!(self, Demand::WindingPeak(_))
+    }
+}
+
 /// A limit that applies to a candidate. In its natural unit the demand is `factor · √x` where
 /// squared, else `factor · x`, x being the functional or polynomial.
 #[derive(Debug, Clone, Copy)]

@@ -86,6 +86,18 @@ pub enum Certificate {
     NotCertified(Cow<'static, str>),
 }
 
+impl Certificate {
+    /// The certificate of the least mass, from that of the smallest ratio or of any at all.
+    pub(super) fn of_mass(self, mass: f64) -> Certificate {
+        match self {
+            Certificate::Certified { .. } => {
+                Certificate::Certified { lower_bound: mass, gap: 0.0, method: "mass does not fall with the ratio" }
+            }
+            not => not,
+        }
+    }
+}
+
 /// What one more unit of a limit is worth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShadowPrice {

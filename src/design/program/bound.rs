@@ -56,6 +56,13 @@ impl RatioProgram<'_> {
         (!least.is_nan()).then(|| goal.natural(least))
     }
 
+    /// The same program without the limits that take a walk over all samples; `None` where it has none of them.
+    pub(super) fn without_walks(&self) -> Option<RatioProgram<'_>> {
+        let mut limits = self.limits.clone();
+        limits.retain(|l| !l.asked.demand.takes_a_walk());
+        (limits.len() < self.limits.len()).then(|| RatioProgram { limits, ..*self })
+    }
+
     /// Whether it is certain without solving that no ratio keeps the limits: [`solve`](Self::solve) would find none.
     /// Where the program is not convex solving is dear, and this is a few looks at the limits; where it is convex
     /// nothing is tried. `false` says nothing.
@@ -108,7 +115,7 @@ impl RatioProgram<'_> {
 
     /// The most violated row among those that cost no walk over the samples, where its bound is a measure.
     fn broken_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
-        worst_row(self, ratio, |demand| !matches!(demand, Demand::WindingPeak(_))).filter(|(_, bound)| *bound > 0.0)
+        worst_row(self, ratio, |demand| !demand.takes_a_walk()).filter(|(_, bound)| *bound > 0.0)
     }
 
     /// The range cut into pieces: their ends.
@@ -128,7 +135,7 @@ impl RatioProgram<'_> {
         // The mass by stages is that of the interval's end, but at its start.
         let steps = goal.steps(a).min(goal.steps(b));
         // The winding's temperature over the motion takes a walk over all samples: solving is as cheap.
-        let cheap = |demand: &Demand| !matches!(demand, Demand::WindingPeak(_));
+        let cheap = |demand: &Demand| !demand.takes_a_walk();
         for _ in 0..ROUNDS {
             for at in [a, b] {
                 let Some((polynomial, bound)) = worst_row(self, at, cheap) else { continue };

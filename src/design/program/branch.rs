@@ -138,6 +138,12 @@ struct Search<'a> {
 }
 
 pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
+    // Where the other limits alone leave no ratio, nobody asks how warm the winding gets over the motion.
+    if let Some(cheap) = program.without_walks()
+        && cheap.is_impossible()
+    {
+        return solve(&cheap, why);
+    }
     let (low, high) = match program.ends() {
         Ok(ends) => ends,
         Err(infeasible) => return Err(Refusal::Infeasible(infeasible)),
@@ -273,8 +279,8 @@ impl Search<'_> {
     /// The most violated row at a ratio, where one is violated. A limit that takes a walk over all samples, or
     /// many where it runs away, is looked at only where the others are kept: any violated row will do.
     fn worst_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
-        worst_row(self.program, ratio, |demand| !matches!(demand, Demand::WindingPeak(_)))
-            .or_else(|| worst_row(self.program, ratio, |demand| matches!(demand, Demand::WindingPeak(_))))
+        worst_row(self.program, ratio, |demand| !demand.takes_a_walk())
+            .or_else(|| worst_row(self.program, ratio, Demand::takes_a_walk))
     }
 }
 

@@ -292,7 +292,7 @@ impl<'a> RatioProgram<'a> {
         let worst = |costly: bool| {
             let convex = self.limits.iter().enumerate().filter(|(_, l)| l.asked.limit.class == Class::Convex);
             let rows = convex
-                .filter(|(_, l)| matches!(l.asked.demand, Demand::WindingPeak(_)) == costly)
+                .filter(|(_, l)| l.asked.demand.takes_a_walk() == costly)
                 .filter_map(|(index, _)| self.row_at(index, u.sqrt()));
             rows.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
         };
@@ -342,13 +342,21 @@ impl<'a> RatioProgram<'a> {
     /// Mass does not fall with the ratio: it is least at the smallest feasible one, and among the ratios
     /// of that mass the one of least loss is taken.
     fn least_mass(&self) -> Outcome {
+        let candidate = &self.prepared.candidate;
+        if let (None, Some(mass)) = (candidate.gear.mass_per_stage, candidate.mass_at(self.range.0)) {
+            // No ratio changes it.
+            let loss = Objective::single(Quantity::Loss);
+            let program = RatioProgram { objective: &loss, limits: self.limits.clone(), ..*self };
+            let found = program.solve()?;
+            let certificate = found.certificate.clone().of_mass(mass);
+            return Ok(Optimum { objective: mass, certificate, shadow_prices: Vec::new(), ..found });
+        }
         let inertia = Objective::single(Quantity::ReflectedInertia);
         let smallest = RatioProgram { objective: &inertia, limits: self.limits.clone(), ..*self };
         let smallest = match smallest.solve() {
             Ok(optimum) => optimum,
             other => return other,
         };
-        let candidate = &self.prepared.candidate;
         let Some(mass) = candidate.mass_at(smallest.ratio) else {
             return Err(Refusal::NotSolved(Unsolved::NoMass));
         };
@@ -358,23 +366,13 @@ impl<'a> RatioProgram<'a> {
         let loss = Objective::single(Quantity::Loss);
         let range = (self.range.0, self.range.1.min(same_mass.max(smallest.ratio)));
         match (RatioProgram { objective: &loss, range, limits: self.limits.clone(), ..*self }.solve()) {
-            Ok(optimum) => {
-                let certificate = match smallest.certificate {
-                    Certificate::Certified { .. } => Certificate::Certified {
-                        lower_bound: mass,
-                        gap: 0.0,
-                        method: "mass does not fall with the ratio",
-                    },
-                    not => not,
-                };
-                Ok(Optimum {
-                    objective: mass,
-                    windows: smallest.windows,
-                    certificate,
-                    shadow_prices: Vec::new(),
-                    ..optimum
-                })
-            }
+            Ok(optimum) => Ok(Optimum {
+                objective: mass,
+                windows: smallest.windows,
+                certificate: smallest.certificate.of_mass(mass),
+                shadow_prices: Vec::new(),
+                ..optimum
+            }),
             other => other,
         }
     }

@@ -96,9 +96,10 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     Found { best, windows, nearest: nowhere(program, &points) }
 }
 
-/// The limit that is most exceeded at a ratio: its relative excess, and itself.
+/// The limit that is most exceeded at a ratio: its relative excess, and itself. A limit that takes a walk over all samples
+/// counts only where the others are kept: whether a ratio is feasible is the same, and by how much it is not is no more.
 pub(super) fn worst(program: &RatioProgram, ratio: f64) -> (f64, Option<Bind>) {
-    worst_by(program, ratio, |_, _, excess| excess)
+    worst_by(program, ratio, |_, _, excess| excess, FEASIBILITY_TOLERANCE)
 }
 
 /// By how much a demand exceeds its limit as people read both: squares of torque and voltage count by their roots.
@@ -106,21 +107,33 @@ fn told_excess(asked: &Asked, raw: f64, excess: f64) -> f64 {
     if asked.bound > 0.0 { asked.natural(raw) / asked.bound - 1.0 } else { excess }
 }
 
-/// The limit with the largest measure of what it asks, the value of its functional and its relative excess.
-fn worst_by(program: &RatioProgram, ratio: f64, measure: fn(&Asked, f64, f64) -> f64) -> (f64, Option<Bind>) {
+/// The limit with the largest measure of what it asks, the value of its functional and its relative excess. Limits that
+/// take a walk are left out where the others come to more than `enough`.
+fn worst_by(
+    program: &RatioProgram,
+    ratio: f64,
+    measure: fn(&Asked, f64, f64) -> f64,
+    enough: f64,
+) -> (f64, Option<Bind>) {
     let mut worst = (f64::NEG_INFINITY, None);
-    let mut offer = |asked: &Asked, (raw, sample): (f64, Option<usize>), excess: f64| {
-        let measured = measure(asked, raw, excess);
+    fn offer(worst: &mut (f64, Option<Bind>), asked: &Asked, sample: Option<usize>, measured: f64) {
         if measured > worst.0 {
-            worst = (measured, Some(Bind::of(asked.limit.name, sample)));
+            *worst = (measured, Some(Bind::of(asked.limit.name, sample)));
         }
-    };
+    }
     let is_convex = |asked: &Asked| matches!(asked.limit.class, Class::Convex | Class::ReverseConvex);
     if !program.is_evaluated() {
-        for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
-            if is_convex(asked) && !asked.is_certainly_kept(candidate, ratio) {
-                let demand = asked.raw_demand(candidate, ratio);
-                offer(asked, demand, program.excess(index, demand.0, ratio));
+        for walks in [false, true] {
+            if walks && worst.0 > enough {
+                break;
+            }
+            for (index, Limited { candidate, asked }) in program.limits.iter().enumerate() {
+                let counts = is_convex(asked) && asked.demand.takes_a_walk() == walks;
+                if counts && !asked.is_certainly_kept(candidate, ratio) {
+                    let (raw, sample) = asked.raw_demand(candidate, ratio);
+                    let measured = measure(asked, raw, program.excess(index, raw, ratio));
+                    offer(&mut worst, asked, sample, measured);
+                }
             }
         }
         return worst;
@@ -133,8 +146,9 @@ fn worst_by(program: &RatioProgram, ratio: f64, measure: fn(&Asked, f64, f64) ->
             for Limited { asked, .. } in rest[..same].iter().filter(|l| is_convex(l.asked)) {
                 let Check::Asked(asked) = asked.limit.check(here) else { continue };
                 if !asked.is_certainly_kept(here, ratio) {
-                    let demand = asked.raw_demand(here, ratio);
-                    offer(&asked, demand, violation(demand.0, asked.raw_bound()));
+                    let (raw, sample) = asked.raw_demand(here, ratio);
+                    let measured = measure(&asked, raw, violation(raw, asked.raw_bound()));
+                    offer(&mut worst, &asked, sample, measured);
                 }
             }
         });
@@ -206,7 +220,7 @@ pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count
 
 /// The ratio at which the worst limit is exceeded least, as people read it, and that limit.
 fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
-    let told = |n: f64| worst_by(program, n, told_excess);
+    let told = |n: f64| worst_by(program, n, told_excess, f64::INFINITY);
     let mut nearest = (0, f64::INFINITY);
     let least = (0..points.len()).min_by(|a, b| points[*a].1.total_cmp(&points[*b].1));
     for k in least.into_iter().chain(0..points.len()) {

@@ -10,6 +10,7 @@
 
 mod conic;
 mod form;
+mod interior;
 mod model;
 mod problem;
 mod region;
@@ -250,31 +251,41 @@ impl Solver<'_> {
         (k < stiffness).then_some((k, q, other))
     }
 
-    /// Mass does not depend on the spring, and does not fall with the ratio: it is least at the smallest
-    /// feasible one; among the ratios of that mass the ratio and spring of least loss are taken.
+    /// Mass does not depend on the spring, and does not fall with the ratio: it is that of the fewest stages with which any
+    /// ratio and spring keep the limits. Among these the ratio and spring of least loss are taken.
     fn least_mass(&self, min: f64, max: f64) -> Result<SpringOptimum, Refusal> {
-        let inertia = Objective::single(Quantity::ReflectedInertia);
-        let candidate = &self.prepared.candidate;
-        let smallest = solve(self.prepared, &inertia, self.spring, (min, max), self.covered)?;
-        let ratio = smallest.optimum.ratio;
-        let Some(mass) = candidate.mass_at(ratio) else {
-            return Err(Refusal::NotSolved(Unsolved::NoMass));
-        };
-        let same_mass = candidate.gear.mass_per_stage.map_or(f64::INFINITY, |(_, stage_ratio)| {
-            stage_ratio.powi(crate::requirement::stages(ratio, stage_ratio) as i32).max(1.0)
-        });
         let loss = Objective::single(Quantity::Loss);
-        let range = (min, max.min(same_mass.max(ratio)));
-        let mut best = solve(self.prepared, &loss, self.spring, range, self.covered)?;
-        best.optimum.objective = mass;
-        best.optimum.shadow_prices.clear();
-        (best.lower_bound, best.gap) = (None, None);
-        best.optimum.certificate = match smallest.optimum.certificate {
-            Certificate::Certified { .. } => {
-                (best.lower_bound, best.gap) = (Some(mass), Some(0.0));
-                Certificate::Certified { lower_bound: mass, gap: 0.0, method: "mass does not fall with the ratio" }
+        let candidate = &self.prepared.candidate;
+        let mut best = solve(self.prepared, &loss, self.spring, (min, max), self.covered)?;
+        let mass = |found: &SpringOptimum| candidate.mass_at(found.optimum.ratio);
+        let Some(mut least) = mass(&best) else { return Err(Refusal::NotSolved(Unsolved::NoMass)) };
+        let mut open = None;
+        let mut start = min;
+        for end in RatioProgram::new(self.prepared, &loss, min, max).stage_ratios(min, max) {
+            if candidate.mass_at(end).is_none_or(|fewer| fewer >= least) {
+                break;
             }
-            not => not,
+            match solve(self.prepared, &loss, self.spring, (start, end), self.covered) {
+                Ok(lighter) => {
+                    least = mass(&lighter).unwrap_or(least);
+                    best = lighter;
+                    break;
+                }
+                Err(Refusal::Infeasible(_)) => start = end,
+                Err(_) => {
+                    open = Some("fewer stages could not be ruled out");
+                    start = end;
+                }
+            }
+        }
+        best.optimum.objective = least;
+        best.optimum.shadow_prices.clear();
+        (best.lower_bound, best.gap) = (open.is_none().then_some(least), open.is_none().then_some(0.0));
+        best.optimum.certificate = match open {
+            None => {
+                Certificate::Certified { lower_bound: least, gap: 0.0, method: "mass does not fall with the ratio" }
+            }
+            Some(why) => Certificate::NotCertified(why.into()),
         };
         Ok(best)
     }

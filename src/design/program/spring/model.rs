@@ -64,7 +64,7 @@ impl Shaft {
     /// Adds a lower bound of `weight T²`, weight not negative.
     fn add_square(&self, form: &mut Form, weight: f64, region: &Region, z: Point) {
         let Shaft { geared, m, c } = self;
-        geared.add_square_over_u(form, weight);
+        geared.add_square_over_u(form, weight, z);
         form.add_affine(&times(&geared.below(*m, z), 2.0 * weight * m));
         form.add_u(weight * m * m);
         form.add_constant(weight * c * c);

@@ -213,12 +213,21 @@ impl Geared {
         }
     }
 
-    /// Adds a lower bound of `h²/u`.
-    pub(super) fn add_square_over_u(&self, form: &mut Form, weight: f64) {
+    /// Adds a lower bound of `h²/u` that touches it at `z`. Where the direction of power is open, h² is the smaller of the two
+    /// squares everywhere and more on one side, which is convex in (u, e): its tangent.
+    pub(super) fn add_square_over_u(&self, form: &mut Form, weight: f64, z: Point) {
         match self {
             Geared::Fixed(_, h) => form.add_over_u(weight, h),
             Geared::Open { e, driving, braking, .. } => {
-                form.add_over_u(weight * (driving * driving).min(braking * braking), e);
+                let (forth, back) = (driving * driving, braking * braking);
+                form.add_over_u(weight * forth.min(back), e);
+                let here = at(e, z[1], z[2]);
+                let more = if here >= 0.0 { forth - back } else { back - forth };
+                if more > 0.0 {
+                    let slope = here / z[0];
+                    form.add_affine(&times(e, 2.0 * weight * more * slope));
+                    form.add_u(-weight * more * slope * slope);
+                }
             }
         }
     }

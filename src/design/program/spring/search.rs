@@ -4,7 +4,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::conic::{self, Row};
+use super::conic::{self, Answer, IMPOSSIBLE, Row};
 use super::form::{Form, Point};
 use super::problem::{Key, Look, Problem};
 use super::region::Region;
@@ -19,8 +19,6 @@ const ROUNDS: [usize; 2] = [40, 6];
 const KEPT: f64 = 1e-10;
 /// A row that is exceeded by more is added.
 const EXCEEDED: f64 = 1e-9;
-/// A region that exceeds a limit everywhere by more than this holds nothing.
-const IMPOSSIBLE: f64 = 1e-9;
 /// Shares of the whole region that a feasible point is refined on.
 const REFINEMENTS: [f64; 8] = [0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4, 1e-5];
 
@@ -183,7 +181,7 @@ impl Search<'_, '_> {
         for _ in 0..rounds {
             let plain: Vec<Row> = rows.iter().map(|r| r.1).collect();
             match conic::propose(region, &cuts, &plain) {
-                Some(proposal) => {
+                Answer::Found(proposal) => {
                     z = self.problem.allowed(self.spring, proposal.z);
                     if proposal.bound > bound {
                         bound = proposal.bound;
@@ -192,7 +190,8 @@ impl Search<'_, '_> {
                         keys.dedup();
                     }
                 }
-                None => match nearest(region, &plain) {
+                Answer::Impossible => return Found::Nothing,
+                Answer::Unknown => match nearest(region, &plain) {
                     Some((least, _)) if least > IMPOSSIBLE => return Found::Nothing,
                     Some((_, nearest)) => z = self.problem.allowed(self.spring, nearest),
                     None => break,
@@ -232,7 +231,14 @@ impl Search<'_, '_> {
         for share in REFINEMENTS {
             let Some(around) = self.around(within, z, share) else { continue };
             let before = self.best;
-            let Found::Bounded { z: found, .. } = self.refined(&around) else { continue };
+            let Found::Bounded { z: found, bound, .. } = self.refined(&around) else { continue };
+            if let (Some((old, _)), Some((new, _))) = (before, self.best) {
+                // No better point is near it.
+                let little = 0.1 * GAP_TOLERANCE * new.abs().max(1e-6 * self.size);
+                if new - bound <= little && old - new <= 1e-3 * little {
+                    break;
+                }
+            }
             z = match (before, self.best) {
                 (Some((old, _)), Some((new, best))) if new < old => best,
                 (None, Some((_, best))) => best,
@@ -318,16 +324,18 @@ fn nearest(region: &Region, rows: &[Row]) -> Option<(f64, Point)> {
     if rows.is_empty() {
         return None;
     }
-    let middle = region.middle();
     let excesses: Vec<Form> = rows
         .iter()
         .map(|row| {
-            let size = if row.bound == 0.0 { row.form.size(middle) } else { row.bound.abs() };
+            let size = row.size(region);
             let mut form = Form::default();
             form.add(1.0 / size, &row.form);
             form.add_constant(-row.bound / size);
             form
         })
         .collect();
-    conic::propose(region, &excesses, &[]).map(|p| (p.bound, p.z))
+    match conic::propose(region, &excesses, &[]) {
+        Answer::Found(p) => Some((p.bound, p.z)),
+        _ => None,
+    }
 }
