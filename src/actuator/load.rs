@@ -307,27 +307,42 @@ impl Load {
     /// Whether the rise is certainly beyond `bound` \[K\] at every ratio of `[low, high]`: it is where it would be
     /// even if each sample had the least heat that it has between the two, as temperature rises with heat. One walk
     /// over the samples instead of one for each ratio; `false` where it shows nothing.
-    pub fn winding_peak_is_beyond(
+    pub fn winding_peak_is_beyond(&self, actuator: &Actuator, node: &TwoNode, between: (f64, f64), bound: f64) -> bool {
+        let Some([least, _]) = self.heat_between(actuator, between) else { return false };
+        self.settle(node, least).is_none_or(|(.., temperature)| temperature.peak - node.ambient > bound)
+    }
+
+    /// Whether the rise certainly stays within `bound` \[K\] at every ratio of `[low, high]`: it does where it would even if
+    /// each sample had the most heat that it has between the two.
+    pub fn winding_peak_stays_within(
         &self,
         actuator: &Actuator,
         node: &TwoNode,
-        (low, high): (f64, f64),
+        between: (f64, f64),
         bound: f64,
     ) -> bool {
+        let Some([_, most]) = self.heat_between(actuator, between) else { return false };
+        self.settle(node, most).is_some_and(|(.., temperature)| temperature.peak - node.ambient <= bound)
+    }
+
+    /// Less than the least and more than the most copper heat \[W\] that every sample has at the ratios of `[low, high]`;
+    /// `None` without a course, and where heat is not proportional to the squared torque.
+    fn heat_between(&self, actuator: &Actuator, (low, high): (f64, f64)) -> Option<[Vec<f64>; 2]> {
         if self.course.is_none() || !actuator.shortfall.is_nothing() {
-            return false;
+            return None;
         }
         let middle = 0.5 * (low + high);
         // 1/N is convex: towards the lower end it moves furthest.
         let (down, up) = (1.0 / low - 1.0 / middle, high - middle);
-        let least = |sample: &WavePoint| {
+        let ends = |sample: &WavePoint| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
             let (load, inertia) = (a / middle, b * middle);
             let moves = a.abs() * down + b.abs() * up + 1e-14 * (load.abs() + c.abs() + inertia.abs());
-            actuator.copper() * ((load + c + inertia).abs() - moves).max(0.0).powi(2)
+            let here = (load + c + inertia).abs();
+            (actuator.copper() * (here - moves).max(0.0).powi(2), actuator.copper() * (here + moves).powi(2))
         };
-        let heat: Vec<f64> = self.samples.iter().map(least).collect();
-        self.settle(node, heat).is_none_or(|(.., temperature)| temperature.peak - node.ambient > bound)
+        let (least, most) = self.samples.iter().map(ends).unzip();
+        Some([least, most])
     }
 
     /// The rise as a cut: the polynomial that equals it at `ratio` and is nowhere above it. Temperature is

@@ -14,11 +14,7 @@ use crate::requirement::{Joint, Quantity};
 ///
 /// # Errors
 /// Why the motor is no choice: it cannot do it, or that it can is not known.
-pub(crate) fn best_design<'a>(
-    site: Site<'a, '_>,
-    motor: &'a Motor,
-    only_checked: bool,
-) -> Result<Design<'a>, Refused<'a>> {
+pub fn best_design<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
     let found = best_known(site, motor, only_checked);
     match &found {
         Err(Refused::Rejected(why)) if site.joint.objective.weight(Quantity::Mass) > 0.0 => {

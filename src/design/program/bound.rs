@@ -19,7 +19,7 @@ const ROUNDS: usize = 2;
 
 /// What exceeds a limit by this (relative) exceeds it for everyone: more than any tolerance with which limits
 /// are looked at.
-const CLEARLY: f64 = 1e-7;
+pub(super) const CLEARLY: f64 = 1e-7;
 /// Intervals after which the proof that nothing is possible is given up.
 const MOST_INTERVALS: usize = 64;
 

@@ -1,9 +1,10 @@
 //! The program evaluated on a refined grid: the best ratio and the windows that were seen. A start for
 //! the branch and bound, which alone proves.
 
+use super::bound::CLEARLY;
 use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
-use crate::actuator::limits::{Asked, Check};
+use crate::actuator::limits::{Asked, Check, Demand};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
 use crate::numerics::line_search::{FULLY, golden_section};
 
@@ -11,6 +12,9 @@ use crate::numerics::line_search::{FULLY, golden_section};
 const POINTS: usize = 1000;
 /// The same where effects have to be evaluated at each of them.
 const EVALUATED_POINTS: usize = 300;
+
+/// Of the points that certainly exceed a limit one in so many is looked at for which came nearest.
+const SELDOM: usize = 16;
 
 /// What the grid shows.
 pub(super) struct Found {
@@ -36,20 +40,95 @@ pub(super) fn point(program: &RatioProgram, ratio: f64) -> Window {
     Window { min: ratio, max: ratio, low: bind.clone(), high: bind }
 }
 
+/// What is known of the limits that take a walk, at a point of the grid where the others are kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Walk {
+    /// They have to be looked at.
+    Open,
+    /// They are kept here, and from here to the next point.
+    Kept,
+    /// One is exceeded here, and from here to the next point.
+    Exceeded,
+}
+
+/// Intervals of no more points than this are not divided further.
+const FEW: usize = 4;
+
+/// What a few walks say of many points: an interval of the grid on which a limit is certainly kept or certainly exceeded is
+/// not looked at point by point.
+fn walks(program: &RatioProgram, grid: &[f64], cheap: &[f64]) -> Vec<Walk> {
+    let dear: Vec<&Limited> = program.limits.iter().filter(|l| l.asked.demand.takes_a_walk()).collect();
+    if program.is_evaluated() || dear.is_empty() {
+        return vec![Walk::Kept; grid.len()];
+    }
+    let mut known = vec![Walk::Open; grid.len()];
+    let over = |first: usize, last: usize| (grid[first], grid[(last + 1).min(grid.len() - 1)]);
+    let says = |l: &Limited, (a, b): (f64, f64)| match l.asked.demand {
+        Demand::WindingPeak(node) if l.asked.bound > 0.0 => {
+            let (load, actuator, bound) = (l.candidate.load, &l.candidate.actuator, l.asked.bound);
+            if load.winding_peak_stays_within(actuator, &node, (a, b), bound) {
+                Walk::Kept
+            } else if load.winding_peak_is_beyond(actuator, &node, (a, b), bound * (1.0 + CLEARLY)) {
+                Walk::Exceeded
+            } else {
+                Walk::Open
+            }
+        }
+        _ => Walk::Open,
+    };
+    let mut open = Vec::new();
+    let mut first = 0;
+    while first < grid.len() {
+        let same = |k: &usize| (cheap[*k] <= FEASIBILITY_TOLERANCE) == (cheap[first] <= FEASIBILITY_TOLERANCE);
+        let last = (first..grid.len()).take_while(same).last().unwrap_or(first);
+        if cheap[first] <= FEASIBILITY_TOLERANCE {
+            open.push((first, last));
+        }
+        first = last + 1;
+    }
+    while let Some((first, last)) = open.pop() {
+        let said: Vec<Walk> = dear.iter().map(|l| says(l, over(first, last))).collect();
+        let all = if said.contains(&Walk::Exceeded) {
+            Walk::Exceeded
+        } else if said.iter().all(|walk| *walk == Walk::Kept) {
+            Walk::Kept
+        } else {
+            if last - first >= FEW {
+                let middle = first + (last - first) / 2;
+                open.extend([(first, middle), (middle + 1, last)]);
+            }
+            continue;
+        };
+        known[first..=last].fill(all);
+    }
+    known
+}
+
 pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -> Found {
     let (min, max) = (low.ratio, high.ratio);
     let excess = |n: f64| worst(program, n).0;
     let count = count(program);
     let grid = if max / min - 1.0 < 1e-12 { vec![min] } else { crate::numerics::grid::grid(min, max, count) };
-    let mut points: Vec<(f64, f64)> = grid.iter().map(|n| (*n, excess(*n))).collect();
+    let cheap: Vec<f64> = match program.without_walks().filter(|_| !program.is_evaluated()) {
+        Some(cheap) => grid.iter().map(|n| worst(&cheap, *n).0).collect(),
+        None => grid.iter().map(|n| excess(*n)).collect(),
+    };
+    let known = walks(program, &grid, &cheap);
+    let value = |k: usize| match known[k] {
+        Walk::Open if cheap[k] <= FEASIBILITY_TOLERANCE => excess(grid[k]),
+        Walk::Exceeded => cheap[k].max(CLEARLY),
+        _ => cheap[k],
+    };
+    let mut points: Vec<(f64, f64)> = (0..grid.len()).map(|k| (grid[k], value(k))).collect();
     // A window, or a gap in one, that is narrower than the grid shows as a valley, or a hill, of the
     // excess: look at its bottom, or its top.
     let mut turns: Vec<Turn> = Vec::new();
     for i in 0..points.len() {
         let (left, right) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
         let here = points[i];
-        // Where the winding's temperature runs away there is no slope to follow.
-        if left.0 >= right.0 || here.1 == f64::INFINITY {
+        // Where the winding's temperature runs away there is no slope to follow; nor where it is exceeded all over.
+        let plain = known[i] == Walk::Exceeded && (i == 0 || known[i - 1] == Walk::Exceeded);
+        if left.0 >= right.0 || here.1 == f64::INFINITY || plain {
             continue;
         }
         if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 {
@@ -67,8 +146,11 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     };
     let mut seen: Vec<Option<(f64, f64)>> = turns.iter().map(|t| (!t.certain).then(|| look(t))).collect();
     if !points.iter().chain(seen.iter().flatten()).any(|p| feasible(p.1)) {
-        // Nothing is feasible: which ratio came nearest is told, and may be the bottom of any valley.
+        // Nothing is feasible: which ratio came nearest is told, and may be the bottom of any valley. Of points of which
+        // one walk said that they are out of the question a few do.
         seen = turns.iter().zip(seen).map(|(t, seen)| seen.or_else(|| Some(look(t)))).collect();
+        let of = |k: &usize| known[*k] != Walk::Exceeded || k.is_multiple_of(SELDOM);
+        points = (0..points.len()).filter(of).map(|k| points[k]).collect();
     }
     points.extend(seen.into_iter().flatten());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));

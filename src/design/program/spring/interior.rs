@@ -213,3 +213,73 @@ pub(super) fn minimise(rows: &[Smooth], planes: &[[f64; 4]], fixed: &[[f64; 3]],
     }
     Solution { x, multipliers: multiplier, solved: solved || nearly }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn row(form: Form, weight: f64, right: f64) -> Smooth {
+        Smooth { form, weight, right }
+    }
+
+    /// −1 ≤ x, y ≤ 1 and 0.1 ≤ v ≤ 10.
+    const BOX: [[f64; 4]; 6] = [
+        [1.0, 1.0, 0.0, 0.0],
+        [1.0, -1.0, 0.0, 0.0],
+        [1.0, 0.0, 1.0, 0.0],
+        [1.0, 0.0, -1.0, 0.0],
+        [-0.1, 0.0, 0.0, 1.0],
+        [10.0, 0.0, 0.0, -1.0],
+    ];
+
+    /// `(2 + x)²/v + v + (y − 0.3)²`, the least of which is 2 (2 + x) at v = 2 + x.
+    fn valley() -> Form {
+        let mut form = Form::default();
+        form.add_over_u(1.0, &[2.0, 1.0, 0.0]);
+        form.add_u(1.0);
+        form.add_square(1.0, &[-0.3, 0.0, 1.0, 0.0]);
+        form
+    }
+
+    #[test]
+    fn a_valley_on_paper_with_a_plane_a_row_and_a_direction_that_is_fixed() {
+        let free = minimise(&[row(valley(), 1.0, 0.0)], &BOX, &[], [0.0, 0.0, 1.0]);
+        assert!(free.solved);
+        // x goes to its end, −1; there the least is 2, and a unit of x more costs 2.
+        for (found, wanted) in free.x.iter().zip([-1.0, 0.3, 1.0]) {
+            assert_relative_eq!(*found, wanted, epsilon = 1e-6);
+        }
+        assert_relative_eq!(free.multipliers[0], 1.0, epsilon = 1e-7);
+        assert_relative_eq!(free.multipliers[1], 2.0, epsilon = 1e-5);
+        // v ≥ 4 as a row: (1/16 of (2 + x)² less per unit of v) 1 − 1/16 is its price.
+        let mut most = Form::default();
+        most.add_u(-1.0);
+        let bound = minimise(&[row(valley(), 1.0, 0.0), row(most, 0.0, -4.0)], &BOX, &[], [0.0, 0.0, 1.0]);
+        assert!(bound.solved && (bound.x[2] - 4.0).abs() < 1e-6);
+        assert_relative_eq!(bound.multipliers[1], 1.0 - 1.0 / 16.0, epsilon = 1e-5);
+        // With x fixed at 0.5.
+        let fixed = minimise(&[row(valley(), 1.0, 0.0)], &BOX, &[[1.0, 0.0, 0.0]], [0.5, 0.0, 1.0]);
+        assert!(fixed.solved && fixed.x[0] == 0.5 && (fixed.x[2] - 2.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_largest_of_two_is_shared_and_rows_that_contradict_each_other_are_not_solved() {
+        // |x − 0.2| as two cuts: both weigh a half.
+        let line = |slope: f64| {
+            let mut form = Form::default();
+            form.add_affine(&[-0.2 * slope, slope, 0.0]);
+            form
+        };
+        let cuts = [row(line(1.0), 1.0, 0.0), row(line(-1.0), 1.0, 0.0)];
+        let both = minimise(&cuts, &BOX, &[], [0.7, 0.0, 1.0]);
+        assert!(both.solved && (both.x[0] - 0.2).abs() < 1e-6);
+        assert_relative_eq!(both.multipliers[0], 0.5, epsilon = 1e-6);
+        assert_relative_eq!(both.multipliers[1], 0.5, epsilon = 1e-6);
+        // x ≤ 0.1 and x ≥ 0.4: by any multipliers that are equal, 0.3 too much.
+        let rows = [row(valley(), 1.0, 0.0), row(line(1.0), 0.0, -0.1), row(line(-1.0), 0.0, -0.2)];
+        let none = minimise(&rows, &BOX, &[], [0.0, 0.0, 1.0]);
+        assert!(!none.solved);
+        assert_relative_eq!(none.multipliers[1] / none.multipliers[2], 1.0, epsilon = 1e-3);
+    }
+}

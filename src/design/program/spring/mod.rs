@@ -217,6 +217,18 @@ impl Solver<'_> {
         })
     }
 
+    /// Whether a spring may come to an objective, by what it is certainly not below: `false` without solving.
+    fn may_reach(&self, objective: f64, stiffness: f64, rest_angle: f64, min: f64, max: f64) -> bool {
+        let candidate = &self.prepared.candidate;
+        if candidate.catalog_gear.is_some() {
+            return true;
+        }
+        let Some(sprung) = Sprung::new(candidate.joint, stiffness, rest_angle, self.covered) else { return true };
+        let prepared = self.prepared.with_candidate(sprung.candidate(candidate));
+        let least = RatioProgram::new(&prepared, self.objective, min, max).lower_bound();
+        least.is_none_or(|least| least <= objective + 1e-6 * objective.abs())
+    }
+
     /// A softer spring with the same objective: the softest allowed, or where the objective does not look
     /// at the spring the softest that keeps the limits at its ratio.
     fn softer(
@@ -234,7 +246,8 @@ impl Solver<'_> {
         }
         let same = |o: &Optimum| o.objective <= optimum.objective + 1e-9 * optimum.objective.abs();
         let rest = problem.spring(self.spring, whole.middle()).1;
-        if let Ok(other) = self.at(softest, rest, min, max)
+        if self.may_reach(optimum.objective, softest, rest, min, max)
+            && let Ok(other) = self.at(softest, rest, min, max)
             && same(&other)
         {
             return Some((softest, rest, other));

@@ -243,3 +243,33 @@ impl Geared {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the direction of power is open the bound of h²/u touches it at any point and is nowhere above it, whichever way
+    /// costs more.
+    #[test]
+    fn the_square_of_a_geared_torque_that_flips_is_bounded_by_what_touches_it() {
+        for (driving, braking) in [(1.25, 0.75), (2.5, -0.5), (1.0, 1.5)] {
+            let h = |e: f64| if e >= 0.0 { driving * e } else { braking * e };
+            let geared = Geared::Open { e: [1.0, 1.0, -1.0], range: (-9.0, 11.0), driving, braking };
+            let points =
+                || (0..9).flat_map(|i| (0..9).map(move |j| [0.5 + 2.0 * f64::from(j), f64::from(i) - 5.0, 0.5]));
+            let mut strict = 0;
+            for z in points() {
+                let mut form = Form::default();
+                geared.add_square_over_u(&mut form, 3.0, z);
+                for other in points() {
+                    let exact = 3.0 * h(1.0 + other[1] - other[2]).powi(2) / other[0];
+                    assert!(form.at(other) <= exact + 1e-9 * (1.0 + exact));
+                    strict += usize::from(form.at(other) < 0.9 * exact);
+                }
+                let exact = 3.0 * h(1.0 + z[1] - z[2]).powi(2) / z[0];
+                assert!((form.at(z) - exact).abs() <= 1e-9 * (1.0 + exact));
+            }
+            assert!(strict > 0);
+        }
+    }
+}
