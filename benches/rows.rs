@@ -1,6 +1,6 @@
 //! What each row of the shipped catalogue costs at each joint: `cargo bench --bench rows -- REQUIREMENT...`, by default of the
-//! shipped requirements. One thread, what the rows share apart; of three runs of a row the quickest counts, in processor time where
-//! the system tells it. A line for each joint: the sum over the rows, the median over those that have a design (others are often
+//! shipped requirements. One thread, what the rows share apart; a row is solved again and again for a while, in processor time where
+//! the system tells it (in steps of some milliseconds). A line for each joint: the sum over the rows, the median over those that have a design (others are often
 //! rejected by one look), and the dearest rows as multiples of it.
 
 use std::hint::black_box;
@@ -14,8 +14,8 @@ use gearwise::requirement;
 
 /// Rows that are told.
 const TOLD: usize = 4;
-/// Runs of a row.
-const RUNS: usize = 3;
+/// How long a row is solved again and again \[ms\], and how often at most.
+const LASTS: (f64, usize) = (25.0, 2000);
 
 fn shipped() -> Vec<PathBuf> {
     let folder = std::fs::read_dir("requirements").expect("the folder of shipped requirements");
@@ -47,16 +47,14 @@ fn main() {
             let demand = JointDemand::new(joint, &catalog);
             let shared = now(started) - start;
             let site = Site::new(&robot, joint, &demand);
-            let cost = |motor| {
-                let start = now(started);
-                let found = black_box(best_design(site, motor, false)).is_ok();
-                (now(started) - start, found)
-            };
             let mut costs = Vec::new();
             for motor in &catalog.motors {
-                let runs: Vec<(f64, bool)> = (0..RUNS).map(|_| cost(motor)).collect();
-                let least = runs.iter().map(|run| run.0).fold(f64::INFINITY, f64::min);
-                costs.push((least, runs[0].1, motor.id.as_str()));
+                let (start, mut runs, mut found) = (now(started), 0, false);
+                while runs < LASTS.1 && now(started) - start < LASTS.0 {
+                    found = black_box(best_design(site, motor, false)).is_ok();
+                    runs += 1;
+                }
+                costs.push(((now(started) - start) / runs as f64, found, motor.id.as_str()));
             }
             costs.sort_by(|a, b| b.0.total_cmp(&a.0));
             let with_design: Vec<f64> = costs.iter().filter(|c| c.1).map(|c| c.0).collect();
