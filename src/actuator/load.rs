@@ -304,12 +304,17 @@ impl Load {
         settled.is_some_and(|t| t - node.ambient <= bound)
     }
 
-    /// Whether the rise is certainly beyond `bound` \[K\] at every ratio of `[low, high]`: it is where it would be
-    /// even if each sample had the least heat that it has between the two, as temperature rises with heat. One walk
-    /// over the samples instead of one for each ratio; `false` where it shows nothing.
+    /// A rise \[K\] that is certainly reached at every ratio of `[low, high]`: that of the least heat that each sample has
+    /// between the two, as temperature rises with heat. One walk over the samples instead of one for each ratio; infinite where
+    /// it runs away, zero where this shows nothing.
+    pub fn winding_peak_at_least(&self, actuator: &Actuator, node: &TwoNode, between: (f64, f64)) -> f64 {
+        let Some([least, _]) = self.heat_between(actuator, between) else { return 0.0 };
+        self.settle(node, least).map_or(f64::INFINITY, |(.., temperature)| temperature.peak - node.ambient)
+    }
+
+    /// Whether the rise is certainly beyond `bound` \[K\] at every ratio of `[low, high]`; `false` where that is not shown.
     pub fn winding_peak_is_beyond(&self, actuator: &Actuator, node: &TwoNode, between: (f64, f64), bound: f64) -> bool {
-        let Some([least, _]) = self.heat_between(actuator, between) else { return false };
-        self.settle(node, least).is_none_or(|(.., temperature)| temperature.peak - node.ambient > bound)
+        self.winding_peak_at_least(actuator, node, between) > bound
     }
 
     /// Whether the rise certainly stays within `bound` \[K\] at every ratio of `[low, high]`: it does where it would even if

@@ -138,12 +138,6 @@ struct Search<'a> {
 }
 
 pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
-    // Where the other limits alone leave no ratio, nobody asks how warm the winding gets over the motion.
-    if let Some(cheap) = program.without_walks()
-        && cheap.is_impossible()
-    {
-        return solve(&cheap, why);
-    }
     let (low, high) = match program.ends() {
         Ok(ends) => ends,
         Err(infeasible) => return Err(Refusal::Infeasible(infeasible)),

@@ -13,9 +13,6 @@ const POINTS: usize = 1000;
 /// The same where effects have to be evaluated at each of them.
 const EVALUATED_POINTS: usize = 300;
 
-/// Of the points that certainly exceed a limit one in so many is looked at for which came nearest.
-const SELDOM: usize = 16;
-
 /// What the grid shows.
 pub(super) struct Found {
     /// The best feasible ratio that was seen.
@@ -146,11 +143,8 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     };
     let mut seen: Vec<Option<(f64, f64)>> = turns.iter().map(|t| (!t.certain).then(|| look(t))).collect();
     if !points.iter().chain(seen.iter().flatten()).any(|p| feasible(p.1)) {
-        // Nothing is feasible: which ratio came nearest is told, and may be the bottom of any valley. Of points of which
-        // one walk said that they are out of the question a few do.
+        // Nothing is feasible: which ratio came nearest is told, and may be the bottom of any valley.
         seen = turns.iter().zip(seen).map(|(t, seen)| seen.or_else(|| Some(look(t)))).collect();
-        let of = |k: &usize| known[*k] != Walk::Exceeded || k.is_multiple_of(SELDOM);
-        points = (0..points.len()).filter(of).map(|k| points[k]).collect();
     }
     points.extend(seen.into_iter().flatten());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -303,16 +297,46 @@ pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count
 /// The ratio at which the worst limit is exceeded least, as people read it, and that limit.
 fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
     let told = |n: f64| worst_by(program, n, told_excess, f64::INFINITY);
+    // Of a square as much is told as its root has, of others all of it.
+    let floor = |k: usize| (1.0 + points[k].1).sqrt() - 1.0;
     let mut nearest = (0, f64::INFINITY);
-    let least = (0..points.len()).min_by(|a, b| points[*a].1.total_cmp(&points[*b].1));
-    for k in least.into_iter().chain(0..points.len()) {
-        // Of a square as much is told as its root has, of others all of it: most points are out of the question.
-        if (1.0 + points[k].1).sqrt() - 1.0 < nearest.1 {
+    let look = |nearest: &mut (usize, f64), k: usize| {
+        // Most points are out of the question.
+        if floor(k) < nearest.1 {
             let excess = told(points[k].0).0;
             if excess < nearest.1 {
-                nearest = (k, excess);
+                *nearest = (k, excess);
             }
         }
+    };
+    let least = (0..points.len()).min_by(|a, b| points[*a].1.total_cmp(&points[*b].1));
+    least.into_iter().for_each(|k| look(&mut nearest, k));
+    // What one walk over the samples says of many points, the most promising first.
+    let bound = |first: usize, last: usize| {
+        let plain = (first..=last).map(floor).fold(f64::INFINITY, f64::min);
+        let walks = program.limits.iter().filter_map(|Limited { candidate, asked }| match asked.demand {
+            Demand::WindingPeak(node) if asked.bound > 0.0 && !program.is_evaluated() => {
+                let between = (points[first].0, points[last].0);
+                let rise = candidate.load.winding_peak_at_least(&candidate.actuator, &node, between);
+                Some(rise / asked.bound * (1.0 - CLEARLY) - 1.0)
+            }
+            _ => None,
+        });
+        walks.fold(plain, f64::max)
+    };
+    let mut open = if points.is_empty() { Vec::new() } else { vec![(f64::NEG_INFINITY, 0, points.len() - 1)] };
+    let divides = !program.is_evaluated() && program.without_walks().is_some();
+    while let Some(next) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) {
+        let (promise, first, last) = open.swap_remove(next);
+        if promise >= nearest.1 {
+            break;
+        }
+        if !divides || last - first < FEW {
+            (first..=last).for_each(|k| look(&mut nearest, k));
+            continue;
+        }
+        let middle = first + (last - first) / 2;
+        open.extend([(first, middle), (middle + 1, last)].map(|(a, b)| (bound(a, b), a, b)));
     }
     let place = |k: usize| points.get(k).map_or(program.range.0, |p| p.0);
     let (left, right) = (place(nearest.0.saturating_sub(1)), place((nearest.0 + 1).min(points.len().max(1) - 1)));
