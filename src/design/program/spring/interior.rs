@@ -3,6 +3,7 @@
 //! The programs of springs have a ratio, a stiffness and a rest angle, a handful of smooth rows and thousands of siblings:
 //! a dense Newton step of four numbers takes a fraction of what a sparse cone solver needs to set up. What comes out is
 //! a proposal with multipliers; the bound that is told is computed from them elsewhere.
+#![allow(clippy::needless_range_loop, reason = "matrices are read by their indices")]
 
 use super::form::Form;
 
