@@ -8,6 +8,7 @@
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
+use super::outlier::{CODE as UNUSUAL, outliers};
 use super::row::{MotorRow, Row};
 use super::{Catalog, Gear, GearKind, Motor, Printed};
 use crate::words::number;
@@ -104,7 +105,12 @@ pub const CHECKS: &[MotorCheck] = &[
 
 /// Runs every check over a catalogue, in the order of its rows.
 pub fn audit(catalog: &Catalog) -> Vec<Finding> {
-    let motors = catalog.motors.iter().flat_map(audit_motor);
+    let unusual = outliers(catalog);
+    let of_row = |motor: &Motor| {
+        let beside = unusual.iter().filter(|f| f.id == motor.id).cloned().collect::<Vec<_>>();
+        audit_motor(motor).into_iter().chain(beside).collect::<Vec<_>>()
+    };
+    let motors = catalog.motors.iter().flat_map(of_row);
     motors.chain(catalog.gears.iter().flat_map(audit_gear)).collect()
 }
 
@@ -123,7 +129,8 @@ pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
             });
         }
     }
-    for code in &motor.accepted_findings {
+    // What is looked at beside other rows is not known here.
+    for code in motor.accepted_findings.iter().filter(|code| *code != UNUSUAL) {
         let known = CHECKS.iter().any(|c| c.code == code);
         if !findings.iter().any(|f| f.code == code) {
             let message = match known {
@@ -505,18 +512,26 @@ fn continuous_torque(motor: &Motor) -> Option<Outcome> {
 }
 
 fn electrical_time_constant(motor: &Motor) -> Option<Outcome> {
+    let usual = |seconds: f64| (0.02e-3..=20e-3).contains(&seconds);
     let seconds = motor.inductance? / motor.resistance;
-    if (0.02e-3..=20e-3).contains(&seconds) || motor.inductance == Some(0.0) {
+    if usual(seconds) || motor.inductance == Some(0.0) {
         return None;
     }
-    let explanation = [
-        (1e3, "a thousand times more: the inductance may be headed µH for mH"),
-        (1e-3, "a thousandth: the inductance may be headed mH for µH"),
-    ]
-    .iter()
-    .find(|(factor, _)| (0.02e-3..=20e-3).contains(&(seconds * factor)))
-    .map(|(factor, why)| format!("{why} (L/R would be {} ms)", number(seconds * factor * 1e3)));
-    error(format!("L/R is {} ms: no motor is like that", number(seconds * 1e3)), explanation)
+    // L/R cannot say which of the two is wrong.
+    let readings = [
+        (1e3, "a thousand times more: the inductance may be headed µH for mH, or the resistance ohm for mohm"),
+        (1e-3, "a thousandth: the inductance may be headed mH for µH, or the resistance mohm for ohm"),
+    ];
+    let explanation = readings
+        .iter()
+        .find(|(factor, _)| usual(seconds * factor))
+        .map(|(factor, why)| format!("{why} (L/R would be {} ms)", number(seconds * factor * 1e3)));
+    // Terminals are a factor of 2 or 3 at most.
+    let of_terminals = || {
+        let near = [3.0, 2.0, 0.5, 1.0 / 3.0].iter().any(|factor| usual(seconds * factor));
+        near.then(|| "resistance and inductance may be between different terminals (line-to-line, winding)".to_string())
+    };
+    error(format!("L/R is {} ms: no motor is like that", number(seconds * 1e3)), of_terminals().or(explanation))
 }
 
 fn rotor_inertia(motor: &Motor) -> Option<Outcome> {

@@ -234,6 +234,7 @@ fn read_axis(section: Section) -> Option<Axis> {
 fn read_motor(section: &Section) -> Option<Motor> {
     let blank =
         MotorRow { source: "fitted to bench logs".into(), source_kind: SourceKind::Measured, ..MotorRow::default() };
+    TomlCells(section).check_names();
     row::motor(&TomlCells(section), blank, &["source", "source_kind"])
 }
 

@@ -5,17 +5,22 @@
 //! that alone, and [`audit`] goes back to the printed numbers.
 
 mod about;
+pub mod add;
 pub mod audit;
 pub mod convention;
+pub mod difference;
 pub mod estimate;
+pub mod filter;
 mod fit;
 pub mod fitted;
 mod free;
 mod gear;
 pub mod import;
 mod motor;
+pub mod outlier;
 mod read;
 pub mod row;
+mod said;
 mod sheet;
 
 use std::collections::HashMap;

@@ -118,7 +118,11 @@ fn rows_of(source: &Arc<Source>) -> Result<Rows, InputError> {
 /// The kind of a CSV file, by its header.
 fn kind_of(source: &Source) -> &'static FileKind {
     let header = source.text().lines().find(|l| !l.starts_with('#') && !l.trim().is_empty()).unwrap_or("");
-    let names: Vec<&str> = header.split(',').map(|c| c.split('[').next().unwrap_or("").trim()).collect();
+    let names: Vec<&str> = header
+        .split(',')
+        .map(|c| c.split('[').next().unwrap_or("").trim())
+        .map(|n| row::column_of(n).unwrap_or(n))
+        .collect();
     let fits = |kind: &&FileKind| {
         kind.with.iter().all(|c| names.contains(c)) && !kind.without.iter().any(|c| names.contains(c))
     };
@@ -128,7 +132,7 @@ fn kind_of(source: &Source) -> &'static FileKind {
 fn read_table(source: &Arc<Source>, kind: &FileKind) -> Result<Rows, InputError> {
     check_version(source)?;
     let (mut problems, mut rows) = (Vec::new(), Rows::default());
-    if let Some(table) = Table::read(source, (kind.columns)(), &mut problems) {
+    if let Some(table) = Table::read_with(source, (kind.columns)(), row::ALIASES, &mut problems) {
         let mut seen = HashMap::new();
         for row in 0..table.len() {
             let id = (kind.read)(&CsvCells::new(&table, row, &mut problems), &mut rows);
@@ -146,8 +150,9 @@ fn read_lists(root: &Section) -> Rows {
     for kind in KINDS {
         let mut seen = HashMap::new();
         for (k, section) in root.sections(kind.table).into_iter().enumerate() {
+            TomlCells(&section).check_names();
             if let Some(id) = (kind.read)(&TomlCells(&section), &mut rows)
-                && let Some(problem) = again(&mut seen, &id, k, section.span_of("id"), "of this file")
+                && let Some(problem) = again(&mut seen, &id, k, TomlCells(&section).span("id"), "of this file")
             {
                 root.note(problem);
             }

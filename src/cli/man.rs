@@ -24,6 +24,9 @@ pub fn run(arguments: &Arguments, mut command: Command) -> Result<Done, Failure>
     let mut pages = vec![("gearwise".to_string(), page(&command).map_err(failed)?)];
     for sub in command.get_subcommands().filter(|c| c.get_name() != "help" && !c.is_hide_set()) {
         let name = format!("gearwise-{}", sub.get_name());
+        for below in sub.get_subcommands().filter(|c| c.get_name() != "help") {
+            pages.push((format!("{name}-{}", below.get_name()), page(below).map_err(failed)?));
+        }
         pages.push((name, page(sub).map_err(failed)?));
     }
     let mut text = String::new();

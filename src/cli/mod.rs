@@ -10,6 +10,7 @@ macro_rules! tell_on {
 }
 
 mod audit;
+mod catalog;
 mod characterize;
 mod check;
 mod chosen;
@@ -82,6 +83,8 @@ enum Command {
     Rank(rank::Arguments),
     /// Two motors side by side, at matched actuator inertia too
     Compare(compare::Arguments),
+    /// What is in a catalogue: list, search, show; rows of one's own: new, add, diff, path
+    Catalog(catalog::Arguments),
     /// Are the rows of a catalogue self-consistent, and what would explain a mismatch
     Audit(audit::Arguments),
     /// Design rules on a chosen design, for CI: table, JSON, JUnit, SARIF, GitHub annotations
@@ -481,6 +484,7 @@ fn answer(command: &Command, call: &Call) -> Result<Done, Failure> {
         Command::Merge(arguments) => merge::run(arguments),
         Command::Rank(arguments) => rank::run(arguments, call),
         Command::Compare(arguments) => compare::run(arguments, call),
+        Command::Catalog(arguments) => catalog::run(arguments),
         Command::Audit(arguments) => audit::run(arguments, call),
         Command::Check(arguments) => check::run(arguments),
         Command::Rule(arguments) => rule::run(arguments),

@@ -96,6 +96,16 @@ pub(crate) fn other_separator<'a>(header: impl Iterator<Item = &'a str> + Clone)
 impl Table {
     /// Reads the header and splits the records. Columns must be among `columns`.
     pub fn read(source: &Arc<Source>, columns: Vec<Column>, problems: &mut Vec<Problem>) -> Option<Table> {
+        Table::read_with(source, columns, &[], problems)
+    }
+
+    /// [`Table::read`] of a file that may head columns by other names: each alias with its column.
+    pub fn read_with(
+        source: &Arc<Source>,
+        columns: Vec<Column>,
+        aliases: &[(&str, &str)],
+        problems: &mut Vec<Problem>,
+    ) -> Option<Table> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -137,7 +147,7 @@ impl Table {
             problems.push(Problem::at(table.record_span(0), message, "expected commas").help(help));
             return None;
         }
-        table.read_header(problems);
+        table.read_header(aliases, problems);
         let header = table.records.remove(0);
         let start = table.starts.remove(0);
         table.width = header.len();
@@ -185,11 +195,13 @@ impl Table {
         self.records.retain(|r| r.len() == width);
     }
 
-    fn read_header(&mut self, problems: &mut Vec<Problem>) {
+    fn read_header(&mut self, aliases: &[(&str, &str)], problems: &mut Vec<Problem>) {
         let header = self.records[0].clone();
+        let mut written: HashMap<&str, &str> = HashMap::new();
         for (position, cell) in header.iter().enumerate() {
             let span = self.cell_span_in(0, position);
-            let (name, unit) = split_unit(unguarded(cell));
+            let (headed, unit) = split_unit(unguarded(cell));
+            let name = aliases.iter().find(|(alias, _)| *alias == headed).map_or(headed, |(_, column)| *column);
             let Some(known) = self.columns.iter().position(|c| c.name == name) else {
                 let shown: String = name.chars().take(60).collect();
                 problems.push(
@@ -213,7 +225,11 @@ impl Table {
                 }
             };
             let heads = self.heads.entry(name.to_string()).or_default();
-            if heads.iter().any(|other| other.stated == head.stated) {
+            if let Some(other) = written.insert(name, headed).filter(|other| *other != headed) {
+                let span = find_cell(self.source.text(), self.starts[0], position);
+                let message = format!("`{other}` and `{headed}` are the same column, `{name}`");
+                problems.push(Problem::at(span, message, "second time").help("leave one of the two out"));
+            } else if heads.iter().any(|other| other.stated == head.stated) {
                 problems.push(Problem::at(
                     find_cell(self.source.text(), self.starts[0], position),
                     format!("duplicate column `{name}`"),

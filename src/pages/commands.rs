@@ -17,6 +17,11 @@ pub fn text(command: clap::Command) -> String {
         let help = sub.clone().term_width(100).render_long_help().to_string();
         let help: Vec<&str> = help.trim_end().lines().map(str::trim_end).collect();
         out.push_str(&format!("\n## {name}\n\n```text\n{}\n```\n", help.join("\n")));
+        for below in sub.get_subcommands().filter(|s| s.get_name() != "help") {
+            let help = below.clone().term_width(100).render_long_help().to_string();
+            let help: Vec<&str> = help.trim_end().lines().map(str::trim_end).collect();
+            out.push_str(&format!("\n### {name} {}\n\n```text\n{}\n```\n", below.get_name(), help.join("\n")));
+        }
     }
     out
 }

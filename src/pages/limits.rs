@@ -55,7 +55,7 @@ fn missing() -> Vec<(&'static str, &'static str)> {
         );
         let robot = format!(
             "name = \"x\"\nbus = {{ voltage = \"48 V\" }}\n[[joint]]\nname = \"j\"\ngears = [\"*\"]\n\
-             points = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\"{duration} }} ]\n[joint.limits]\nactuator_mass = \"1 kg\"\n\
+             points = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\"{duration} }} ]\n[joint.limits]\nactuator_mass = \"1 kg\"\nouter_diameter = \"1 m\"\naxial_length = \"1 m\"\n\
              reflected_inertia = \"1 kg*m^2\"\nwinding_temperature = \"110 degC\"\n\
              torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\" }}\n"
         );

@@ -5,8 +5,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value, json};
 
 use crate::report::json::{
-    Envelope, characterize, check, explain, export, identify, import, motors, optimize, pareto, robust, rule, sweep,
-    torques,
+    Envelope, catalog, characterize, check, explain, export, identify, import, motors, optimize, pareto, robust, rule,
+    sweep, torques,
 };
 use crate::study::Summary;
 
@@ -24,6 +24,11 @@ const COMMANDS: &[(&str, Shape)] = &[
     ("rank", shape::<motors::Ranked>),
     ("compare", shape::<motors::Compared>),
     ("audit", shape::<motors::Audited>),
+    ("catalog list", shape::<catalog::Listed>),
+    ("catalog search", shape::<catalog::Listed>),
+    ("catalog show", shape::<catalog::Shown>),
+    ("catalog diff", shape::<catalog::Differ>),
+    ("catalog path", shape::<catalog::Paths>),
     ("torques", shape::<torques::Answer>),
     ("import", shape::<import::Answer>),
     ("export", shape::<export::Answer>),

@@ -1,5 +1,6 @@
 //! What an audit found.
 
+use super::catalog::lacks;
 use super::table::paragraph;
 use crate::catalog::Catalog;
 use crate::catalog::audit::{CHECKS, Finding, Severity};
@@ -49,7 +50,15 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
         crate::words::counted(broken(findings), "error"),
         crate::words::counted(notes, "note"),
     );
-    out + &paragraph(&line, 0, 2)
+    out + &paragraph(&line, 0, 2) + &lacking(catalog)
+}
+
+/// What rows lack, after a blank line.
+fn lacking(catalog: &Catalog) -> String {
+    match lacks::text(catalog) {
+        text if text.is_empty() => text,
+        text => format!("\n{text}"),
+    }
 }
 
 /// As rows.

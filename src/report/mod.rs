@@ -3,6 +3,7 @@
 
 pub mod audit;
 mod balance;
+pub mod catalog;
 pub mod characterize;
 pub mod check;
 pub mod columns;

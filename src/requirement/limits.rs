@@ -8,6 +8,10 @@ use crate::units;
 pub struct Limits {
     /// Mass of motor and gear \[kg\].
     pub actuator_mass: Option<f64>,
+    /// Outer diameter of the motor \[m\].
+    pub outer_diameter: Option<f64>,
+    /// Axial length of the motor \[m\].
+    pub axial_length: Option<f64>,
     /// Inertia at the output \[kg·m²\].
     pub reflected_inertia: Option<f64>,
     /// Torque to be delivered on top of the motion.
@@ -56,6 +60,8 @@ impl Default for Limits {
     fn default() -> Limits {
         Limits {
             actuator_mass: None,
+            outer_diameter: None,
+            axial_length: None,
             reflected_inertia: None,
             torque_bandwidth: None,
             winding_temperature: None,
@@ -98,6 +104,8 @@ pub const LIMIT_NAMES: &[&str] = &[
     "bus_current",
     "regeneration",
     "actuator_mass",
+    "outer_diameter",
+    "axial_length",
 ];
 
 /// Reads `reserve`: shares of limits by their names; `all` is that of each that is not named.
@@ -152,6 +160,16 @@ pub(super) fn read(section: Section, ambient: f64) -> Limits {
                 "of motor and gear; like every limit here it has to be judged, or the motor is no choice",
             ),
             &units::MASS,
+            Range::Positive,
+        ),
+        outer_diameter: section.quantity(
+            key("outer_diameter", "of the motor, as its row says it; a gear has no size here"),
+            &units::LENGTH,
+            Range::Positive,
+        ),
+        axial_length: section.quantity(
+            key("axial_length", "of the motor, `length` of its row"),
+            &units::LENGTH,
             Range::Positive,
         ),
         reflected_inertia: section.quantity(

@@ -413,8 +413,9 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
         margin.owner,
         number(margin.bound),
     );
-    // What is too heavy is the motor; all else is decided with the ratio.
-    let place = if limit == "actuator_mass" { Place::Motor } else { Place::Reduction };
+    // What is too heavy or too large is the motor; all else is decided with the ratio.
+    let of_motor = ["actuator_mass", "outer_diameter", "axial_length"].contains(&limit);
+    let place = if of_motor { Place::Motor } else { Place::Reduction };
     let mut remark = Remark::new(message, limit, place);
     remark.asked = match (joint.choice.gear, asked_for(limit, margin.owner)) {
         // A gear of the catalogue brings its own ratings.

@@ -13,6 +13,7 @@ mod mass;
 mod motor;
 mod needs;
 mod remarks;
+mod size;
 mod speed;
 
 pub use super::candidate::{ASSUMED, Candidate, hottest};
@@ -23,7 +24,7 @@ use crate::requirement::{Joint, Robot};
 
 /// The limits by what they are about, in the order in which they are reported.
 const KINDS: &[&[Limit]] =
-    &[motor::LIMITS, heat::LIMITS, speed::LIMITS, gear::LIMITS, joint::LIMITS, bus::LIMITS, mass::LIMITS];
+    &[motor::LIMITS, heat::LIMITS, speed::LIMITS, gear::LIMITS, joint::LIMITS, bus::LIMITS, mass::LIMITS, size::LIMITS];
 
 const COUNT: usize = {
     let (mut count, mut kind) = (0, 0);

@@ -6,9 +6,9 @@
 use std::cell::RefCell;
 use std::ops::Range as Span;
 
-use super::Need;
+use super::{Need, aliases_of};
 use crate::input::csv::{Number, Table};
-use crate::input::{Key, Problem, Range, Section, Stated, Words};
+use crate::input::{Key, Problem, Range, Section, Stated, Words, key};
 use crate::units::{self, Kind};
 
 /// The cells of one row.
@@ -137,13 +137,39 @@ impl Cells for CsvCells<'_> {
 /// A table of TOML.
 pub(crate) struct TomlCells<'a, 's>(pub &'a Section<'s>);
 
+impl TomlCells<'_, '_> {
+    /// The key that a column stands under: its own name, or another one of it.
+    fn key(&self, column: Key) -> Key {
+        let other = aliases_of(column.name()).find(|alias| self.0.holds(alias));
+        match other {
+            Some(alias) if !self.0.holds(column.name()) => key(alias, ""),
+            _ => column,
+        }
+    }
+
+    /// Notes columns that stand there under two names.
+    pub fn check_names(&self) {
+        for (alias, column) in super::ALIASES.iter().filter(|(alias, _)| self.0.holds(alias)) {
+            let others = std::iter::once(*column).chain(aliases_of(column));
+            // Of two, the one that is met first is noted; both are asked for.
+            if let Some(other) = others.take_while(|other| other != alias).find(|other| self.0.holds(other)) {
+                let message = format!("`{other}` and `{alias}` are the same column, `{column}`");
+                let problem = Problem::at(self.0.span_of(alias), message, "second time");
+                self.0.note(problem.help("leave one of the two out"));
+            }
+        }
+    }
+}
+
 impl Cells for TomlCells<'_, '_> {
     fn is_given(&self, column: &'static str) -> bool {
-        self.0.has(column)
+        self.0.has(self.key(column.into()))
     }
 
     fn text(&self, column: Key) -> Option<String> {
-        if column.name() == "id" {
+        let is_id = column.name() == "id";
+        let column = self.key(column);
+        if is_id {
             return self.0.required_text(column, "\"t-motor-ri50-fitted\"").map(toml::Spanned::into_inner);
         }
         self.0.text(column).map(|text| text.into_inner().trim().to_string())
@@ -151,14 +177,15 @@ impl Cells for TomlCells<'_, '_> {
 
     fn choice(&self, column: Key, words: &'static [&'static str]) -> Option<&'static str> {
         let choices: Vec<_> = words.iter().map(|word| (*word, *word)).collect();
-        self.0.choice(column, &choices)
+        self.0.choice(self.key(column), &choices)
     }
 
     fn count(&self, column: Key) -> Option<u32> {
-        self.0.count(column)
+        self.0.count(self.key(column))
     }
 
     fn number(&self, column: Key, kind: &'static Kind, range: Range, words: Words) -> Option<(f64, Stated)> {
+        let column = self.key(column);
         match kind.needs_unit() {
             true => self.0.stated_quantity(column, kind, range, words),
             false => self.0.number(column, range).map(|number| (number, Stated::default())),
@@ -167,6 +194,7 @@ impl Cells for TomlCells<'_, '_> {
 
     /// In the unit of its number, or in per cent of it.
     fn tolerance(&self, column: Key, kind: &'static Kind) -> Option<(f64, bool)> {
+        let column = self.key(column);
         let given = self.0.has(column.value("the same unit, or `%` of the value"));
         let column = column.name();
         if !given {
@@ -190,13 +218,13 @@ impl Cells for TomlCells<'_, '_> {
     }
 
     fn span(&self, column: &'static str) -> Span<usize> {
-        self.0.span_of(column)
+        self.0.span_of(self.key(column.into()).name())
     }
 
     fn blank(&self, column: &'static str, need: Need, _: &[&str]) {
-        if self.0.has(column) {
+        if self.is_given(column) {
             let message = format!("`{column}` is blank");
-            self.note(Problem::at(self.0.span_of(column), message, format!("this row needs its {column}")));
+            self.note(Problem::at(self.span(column), message, format!("this row needs its {column}")));
         } else if let Need::Must(example) | Need::Convention(example) = need {
             self.0.missing(column, example);
         }
@@ -204,7 +232,7 @@ impl Cells for TomlCells<'_, '_> {
 
     fn incomplete(&self, missing: Missing, _: bool) {
         // What is there but wrong was said already.
-        if !self.0.has(missing.column) {
+        if !self.is_given(missing.column) {
             self.0.missing(missing.column, missing.example);
         }
     }

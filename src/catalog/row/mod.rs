@@ -3,12 +3,14 @@
 //! The one idea: a kind of row ([`Row`]) declares its columns, each once, with its name, what it is, and how it is taken
 //! from a row and put into it. Reading (`read`), writing (`write`) and the documentation walk over these declarations.
 
+mod alias;
 mod cells;
 mod gear;
 mod motor;
 mod read;
 mod write;
 
+pub use alias::{ALIASES, aliases_of, column_of};
 pub(super) use cells::{Cells, CsvCells, TomlCells};
 pub use motor::{Convention, MotorRow};
 pub(super) use read::{check_gear, gear, motor, numbers};

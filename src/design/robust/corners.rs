@@ -63,6 +63,8 @@ const COLUMNS: &[(&str, Part, Worst)] = &[
     ("peak_torque", Part::Rating, Worst::Low),
     ("max_speed", Part::Rating, Worst::Low),
     ("mass", Part::Rating, Worst::High),
+    ("outer_diameter", Part::Rating, Worst::High),
+    ("length", Part::Rating, Worst::High),
 ];
 
 /// A number of the sheet with a tolerance.

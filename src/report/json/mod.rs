@@ -4,6 +4,7 @@
 //! The one idea: an object is a struct; its fields are its keys in order, their comments are what the schema says of them.
 //! Nothing is added to a value after it was made. SI units, the unit in the key; what is not known is `null`.
 
+pub mod catalog;
 pub mod characterize;
 pub mod check;
 pub mod design;

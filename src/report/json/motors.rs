@@ -14,6 +14,7 @@ use crate::actuator::step_response;
 use crate::catalog::audit::{self, audit_motor};
 use crate::catalog::{Catalog, Motor};
 use crate::report::audit::{broken, word};
+use crate::report::catalog::lacks::counts;
 use crate::report::columns::metric_key;
 use crate::report::compare::Comparison;
 use crate::report::rank::Ranking;
@@ -246,6 +247,21 @@ pub struct Audited<'a> {
     pub errors: usize,
     /// What was found.
     pub findings: Vec<AuditFinding<'a>>,
+    /// What rows of motors lack, most rows first.
+    pub lacks: Vec<LackedBy>,
+}
+
+/// Something that rows lack.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct LackedBy {
+    /// What.
+    pub lacks: &'static str,
+    /// In how many rows of motors.
+    pub rows: usize,
+    /// Of these, rows for which rows built alike say it.
+    pub estimated: usize,
+    /// What that prevents where it is not estimated.
+    pub prevents: &'static str,
 }
 
 /// What the audit found, and in which row.
@@ -277,6 +293,10 @@ pub fn audited(catalog: &Catalog, findings: &[audit::Finding]) -> Value {
         gears: catalog.gears.len(),
         errors: broken(findings),
         findings: findings.iter().map(AuditFinding::new).collect(),
+        lacks: counts(catalog)
+            .into_iter()
+            .map(|c| LackedBy { lacks: c.lack.name, rows: c.rows, estimated: c.estimated, prevents: c.lack.prevents })
+            .collect(),
     };
     document("audit", answer)
 }

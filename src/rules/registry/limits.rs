@@ -120,6 +120,16 @@ limits! {
         why "Mass at a joint is carried by all joints before it.",
         example "A 720 g actuator at a knee that may have 550 g.",
         fix "A lighter motor or gear; `optimize --pareto loss,mass` shows what it costs.";
+    "GW020" "outer-diameter" "outer_diameter",
+        "the motor's outer diameter stays within the joint's",
+        why "A motor that does not fit into the joint is no choice, however good it is.",
+        example "A motor of 96 mm in a knee whose tube has 85 mm.",
+        fix "A longer motor of less diameter, or a larger ratio with a smaller motor.";
+    "GW021" "axial-length" "axial_length",
+        "the motor's axial length stays within the joint's",
+        why "Width at a joint is what collides first: knees touch, arms cannot fold.",
+        example "A motor of 60 mm in a knee that is 50 mm wide.",
+        fix "A flat motor of more diameter, or a larger ratio with a smaller motor.";
 }
 
 /// A motor and gear that cannot be evaluated at all.

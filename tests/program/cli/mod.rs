@@ -2,6 +2,7 @@
 
 mod basics;
 mod budgets;
+mod catalog_cli;
 mod catalogs;
 mod characterize_cli;
 mod check;

@@ -1,0 +1,380 @@
+//! Rows that one asks for: `maker=maxon`, `mass<0.5kg`, `kind=planetary`.
+//!
+//! The one idea: a filter is a column, a comparison and a value with its unit. Of a row whose value is not known nothing can
+//! be said, so that such rows are neither kept nor dropped in silence: they are counted.
+
+use super::gear::matches_pattern;
+use super::row::{Column, Convention, Field, Holds, MotorRow, Row, States, column_of};
+use super::{Catalog, Gear, Motor};
+use crate::input::Words;
+use crate::units::{self, RATIO};
+use crate::words::nearest;
+
+/// How a value is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Comparison {
+    Less,
+    AtMost,
+    More,
+    AtLeast,
+    Is,
+    IsNot,
+}
+
+/// Every comparison, the longer ones first.
+const COMPARISONS: &[(&str, Comparison)] = &[
+    ("<=", Comparison::AtMost),
+    (">=", Comparison::AtLeast),
+    ("!=", Comparison::IsNot),
+    ("<", Comparison::Less),
+    (">", Comparison::More),
+    ("=", Comparison::Is),
+];
+
+/// Numbers that differ by less (relative) are equal: what is left of a unit's conversion.
+const SAME: f64 = 1e-9;
+
+/// What is asked of the rows of one kind.
+#[derive(Debug, Clone, PartialEq)]
+enum Asked {
+    Number(&'static str, Comparison, f64, Option<(Convention, &'static str)>),
+    Text(&'static str, bool, String),
+}
+
+/// A filter as it was written, and what it asks of motors and of gears; `None` of a kind that has no such column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filter {
+    /// As it was written.
+    pub text: String,
+    /// The column.
+    pub column: String,
+    motors: Option<Asked>,
+    gears: Option<Asked>,
+}
+
+/// What a filter says of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Says {
+    /// The row keeps it.
+    Yes,
+    /// It does not.
+    No,
+    /// Its value is not known.
+    Unknown,
+}
+
+impl Filter {
+    /// Reads a filter.
+    ///
+    /// # Errors
+    /// In one line: no comparison, an unknown column, a value that is not one of the column's.
+    ///
+    /// ```
+    /// use gearwise::catalog::filter::Filter;
+    /// assert!(Filter::read("mass<0.5kg").is_ok());
+    /// assert!(Filter::read("mas<0.5kg").unwrap_err().contains("did you mean `mass`"));
+    /// assert!(Filter::read("mass<0.5 s").unwrap_err().contains("mass"));
+    /// ```
+    pub fn read(text: &str) -> Result<Filter, String> {
+        let wrong = |why: String| format!("the filter `{text}`: {why}");
+        let Some((at, (sign, comparison))) = text
+            .char_indices()
+            .find_map(|(at, _)| COMPARISONS.iter().find(|(sign, _)| text[at..].starts_with(sign)).map(|c| (at, c)))
+        else {
+            return Err(wrong("it has no comparison; write it like maker=maxon or mass<0.5kg".into()));
+        };
+        let (name, value) = (text[..at].trim(), text[at + sign.len()..].trim());
+        let column = column_of(name).unwrap_or(name);
+        if value.is_empty() {
+            return Err(wrong(format!("nothing stands behind `{sign}`")));
+        }
+        let motors = asked::<MotorRow>(column, *comparison, value);
+        let gears = asked::<Gear>(column, *comparison, value);
+        let (motors, gears) = match (motors, gears) {
+            (None, None) => {
+                let meant = || {
+                    let own = names::<MotorRow>().chain(names::<Gear>());
+                    own.chain(super::row::ALIASES.iter().map(|(alias, _)| *alias))
+                };
+                let mut all: Vec<&str> = names::<MotorRow>().chain(names::<Gear>()).collect();
+                all.sort_unstable();
+                all.dedup();
+                let help = match nearest(name, meant()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("there are: {}", all.join(", ")),
+                };
+                return Err(wrong(format!("there is no column `{name}`; {help}")));
+            }
+            // Of a column that both have, one reading is enough.
+            (Some(Err(why)), None | Some(Err(_))) | (None, Some(Err(why))) => return Err(wrong(why)),
+            (motors, gears) => (motors.and_then(Result::ok), gears.and_then(Result::ok)),
+        };
+        Ok(Filter { text: text.into(), column: column.into(), motors, gears })
+    }
+
+    /// Whether motors have the column.
+    pub fn is_of_motors(&self) -> bool {
+        self.motors.is_some()
+    }
+
+    /// Whether gears have the column.
+    pub fn is_of_gears(&self) -> bool {
+        self.gears.is_some()
+    }
+
+    /// Whether it asks for a text.
+    pub fn is_text(&self) -> bool {
+        [&self.motors, &self.gears].iter().any(|asked| matches!(asked, Some(Asked::Text(..))))
+    }
+
+    /// What it says of a motor. Resistance, inductance, constants and currents are compared on the q axis, or in the
+    /// convention that the filter states.
+    pub fn of_motor(&self, motor: &Motor) -> Says {
+        let Some(asked) = &self.motors else { return Says::No };
+        asked.says(&MotorRow::of(motor), |field, of| match of {
+            Some((convention, word)) => motor.in_convention(convention, word),
+            None => motor.comparable(field),
+        })
+    }
+
+    /// What it says of a gear.
+    pub fn of_gear(&self, gear: &Gear) -> Says {
+        let Some(asked) = &self.gears else { return Says::No };
+        asked.says(gear, |field, _| (field.get)(gear).map(|p| p.value))
+    }
+}
+
+/// The columns of a kind of row, but for those of a ±.
+pub(crate) fn names<R: Row>() -> impl Iterator<Item = &'static str> {
+    let others = R::BEFORE.iter().chain(R::AFTER).map(|c| c.name);
+    others.chain(R::fields().iter().map(|f| f.name))
+}
+
+/// A column of a kind of row that holds no number with a unit.
+pub(crate) fn other<R: Row>(name: &str) -> Option<&'static Column<R>> {
+    R::BEFORE.iter().chain(R::AFTER).find(|c| c.name == name)
+}
+
+/// What a column that holds no number with a unit says in a row; `None` where it is blank.
+pub(crate) fn text_of<R>(column: &Column<R>, row: &R) -> Option<String> {
+    let text = match column.holds {
+        Holds::Text(get, _) => get(row),
+        Holds::Choice(_, get, _) => get(row).unwrap_or_default().to_string(),
+        Holds::Count(get, _) => get(row).map_or_else(String::new, |count| count.to_string()),
+    };
+    Some(text).filter(|t| !t.is_empty())
+}
+
+/// What a filter asks of a kind of row; `None` where that has no such column.
+fn asked<R: Row>(name: &str, comparison: Comparison, value: &str) -> Option<Result<Asked, String>> {
+    if let Some(field) = R::fields().iter().find(|f| f.name == name) {
+        return Some(number(field, comparison, value));
+    }
+    let column = other::<R>(name)?;
+    if let Holds::Count(..) = column.holds {
+        let count = units::quantity(value, &RATIO).map_err(|e| e.message(&RATIO));
+        return Some(count.map(|count| Asked::Number(column.name, comparison, count, None)));
+    }
+    let is = match comparison {
+        Comparison::Is => true,
+        Comparison::IsNot => false,
+        _ => return Some(Err(format!("`{name}` is a text, which is compared by = or != only"))),
+    };
+    if let Holds::Choice(words, ..) = column.holds
+        && !value.contains('*')
+        && !words.contains(&value.to_lowercase().as_str())
+    {
+        let near = nearest(value, words.iter().copied()).map(|near| format!("did you mean `{near}`? "));
+        return Some(Err(format!("{}`{name}` is one of {}", near.unwrap_or_default(), words.join(", "))));
+    }
+    Some(Ok(Asked::Text(column.name, is, value.to_lowercase())))
+}
+
+fn number<S>(field: &Field<S>, comparison: Comparison, value: &str) -> Result<Asked, String> {
+    let words = match field.states {
+        States::Convention(convention) => Words { convention: convention.words(), side: &[] },
+        _ => Words::NONE,
+    };
+    let (value, stated) = words.split(value)?;
+    let convention = match (field.states, stated.convention) {
+        (States::Convention(of), Some(word)) => Some((of, word)),
+        (States::Convention(of), None) if !of.words().contains(&"q_axis") => {
+            return Err(format!("say of which convention, behind the unit: {}", of.words().join(" or ")));
+        }
+        _ => None,
+    };
+    let number = units::quantity(value, field.kind).map_err(|error| {
+        let help = error.help(field.kind);
+        format!("`{}`: {}; {help}", field.name, error.message(field.kind))
+    })?;
+    Ok(Asked::Number(field.name, comparison, number, convention))
+}
+
+impl Asked {
+    fn says<R: Row>(
+        &self,
+        row: &R,
+        number: impl Fn(&Field<R::Numbers>, Option<(Convention, &'static str)>) -> Option<f64>,
+    ) -> Says {
+        let of = |holds: bool| if holds { Says::Yes } else { Says::No };
+        match self {
+            Asked::Number(name, comparison, asked, convention) => {
+                let field = R::fields().iter().find(|f| f.name == *name);
+                let value = match (field, other::<R>(name).map(|c| &c.holds)) {
+                    (Some(field), _) => number(field, *convention),
+                    (None, Some(Holds::Count(get, _))) => get(row).map(f64::from),
+                    _ => None,
+                };
+                let Some(value) = value else { return Says::Unknown };
+                let same = (value - asked).abs() <= SAME * asked.abs();
+                of(match comparison {
+                    Comparison::Less => value < *asked && !same,
+                    Comparison::AtMost => value <= *asked || same,
+                    Comparison::More => value > *asked && !same,
+                    Comparison::AtLeast => value >= *asked || same,
+                    Comparison::Is => same,
+                    Comparison::IsNot => !same,
+                })
+            }
+            Asked::Text(name, is, pattern) => match other::<R>(name).and_then(|column| text_of(column, row)) {
+                None => Says::Unknown,
+                Some(text) => of(matches_pattern(pattern, &text.to_lowercase()) == *is),
+            },
+        }
+    }
+}
+
+/// Which kinds of row are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kinds {
+    /// Motors and gears.
+    Both,
+    /// Motors alone.
+    Motors,
+    /// Gears alone.
+    Gears,
+}
+
+/// The rows that filters leave.
+#[derive(Debug)]
+pub struct Found<'c> {
+    /// Motors.
+    pub motors: Vec<&'c Motor>,
+    /// Gears.
+    pub gears: Vec<&'c Gear>,
+    /// Rows that would be there if numbers of theirs that are not known allowed it.
+    pub unknown: usize,
+    /// Of each filter of which some row does not know the value: its column, and in how many rows.
+    pub unknown_by: Vec<(String, usize)>,
+}
+
+/// The rows of a catalogue that keep all filters.
+pub fn select<'c>(catalog: &'c Catalog, kinds: Kinds, filters: &[Filter]) -> Found<'c> {
+    let mut unknown_by: Vec<(String, usize)> = filters.iter().map(|f| (f.column.clone(), 0)).collect();
+    let mut unknown = 0;
+    let mut keep = |says: Vec<Says>| {
+        if says.contains(&Says::No) {
+            return false;
+        }
+        let open = says.contains(&Says::Unknown);
+        unknown += usize::from(open);
+        for ((_, count), _) in unknown_by.iter_mut().zip(says).filter(|(_, s)| *s == Says::Unknown) {
+            *count += 1;
+        }
+        !open
+    };
+    let (mut motors, mut gears) = (Vec::new(), Vec::new());
+    if kinds != Kinds::Gears {
+        let all = catalog.motors.iter();
+        motors.extend(all.filter(|m| keep(filters.iter().map(|f| f.of_motor(m)).collect())));
+    }
+    if kinds != Kinds::Motors {
+        let all = catalog.gears.iter();
+        gears.extend(all.filter(|g| keep(filters.iter().map(|f| f.of_gear(g)).collect())));
+    }
+    unknown_by.retain(|(_, count)| *count > 0);
+    Found { motors, gears, unknown, unknown_by }
+}
+
+/// What a search compares: letters and digits alone.
+fn plain(text: &str) -> String {
+    text.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "")
+}
+
+/// The rows whose id, model or maker has a text in it: each of its words.
+pub fn search<'c>(catalog: &'c Catalog, text: &str) -> Found<'c> {
+    let wanted: Vec<String> = text.split_whitespace().map(plain).filter(|w| !w.is_empty()).collect();
+    let has = |texts: [&str; 3]| {
+        let texts = texts.map(plain);
+        !wanted.is_empty() && wanted.iter().all(|word| texts.iter().any(|t| t.contains(word)))
+    };
+    Found {
+        motors: catalog.motors.iter().filter(|m| has([&m.id, &m.model, &m.manufacturer])).collect(),
+        gears: catalog.gears.iter().filter(|g| has([&g.id, &g.model, &g.manufacturer])).collect(),
+        unknown: 0,
+        unknown_by: Vec::new(),
+    }
+}
+
+/// Up to five ids, models and makers that are like a text, the nearest first.
+pub fn like<'c>(catalog: &'c Catalog, text: &str) -> Vec<&'c str> {
+    let motors = catalog.motors.iter().flat_map(|m| [&m.id, &m.model, &m.manufacturer]);
+    let gears = catalog.gears.iter().flat_map(|g| [&g.id, &g.model, &g.manufacturer]);
+    let mut names: Vec<&str> = motors.chain(gears).map(String::as_str).filter(|n| !n.is_empty()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let mut found = Vec::new();
+    while found.len() < 5 {
+        let Some(near) = nearest(text, names.iter().copied()) else { break };
+        names.retain(|name| *name != near);
+        found.push(near);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ids(filters: &[&str]) -> (Vec<String>, usize) {
+        let catalog = Catalog::builtin().unwrap();
+        let filters: Vec<Filter> = filters.iter().map(|f| Filter::read(f).unwrap()).collect();
+        let found = select(&catalog, Kinds::Motors, &filters);
+        (found.motors.iter().map(|m| m.id.clone()).collect(), found.unknown)
+    }
+
+    #[test]
+    fn kept_dropped_and_unknown_are_all_rows() {
+        let count = Catalog::builtin().unwrap().motors.len();
+        let (light, unknown) = ids(&["mass<0.5kg"]);
+        let (heavy, same) = ids(&["mass>=500 g"]);
+        assert_eq!(unknown, same);
+        assert!(unknown > 0 && light.len() + heavy.len() + unknown == count);
+        assert_eq!(ids(&["mass<0.5kg", "mass>=0.5kg"]), (Vec::new(), unknown));
+    }
+
+    #[test]
+    fn constants_are_compared_in_one_convention() {
+        let catalog = Catalog::builtin().unwrap();
+        for motor in &catalog.motors {
+            let k = motor.torque_constant;
+            let says = |text: String| Filter::read(&text).unwrap().of_motor(motor);
+            assert_eq!(says(format!("Kt>={} N*m/A", 0.999 * k)), Says::Yes);
+            assert_eq!(says(format!("Kt>{} N*m/A", 1.001 * k)), Says::No);
+            if motor.conventions.commutation == crate::catalog::convention::Commutation::Brushless {
+                let rms = 3.0_f64.sqrt() * k;
+                assert_eq!(says(format!("Kt={rms} N*m/A rms")), Says::Yes);
+                assert_eq!(says(format!("Kt={rms} N*m/A")), Says::No);
+            }
+        }
+        assert!(Filter::read("KV>100rpm/V").unwrap_err().contains("line_to_line_peak or dc"));
+    }
+
+    #[test]
+    fn a_filter_of_one_kind_keeps_none_of_the_other() {
+        let catalog = Catalog::builtin().unwrap();
+        let filter = Filter::read("ratio>=5").unwrap();
+        assert!(filter.is_of_gears() && !filter.is_of_motors());
+        assert!(select(&catalog, Kinds::Both, &[filter]).motors.is_empty());
+    }
+}

@@ -1,0 +1,66 @@
+use clap::Args;
+
+use super::{Done, Failure, Which};
+use crate::catalog::Catalog;
+use crate::catalog::filter::search;
+use crate::report::catalog::card::{self, Card};
+use crate::report::{json, json_text};
+use crate::words::nearest;
+
+/// Arguments of the command.
+#[derive(Debug, Args)]
+#[command(
+    before_help = "Examples:\n  gearwise catalog show t-motor-u8-lee\n  gearwise catalog show my-motor --catalog user\n  gearwise catalog show t-motor-ri50 --json"
+)]
+pub struct Arguments {
+    /// Id of a motor or a gear
+    id: String,
+    #[command(flatten)]
+    which: Which,
+    /// Print JSON (SI units, the unit in the key)
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let catalog = arguments.which.read()?;
+    let id = arguments.id.as_str();
+    let motor = catalog.motors.iter().find(|m| m.id == id);
+    let gear = catalog.gears.iter().find(|g| g.id == id);
+    let mut texts = Vec::new();
+    if let Some(motor) = motor {
+        let card = Card::new(&catalog, motor);
+        texts.push(match arguments.json {
+            true => json_text(&json::catalog::motor_shown(&card)),
+            false => card::motor_text(&card),
+        });
+    }
+    // A gear may have the id of a motor.
+    if let Some(gear) = gear.filter(|_| texts.is_empty() || !arguments.json) {
+        texts.push(match arguments.json {
+            true => json_text(&json::catalog::gear_shown(gear)),
+            false => card::gear_text(gear),
+        });
+    }
+    if texts.is_empty() {
+        return Err(unknown(&catalog, id));
+    }
+    Ok(Done { text: texts.join("\n"), satisfied: true })
+}
+
+/// That there is no such row, with those that may have been meant.
+fn unknown(catalog: &Catalog, id: &str) -> Failure {
+    let found = search(catalog, id);
+    let has = found.motors.iter().map(|m| m.id.as_str()).chain(found.gears.iter().map(|g| g.id.as_str()));
+    let mut near: Vec<&str> = has.take(3).collect();
+    if near.is_empty() {
+        let all = catalog.motors.iter().map(|m| m.id.as_str()).chain(catalog.gears.iter().map(|g| g.id.as_str()));
+        near.extend(nearest(id, all));
+    }
+    let names: Vec<String> = near.iter().map(|n| format!("`{n}`")).collect();
+    let help = match names.is_empty() {
+        true => "`gearwise catalog list` shows them all".to_string(),
+        false => format!("did you mean {}?", names.join(" or ")),
+    };
+    Failure::Argument(format!("there is no motor and no gear `{id}` in the catalogue; {help}"))
+}

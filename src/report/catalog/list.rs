@@ -1,0 +1,208 @@
+//! Rows of a catalogue as a table.
+
+use crate::catalog::convention::word;
+use crate::catalog::filter::{Filter, Found, Kinds, like};
+use crate::catalog::row::{self, MotorRow};
+use crate::catalog::{Catalog, Construction, Gear, GearKind, Motor};
+use crate::report::table::{Column, Table, paragraph};
+use crate::report::{counted, optional};
+use crate::units::in_unit;
+
+/// What was asked of a catalogue, and what it has.
+#[derive(Debug)]
+pub struct Listing<'c> {
+    /// The rows.
+    pub found: Found<'c>,
+    /// Which kinds were asked for.
+    pub kinds: Kinds,
+    /// The filters.
+    pub filters: Vec<Filter>,
+    /// Names that may have been meant, where nothing was found.
+    pub near: Vec<&'c str>,
+}
+
+impl<'c> Listing<'c> {
+    /// The rows that filters leave; a kind of row that a filter's column does not have is not asked for.
+    pub fn new(catalog: &'c Catalog, kinds: Kinds, filters: Vec<Filter>) -> Listing<'c> {
+        let kinds = match kinds {
+            Kinds::Both if !filters.iter().all(Filter::is_of_gears) => Kinds::Motors,
+            Kinds::Both if !filters.iter().all(Filter::is_of_motors) => Kinds::Gears,
+            asked => asked,
+        };
+        let found = crate::catalog::filter::select(catalog, kinds, &filters);
+        let mut near = Vec::new();
+        // A text that no row has may be a slip.
+        for filter in filters.iter().filter(|f| f.is_text() && f.column == "manufacturer") {
+            let alone = crate::catalog::filter::select(catalog, kinds, std::slice::from_ref(filter));
+            let value = filter.text.split_once('=').map_or("", |(_, value)| value);
+            if alone.motors.is_empty() && alone.gears.is_empty() {
+                near.extend(like(catalog, value).into_iter().filter(|name| is_maker(catalog, name)));
+                near.extend(makers_with(catalog, value).into_iter().filter(|m| !near.contains(m)).collect::<Vec<_>>());
+            }
+        }
+        Listing { found, kinds, filters, near }
+    }
+
+    /// What a search found.
+    pub fn search(catalog: &'c Catalog, text: &str) -> Listing<'c> {
+        let found = crate::catalog::filter::search(catalog, text);
+        let near = if found.motors.is_empty() && found.gears.is_empty() { like(catalog, text) } else { Vec::new() };
+        Listing { found, kinds: Kinds::Both, filters: Vec::new(), near }
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.found.motors.is_empty() && self.found.gears.is_empty()
+    }
+}
+
+fn makers(catalog: &Catalog) -> impl Iterator<Item = &str> {
+    let motors = catalog.motors.iter().map(|m| m.manufacturer.as_str());
+    motors.chain(catalog.gears.iter().map(|g| g.manufacturer.as_str())).filter(|m| !m.is_empty())
+}
+
+fn is_maker(catalog: &Catalog, name: &str) -> bool {
+    makers(catalog).any(|maker| maker == name)
+}
+
+fn makers_with<'c>(catalog: &'c Catalog, text: &str) -> Vec<&'c str> {
+    let text = text.trim().to_lowercase();
+    let mut found: Vec<&str> = makers(catalog).filter(|m| m.to_lowercase().contains(&text)).collect();
+    found.sort_unstable();
+    found.dedup();
+    found.truncate(5);
+    found
+}
+
+/// For people.
+pub fn text(listing: &Listing) -> String {
+    let found = &listing.found;
+    let mut out = String::new();
+    if !found.motors.is_empty() {
+        out.push_str(&motors(&found.motors).text());
+        out.push('\n');
+        let frame = "K_T, K_M, R and I_cont on the power-invariant q axis; `–` is unknown, not zero.";
+        out.push_str(&paragraph(frame, 0, 2));
+    }
+    if !found.gears.is_empty() {
+        if !found.motors.is_empty() {
+            out.push('\n');
+        }
+        out.push_str(&gears(&found.gears).text());
+        out.push('\n');
+    }
+    let count = match listing.kinds {
+        Kinds::Both => {
+            format!("{} and {}", counted(found.motors.len(), "motor"), counted(found.gears.len(), "gear"))
+        }
+        Kinds::Motors => counted(found.motors.len(), "motor"),
+        Kinds::Gears => counted(found.gears.len(), "gear"),
+    };
+    out.push_str(&paragraph(&format!("{count}."), 0, 2));
+    if found.unknown > 0 {
+        let by = found.unknown_by.iter().map(|(column, count)| format!("`{column}` of {}", counted(*count, "row")));
+        let line = format!(
+            "Not listed, because a number is not known: {} ({}).",
+            counted(found.unknown, "row"),
+            by.collect::<Vec<_>>().join(", ")
+        );
+        out.push_str(&paragraph(&line, 0, 2));
+    }
+    if !listing.near.is_empty() {
+        let names: Vec<String> = listing.near.iter().map(|n| format!("`{n}`")).collect();
+        out.push_str(&paragraph(&format!("Did you mean {}?", names.join(" or ")), 0, 2));
+    }
+    out
+}
+
+/// What is said of a motor beneath its row.
+fn remarks(motor: &Motor) -> Vec<String> {
+    let inside = &motor.about.only_inside;
+    let same = &motor.about.same_as;
+    let inside = (!inside.is_empty()).then(|| format!("only sold inside {inside}"));
+    inside.into_iter().chain((!same.is_empty()).then(|| format!("the same motor as {same}"))).collect()
+}
+
+fn motors(motors: &[&Motor]) -> Table {
+    let columns = vec![
+        Column::name("motor"),
+        Column::name("maker").dropped(2),
+        Column::name("built").dropped(3),
+        Column::number("mass", "g"),
+        Column::number("diameter", "mm").dropped(7),
+        Column::number("length", "mm").dropped(6),
+        Column::number("K_T", "N*m/A"),
+        Column::number("K_M", "N*m/W^0.5").dropped(8),
+        Column::number("R", "ohm").dropped(4),
+        Column::number("J_m", "g*cm^2").dropped(5),
+        Column::number("I_cont", "A").dropped(1),
+    ];
+    let mut table = Table::new(columns).also_in("`--csv`, `--json`");
+    let unit = |value: Option<f64>, unit: &str| optional(value.map(|v| in_unit(v, unit)));
+    for motor in motors {
+        let sheet = &motor.sheet;
+        let cells = vec![
+            motor.id.clone(),
+            motor.manufacturer.clone(),
+            motor.about.construction.map_or("–", |c| word(Construction::NAMES, &c)).to_string(),
+            unit(motor.mass, "g"),
+            unit(sheet.outer_diameter.map(|p| p.value), "mm"),
+            unit(sheet.length.map(|p| p.value), "mm"),
+            optional(Some(motor.torque_constant)),
+            optional(Some((motor.torque_constant * motor.back_emf_constant / motor.resistance).sqrt())),
+            optional(Some(motor.resistance)),
+            unit(motor.rotor_inertia, "g*cm^2"),
+            optional(motor.continuous_current),
+        ];
+        table.push(cells, remarks(motor));
+    }
+    table
+}
+
+fn gears(gears: &[&Gear]) -> Table {
+    let columns = vec![
+        Column::name("gear"),
+        Column::name("maker").dropped(2),
+        Column::name("kind"),
+        Column::number("ratio", ""),
+        Column::number("stages", "").dropped(1),
+        Column::number("efficiency", "").dropped(5),
+        Column::number("mass", "g"),
+        Column::number("T_cont", "N*m").dropped(4),
+        Column::number("T_peak", "N*m"),
+        Column::number("largest\ninput", "rpm").dropped(3),
+    ];
+    let rows = gears.iter().map(|gear| {
+        let unit = |value: Option<f64>, unit: &str| optional(value.map(|v| in_unit(v, unit)));
+        vec![
+            gear.id.clone(),
+            gear.manufacturer.clone(),
+            word(GearKind::NAMES, &gear.kind).to_string(),
+            optional(Some(gear.ratio)),
+            gear.stages.map_or_else(|| "–".into(), |s| s.to_string()),
+            optional(gear.efficiency),
+            unit(gear.mass, "g"),
+            optional(gear.continuous_torque),
+            optional(gear.peak_torque),
+            unit(gear.max_input_speed, "rpm"),
+        ]
+    });
+    Table::new(columns).also_in("`--csv`, `--json`").rows(rows)
+}
+
+/// As a catalogue file, which is read again as the same rows.
+///
+/// # Errors
+/// In words, where there are motors and gears: a file has rows of one kind.
+pub fn csv(listing: &Listing) -> Result<String, String> {
+    let found = &listing.found;
+    if !found.motors.is_empty() && !found.gears.is_empty() {
+        return Err("a catalogue file has motors or gears: add `motors` or `gears` before the filters".into());
+    }
+    if found.gears.is_empty() && listing.kinds != Kinds::Gears {
+        let rows: Vec<MotorRow> = found.motors.iter().map(|m| MotorRow::of(m)).collect();
+        return Ok(row::csv_text(&rows, &[]));
+    }
+    let rows: Vec<Gear> = found.gears.iter().map(|g| (*g).clone()).collect();
+    Ok(row::csv_text(&rows, &[]))
+}

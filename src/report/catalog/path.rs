@@ -1,0 +1,60 @@
+//! Where catalogues are looked for.
+
+use std::path::PathBuf;
+
+use crate::report::counted;
+use crate::report::table::paragraph;
+
+/// What the word `user` leads to.
+#[derive(Debug)]
+pub enum User {
+    /// Nothing is there.
+    Absent,
+    /// A catalogue with so many motors and gears.
+    Read(usize, usize),
+    /// Something that is no catalogue: how many mistakes it has.
+    Wrong(usize),
+}
+
+/// Where catalogues are.
+#[derive(Debug)]
+pub struct Places {
+    /// Where `user` is looked for.
+    pub user: PathBuf,
+    /// Whether `$GEARWISE_CATALOG` says so.
+    pub by_variable: bool,
+    /// What is there.
+    pub found: User,
+    /// Motors and gears of the built-in catalogue.
+    pub builtin: (usize, usize),
+    /// Files that it was made of.
+    pub files: usize,
+    /// The SHA-256 of all of them.
+    pub sha256: String,
+}
+
+/// For people.
+pub fn text(places: &Places) -> String {
+    let rows = |motors, gears| format!("{} and {}", counted(motors, "motor"), counted(gears, "gear"));
+    let by = match places.by_variable {
+        true => "by $GEARWISE_CATALOG",
+        false => "the system's configuration directory; $GEARWISE_CATALOG names another place",
+    };
+    let found = match places.found {
+        User::Absent => "nothing is there yet; `gearwise catalog add ROW.csv` makes it".to_string(),
+        User::Read(motors, gears) => rows(motors, gears),
+        User::Wrong(mistakes) => {
+            format!("cannot be read: {}; `gearwise audit user` shows them", counted(mistakes, "mistake"))
+        }
+    };
+    let mut out = paragraph(&format!("user     {}", places.user.display()), 0, 9);
+    out += &paragraph(by, 9, 9);
+    out += &paragraph(&found, 9, 9);
+    let (motors, gears) = places.builtin;
+    out += &paragraph(&format!("builtin  in the program itself: {}", counted(places.files, "file")), 0, 9);
+    out += &paragraph(&rows(motors, gears), 9, 9);
+    out += &paragraph(&format!("sha256 {}", places.sha256), 9, 9);
+    out.push('\n');
+    let line = "Both are words of `--catalog` and `--also`. `user` is never read unless it is named.";
+    out + &paragraph(line, 0, 2)
+}

@@ -1,0 +1,395 @@
+//! Answers about a catalogue: `catalog list`, `search`, `show`, `diff` and `path` with `--json`.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::document;
+use super::motors::AuditRemark;
+use crate::actuator::estimate::builtin_laws;
+use crate::catalog::convention::{Winding, word};
+use crate::catalog::difference::{Became, Cell, Change, Difference};
+use crate::catalog::row::{Holds, MotorRow, Row as CatalogRow};
+use crate::catalog::{Gear, Motor};
+use crate::report::catalog::card::{Card, gear_lacks};
+use crate::report::catalog::diff::counts;
+use crate::report::catalog::list::Listing;
+use crate::report::catalog::path::{Places, User};
+
+/// What `catalog list` and `catalog search` print.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Listed<'a> {
+    /// The filters, as they were written.
+    pub filters: Vec<&'a str>,
+    /// Motors.
+    pub motors: Vec<Row>,
+    /// Gears.
+    pub gears: Vec<Row>,
+    /// Rows that are not here because a number is not known that a filter asks for.
+    pub unknown_rows: usize,
+    /// Of each filter of which some row does not know the value.
+    pub unknown: Vec<Unknown<'a>>,
+    /// Names that may have been meant, where nothing was found.
+    pub near: Vec<&'a str>,
+}
+
+/// How many rows do not know a column.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Unknown<'a> {
+    /// The column.
+    pub column: &'a str,
+    /// In how many rows it is not known.
+    pub rows: usize,
+}
+
+/// A row of a catalogue, as it is printed.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Row {
+    /// Its id.
+    pub id: String,
+    /// Columns that are texts, but for the id.
+    pub texts: Vec<Text>,
+    /// Columns that are numbers.
+    pub numbers: Vec<Number>,
+}
+
+/// A column that is a text.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Text {
+    /// The column.
+    pub column: &'static str,
+    /// What it says.
+    pub value: String,
+}
+
+/// A column that is a number.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Number {
+    /// The column.
+    pub column: &'static str,
+    /// The number as printed, SI, in the convention of the row.
+    pub value: f64,
+    /// Its SI unit; `1` for a pure number.
+    pub unit: &'static str,
+    /// Its ±, in the same unit.
+    pub tolerance: Option<f64>,
+    /// What it states of itself beside its row: a convention.
+    pub states: Option<&'static str>,
+}
+
+impl Row {
+    fn of<R: CatalogRow>(row: &R) -> Row {
+        let (mut texts, mut numbers, mut id) = (Vec::new(), Vec::new(), String::new());
+        for column in R::BEFORE.iter().chain(R::AFTER) {
+            let value = match column.holds {
+                Holds::Text(get, _) => get(row),
+                Holds::Choice(_, get, _) => get(row).unwrap_or_default().to_string(),
+                Holds::Count(get, _) => {
+                    let (column, unit) = (column.name, "1");
+                    let number =
+                        |count| Number { column, value: f64::from(count), unit, tolerance: None, states: None };
+                    numbers.extend(get(row).map(number));
+                    continue;
+                }
+            };
+            match column.name {
+                "id" => id = value,
+                _ if value.is_empty() => {}
+                column => texts.push(Text { column, value }),
+            }
+        }
+        for field in R::fields() {
+            let Some(printed) = (field.get)(row.numbers()) else { continue };
+            numbers.push(Number {
+                column: field.name,
+                value: printed.value,
+                unit: field.kind.si,
+                tolerance: printed.tolerance,
+                states: row.states(field).convention,
+            });
+        }
+        Row { id, texts, numbers }
+    }
+
+    fn of_motor(motor: &Motor) -> Row {
+        Row::of(&MotorRow::of(motor))
+    }
+}
+
+fn listing<'a>(of: &'a Listing) -> Listed<'a> {
+    let unknown = of.found.unknown_by.iter().map(|(column, rows)| Unknown { column, rows: *rows });
+    Listed {
+        filters: of.filters.iter().map(|f| f.text.as_str()).collect(),
+        motors: of.found.motors.iter().map(|m| Row::of_motor(m)).collect(),
+        gears: of.found.gears.iter().map(|g| Row::of(*g)).collect(),
+        unknown_rows: of.found.unknown,
+        unknown: unknown.collect(),
+        near: of.near.clone(),
+    }
+}
+
+/// What was listed.
+pub fn listed(of: &Listing) -> Value {
+    document("catalog list", listing(of))
+}
+
+/// What a search found.
+pub fn searched(of: &Listing) -> Value {
+    document("catalog search", listing(of))
+}
+
+/// What `catalog show` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Shown<'a> {
+    /// `motor` or `gear`.
+    pub kind: &'static str,
+    /// The row.
+    pub row: Row,
+    /// Numbers in every convention that they have.
+    pub conventions: Vec<InConvention>,
+    /// How heat can be judged: `known`, `estimated` or `unknown`; `null` of a gear.
+    pub heat: Option<&'static str>,
+    /// What the row lacks.
+    pub lacks: Vec<Lacking<'a>>,
+    /// Other rows of the same motor.
+    pub same_motor: Vec<&'a str>,
+    /// What was assumed of the row.
+    pub assumptions: Vec<&'a str>,
+    /// What the audit found.
+    pub audit: Vec<AuditRemark>,
+}
+
+/// A number in a convention.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct InConvention {
+    /// The column.
+    pub column: &'static str,
+    /// The convention.
+    pub convention: &'static str,
+    /// The windings that it is for, where the row does not say how they are connected.
+    pub winding: Option<&'static str>,
+    /// The number, SI.
+    pub value: f64,
+    /// Its SI unit.
+    pub unit: &'static str,
+    /// Whether the row gives it so.
+    pub printed: bool,
+}
+
+/// Something that a row lacks.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Lacking<'a> {
+    /// What.
+    pub lacks: &'a str,
+    /// What that prevents, were it not estimated.
+    pub prevents: &'a str,
+    /// What fills it.
+    pub estimate: Option<Estimated>,
+}
+
+/// An estimate.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Estimated {
+    /// The pessimistic end of its prediction interval (90 %, one-sided), which the model computes with.
+    pub value: f64,
+    /// Its middle.
+    pub middle: f64,
+    /// SI unit of both.
+    pub unit: &'static str,
+    /// The law.
+    pub law: Option<String>,
+    /// Rows that the law is made from.
+    pub rows: usize,
+}
+
+/// A motor's card.
+pub fn motor_shown(card: &Card) -> Value {
+    let lacks = card.lacks.iter().map(|(lack, estimate)| Lacking {
+        lacks: lack.name,
+        prevents: lack.prevents,
+        estimate: estimate.map(|e| Estimated {
+            value: e.value,
+            middle: e.middle,
+            unit: e.of.unit(),
+            law: builtin_laws().iter().find(|l| l.of == e.of && l.construction == e.construction).map(|l| l.formula()),
+            rows: e.rows,
+        }),
+    });
+    let conventions = card.in_conventions().into_iter().map(|s| InConvention {
+        column: s.column,
+        convention: s.convention,
+        winding: s.winding.map(|w| word(Winding::NAMES, &w)),
+        value: s.value,
+        unit: s.unit,
+        printed: s.printed,
+    });
+    let shown = Shown {
+        kind: "motor",
+        row: Row::of_motor(card.motor),
+        conventions: conventions.collect(),
+        heat: Some(card.heat.word()),
+        lacks: lacks.collect(),
+        same_motor: card.twins.clone(),
+        assumptions: card.motor.assumptions.clone(),
+        audit: card.findings.iter().cloned().map(AuditRemark::from).collect(),
+    };
+    document("catalog show", shown)
+}
+
+/// A gear's card.
+pub fn gear_shown(gear: &Gear) -> Value {
+    let lacks =
+        gear_lacks(gear).into_iter().map(|(lacks, prevents)| Lacking { lacks, prevents, estimate: None }).collect();
+    let shown = Shown {
+        kind: "gear",
+        row: Row::of(gear),
+        conventions: Vec::new(),
+        heat: None,
+        lacks,
+        same_motor: Vec::new(),
+        assumptions: Vec::new(),
+        audit: Vec::new(),
+    };
+    document("catalog show", shown)
+}
+
+/// What `catalog diff` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Differ<'a> {
+    /// Rows that the second catalogue alone has.
+    pub added: usize,
+    /// Rows that the first alone has.
+    pub removed: usize,
+    /// Rows that both have and that are not the same.
+    pub changed: usize,
+    /// Each of them.
+    pub rows: Vec<DifferentRow<'a>>,
+}
+
+/// A row that is not the same.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct DifferentRow<'a> {
+    /// `motor` or `gear`.
+    pub kind: &'static str,
+    /// Its id.
+    pub id: &'a str,
+    /// `added`, `removed` or `changed`.
+    pub became: &'static str,
+    /// The columns that are not the same; none of a row that one catalogue alone has.
+    pub changes: Vec<DifferentCell<'a>>,
+}
+
+/// A column that is not the same.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct DifferentCell<'a> {
+    /// The column.
+    pub column: &'static str,
+    /// SI unit of its numbers; `null` of a text.
+    pub unit: Option<&'static str>,
+    /// In the first catalogue; `null` is blank.
+    pub before: Option<Side<'a>>,
+    /// In the second.
+    pub after: Option<Side<'a>>,
+}
+
+/// What a cell says.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Side<'a> {
+    /// A text.
+    pub text: Option<&'a str>,
+    /// A number, SI.
+    pub value: Option<f64>,
+    /// Its ±.
+    pub tolerance: Option<f64>,
+    /// What it states of itself: a convention.
+    pub states: Option<&'static str>,
+}
+
+impl<'a> Side<'a> {
+    fn of(cell: &'a Cell) -> Side<'a> {
+        match cell {
+            Cell::Text(text) => Side { text: Some(text), value: None, tolerance: None, states: None },
+            Cell::Number { printed, stated, .. } => {
+                Side { text: None, value: Some(printed.value), tolerance: printed.tolerance, states: stated.convention }
+            }
+        }
+    }
+}
+
+fn cell_of(change: &Change) -> DifferentCell<'_> {
+    let unit = [&change.before, &change.after].into_iter().find_map(|cell| match cell {
+        Some(Cell::Number { kind, .. }) => Some(kind.si),
+        _ => None,
+    });
+    DifferentCell {
+        column: change.column,
+        unit,
+        before: change.before.as_ref().map(Side::of),
+        after: change.after.as_ref().map(Side::of),
+    }
+}
+
+/// What is not the same in two catalogues.
+pub fn differ(differences: &[Difference]) -> Value {
+    let [added, removed, changed] = counts(differences);
+    let rows = differences.iter().map(|d| {
+        let (became, changes) = match &d.became {
+            Became::Added => ("added", Vec::new()),
+            Became::Removed => ("removed", Vec::new()),
+            Became::Changed(changes) => ("changed", changes.iter().map(cell_of).collect()),
+        };
+        DifferentRow { kind: d.kind, id: &d.id, became, changes }
+    });
+    document("catalog diff", Differ { added, removed, changed, rows: rows.collect() })
+}
+
+/// What `catalog path` prints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Paths {
+    /// Where `user` is looked for.
+    pub user: UserPlace,
+    /// The built-in catalogue.
+    pub builtin: BuiltinPlace,
+}
+
+/// Where `user` is looked for.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct UserPlace {
+    /// The path.
+    pub path: String,
+    /// Whether `$GEARWISE_CATALOG` says so.
+    pub by_variable: bool,
+    /// `absent`, `read` or `wrong` (it has mistakes).
+    pub state: &'static str,
+    /// Its motors; `null` where it was not read.
+    pub motors: Option<usize>,
+    /// Its gears.
+    pub gears: Option<usize>,
+}
+
+/// The built-in catalogue.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct BuiltinPlace {
+    /// Its motors.
+    pub motors: usize,
+    /// Its gears.
+    pub gears: usize,
+    /// Files that it was made of.
+    pub files: usize,
+    /// The SHA-256 of all of them.
+    pub sha256: String,
+}
+
+/// Where catalogues are.
+pub fn paths(places: &Places) -> Value {
+    let (state, motors, gears) = match places.found {
+        User::Absent => ("absent", None, None),
+        User::Read(motors, gears) => ("read", Some(motors), Some(gears)),
+        User::Wrong(_) => ("wrong", None, None),
+    };
+    let path = places.user.display().to_string();
+    let user = UserPlace { path, by_variable: places.by_variable, state, motors, gears };
+    let (motors, gears) = places.builtin;
+    let builtin = BuiltinPlace { motors, gears, files: places.files, sha256: places.sha256.clone() };
+    document("catalog path", Paths { user, builtin })
+}
