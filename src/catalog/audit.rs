@@ -101,6 +101,7 @@ pub const CHECKS: &[MotorCheck] = &[
         compares: "the winding must warm up faster than the housing",
         run: thermal,
     },
+    MotorCheck { code: UNUSUAL, compares: "K_M against that of rows built alike at the same mass", run: beside_others },
 ];
 
 /// Runs every check over a catalogue, in the order of its rows.
@@ -541,6 +542,11 @@ fn rotor_inertia(motor: &Motor) -> Option<Outcome> {
         return None;
     }
     error(format!("rotor inertia is {} of the rotor's mass at the gap radius", number(ratio)), None)
+}
+
+/// What only other rows can tell: [`outliers`] does, over a whole catalogue.
+fn beside_others(_: &Motor) -> Option<Outcome> {
+    None
 }
 
 fn thermal(motor: &Motor) -> Option<Outcome> {

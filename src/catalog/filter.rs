@@ -86,7 +86,7 @@ impl Filter {
         let (name, value) = (text[..at].trim(), text[at + sign.len()..].trim());
         let column = column_of(name).unwrap_or(name);
         if value.is_empty() {
-            return Err(wrong(format!("nothing stands behind `{sign}`")));
+            return Err(wrong(format!("there is no value after `{sign}`")));
         }
         let motors = asked::<MotorRow>(column, *comparison, value);
         let gears = asked::<Gear>(column, *comparison, value);

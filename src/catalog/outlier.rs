@@ -61,8 +61,12 @@ pub fn outliers(catalog: &Catalog) -> Vec<Finding> {
         for (motor, point) in rows.iter().filter(|(_, point)| off(point).abs() > least) {
             let (factor, side) = (off(point).abs().exp(), if off(point) > 0.0 { "above" } else { "below" });
             let explanation = match off(point) > 0.0 {
-                true => "K_T, R or the mass may be in another unit or convention, or the mass that of the active parts",
-                false => "K_T, R or the mass may be in another unit or convention, or the mass that of a whole module",
+                true => {
+                    "an unusual motor, a mass of the active parts alone, or K_T, R or mass in another unit or convention"
+                }
+                false => {
+                    "an unusual motor, the mass of a whole module, or K_T, R or mass in another unit or convention"
+                }
             };
             found.push(Finding {
                 id: motor.id.clone(),

@@ -4,7 +4,7 @@ use super::{MADE, code, plain, table};
 use crate::catalog::convention::{
     BLOCK, BackEmfConvention, Commutation, CurrentConvention, Modulation, SpeedConstantConvention, Terminals, Winding,
 };
-use crate::catalog::row::{MotorRow, about, choices};
+use crate::catalog::row::{MotorRow, about, aliases_of, choices};
 use crate::catalog::{Gear, VERSION, fitted, gear_columns, motor_columns};
 use crate::effects::EFFECTS;
 use crate::input::TableAsked;
@@ -133,7 +133,8 @@ fn motors() -> String {
     format!(
         "\n## Motor catalogue (CSV)\n\nOne row for each motor, as its sheet prints it; the row says in which conventions, and the reader \
          converts to the power-invariant q axis. Blank is unknown, not zero. Every numeric column may have a `…_tolerance` next to it, in \
-         a unit of the same kind or in `%`.\n\n{}{}{}",
+         a unit of the same kind or in `%`. {}\n\n{}{}{}",
+        aliases(&shown),
         columns(&shown, of, choices::<MotorRow>),
         stated(
             &shown,
@@ -150,13 +151,27 @@ fn gears() -> String {
     let of = |name: &str| about::<Gear>(name).unwrap_or_default().to_string();
     format!(
         "\n## Gear catalogue (CSV)\n\nTorques, backlash and stiffness at the output; inertia and speed at the input. A gear without `efficiency` cannot be \
-         chosen.\n\n{}{}",
+         chosen. {}\n\n{}{}",
+        aliases(&all),
         columns(&all, of, choices::<Gear>),
         stated(
             &all,
             "A column may state at which side of the gear its numbers are, `inertia [kg*m^2 output]`: inertia, backlash and stiffness \
              are converted by the ratio, torque and speed are accepted at their own side only."
         )
+    )
+}
+
+/// Other names of columns.
+fn aliases(columns: &[Column]) -> String {
+    let of = |column: &Column| {
+        let others: Vec<String> = aliases_of(&column.name).map(code).collect();
+        (!others.is_empty()).then(|| format!("{} for {}", others.join(", "), code(&column.name)))
+    };
+    let all: Vec<String> = columns.iter().filter_map(of).collect();
+    format!(
+        "A column may have another name: {}. An alias says no convention and no unit; a column under two names is a mistake.",
+        all.join("; ")
     )
 }
 

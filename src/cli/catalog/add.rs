@@ -16,7 +16,7 @@ use crate::report::counted;
 #[command(
     before_help = "Examples:\n  gearwise catalog add my_motor.csv\n  gearwise catalog add my_motor.csv --to my_catalog.csv\n\n\
                    Rows are read as any catalogue is, and audited: a row that contradicts itself is not added unless it accepts the finding with a note. \
-                   What stands in the file stays as it is; rows come behind it, and columns that it lacks. An id that is there already is refused."
+                   What is in the file stays as it is; rows come behind it, and columns that it lacks. An id that is there already is refused."
 )]
 pub struct Arguments {
     /// Files with rows, CSV or TOML
@@ -144,14 +144,16 @@ fn check_beside(path: &Path, from: &[Arc<Source>]) -> Result<(), Failure> {
 /// Ids that are in the built-in catalogue too: the two cannot be read together.
 fn warn(changes: &[(PathBuf, String, Vec<String>)]) -> Result<(), Failure> {
     let builtin = Catalog::builtin()?;
+    let is_builtin =
+        |id: &&String| builtin.motors.iter().any(|m| m.id == **id) || builtin.gears.iter().any(|g| g.id == **id);
     for (path, _, ids) in changes {
-        for id in ids {
-            if builtin.motors.iter().any(|m| m.id == *id) || builtin.gears.iter().any(|g| g.id == *id) {
-                tell!(
-                    "warning: `{id}` is in the built-in catalogue too: `--also {}` will refuse the two together",
-                    path.display()
-                );
-            }
+        let both: Vec<&str> = ids.iter().filter(is_builtin).map(String::as_str).collect();
+        if !both.is_empty() {
+            tell!(
+                "warning: in the built-in catalogue too: {}; `--also {}` will refuse the two together",
+                both.join(", "),
+                path.display()
+            );
         }
     }
     Ok(())

@@ -17,7 +17,7 @@ use crate::words::nearest;
 #[command(
     before_help = "Examples:\n  gearwise catalog new motor\n  gearwise catalog new requirement --write requirement.toml\n  \
                    gearwise catalog new motor --set id=my-motor --set terminals=line_to_line --set current=phase_amplitude --set 'R=0.186 ohm' --set 'KV=100 rpm/V line_to_line_peak' --set source=sheet --set source_kind=datasheet\n\n\
-                   The values of a template are examples that work as they stand: replace them. A template of a design names requirement.toml and rules.toml, \
+                   The values of a template are examples that work unchanged: replace them. A template of a design names requirement.toml and rules.toml, \
                    which are what the templates of these are called."
 )]
 pub struct Arguments {
@@ -148,7 +148,7 @@ fn name_of(head: &str) -> &str {
 fn template<R: Row>(what: &str, cells: &[(&str, &str)]) -> String {
     let mut out = format!(
         "# gearwise catalogue {VERSION}\n# A {what} as its data sheet prints it: replace the example values, or add rows. A blank cell is unknown, not zero.\n\
-         # Units stand in the header, in brackets; any unit of the kind is accepted. Texts with commas need double quotes.\n\
+         # Units are in the header, in brackets; any unit of the kind is accepted. Texts with commas need double quotes.\n\
          # gearwise audit FILE says whether the row adds up; gearwise catalog add FILE puts it into your own catalogue.\n#\n"
     );
     let there: Vec<&str> = cells.iter().map(|(head, _)| name_of(head)).collect();
@@ -158,6 +158,7 @@ fn template<R: Row>(what: &str, cells: &[(&str, &str)]) -> String {
         let others: Vec<&str> = aliases_of(name).collect();
         let others = if others.is_empty() { String::new() } else { format!("; also headed {}", others.join(", ")) };
         let about = about::<R>(name).unwrap_or_default().replace('\\', "");
+        let about = about.trim().trim_end_matches('.');
         let stated = R::fields().iter().find(|f| f.name == *name).map(|f| f.states);
         let stated = match stated {
             Some(States::Convention(Convention::Resistance | Convention::Inductance)) => {
@@ -174,7 +175,7 @@ fn template<R: Row>(what: &str, cells: &[(&str, &str)]) -> String {
     out.push_str(&format!("# More columns: {}.\n", more.join(", ")));
     let has_tolerance = R::fields().iter().any(|f| f.tolerance.is_some());
     if has_tolerance {
-        out.push_str("# A number may have its ± beside it: torque_constant_tolerance [%].\n");
+        out.push_str("# A number may have a column with its ±: torque_constant_tolerance [%].\n");
     }
     let header: Vec<&str> = cells.iter().map(|(head, _)| *head).collect();
     out + &csv_text(&header, [cells.iter().map(|(_, cell)| (*cell).to_string()).collect()])

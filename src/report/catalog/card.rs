@@ -262,7 +262,7 @@ fn number_row<S>(field: &Field<S>, value: f64, tolerance: Option<f64>) -> Vec<St
 /// One row for each number and convention.
 fn conventions(card: &Card) -> Table {
     let columns =
-        vec![Column::name("column"), Column::name("convention"), Column::number("value", ""), Column::name("")];
+        vec![Column::name("column"), Column::name("convention"), Column::number("value", ""), Column::name("printed")];
     let mut last = "";
     let all = card.in_conventions();
     let rows = all.iter().map(|said| {
@@ -271,7 +271,7 @@ fn conventions(card: &Card) -> Table {
         let winding = said.winding.map_or_else(String::new, |w| format!(" if {}", word(Winding::NAMES, &w)));
         let column = if said.column == last { String::new() } else { said.column.to_string() };
         last = said.column;
-        let printed = if said.printed { "printed so" } else { "" };
+        let printed = if said.printed { "yes" } else { "" };
         vec![column, format!("{}{winding}", said.convention), value, printed.to_string()]
     });
     let rows: Vec<Vec<String>> = rows.collect();

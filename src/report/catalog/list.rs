@@ -130,12 +130,12 @@ fn motors(motors: &[&Motor]) -> Table {
         Column::name("built").dropped(3),
         Column::number("mass", "g"),
         Column::number("diameter", "mm").dropped(7),
-        Column::number("length", "mm").dropped(6),
+        Column::number("length", "mm").dropped(1),
         Column::number("K_T", "N*m/A"),
         Column::number("K_M", "N*m/W^0.5").dropped(8),
         Column::number("R", "ohm").dropped(4),
         Column::number("J_m", "g*cm^2").dropped(5),
-        Column::number("I_cont", "A").dropped(1),
+        Column::number("I_cont", "A").dropped(6),
     ];
     let mut table = Table::new(columns).also_in("`--csv`, `--json`");
     let unit = |value: Option<f64>, unit: &str| optional(value.map(|v| in_unit(v, unit)));

@@ -73,7 +73,7 @@ pub struct Number {
     pub unit: &'static str,
     /// Its ±, in the same unit.
     pub tolerance: Option<f64>,
-    /// What it states of itself beside its row: a convention.
+    /// What it states of itself that its row does not: a convention.
     pub states: Option<&'static str>,
 }
 

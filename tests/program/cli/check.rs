@@ -39,6 +39,8 @@ gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque
 motion = "knee.csv"
 [joint.limits]
 actuator_mass = "0.6 kg"
+outer_diameter = "90 mm"
+axial_length = "40 mm"
 reflected_inertia = "0.02 kg*m^2"
 torque_bandwidth = { frequency = "20 Hz", amplitude = "1 N*m" }
 winding_temperature = "110 degC"
@@ -81,6 +83,8 @@ const MOTOR: &[(&str, &str)] = &[
     ("motor_constant [N*m/W^0.5]", ""),
     ("rotor_inertia [g*cm^2]", "300"),
     ("mass [g]", "200"),
+    ("outer_diameter [mm]", "80"),
+    ("length [mm]", "30"),
     ("pole_pairs", "7"),
     ("continuous_current [A]", "12"),
     ("peak_current [A]", "40"),
@@ -203,6 +207,8 @@ fn breaking(code: &str) -> Case<'static> {
         "GW017" => robot(&[("\"10 A\"", "\"0.1 A\"")]),
         "GW018" => robot(&[("\"100 W\"", "\"none\"")]),
         "GW019" => robot(&[("\"0.6 kg\"", "\"0.3 kg\"")]),
+        "GW020" => robot(&[("\"90 mm\"", "\"60 mm\"")]),
+        "GW021" => robot(&[("\"40 mm\"", "\"20 mm\"")]),
         "GW030" => motor(&[("rotor_inertia", "")]),
         "GW031" => motor(&[("inductance", "")]),
         "GW032" => motor(&[("viscous_friction", "")]),

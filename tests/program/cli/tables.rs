@@ -601,11 +601,16 @@ fn no_command_folds_a_number_or_a_name() {
     for words in of_catalog {
         assert_nothing_folded(folder.0.path(), &[words, &catalog].concat());
     }
-    let others: [&[&str]; 10] = [
+    let others: [&[&str]; 15] = [
         &["rank", "catalog"],
         &["rank", "catalog", "--tolerance", "5%", "--sort", "mass_s_t"],
         &["rank", "catalog", "--sort", "k_m"],
         &["audit"],
+        &["catalog", "list", "--catalog", "catalog"],
+        &["catalog", "search", "maxon"],
+        &["catalog", "show", "t-motor-u8"],
+        &["catalog", "diff", "builtin", "catalog"],
+        &["catalog", "path"],
         &["rule"],
         &["rule", "GW106"],
         &["rule", "--measures"],
