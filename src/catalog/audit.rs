@@ -8,7 +8,7 @@
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
-use super::outlier::{CODE as UNUSUAL, outliers};
+use super::outlier::{CODE as UNUSUAL, Outlier, outliers};
 use super::row::{MotorRow, Row};
 use super::{Catalog, Gear, GearKind, Motor, Printed};
 use crate::words::number;
@@ -108,7 +108,15 @@ pub const CHECKS: &[MotorCheck] = &[
 pub fn audit(catalog: &Catalog) -> Vec<Finding> {
     let unusual = outliers(catalog);
     let of_row = |motor: &Motor| {
-        let beside = unusual.iter().filter(|f| f.id == motor.id).cloned().collect::<Vec<_>>();
+        let remark = |of: &Outlier| Finding {
+            id: of.id.clone(),
+            code: UNUSUAL,
+            severity: Severity::Note,
+            message: of.message.clone(),
+            explanation: Some(of.explanation.into()),
+            accepted: motor.accepted_findings.iter().any(|code| code == UNUSUAL),
+        };
+        let beside = unusual.iter().filter(|of| of.id == motor.id).map(remark).collect::<Vec<_>>();
         audit_motor(motor).into_iter().chain(beside).collect::<Vec<_>>()
     };
     let motors = catalog.motors.iter().flat_map(of_row);

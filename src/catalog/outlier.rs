@@ -1,6 +1,5 @@
 //! Motor constants that do not fit their mass: K_M of motors that are built alike grows with a power of the mass.
 
-use super::audit::{Finding, Severity};
 use super::{Catalog, Construction, Motor};
 use crate::words::number;
 
@@ -25,6 +24,17 @@ fn point(motor: &Motor) -> Option<(f64, f64)> {
     Some((motor.mass?.ln(), k_m.ln()))
 }
 
+/// A motor whose K_M does not fit its mass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outlier {
+    /// Its id.
+    pub id: String,
+    /// By how much, and beside what.
+    pub message: String,
+    /// What would explain it.
+    pub explanation: &'static str,
+}
+
 fn median(mut of: Vec<f64>) -> Option<f64> {
     of.sort_by(f64::total_cmp);
     let middle = of.len() / 2;
@@ -45,7 +55,7 @@ fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
 
 /// The remark on each motor whose K_M is far from what rows of the catalogue that are built alike have at its mass; of a
 /// construction with fewer than eight such rows there is none.
-pub fn outliers(catalog: &Catalog) -> Vec<Finding> {
+pub fn outliers(catalog: &Catalog) -> Vec<Outlier> {
     let mut found = Vec::new();
     for (word, construction) in Construction::NAMES {
         let alike = catalog.motors.iter().filter(|m| m.about.construction == Some(*construction));
@@ -68,10 +78,8 @@ pub fn outliers(catalog: &Catalog) -> Vec<Finding> {
                     "an unusual motor, the mass of a whole module, or K_T, R or mass in another unit or convention"
                 }
             };
-            found.push(Finding {
+            found.push(Outlier {
                 id: motor.id.clone(),
-                code: CODE,
-                severity: Severity::Note,
                 message: format!(
                     "K_M is a factor {} {side} that of the {} {word} rows here at {} kg, {} N*m/W^0.5",
                     number(factor),
@@ -79,8 +87,7 @@ pub fn outliers(catalog: &Catalog) -> Vec<Finding> {
                     number(point.0.exp()),
                     number((intercept + slope * point.0).exp()),
                 ),
-                explanation: Some(explanation.into()),
-                accepted: motor.accepted_findings.iter().any(|code| code == CODE),
+                explanation,
             });
         }
     }

@@ -16,7 +16,7 @@ use crate::report::counted;
 #[command(
     before_help = "Examples:\n  gearwise catalog add my_motor.csv\n  gearwise catalog add my_motor.csv --to my_catalog.csv\n\n\
                    Rows are read as any catalogue is, and audited: a row that contradicts itself is not added unless it accepts the finding with a note. \
-                   What is in the file stays as it is; rows come behind it, and columns that it lacks. An id that is there already is refused."
+                   What is now in the file stays as it is; rows come behind it, and columns that it lacks. An id that is there already is refused."
 )]
 pub struct Arguments {
     /// Files with rows, CSV or TOML

@@ -10,7 +10,7 @@ use crate::report::json;
 #[command(
     before_help = "Examples:\n  gearwise catalog list\n  gearwise catalog list motors maker=maxon 'mass<0.5kg'\n  gearwise catalog list gears kind=planetary 'ratio>=5'\n  gearwise catalog list motors 'Kt>0.1 N*m/A rms' --csv\n\n\
                    A filter is a column or another name of it, a comparison (= != < <= > >=) and a value with its unit. Texts are compared by = and !=, \
-                   capitals do not matter, and * is any text. Resistance, inductance, constants and currents are compared on the q axis, or in \
+                   capitals do not matter, and * matches any letters. Resistance, inductance, constants and currents are compared on the q axis, or in \
                    the convention behind the unit. A row whose value is not known is not listed; how many there are is said. Quote what has < or >.\n\n\
                    `--csv` writes a catalogue file."
 )]

@@ -17,7 +17,7 @@ use crate::words::nearest;
 #[command(
     before_help = "Examples:\n  gearwise catalog new motor\n  gearwise catalog new requirement --write requirement.toml\n  \
                    gearwise catalog new motor --set id=my-motor --set terminals=line_to_line --set current=phase_amplitude --set 'R=0.186 ohm' --set 'KV=100 rpm/V line_to_line_peak' --set source=sheet --set source_kind=datasheet\n\n\
-                   The values of a template are examples that work unchanged: replace them. A template of a design names requirement.toml and rules.toml, \
+                   The values of a template are examples that work without edits: replace them. A template of a design names requirement.toml and rules.toml, \
                    which are what the templates of these are called."
 )]
 pub struct Arguments {

@@ -47,13 +47,13 @@ pub fn text(places: &Places) -> String {
             format!("cannot be read: {}; `gearwise audit user` shows them", counted(mistakes, "mistake"))
         }
     };
-    let mut out = paragraph(&format!("user     {}", places.user.display()), 0, 9);
-    out += &paragraph(by, 9, 9);
-    out += &paragraph(&found, 9, 9);
+    let mut out = paragraph(&format!("user: {}", places.user.display()), 0, 2);
+    out += &paragraph(by, 2, 2);
+    out += &paragraph(&found, 2, 2);
     let (motors, gears) = places.builtin;
-    out += &paragraph(&format!("builtin  in the program itself: {}", counted(places.files, "file")), 0, 9);
-    out += &paragraph(&rows(motors, gears), 9, 9);
-    out += &paragraph(&format!("sha256 {}", places.sha256), 9, 9);
+    out += &paragraph(&format!("builtin: in the program itself, {}", counted(places.files, "file")), 0, 2);
+    out += &paragraph(&rows(motors, gears), 2, 2);
+    out += &paragraph(&format!("sha256 {}", places.sha256), 2, 2);
     out.push('\n');
     let line = "Both are words of `--catalog` and `--also`. `user` is never read unless it is named.";
     out + &paragraph(line, 0, 2)
