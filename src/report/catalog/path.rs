@@ -53,7 +53,9 @@ pub fn text(places: &Places) -> String {
     let (motors, gears) = places.builtin;
     out += &paragraph(&format!("builtin: in the program itself, {}", counted(places.files, "file")), 0, 2);
     out += &paragraph(&rows(motors, gears), 2, 2);
-    out += &paragraph(&format!("sha256 {}", places.sha256), 2, 2);
+    // As much as tells two versions apart, in a line of any width; JSON has all of it.
+    let start = places.sha256.get(..16).unwrap_or(&places.sha256);
+    out += &paragraph(&format!("sha256 {start}…"), 2, 2);
     out.push('\n');
     let line = "Both are words of `--catalog` and `--also`. `user` is never read unless it is named.";
     out + &paragraph(line, 0, 2)
