@@ -2,11 +2,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CatalogPaths, Done, Failure, Output};
+use super::{Call, CatalogPaths, Done, Failure, Html, Output};
 use crate::measured::{characterize, read};
 use crate::output;
 use crate::report::plot::{self, Format, characterize as pictures};
-use crate::report::{characterize as report, json};
+use crate::report::{characterize as report, html, json};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -23,12 +23,15 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     plot: Option<PathBuf>,
     #[command(flatten)]
+    html: Html,
+    #[command(flatten)]
     catalog: CatalogPaths,
     #[command(flatten)]
     output: Output,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
     if let Some(path) = &arguments.plot {
         Format::of(path).map_err(Failure::Argument)?;
     }
@@ -50,6 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         plot::write(&pictures::figure(&bench, &result), path).map_err(Failure::Argument)?;
         written.push(format!("The tests are drawn in {}.", path.display()));
     }
+    arguments.html.write(call, || bench.files.clone(), || html::characterize::page(&bench, &result))?;
     if let Some(path) = &arguments.write {
         match report::row_csv(&result.row) {
             Ok(text) => {

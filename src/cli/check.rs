@@ -3,10 +3,11 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::{CatalogChoice, Done, Failure, Set};
+use super::{Call, CatalogChoice, Done, Failure, Html, Set};
 use crate::input::{InputError, Problem, Source};
 use crate::output;
 use crate::report::check::{github, input, junit, sarif, text};
+use crate::report::html;
 use crate::report::json_text;
 use crate::requirement::DesignFile;
 use crate::rules::file::{RulesFile, read};
@@ -42,6 +43,8 @@ pub struct Arguments {
     /// Write SARIF 2.1.0; places are relative to the folder the program runs in
     #[arg(long, value_name = "FILE")]
     sarif: Option<PathBuf>,
+    #[command(flatten)]
+    html: Html,
     /// Write the lock of the catalogue rows next to the design where there is none; an existing one is always compared
     #[arg(long)]
     lock: bool,
@@ -50,8 +53,9 @@ pub struct Arguments {
     update_lock: bool,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
-    let result = checked(arguments);
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
+    let result = checked(arguments, call);
     match &result {
         Err(Failure::Input(errors)) => wrong_input(arguments, errors)?,
         // What is wrong with the input as a whole has no place in a file: it stands at the design.
@@ -83,7 +87,7 @@ fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failu
     super::print(&text).map_err(not_printed)
 }
 
-fn checked(arguments: &Arguments) -> Result<Done, Failure> {
+fn checked(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let settings = arguments.set.settings()?;
     if arguments.design.as_os_str() == Source::STDIN && (arguments.lock || arguments.update_lock) {
         return Err(Failure::Argument("a lock is a file next to the design: give a file in place of `-`".into()));
@@ -113,6 +117,12 @@ fn checked(arguments: &Arguments) -> Result<Done, Failure> {
     };
     write(&arguments.junit, &|| junit::text(&report, arguments.strict))?;
     write(&arguments.sarif, &|| json_text(&sarif::json(&report, &root)))?;
+    let inputs = || {
+        let files = [Some(&design.source), Some(&design.requirement), rules.source.as_ref(), lock.as_ref()];
+        let files = files.into_iter().flatten().map(|source| source.file());
+        files.chain(design.robot.files()).chain(catalog.files()).collect()
+    };
+    arguments.html.write(call, inputs, || html::check::page(&report, arguments.strict))?;
     if let Some(text) = written {
         output::write_whole(&lock_path, text.as_bytes()).map_err(Failure::Argument)?;
         tell!("wrote {}", lock_path.display());

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Done, Failure};
+use super::{Call, Done, Failure, Html};
 use crate::study::StudyError;
 use crate::study::assemble::{Shards, assemble};
 use crate::study::journal::Lock;
@@ -27,9 +27,12 @@ pub struct Arguments {
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    html: Html,
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
     let out = &arguments.out;
     let there = output::FILES.iter().find(|f| out.join(f).exists());
     if let (Some(file), false) = (there, arguments.force) {
@@ -42,6 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let shards = Shards::open(&arguments.shards)?;
     let _lock = Lock::take(out)?;
     let summary = assemble(&shards, out).map_err(|e: StudyError| Failure::from(e))?;
+    super::study::page_of(&arguments.html, call, out, &summary)?;
     let text =
         if arguments.json { report::json_text(&summary) } else { super::study::written(out, report::text(&summary)) };
     Ok(Done { text, satisfied: summary.broken == 0 })

@@ -316,6 +316,11 @@ struct Html {
 }
 
 impl Html {
+    /// Whether a page is to be written.
+    fn is_asked(&self) -> bool {
+        self.html.is_some()
+    }
+
     /// Checks the file's name before any work is done.
     fn check(&self) -> Result<(), Failure> {
         self.html.as_deref().map_or(Ok(()), html::check).map_err(Failure::Argument)
@@ -480,17 +485,17 @@ fn answer(command: &Command, call: &Call) -> Result<Done, Failure> {
         Command::Optimize(arguments) => optimize::run(arguments, call),
         Command::Explain(arguments) => explain::run(arguments, call),
         Command::Sweep(arguments) => sweep::run(arguments, call),
-        Command::Study(arguments) => study::run(arguments),
-        Command::Merge(arguments) => merge::run(arguments),
+        Command::Study(arguments) => study::run(arguments, call),
+        Command::Merge(arguments) => merge::run(arguments, call),
         Command::Rank(arguments) => rank::run(arguments, call),
         Command::Compare(arguments) => compare::run(arguments, call),
         Command::Catalog(arguments) => catalog::run(arguments),
         Command::Audit(arguments) => audit::run(arguments, call),
-        Command::Check(arguments) => check::run(arguments),
+        Command::Check(arguments) => check::run(arguments, call),
         Command::Rule(arguments) => rule::run(arguments),
         Command::Identify(arguments) => identify::run(arguments, call),
         Command::Torques(arguments) => torques::run(arguments),
-        Command::Characterize(arguments) => characterize::run(arguments),
+        Command::Characterize(arguments) => characterize::run(arguments, call),
         Command::Export(arguments) => export::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Man(arguments) => man::run(arguments, self::command()),

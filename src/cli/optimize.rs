@@ -41,7 +41,7 @@ pub struct Arguments {
     #[arg(long, value_name = "A,B")]
     pareto: Option<String>,
     /// Designs that keep all limits over the motors' tolerances, and how likely the first choice stays first
-    #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot", "html"])]
+    #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot"])]
     robust: bool,
     /// Tolerance (±, 95 %) of every number whose row states none, e.g. 5%, with --robust; temperatures have none
     #[arg(long, value_name = "PERCENT", requires = "robust")]
@@ -166,6 +166,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         let joints = robust(robot, &catalog, options)?;
         work.end();
         let satisfied = joints.iter().all(|j| !j.designs.is_empty());
+        let inputs = || [robot.files(), catalog.files()].concat();
+        arguments.html.write(call, inputs, || html::robust::page(robot, &joints))?;
         let text = arguments.output.choose(
             || super::told_set(robot) + &robust_report::text(robot, &joints, arguments.top, tolerance),
             || json::robust::json(robot, &joints, tolerance),

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::progress::Telling;
-use super::{CatalogChoice, Done, Failure, Set};
+use super::{Call, CatalogChoice, Done, Failure, Html, Set};
 use crate::catalog::Catalog;
 use crate::input::Source;
 use crate::report::number;
@@ -19,7 +19,7 @@ use crate::study::plan::{Hashed, Inputs};
 use crate::study::run::{Existing, Study, Watch, prepare, run as work};
 use crate::study::text as report;
 use crate::study::worker::Broken;
-use crate::study::{Settings, Shard, StudyError};
+use crate::study::{Settings, Shard, StudyError, Summary, page};
 
 /// Arguments of the command.
 #[derive(Debug, Args)]
@@ -59,6 +59,8 @@ pub struct Arguments {
     #[command(flatten)]
     set: Set,
     #[command(flatten)]
+    html: Html,
+    #[command(flatten)]
     catalog: CatalogChoice,
 }
 
@@ -82,7 +84,12 @@ impl From<StudyError> for Failure {
     }
 }
 
-pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    arguments.html.check()?;
+    if arguments.shard.is_some() && arguments.html.is_asked() {
+        let why = "a shard is a part of a study and has no page: `gearwise merge --html` writes that of the whole";
+        return Err(Failure::Argument(why.into()));
+    }
     let shard = match &arguments.shard {
         None => Shard::WHOLE,
         Some(text) => Shard::parse(text).map_err(|e| Failure::Argument(format!("`--shard`: {e}")))?,
@@ -128,7 +135,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         _ => Existing::Refuse,
     };
     let out = &arguments.out;
-    let Some(journal) = prepare(&study, out, existing)? else { return finished_before(arguments) };
+    let Some(journal) = prepare(&study, out, existing)? else { return finished_before(arguments, call) };
     let robots = watched(arguments, &study, &journal)?;
     if arguments.shard.is_some() {
         let broken = broken_of(&journal)?;
@@ -137,6 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let shards = Shards::whole(journal);
     let summary = assemble(&shards, out)?;
+    page_of(&arguments.html, call, out, &summary)?;
     if summary.broken == 0 {
         Journal::remove(out)?;
     } else {
@@ -192,13 +200,32 @@ pub(super) fn written(out: &Path, text: String) -> String {
     format!("{text}\n{}", crate::report::table::paragraph(&files, 0, 2))
 }
 
+/// Writes the page of a finished study, where one is asked for.
+pub(super) fn page_of(html: &Html, call: &Call, out: &Path, summary: &Summary) -> Result<(), Failure> {
+    if !html.is_asked() {
+        return Ok(());
+    }
+    let manifest = output::read_manifest(out)?;
+    let Some(manifest) = manifest else {
+        return Err(Failure::Argument(format!("`{}` has no finished study", out.display())));
+    };
+    let page = page::page(out, summary, &manifest)?;
+    html.write(call, || page::inputs(&manifest), || page)
+}
+
 /// The results are there, of this very study.
-fn finished_before(arguments: &Arguments) -> Result<Done, Failure> {
+fn finished_before(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     tell!("the study in `{}` is finished already", arguments.out.display());
     // A journal is kept where robots are broken, so here none is.
     let path = arguments.out.join("summary.json");
     let text = std::fs::read_to_string(&path)
         .map_err(|e| Failure::Argument(format!("cannot read `{}`: {e}", path.display())))?;
+    if arguments.html.is_asked() {
+        let summary: Summary = serde_json::from_str(&text).map_err(|_| {
+            Failure::Argument(format!("`{}` is not the summary of a study of this version", path.display()))
+        })?;
+        page_of(&arguments.html, call, &arguments.out, &summary)?;
+    }
     let manifest = output::read_manifest(&arguments.out)?;
     let satisfied = manifest.as_ref().is_some_and(|m| m.broken == 0);
     let robots = manifest.map_or(0, |m| m.plan.robots);

@@ -16,7 +16,7 @@ use crate::measured::characterize::row::Row;
 use crate::measured::characterize::{Characterization, Finding, Outcome, Weight};
 use crate::words::handy::handy;
 
-fn share(relative: f64) -> String {
+pub(super) fn share(relative: f64) -> String {
     let percent = 100.0 * relative;
     match percent {
         p if !p.is_finite() => "–".into(),
@@ -27,7 +27,7 @@ fn share(relative: f64) -> String {
 }
 
 /// A number with its ± of 95 %: as many digits as two of the ± need.
-fn value(e: &Estimate, unit: &'static str) -> String {
+pub(super) fn value(e: &Estimate, unit: &'static str) -> String {
     let half = e.half_width();
     let (scaled, unit) = handy(e.value, unit);
     let half = if e.value == 0.0 { half } else { half * scaled / e.value };

@@ -290,16 +290,26 @@ pub fn metric_cell(metric: &Metric, motor: &Motor) -> String {
     optional(metric.value(motor).map(|value| in_unit(value, metric.unit)))
 }
 
-/// Headings of the figures and metrics that tables of pages show; a page leaves a column without an entry out.
-pub fn of_pages() -> Vec<String> {
-    let figures = FIGURES.iter().map(|figure| table::Column::number(figure.heading, figure.unit));
-    let metrics = file_metrics().map(|metric| table::Column::number(metric.symbol, metric.unit));
+/// Headings of the figures and metrics that tables of pages show at once (those of a terminal's tables), or of all others;
+/// a page leaves a column without an entry out.
+pub fn of_pages(at_once: bool) -> Vec<String> {
+    let figures = figures_of_pages(at_once).map(|figure| table::Column::number(figure.heading, figure.unit));
+    let metrics = metrics_of_pages(at_once).map(|metric| table::Column::number(metric.symbol, metric.unit));
     figures.chain(metrics).map(|column| column.of_page()).collect()
 }
 
 /// Their cells: blank where it is not known.
-pub fn cells_of_pages(facts: &Facts) -> Vec<String> {
-    let figures = FIGURES.iter().map(|figure| figure.shown(facts));
-    let metrics = file_metrics().map(|m| m.value(facts.motor).map(|value| in_unit(value, m.unit)));
+pub fn cells_of_pages(at_once: bool, facts: &Facts) -> Vec<String> {
+    let figures = figures_of_pages(at_once).map(|figure| figure.shown(facts));
+    let metrics = metrics_of_pages(at_once).map(|m| m.value(facts.motor).map(|value| in_unit(value, m.unit)));
     figures.chain(metrics).map(|value| value.map_or_else(String::new, super::number)).collect()
+}
+
+fn figures_of_pages(at_once: bool) -> impl Iterator<Item = &'static Figure> {
+    FIGURES.iter().filter(move |figure| figure.in_tables.is_some() == at_once)
+}
+
+/// Metrics are of the motor alone: they come after what the design is about.
+fn metrics_of_pages(at_once: bool) -> impl Iterator<Item = &'static Metric> {
+    file_metrics().filter(move |_| !at_once)
 }

@@ -64,12 +64,12 @@ pub fn text(choice: &Choice) -> String {
     out
 }
 
-fn unit(choice: &Choice) -> &'static str {
+pub(super) fn unit(choice: &Choice) -> &'static str {
     if choice.total.unit == "1" { "" } else { choice.total.unit }
 }
 
 /// What is minimised over the robot.
-fn aim(choice: &Choice) -> String {
+pub(super) fn aim(choice: &Choice) -> String {
     match choice.total.relative {
         true => "least sum of objectives, each over the best that its joint could have alone (they minimise different things)".into(),
         false => format!("least {} summed over all joints", choice.total.name),
@@ -77,7 +77,7 @@ fn aim(choice: &Choice) -> String {
 }
 
 /// What the combination had to keep, and how power was added up.
-fn kept(choice: &Choice) -> String {
+pub(super) fn kept(choice: &Choice) -> String {
     let (robot, mut parts) = (choice.robot, Vec::new());
     if let Some(mass) = robot.budget.actuator_mass {
         parts.push(format!("actuators of at most {} kg", number(mass)));
@@ -114,7 +114,7 @@ fn kept(choice: &Choice) -> String {
     format!("{} ({alone})", parts.join("; "))
 }
 
-fn name(design: &Design) -> String {
+pub(super) fn name(design: &Design) -> String {
     let gear = design.gear.map_or_else(String::new, |g| format!(" + {g}"));
     format!("{}{gear}", design.motor.id)
 }
@@ -142,7 +142,7 @@ fn designs(robot: &Robot, best: &Combination) -> String {
     out
 }
 
-fn sums(choice: &Choice, combination: &Combination) -> String {
+pub(super) fn sums(choice: &Choice, combination: &Combination) -> String {
     let mut text = format!("{} {} {}", choice.total.name, number(combination.objective), unit(choice));
     text = text.trim_end().to_string();
     match combination.mass {
@@ -162,7 +162,7 @@ fn sums(choice: &Choice, combination: &Combination) -> String {
     text
 }
 
-fn proof(choice: &Choice) -> String {
+pub(super) fn proof(choice: &Choice) -> String {
     let proof = &choice.proof;
     let gap = proof.gap.unwrap_or(f64::INFINITY);
     if proof.certified() {
@@ -178,7 +178,7 @@ fn proof(choice: &Choice) -> String {
 }
 
 /// In which joints another combination differs.
-fn differences(robot: &Robot, best: &Combination, other: &Combination) -> String {
+pub(super) fn differences(robot: &Robot, best: &Combination, other: &Combination) -> String {
     let pairs = robot.joints.iter().zip(best.joints.iter().zip(&other.joints));
     let changed = pairs.filter(|(_, (a, b))| name(a) != name(b));
     let list: Vec<String> = changed.map(|(j, (_, b)): (&Joint, _)| format!("{}: {}", j.name, name(b))).collect();
@@ -202,7 +202,7 @@ fn budget_now(robot: &Robot, budget: &str) -> Option<f64> {
 }
 
 /// The joint question of a budget: what a step more or less of it is worth.
-fn change_text(choice: &Choice, best: &Combination, change: &Change) -> String {
+pub(super) fn change_text(choice: &Choice, best: &Combination, change: &Change) -> String {
     let now = budget_now(choice.robot, change.budget).unwrap_or(f64::NAN);
     let step = change.value - now;
     let word = if step > 0.0 { "more" } else { "less" };
@@ -224,38 +224,46 @@ fn change_text(choice: &Choice, best: &Combination, change: &Change) -> String {
 }
 
 fn wanting_text(choice: &Choice) -> String {
-    let proved = match choice.proof.certified() {
-        true => "NO combination keeps all of this.",
-        false => "No combination was found that keeps all of this; that there is none is not proved.",
-    };
-    let mut out = paragraph(proved, 2, 4);
-    if choice.wanting.is_empty() {
-        let line = "with any one of the budgets given up none was found either";
-        out.push_str(&format!("    {}\n", wrap(line, 6)));
-    }
-    for wanting in &choice.wanting {
-        let line = match wanting {
-            Wanting::Joints(names) => match choice.unjudged.is_empty() {
-                true => format!("no motor of the catalogue can do: {}", names.join(", ")),
-                false => format!("no motor that can be judged can do: {}", names.join(", ")),
-            },
-            Wanting::Mass(mass) => format!(
-                "it can be done with {} kg of actuators, not with less (budget {} kg)",
-                number(*mass),
-                optional(choice.robot.budget.actuator_mass)
-            ),
-            Wanting::Motors(motors) => {
-                format!("it can be done with {}, not with fewer", different_motors(*motors))
-            }
-            Wanting::Power(least, draws) => format!(
-                "without the limit on power the best draws {} W at its worst; of the combinations tried none can do \
-                 with less than {} W (budget {} W)",
-                number(*draws),
-                number(*least),
-                optional(choice.robot.shared_power())
-            ),
-        };
+    let mut out = paragraph(no_combination(choice), 2, 4);
+    for line in wanting_lines(choice) {
         out.push_str(&format!("    {}\n", wrap(&line, 6)));
     }
     out
+}
+
+/// That there is no combination, as sure as it is.
+pub(super) fn no_combination(choice: &Choice) -> &'static str {
+    match choice.proof.certified() {
+        true => "NO combination keeps all of this.",
+        false => "No combination was found that keeps all of this; that there is none is not proved.",
+    }
+}
+
+/// What would have to be given for there to be one, each by itself.
+pub(super) fn wanting_lines(choice: &Choice) -> Vec<String> {
+    let line = |wanting: &Wanting| match wanting {
+        Wanting::Joints(names) => match choice.unjudged.is_empty() {
+            true => format!("no motor of the catalogue can do: {}", names.join(", ")),
+            false => format!("no motor that can be judged can do: {}", names.join(", ")),
+        },
+        Wanting::Mass(mass) => format!(
+            "it can be done with {} kg of actuators, not with less (budget {} kg)",
+            number(*mass),
+            optional(choice.robot.budget.actuator_mass)
+        ),
+        Wanting::Motors(motors) => {
+            format!("it can be done with {}, not with fewer", different_motors(*motors))
+        }
+        Wanting::Power(least, draws) => format!(
+            "without the limit on power the best draws {} W at its worst; of the combinations tried none can do \
+             with less than {} W (budget {} W)",
+            number(*draws),
+            number(*least),
+            optional(choice.robot.shared_power())
+        ),
+    };
+    if choice.wanting.is_empty() {
+        return vec!["with any one of the budgets given up none was found either".into()];
+    }
+    choice.wanting.iter().map(line).collect()
 }

@@ -14,7 +14,7 @@ use crate::requirement::Robot;
 /// What stands beside a motor whose row has no tolerance.
 const NOMINAL: &str = "no tolerances in the catalogue: nominal";
 
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     match share {
         0.0 => "0 %".into(),
         1.0 => "100 %".into(),
@@ -22,7 +22,7 @@ fn percent(share: f64) -> String {
     }
 }
 
-fn tolerances_text(all: &[Toleranced]) -> String {
+pub(super) fn tolerances_text(all: &[Toleranced]) -> String {
     if all.is_empty() {
         return NOMINAL.into();
     }
@@ -112,7 +112,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
 }
 
 /// What could not be checked and what was assumed of the first designs, each with the places that it is true of.
-fn notes(result: &RobustJoint, top: usize) -> BTreeMap<String, Vec<String>> {
+pub(super) fn notes(result: &RobustJoint, top: usize) -> BTreeMap<String, Vec<String>> {
     let mut notes: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for (place, design) in result.designs.iter().take(top).enumerate() {
         for note in super::unjudged::sentences(&design.unchecked, &design.assumed) {

@@ -14,6 +14,7 @@ pub mod file;
 pub mod grid;
 pub mod journal;
 pub mod output;
+pub mod page;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub mod plan;

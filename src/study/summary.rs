@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::columns;
 use super::effects::{Effect, FirstChoice};
@@ -16,7 +16,7 @@ const MOST_JOINTS: usize = 256;
 const OTHERS: &str = "(other joints)";
 
 /// What a study says as a whole.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Summary {
     /// Robots.
     pub robots: u64,
@@ -33,7 +33,7 @@ pub struct Summary {
 }
 
 /// All joints of one name.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct JointSummary {
     /// Their name.
     pub joint: String,
@@ -54,7 +54,7 @@ pub struct JointSummary {
 }
 
 /// How one motor fares at the joints of one name.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MotorSummary {
     /// Its id.
     pub motor: String,

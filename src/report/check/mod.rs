@@ -25,7 +25,7 @@ pub fn relative(file: &str, root: &Path) -> String {
 }
 
 /// The SI unit of a finding's numbers, by its subject; `1` for a pure number.
-pub(super) fn unit_of(subject: &str) -> &'static str {
+pub(in crate::report) fn unit_of(subject: &str) -> &'static str {
     let limit = LIMITS.iter().find(|l| l.name == subject).map(|l| l.unit);
     let measured = || measure(subject).map(|m| m.kind.map_or(m.unit, |kind| kind.si));
     limit.or_else(measured).unwrap_or("1")

@@ -8,12 +8,12 @@ use crate::rules::lock::LockState;
 use crate::rules::{Finding, Location, Report, Severity, Test, rule};
 
 /// A place as editors open it.
-fn place(location: &Location) -> String {
+pub(in crate::report) fn place(location: &Location) -> String {
     format!("{}:{}:{}", printable(&location.file), location.line, location.column)
 }
 
 /// Names of files and catalogues cannot drive the terminal.
-fn printable(text: &str) -> String {
+pub(in crate::report) fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
@@ -68,7 +68,7 @@ pub fn text(report: &Report, strict: bool) -> String {
 }
 
 /// Whether two findings say the same of two joints: of the row of a motor that both have.
-fn is_same(a: &Finding, b: &Finding) -> bool {
+pub(in crate::report) fn is_same(a: &Finding, b: &Finding) -> bool {
     a.rule == b.rule && a.message == b.message && a.severity == b.severity && a.reason == b.reason && a.help == b.help
 }
 
@@ -138,7 +138,7 @@ fn story(report: &Report, finding: &Finding, joints: &str) -> String {
 }
 
 /// What counts as kept as far as something holds, each with the joints that it is true of.
-fn assumed(report: &Report) -> BTreeMap<String, Vec<String>> {
+pub(in crate::report) fn assumed(report: &Report) -> BTreeMap<String, Vec<String>> {
     let mut all: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for facts in &report.facts.joints {
         let Ok(examined) = &facts.examined else { continue };
@@ -150,7 +150,7 @@ fn assumed(report: &Report) -> BTreeMap<String, Vec<String>> {
 }
 
 /// Rules with bounds that could be judged nowhere or not at some joints.
-fn not_judged(report: &Report) -> Vec<String> {
+pub(in crate::report) fn not_judged(report: &Report) -> Vec<String> {
     let mut lines = Vec::new();
     for (index, applied) in report.rules.iter().enumerate() {
         let bounds = rule(&applied.code).is_none_or(|r| matches!(r.test, Test::Bounds { .. }));
@@ -166,7 +166,7 @@ fn not_judged(report: &Report) -> Vec<String> {
     lines
 }
 
-fn summary(report: &Report, strict: bool) -> String {
+pub(in crate::report) fn summary(report: &Report, strict: bool) -> String {
     let count = |severity, word: &str| {
         let n = report.count(severity);
         format!("{n} {word}{}", if n == 1 { "" } else { "s" })

@@ -34,6 +34,9 @@ pub fn page(catalog: &Catalog, findings: &[Finding]) -> Page {
             crate::words::counted(catalog.gears.len(), "gear")
         ),
         verdict: Verdict::from(errors == 0),
+        asked: vec![Part::Text(
+            "Whether the numbers of each row agree with each other, by the conventions that the row states.".into(),
+        )],
         headline,
         summary: vec![Part::Text(format!(
             "{}, {accepted} explained by the row's note, {}.",

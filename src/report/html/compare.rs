@@ -33,6 +33,10 @@ pub fn page(comparison: &Comparison) -> Page {
     Page {
         command: "compare",
         title: format!("{} and {}", a.id, b.id),
+        asked: vec![Part::Text(format!(
+            "What no ratio changes of {} and {}, both at the same inertia at the output, and how fast each answers.",
+            a.id, b.id
+        ))],
         headline: faster(comparison).unwrap_or_else(unknown),
         sections,
         warnings,

@@ -77,6 +77,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         command: "explain",
         title: format!("{}: {}{gear} at N = {}", joint.name, motor.id, number(e.ratio)),
         verdict: Verdict::from(story.is_choice()),
+        asked: super::asked::parts(robot, &[joint]),
         headline: format!("At {}, {} at N = {}{gear} {verdict}.", joint.name, motor.id, number(e.ratio)),
         summary,
         sections,

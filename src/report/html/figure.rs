@@ -165,5 +165,8 @@ fn series(series: &Series, ids: &mut Ids) -> Value {
     if !series.along.is_empty() {
         put("along", json!(series.along));
     }
+    if series.hollow {
+        put("hollow", json!(true));
+    }
     Value::Object(object)
 }

@@ -28,7 +28,6 @@ pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, r
     let rows = refused(reports).into_iter().map(|(r, _)| vec![r.name.clone(), r.reason.clone()]);
     let table = Table::new("Effects that were not added", &["effect", "because"]).rows(rows);
     sections.extend(table.part().map(|part| Section::new("Not added, and why", vec![part])));
-    sections.push(Section::new("Logs", vec![Part::Table(logs(bench))]));
     let mut runs: Vec<String> = Vec::new();
     for run in reports.iter().flat_map(|r| &r.next_runs) {
         if !runs.contains(run) {
@@ -48,6 +47,12 @@ pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, r
         command: "identify",
         title: format!("{}: {what}", bench.name),
         verdict: Verdict::Information,
+        asked: vec![
+            Part::Text(
+                "What the model of this actuator lacks, by the bench's logs, each of which gives its part.".into(),
+            ),
+            Part::Table(logs(bench)),
+        ],
         headline: sentence(bench, reports),
         summary,
         sections,

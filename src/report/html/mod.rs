@@ -8,13 +8,18 @@
 mod figure;
 mod render;
 
+mod asked;
 pub mod audit;
+pub mod characterize;
+pub mod check;
 pub mod compare;
 pub mod explain;
 pub mod identify;
 pub mod optimize;
 pub mod pareto;
 pub mod rank;
+mod robot;
+pub mod robust;
 pub mod sweep;
 mod unjudged;
 
@@ -56,6 +61,8 @@ pub struct Page {
     pub title: String,
     /// Whether what was asked is satisfied.
     pub verdict: Verdict,
+    /// What was asked, with which the page begins.
+    pub asked: Vec<Part>,
     /// The answer in a sentence that a user can act on.
     pub headline: String,
     /// What stands under the headline, first the most important.
@@ -110,6 +117,8 @@ pub struct Table {
     pub caption: String,
     /// Its columns.
     pub columns: Vec<Column>,
+    /// How many of its columns, from the first, are shown at once; the others where they are asked for. 0: all.
+    pub main: usize,
     /// Its rows, in the order in which they are first shown.
     pub rows: Vec<Row>,
 }
@@ -148,7 +157,7 @@ impl Table {
             };
             Column { name: name.into(), unit: plot::unit(unit), number }
         };
-        Table { caption: caption.into(), columns: header.iter().map(column).collect(), rows: Vec::new() }
+        Table { caption: caption.into(), columns: header.iter().map(column).collect(), main: 0, rows: Vec::new() }
     }
 
     /// A table with the columns of a text table.
@@ -164,6 +173,12 @@ impl Table {
         self
     }
 
+    /// With so many columns shown at once, the others where they are asked for.
+    #[must_use]
+    pub fn mainly(self, main: usize) -> Table {
+        Table { main, ..self }
+    }
+
     /// Adds a row about a motor.
     pub fn push(&mut self, id: &str, cells: Vec<String>) {
         self.rows.push(Row { id: id.into(), cells, faint: false });
@@ -173,6 +188,16 @@ impl Table {
     pub fn part(self) -> Option<Part> {
         (!self.rows.is_empty()).then_some(Part::Table(self))
     }
+}
+
+/// A part that is closed at first; nothing where there is nothing in it.
+fn folded(title: &str, part: Option<Part>) -> Option<Part> {
+    part.map(|part| Part::Folded(title.into(), Box::new(part)))
+}
+
+/// What of a motor is estimated, for a cell; blank where nothing is.
+fn estimated(motor: &crate::catalog::Motor) -> String {
+    motor.estimates.iter().map(|e| e.of.words()).collect::<Vec<_>>().join(", ")
 }
 
 /// One group of a figure as a part.

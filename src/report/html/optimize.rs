@@ -1,17 +1,18 @@
 //! The page of the choice for each joint.
 
-use super::{Page, Part, Section, Table, Verdict, group_of};
+use super::{Page, Part, Section, Table, Verdict, asked, estimated, group_of, robot as robot_page};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Catalog;
+use crate::design::Evaluation;
 use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
-    asks_for_nothing, bind_text, budget_lines, choice_text, margin_text, notes, proof, ratio_text, reason_text,
-    verdict, without_choice,
+    asks_for_nothing, bind_text, budget_lines, choice_text, notes, proof, ratio_text, reason_text, verdict,
+    without_choice,
 };
 use crate::report::plot::design as plot;
-use crate::report::{columns, different_motors, number, optional, robot as robot_report, spring};
+use crate::report::{columns, different_motors, number, optional, spring};
 use crate::requirement::{Course, Joint, RatioChoice};
 
 /// The page.
@@ -54,7 +55,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
     let mut summary = vec![Part::Table(choices(result, whole))];
     match whole {
         // The budgets are those of the combination, not of the first choices.
-        Some(whole) => summary.push(Part::Plain(robot_report::text(whole).trim_end().to_string())),
+        Some(whole) => summary.extend(robot_page::parts(whole)),
         None => summary.extend(budget(result).into_iter().map(Part::Text)),
     }
     let figure = plot::optimized(result, catalog);
@@ -75,6 +76,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
         command: "optimize",
         title: robot.name.clone(),
         verdict: Verdict::from(whole.map_or_else(|| result.satisfied(), |whole| !whole.combinations.is_empty())),
+        asked: asked::of_robot(robot),
         headline,
         summary,
         sections,
@@ -87,16 +89,19 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
 fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
     let header = [
         "joint",
-        ">count",
+        ">×",
         "choice",
         "motor",
         "gear",
         ">N",
         ">loss [W]",
-        ">J [kg*m^2]",
         ">mass [kg]",
-        "tightest margin",
+        ">J [kg*m^2]",
+        "tightest",
+        ">margin [%]",
+        "estimated",
         ">not checked",
+        "proof",
         "spring",
     ];
     let mut table = Table::new("First choices", &header);
@@ -107,9 +112,10 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
             let e = &design.evaluation;
             let mut cells = name();
             cells.extend([what.into(), design.motor.id.clone(), design.gear.unwrap_or("").into()]);
-            cells.extend([number(e.ratio), number(e.loss), number(e.reflected_inertia), optional(e.mass)]);
-            cells.push(e.tightest().map_or_else(|| "–".into(), margin_text));
-            cells.push(design.unchecked.len().to_string());
+            cells.extend([number(e.ratio), number(e.loss), optional(e.mass), number(e.reflected_inertia)]);
+            cells.extend(tightest(e));
+            cells.extend([estimated(design.motor), design.unchecked.len().to_string()]);
+            cells.push(proof(&design.optimum.certificate));
             cells.push(design.spring.as_ref().map_or_else(String::new, |s| spring::text(s, e.loss)));
             table.push(&design.motor.id, cells);
         };
@@ -133,6 +139,15 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
         }
     }
     table
+}
+
+/// The limit that leaves least, and what it leaves \[%\].
+pub(super) fn tightest(e: &Evaluation) -> [String; 2] {
+    let tightest = e.tightest();
+    [
+        tightest.map_or_else(|| "–".into(), |m| m.limit.into()),
+        tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)),
+    ]
 }
 
 /// What stands in place of a choice.
@@ -238,49 +253,54 @@ fn candidates(result: &JointResult, names: &str) -> Table {
         unit => format!(">{} [{unit}]", joint.goal()),
     };
     let mut header = vec![">#", "motor"];
-    header.push(if geared { "gear" } else { ">N from" });
+    header.extend(geared.then_some("gear"));
     header.push(if geared { ">N" } else { ">N*" });
-    if !geared {
-        header.push(">N to");
-    }
     // A single quantity is a figure like any other.
     let own_column = joint.objective.sole().is_none();
     if own_column {
         header.push(&goal);
     }
-    let figures = columns::of_pages();
-    header.extend(figures.iter().map(String::as_str));
-    header.extend(["tightest", ">margin [%]", "proof", ">not checked"]);
+    let figures = [true, false].map(columns::of_pages);
+    header.extend(figures[0].iter().map(String::as_str));
+    header.extend(["tightest", ">margin [%]", "estimated", ">not checked", "proof"]);
+    if !geared {
+        header.extend([">N from", ">N to"]);
+    }
+    // What an engineer looks at first; the rest where it is asked for.
+    let main = header.len();
     if !geared {
         header.push("what ends the ratios");
     }
     if sprung {
         header.push("spring");
     }
-    let mut table = Table::new(format!("{names}: designs, the best first"), &header);
+    header.extend(figures[1].iter().map(String::as_str));
+    let mut table = Table::new(format!("{names}: designs, the best first"), &header).mainly(main);
     for (place, design) in result.candidates.iter().enumerate() {
         let e = &design.evaluation;
         let window = design.optimum.window();
         let mut cells = vec![(place + 1).to_string(), design.motor.id.clone()];
-        cells.push(if geared { design.gear.unwrap_or("").into() } else { number(window.min) });
-        cells.push(number(e.ratio));
-        if !geared {
-            cells.push(number(window.max));
+        if geared {
+            cells.push(design.gear.unwrap_or("").into());
         }
+        cells.push(number(e.ratio));
         if own_column {
             cells.push(number(design.optimum.objective));
         }
-        cells.extend(columns::cells_of_pages(&design.facts()));
-        let tightest = e.tightest();
-        cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
-        cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)));
-        cells.extend([proof(&design.optimum.certificate), design.unchecked.len().to_string()]);
+        cells.extend(columns::cells_of_pages(true, &design.facts()));
+        cells.extend(tightest(e));
+        cells.extend([estimated(design.motor), design.unchecked.len().to_string()]);
+        cells.push(proof(&design.optimum.certificate));
+        if !geared {
+            cells.extend([window.min, window.max].map(number));
+        }
         if !geared {
             cells.push(ends(design, joint));
         }
         if sprung {
             cells.push(design.spring.as_ref().map_or_else(String::new, |s| spring::text(s, e.loss)));
         }
+        cells.extend(columns::cells_of_pages(false, &design.facts()));
         table.push(&design.motor.id, cells);
     }
     table

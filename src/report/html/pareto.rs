@@ -32,6 +32,7 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
         command: "optimize --pareto",
         title: format!("{}: {quantities}", robot.name),
         verdict: Verdict::from(without.is_empty()),
+        asked: super::asked::of_robot(robot),
         headline,
         summary: vec![Part::Table(ends(fronts))],
         sections: fronts.iter().enumerate().map(|(k, front)| section(front, &figure, k)).collect(),

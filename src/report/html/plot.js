@@ -42,13 +42,20 @@ function ticks(axis, low, high, most) {
   if (axis.names.length) {
     const every = Math.max(1, Math.ceil(axis.names.length / Math.max(1, most)));
     axis.names.forEach((name, k) => { if (k % every === 0 && k >= low && k <= high) add(k, name); });
-  } else if (axis.log && high >= 5 * low) {
+    return out;
+  }
+  // Of a logarithmic axis at least three: from fewer nobody can tell that it is one.
+  const least = axis.log ? 3 : 1;
+  most = Math.max(most, least);
+  if (axis.log && high >= 5 * low) {
     const from = Math.floor(Math.log10(low)), to = Math.ceil(Math.log10(high));
     const inside = (v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9);
-    let full = 0;
-    for (let e = from; e <= to; e++) if (inside(10 ** e)) full++;
-    const every = Math.max(1, Math.ceil(full / Math.max(1, most)));
-    const between = 3 * full <= most && high / low < 1010, plain = low >= 0.9e-3 && high <= 1.1e4;
+    const powers = [];
+    for (let e = from; e <= to; e++) if (inside(10 ** e)) powers.push(e);
+    const full = powers.length, labelled = (n) => powers.filter((e) => e % n === 0).length;
+    let every = Math.max(1, Math.ceil(full / most));
+    while (every > 1 && labelled(every) < least) every--;
+    const between = full < least || (3 * full <= most && high / low < 1010), plain = low >= 0.9e-3 && high <= 1.1e4;
     for (let e = from; e <= to; e++) {
       for (let digit = 1; digit < 10; digit++) {
         const value = digit * 10 ** e;
@@ -59,11 +66,15 @@ function ticks(axis, low, high, most) {
         else if (every === 1 || digit === 1) out.minor.push(value);
       }
     }
-  } else {
-    const raw = (high - low) / Math.max(2, most), magnitude = 10 ** Math.floor(Math.log10(raw));
+    if (out.at.length >= least) return out;
+  }
+  for (let tries = most; tries < most + 16; tries++) {
+    Object.assign(out, { at: [], text: new Map(), minor: [] });
+    const raw = (high - low) / Math.max(2, tries), magnitude = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((m) => m * magnitude).find((s) => s >= raw * (1 - 1e-9));
     const first = Math.ceil(low / step - 1e-9), last = Math.floor(high / step + 1e-9);
     for (let k = first; k <= last && k < first + 200; k++) add(k * step, tickText(k * step, step));
+    if (out.at.length >= least) break;
   }
   return out;
 }
@@ -86,9 +97,9 @@ function shape(ctx, kind, x, y, r) {
 function point(ctx, s, x, y, r, scale) {
   const t = tone(s.tone);
   const closed = shape(ctx, s.shape, x, y, r);
-  ctx.lineWidth = (closed ? 0.8 : 1.6) * scale;
-  ctx.strokeStyle = closed ? t.edge : t.line;
-  if (closed) { ctx.fillStyle = t.area; ctx.fill(); }
+  ctx.lineWidth = (closed && !s.hollow ? 0.8 : 1.6) * scale;
+  ctx.strokeStyle = closed && !s.hollow ? t.edge : t.line;
+  if (closed) { ctx.fillStyle = s.hollow ? ink().ground : t.area; ctx.fill(); }
   ctx.stroke();
 }
 const idOf = (s, k) => (!s.ids ? -1 : s.ids.length === 1 ? s.ids[0] : s.ids[k] ?? -1);
@@ -303,6 +314,15 @@ class PanelView {
           ctx.restore();
         } else {
           const zero = y(Math.max(0, this.plot.scales.y.min));
+          if (this.panel.x.names.length) {
+            const half = 0.3 * (x(1) - x(0)), box = [px[k] - half, Math.min(zero, py[k]), 2 * half, Math.abs(zero - py[k])];
+            ctx.fillStyle = s.hollow ? ink().ground : t.area;
+            ctx.fillRect(...box);
+            ctx.lineWidth = 1.4 * strong * ratio;
+            ctx.strokeStyle = t.line;
+            ctx.strokeRect(...box);
+            continue;
+          }
           ctx.lineWidth = 2 * ratio;
           ctx.strokeStyle = t.line;
           ctx.beginPath();
@@ -405,7 +425,7 @@ class PanelView {
       }
       const w = this.width(l.text, 11, l.chosen || l.lit) * ratio + 2, h = 14 * ratio;
       let best = null;
-      for (const d of [8, 14, 22]) {
+      for (const d of [8, 14, 22, 34, 48, 66]) {
         const gap = d * ratio;
         for (const [dx, dy] of [[1, 0], [-1, 0], [0, -1], [0, 1], [0.7, -0.7], [0.7, 0.7], [-0.7, -0.7], [-0.7, 0.7]]) {
           const cx = l.px + dx * (gap + (dx ? w / 2 : 0)) , cy = l.py + dy * (gap + h / 2);
@@ -517,9 +537,11 @@ function legend(views) {
           ctx.beginPath(); ctx.moveTo(0, mid); ctx.lineTo(30 * ratio, mid); ctx.stroke();
           ctx.setLineDash([]);
         } else {
-          ctx.globalAlpha = s.mark === "bars" ? 1 : 0.3;
-          ctx.fillStyle = t.area;
-          ctx.fillRect(s.mark === "bars" ? 12 * ratio : 0, ratio, (s.mark === "bars" ? 4 : 30) * ratio, 12 * ratio);
+          const bars = s.mark === "bars", box = [bars ? 11 * ratio : 0, ratio, (bars ? 8 : 30) * ratio, 12 * ratio];
+          ctx.globalAlpha = bars ? 1 : 0.3;
+          ctx.fillStyle = s.hollow ? ink().ground : t.area;
+          ctx.fillRect(...box);
+          if (bars) { ctx.strokeStyle = t.line; ctx.lineWidth = 1.2 * ratio; ctx.strokeRect(...box); }
           ctx.globalAlpha = 1;
         }
       }

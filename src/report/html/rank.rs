@@ -46,8 +46,13 @@ pub fn page(ranking: &Ranking, marked: &[&Motor]) -> Page {
     Page {
         command: "rank",
         title: format!("motors by {}", metric.symbol),
+        asked: vec![Part::Text(format!(
+            "{} by {}: {}; {better} is better.",
+            crate::words::counted(ranking.ranked.len() + ranking.unranked.len(), "motor"),
+            metric.symbol,
+            metric.meaning
+        ))],
         headline,
-        summary: vec![Part::Text(format!("{}: {}; {better} is better.", metric.symbol, metric.meaning))],
         sections: vec![
             Section::new("Rotor inertia against what it buys", vec![Part::Figure(plot::figure(ranking, marked))]),
             Section::new("Motors", parts),
@@ -63,7 +68,8 @@ fn table(ranking: &Ranking) -> Table {
     let mut header = vec![">#".to_string(), "motor".into(), "manufacturer".into()];
     header.extend(columns().map(|m| format!(">{} [{}]", m.symbol, m.unit)));
     header.insert(4, ">ahead of next".into());
-    let mut table = Table::new("Every motor with every metric", &header);
+    // Place, motor, maker and the metric that was asked for, and as many others as can be read at once.
+    let mut table = Table::new("Every motor with every metric", &header).mainly(10);
     let cells = |motor: &Motor| {
         columns().map(|m| with_tolerance(m, m.of_with_tolerance(motor, ranking.default_tolerance))).collect::<Vec<_>>()
     };

@@ -19,6 +19,30 @@ fn escaped(text: &str) -> String {
     plot::escaped(text).replace(turns, "\u{fffd}")
 }
 
+/// Text for people, safe as [`escaped`], with units as print has them, wherever they stand in a sentence: `N·m`. Files and
+/// calls, which are typed again, are not changed.
+fn printed(text: &str) -> String {
+    let mut text = escaped(text);
+    for (typed, print) in UNITS {
+        if text.contains(typed) {
+            text = text.replace(typed, print);
+        }
+    }
+    text
+}
+
+/// Units as they are typed and as they are printed, the longer first.
+const UNITS: [(&str, &str); 8] = [
+    ("N*m*s/rad", "N·m·s/rad"),
+    ("kg*m^2", "kg·m²"),
+    ("g*cm^2", "g·cm²"),
+    ("N*m", "N·m"),
+    ("A*s", "A·s"),
+    ("V*s", "V·s"),
+    ("/s^2", "/s²"),
+    ("/W^0.5", "/√W"),
+];
+
 /// The page's own style and that of the plotting library.
 const STYLE: &str = concat!(include_str!("vendor/uPlot.min.css"), "\n", include_str!("page.css"));
 /// The plotting library, its licence, and what makes the page move.
@@ -115,9 +139,21 @@ impl Body<'_> {
             "<a class=\"skip\" href=\"#main\">to the result</a>\n<header class=\"top\">\n\
              <h1><span class=\"kind\">{command}</span> {title}{badge}</h1>\n\
              <button type=\"button\" id=\"theme\">theme: as the system</button>\n</header>\n\
-             <main id=\"main\">\n<section id=\"summary\" aria-labelledby=\"summary-title\">\n\
+             <main id=\"main\">\n"
+        ));
+        if !page.asked.is_empty() {
+            self.put(
+                "<section id=\"asked\" aria-labelledby=\"asked-title\">\n<h2 id=\"asked-title\">What was asked</h2>\n",
+            );
+            for part in &page.asked {
+                self.part(part);
+            }
+            self.put("</section>\n");
+        }
+        self.put(&format!(
+            "<section id=\"summary\" aria-labelledby=\"summary-title\">\n\
              <h2 id=\"summary-title\">In short</h2>\n<p class=\"headline\">{}</p>\n",
-            escaped(&page.headline)
+            printed(&page.headline)
         ));
         for part in &page.summary {
             self.part(part);
@@ -177,7 +213,7 @@ impl Body<'_> {
 
     fn part(&mut self, part: &Part) {
         match part {
-            Part::Text(text) => self.put(&format!("<p>{}</p>\n", escaped(text))),
+            Part::Text(text) => self.put(&format!("<p>{}</p>\n", printed(text))),
             Part::List(lines) => self.list(lines),
             Part::Plain(text) => {
                 // The escape makes blanks of line ends, so lines are escaped one by one.
@@ -196,7 +232,7 @@ impl Body<'_> {
                 self.figures.push(data);
             }
             Part::Folded(title, part) => {
-                self.put(&format!("<details><summary>{}</summary>\n", escaped(title)));
+                self.put(&format!("<details><summary>{}</summary>\n", printed(title)));
                 self.part(part);
                 self.put("</details>\n");
             }
@@ -206,7 +242,7 @@ impl Body<'_> {
     fn list(&mut self, lines: &[String]) {
         self.put("<ul>");
         for line in lines {
-            self.put(&format!("<li>{}</li>\n", escaped(line)));
+            self.put(&format!("<li>{}</li>\n", printed(line)));
         }
         self.put("</ul>\n");
     }
@@ -217,10 +253,14 @@ impl Body<'_> {
         let used: Vec<bool> = (0..table.columns.len())
             .map(|k| table.rows.iter().any(|r| r.cells.get(k).is_some_and(|c| !c.is_empty())))
             .collect();
-        let caption = escaped(&table.caption);
+        let caption = printed(&table.caption);
+        // Of the columns that say something, as many as were meant.
+        let main = used.iter().take(table.main).filter(|used| **used).count();
+        let all = used.iter().filter(|used| **used).count();
+        let main = if main > 0 && main < all { format!(" data-main=\"{main}\"") } else { String::new() };
         let unseen = if titled { " class=\"unseen\"" } else { "" };
         self.put(&format!(
-            "<div class=\"table\"><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n\
+            "<div class=\"table\"{main}><div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n\
              <table><caption{unseen}>{caption}</caption>\n<thead><tr>"
         ));
         for (column, _) in table.columns.iter().zip(&used).filter(|(_, used)| **used) {
@@ -229,7 +269,7 @@ impl Body<'_> {
                 "" => String::new(),
                 unit => format!(" <small>{}</small>", escaped(unit)),
             };
-            self.put(&format!("<th scope=\"col\"{class}>{}{unit}</th>", escaped(&column.name)));
+            self.put(&format!("<th scope=\"col\"{class}>{}{unit}</th>", printed(&column.name)));
         }
         self.put("</tr></thead>\n<tbody>\n");
         for row in table.rows.iter().take(MOST_ROWS) {
@@ -239,7 +279,7 @@ impl Body<'_> {
             for (k, cell) in row.cells.iter().enumerate().filter(|(k, _)| used.get(*k) == Some(&true)) {
                 // Which cells hold numbers the script sees from the header; the end of a cell goes without saying.
                 self.put(if table.columns.get(k).is_some_and(|c| c.number) { "<td class=n>" } else { "<td>" });
-                self.put(&escaped(cell));
+                self.put(&printed(cell));
             }
             self.put("\n");
         }

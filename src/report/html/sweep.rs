@@ -58,6 +58,7 @@ pub fn page(robot: &Robot, sweeps: &[JointSweep], order: Order) -> Page {
         command: "sweep",
         title: robot.name.clone(),
         verdict: Verdict::from(without.is_empty()),
+        asked: super::asked::of_robot(robot),
         headline,
         summary: vec![Part::Table(best)],
         sections: sweeps.iter().enumerate().map(section).collect(),
@@ -90,21 +91,24 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
     header.extend(geared.then_some("gear"));
     header.extend([">N", "feasible"]);
     header.extend(own_column.then_some(goal.as_str()));
-    let figures = columns::of_pages();
-    header.extend(figures.iter().map(String::as_str));
+    let figures = [true, false].map(columns::of_pages);
+    header.extend(figures[0].iter().map(String::as_str));
     header.extend(["tightest", ">margin [%]", "because"]);
-    let mut table = Table::new(format!("{}: every design", joint.name), &header);
+    let main = header.len();
+    header.extend(figures[1].iter().map(String::as_str));
+    let mut table = Table::new(format!("{}: every design", joint.name), &header).mainly(main);
     for design in ordered(sweep, order) {
         let e = &design.evaluation;
         let mut cells = vec![design.motor.id.clone()];
         cells.extend(geared.then(|| design.gear.unwrap_or("").to_string()));
         cells.extend([number(e.ratio), state(design).into()]);
         cells.extend(own_column.then(|| optional(e.objective(&joint.objective))));
-        cells.extend(columns::cells_of_pages(&design.facts(joint)));
+        cells.extend(columns::cells_of_pages(true, &design.facts(joint)));
         let tightest = e.tightest();
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
         cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin).round() / 10.0)));
         cells.push(because(design, joint));
+        cells.extend(columns::cells_of_pages(false, &design.facts(joint)));
         table.rows.push(Row { id: design.motor.id.clone(), cells, faint: !design.is_choice() });
     }
     table

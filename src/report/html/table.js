@@ -21,6 +21,10 @@ function conditions(text, names) {
     return (cells) => cells.some((c) => c.includes(word));
   });
 }
+// Columns that a table is never cut down below, and that the style knows how to cut down to.
+const LEAST_SHORT = 5, MOST_SHORT = 24;
+// Windows that are narrower show wide tables as blocks.
+const NARROW = 700;
 class TableView {
   constructor(box) {
     this.body = box.querySelector("tbody");
@@ -39,7 +43,45 @@ class TableView {
       button.addEventListener("click", () => this.sort(column));
     });
     this.rows.forEach((row) => this.tie(row));
-    if (this.rows.length > 7) this.bar(box);
+    this.box = box;
+    this.scroll = box.querySelector(".scroll");
+    this.main = Number(box.dataset.main ?? 0);
+    if (this.rows.length > 7 || this.main) this.bar(box);
+    new ResizeObserver(() => {
+      if (this.scroll.clientWidth !== this.seen) this.fit();
+    }).observe(this.scroll);
+    this.fit();
+  }
+  // As many of the main columns as have room; all where they were asked for. What then is wider than a narrow window
+  // becomes a block for each row.
+  fit() {
+    const { box, scroll } = this, room = scroll.clientWidth;
+    if (!room || state.print) return;
+    this.seen = room;
+    box.className = "table";
+    let shown = this.heads.length;
+    if (this.main && !this.all) {
+      const most = Math.min(this.main, MOST_SHORT), widths = this.heads.map((h) => h.offsetWidth);
+      let wide = 0;
+      shown = 0;
+      while (shown < most && (wide + widths[shown] <= room || shown < LEAST_SHORT)) wide += widths[shown++];
+      // A phone shows blocks, which have room for all of the main columns.
+      if (innerWidth < NARROW) shown = most;
+      box.classList.add(`first-${shown}`);
+    }
+    if (scroll.scrollWidth > room + 1 && (innerWidth < NARROW || !this.all)) this.blocks();
+    if (this.more) {
+      this.more.textContent = this.all ? "main columns" : `all ${this.heads.length} columns`;
+      this.more.setAttribute("aria-pressed", String(Boolean(this.all)));
+    }
+  }
+  blocks() {
+    if (!this.labelled) {
+      this.labelled = true;
+      const names = this.heads.map((h) => h.textContent.trim());
+      for (const row of this.rows) for (const cell of row.cells) cell.dataset.of = names[cell.cellIndex];
+    }
+    this.box.classList.add("blocks");
   }
   // The cell that names the thing becomes a button, so that the keyboard can choose it too.
   tie(row) {
@@ -68,6 +110,12 @@ class TableView {
     this.count = make("span", "", "count");
     this.count.setAttribute("role", "status");
     bar.append(label, this.count);
+    if (this.main) {
+      this.more = make("button", "", "more");
+      this.more.type = "button";
+      this.more.addEventListener("click", () => { this.all = !this.all; this.fit(); });
+      bar.append(this.more);
+    }
     box.prepend(bar);
     this.field.addEventListener("input", () => this.filter());
     this.filter();

@@ -123,7 +123,8 @@ pub struct Ticks {
     pub minor: Vec<f64>,
 }
 
-/// Ticks of an axis over a range, of which at most about `most` have a text.
+/// Ticks of an axis over a range, of which at most about `most` have a text; of a logarithmic axis at least three,
+/// from fewer nobody can tell that it is one.
 ///
 /// ```
 /// use gearwise::report::plot::{ticks, Axis};
@@ -131,6 +132,7 @@ pub struct Ticks {
 /// assert_eq!(texts(Axis::linear(""), (-0.1, 1.07)), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
 /// assert_eq!(texts(Axis::log(""), (2e-7, 3e-4)), ["10⁻⁶", "10⁻⁵", "10⁻⁴"]);
 /// assert_eq!(texts(Axis::log(""), (3.0, 70.0)), ["5", "10", "20", "50"]);
+/// assert_eq!(texts(Axis::log(""), (11.0, 78.0)), ["20", "40", "60"]);
 /// ```
 pub fn ticks(axis: &Axis, (low, high): (f64, f64), most: usize) -> Ticks {
     if !axis.names.is_empty() {
@@ -139,10 +141,22 @@ pub fn ticks(axis: &Axis, (low, high): (f64, f64), most: usize) -> Ticks {
         return Ticks { labelled: named.filter(|(k, _)| *k >= low && *k <= high).collect(), minor: Vec::new() };
     }
     match axis.scale {
-        Scale::Log if high >= 5.0 * low => decades(low, high, most),
-        _ => steps(low, high, most),
+        Scale::Linear => steps(low, high, most),
+        Scale::Log => {
+            let most = most.max(LEAST);
+            let found = if high >= 5.0 * low { decades(low, high, most) } else { steps(low, high, most) };
+            match found.labelled.len() {
+                LEAST.. => found,
+                _ => {
+                    (most..most + 16).map(|k| steps(low, high, k)).find(|t| t.labelled.len() >= LEAST).unwrap_or(found)
+                }
+            }
+        }
     }
 }
+
+/// Labelled ticks that a logarithmic axis has at least.
+const LEAST: usize = 3;
 
 /// Multiples of 1, 2 or 5 times a power of ten.
 fn steps(low: f64, high: f64, most: usize) -> Ticks {
@@ -165,8 +179,14 @@ fn decades(low: f64, high: f64, most: usize) -> Ticks {
     let inside = |v: f64| v >= low * (1.0 - 1e-9) && v <= high * (1.0 + 1e-9);
     let exponents = low.log10().floor() as i32..=high.log10().ceil() as i32;
     let full = exponents.clone().filter(|e| inside(10_f64.powi(*e))).count();
-    let per_label = full.div_ceil(most.max(1)).max(1) as i32;
-    let in_between = 3 * full <= most && high / low < 1.01e3;
+    let labelled =
+        |every: i32| exponents.clone().filter(|e| inside(10_f64.powi(*e)) && e.rem_euclid(every) == 0).count();
+    let mut per_label = full.div_ceil(most.max(1)).max(1) as i32;
+    while per_label > 1 && labelled(per_label) < LEAST {
+        per_label -= 1;
+    }
+    // Where there are few powers of ten, 2 and 5 between them.
+    let in_between = full < LEAST || (3 * full <= most && high / low < 1.01e3);
     let plain = low >= 0.9e-3 && high <= 1.1e4;
     let mut ticks = Ticks::default();
     for exponent in exponents {

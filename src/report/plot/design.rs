@@ -48,7 +48,7 @@ pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
     let optimum = story.best.as_ref().and_then(|b| b.as_ref().ok());
     let panels = with_prepared(robot, &joint, story.motor, story.gear, |prepared| {
         let mut panels = vec![torque_speed::panel(prepared, ratio, "torque over speed".into())];
-        panels.extend(temperature::panel(prepared, ratio));
+        panels.push(temperature::panel(prepared, ratio));
         if let RatioChoice::Continuous { min, max } = joint.ratio {
             let all = over_ratio::evaluations(prepared, over_ratio::range(optimum, ratio, (min, max)));
             panels.push(over_ratio::objective(prepared, &all, optimum, ratio));
@@ -119,10 +119,13 @@ fn candidates(robot: &Robot, result: &JointResult) -> Panel {
         empty: "one ratio only".into(),
         ..Panel::default()
     };
+    if let RatioChoice::Catalog { .. } = result.joint.ratio {
+        return geared(panel, result);
+    }
     for (rank, design) in result.candidates.iter().take(CURVES).enumerate() {
         let best = (design.optimum.ratio, design.optimum.objective);
         let ids = vec![design.motor.id.clone()];
-        if let RatioChoice::Continuous { .. } = result.joint.ratio {
+        {
             let joint = own_joint(result.joint, design);
             let curve = with_prepared(robot, &joint, design.motor, None, |prepared| curve(prepared, &design.optimum));
             let series = Series::new(Tone::nth(rank), Mark::Line(Dash::nth(rank)), curve.unwrap_or_default());
@@ -131,7 +134,7 @@ fn candidates(robot: &Robot, result: &JointResult) -> Panel {
         let note = name(design.motor, design.gear, design.optimum.ratio);
         let shape = super::Shape::nth(rank);
         let dot = Series::new(Tone::nth(rank), Mark::Points(shape), vec![best]).of(ids).noted(vec![note]);
-        panel.series.push(dot.named(design.motor.id.as_str()));
+        panel.series.push(dot.named(design.motor.id.as_str()).hollow(!design.motor.estimates.is_empty()));
         let text = format!("N* = {}", number(design.optimum.ratio));
         panel.labels.push(Label { at: best, text, chosen: rank == 0 });
     }
@@ -154,6 +157,29 @@ fn candidates(robot: &Robot, result: &JointResult) -> Panel {
     if least > 0.0 && most > 4.0 * last {
         panel.y.range = Some((0.0, 4.0 * last));
     }
+    panel.explain_hollow();
+    panel
+}
+
+/// Gears of a catalogue have ratios of their own and nothing between them: a bar for each of the first designs.
+fn geared(mut panel: Panel, result: &JointResult) -> Panel {
+    let goal = &result.joint.objective;
+    let first: Vec<&Design> = result.candidates.iter().take(CURVES).collect();
+    panel.x =
+        Axis::named("N of the gear, the best design first", first.iter().map(|d| number(d.optimum.ratio)).collect());
+    for (rank, design) in first.into_iter().enumerate() {
+        let at = (rank as f64, design.optimum.objective);
+        let gear = design.gear.map_or_else(String::new, |gear| format!(" + {gear}"));
+        let bar = Series::new(Tone::nth(rank), Mark::Bars, vec![at]).of(vec![design.motor.id.clone()]);
+        let bar = bar.noted(vec![name(design.motor, design.gear, design.optimum.ratio)]);
+        panel.series.push(bar.named(format!("{}{gear}", design.motor.id)).hollow(!design.motor.estimates.is_empty()));
+        let text = super::unit(&crate::report::with_unit(design.optimum.objective, goal.unit()));
+        panel.labels.push(Label { at, text, chosen: rank == 0 });
+    }
+    let most = panel.labels.iter().map(|l| l.at.1).fold(0.0, f64::max);
+    panel.y.range =
+        Some((0.0, 1.15 * most)).filter(|(_, high)| *high > 0.0 && panel.labels.iter().all(|l| l.at.1 >= 0.0));
+    panel.explain_hollow();
     panel
 }
 

@@ -135,12 +135,15 @@ fn draw_group(
 /// A line of the legend: a name, and all that has it.
 struct Entry<'a> {
     name: &'a str,
-    samples: Vec<(Tone, Option<Mark>)>,
+    samples: Vec<Sample>,
 }
+
+/// A tone and a mark (none for a stripe), and whether that is hollow.
+type Sample = (Tone, Option<Mark>, bool);
 
 fn legend<'a>(panels: impl Iterator<Item = &'a Panel>) -> Vec<Entry<'a>> {
     let mut entries: Vec<Entry> = Vec::new();
-    let mut add = |name: &'a str, sample: (Tone, Option<Mark>)| {
+    let mut add = |name: &'a str, sample: Sample| {
         if name.is_empty() {
             return;
         }
@@ -152,10 +155,10 @@ fn legend<'a>(panels: impl Iterator<Item = &'a Panel>) -> Vec<Entry<'a>> {
     };
     for panel in panels {
         for series in &panel.series {
-            add(&series.name, (series.tone, Some(series.mark)));
+            add(&series.name, (series.tone, Some(series.mark), series.hollow));
         }
         for stripe in &panel.stripes {
-            add(&stripe.name, (stripe.tone, None));
+            add(&stripe.name, (stripe.tone, None, false));
         }
     }
     entries
@@ -185,15 +188,15 @@ fn draw_legend(pen: &mut Pen, entries: &[Entry], (left, top): (f64, f64), width:
         let (x, y) = (left + x, top + row as f64 * LINE + 0.5 * LINE + 2.0);
         // Bars have no look of their own where something else has the name too.
         let alone = entry.samples.len() == 1;
-        for (tone, mark) in entry.samples.iter().filter(|s| alone || s.1 != Some(Mark::Bars)) {
-            draw_sample(pen, *tone, *mark, (x, y));
+        for sample in entry.samples.iter().filter(|s| alone || s.1 != Some(Mark::Bars)) {
+            draw_sample(pen, *sample, (x, y));
         }
         pen.text((x + SAMPLE + 6.0, y + 4.0), entry.name, TextStyle::new(TEXT, Anchor::Start));
     }
     top + legend_height(entries, width)
 }
 
-fn draw_sample(pen: &mut Pen, tone: Tone, mark: Option<Mark>, (x, y): (f64, f64)) {
+fn draw_sample(pen: &mut Pen, (tone, mark, hollow): Sample, (x, y): (f64, f64)) {
     let middle = (x + 0.5 * SAMPLE, y);
     let ends = [(x, y), (x + SAMPLE, y)];
     match mark {
@@ -202,10 +205,10 @@ fn draw_sample(pen: &mut Pen, tone: Tone, mark: Option<Mark>, (x, y): (f64, f64)
             pen.dot(middle, 3.5, "");
             pen.close("g");
         }
-        Some(Mark::Points(shape)) => pen.shape(middle, shape, 4.5, (tone.colour(), outline(tone, shape)), ""),
+        Some(Mark::Points(shape)) => pen.shape(middle, shape, 4.5, colours(tone, shape, hollow), ""),
         Some(Mark::Line(dash)) => pen.line(&ends, tone.dark_line(), 2.0, dash, ""),
         Some(Mark::Thin(dash)) => pen.line(&ends, tone.colour(), 1.0, dash, ""),
-        Some(Mark::Bars) => pen.rect([x + 11.0, y - 6.0, x + 15.0, y + 6.0], &format!("fill=\"{}\"", tone.colour())),
+        Some(Mark::Bars) => pen.rect([x + 11.0, y - 6.0, x + 19.0, y + 6.0], &bar(tone, hollow)),
         Some(Mark::Band) => {
             pen.rect([x, y - 5.0, x + SAMPLE, y + 5.0], &format!("fill=\"{}\" fill-opacity=\"0.3\"", tone.colour()));
         }
@@ -226,6 +229,19 @@ impl Tone {
             _ => self.colour(),
         }
     }
+}
+
+/// How a bar is painted.
+fn bar(tone: Tone, hollow: bool) -> String {
+    let fill = if hollow { WHITE } else { tone.colour() };
+    format!("fill=\"{fill}\" stroke=\"{}\" stroke-width=\"1.2\"", tone.dark_line())
+}
+
+const WHITE: &str = "#ffffff";
+
+/// What a shape is filled with, and its outline.
+fn colours(tone: Tone, shape: Shape, hollow: bool) -> (&'static str, &'static str) {
+    if hollow { (WHITE, tone.dark_line()) } else { (tone.colour(), outline(tone, shape)) }
 }
 
 /// Strokes of crosses are in the tone itself; closed shapes have a dark outline.
@@ -255,6 +271,8 @@ struct Axes {
     x_ticks: Ticks,
     y_ticks: Ticks,
     frame: Rect,
+    /// Whether the abscissa counts things.
+    counts: bool,
 }
 
 impl Axes {
@@ -283,6 +301,7 @@ impl Axes {
             x_ticks,
             y_ticks,
             frame: [left, top, right, bottom],
+            counts: !panel.x.names.is_empty(),
         })
     }
 
@@ -323,7 +342,14 @@ impl Axes {
 
 fn draw_panel(pen: &mut Pen, panel: &Panel, outer: Rect, layout: &mut Layout) {
     let Some(axes) = Axes::new(panel, outer) else {
-        let text = format!("{}: {}", panel.x.label, panel.empty);
+        let of = if panel.x.label.is_empty() { String::new() } else { format!("{}: ", panel.x.label) };
+        let text = format!("{of}{}", panel.empty);
+        // A frame, so that it is seen that here is nothing, and not that something was forgotten.
+        let [left, top, right, bottom] = outer;
+        pen.rect(
+            [left + MARGIN, top + 8.0, right - MARGIN, bottom - 26.0],
+            &format!("fill=\"none\" stroke=\"{GRID}\""),
+        );
         let lines = wrapped(&text, TEXT, outer[2] - outer[0] - 4.0 * MARGIN);
         let centre = 0.5 * (outer[0] + outer[2]);
         let mut y = 0.5 * (outer[1] + outer[3]) - 0.5 * LINE * lines.len() as f64;
@@ -394,13 +420,24 @@ fn draw_series(pen: &mut Pen, axes: &Axes, series: &Series, line: &'static str) 
             pen.close("g");
         }
         Mark::Points(shape) => {
-            let colours = (tone.colour(), outline(tone, shape));
+            let colours = colours(tone, shape, series.hollow);
             held().for_each(|(k, p)| pen.shape(axes.at(*p), shape, 3.6, colours, note(k)));
         }
         Mark::Line(dash) => pen.line(&through(), line, 2.0, dash, note(0)),
         Mark::Thin(dash) => pen.line(&through(), tone.colour(), 1.0, dash, note(0)),
         Mark::Bars => {
             let zero = axes.y.pixel(axes.y.range.0.max(0.0));
+            // Of an axis of things each has a bar as wide as there is room for.
+            if axes.counts {
+                let half = 0.3 * (axes.x.pixel(1.0) - axes.x.pixel(0.0));
+                for (k, p) in held() {
+                    let (x, y) = axes.at(*p);
+                    let [x, y, w, h] = [x - half, y.min(zero), 2.0 * half, (y - zero).abs()].map(px);
+                    let size = format!("x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"");
+                    pen.element("rect", &format!("{size} {}", bar(tone, series.hollow)), note(k));
+                }
+                return;
+            }
             for (k, p) in held() {
                 let (x, y) = axes.at(*p);
                 let width = if tone == Tone::Orange { 3.0 } else { 2.0 };

@@ -57,7 +57,7 @@ const DIRECTIONS: [(f64, f64); 16] = [
     (-0.4, 0.9),
 ];
 /// A text this far from its point needs a line that leads to it \[px\].
-const GLANCE: f64 = 11.0;
+const GLANCE: f64 = 9.0;
 /// Room that is kept around a labelled point \[px\].
 const POINT: f64 = 6.5;
 

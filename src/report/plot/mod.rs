@@ -6,6 +6,7 @@
 //! print can be read, labels that do not cover each other, a bounded number of points, chosen without chance.
 //! A picture of its own is one file beside this one, which makes a [`Figure`].
 
+pub mod asked;
 mod axis;
 pub mod characterize;
 pub mod design;
@@ -171,16 +172,16 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Those that tell series apart, in the order in which they are taken.
+    /// Those that tell series apart, in the order in which they are taken: those that can be hollow first.
     pub const SERIES: [Shape; 8] = [
         Shape::Circle,
         Shape::Square,
         Shape::Triangle,
         Shape::Diamond,
         Shape::Down,
+        Shape::Left,
         Shape::Cross,
         Shape::Plus,
-        Shape::Left,
     ];
 
     /// The k-th series' shape; they repeat with another period than [`Tone::nth`].
@@ -226,6 +227,8 @@ pub struct Series {
     pub notes: Vec<String>,
     /// Text that stands along the line, at its end; empty for none.
     pub along: String,
+    /// Whether its marks are hollow: what they stand for rests on an estimate.
+    pub hollow: bool,
 }
 
 impl Series {
@@ -240,6 +243,7 @@ impl Series {
             ids: Vec::new(),
             notes: Vec::new(),
             along: String::new(),
+            hollow: false,
         }
     }
 
@@ -277,6 +281,13 @@ impl Series {
         self
     }
 
+    /// With hollow marks, where what they stand for rests on an estimate.
+    #[must_use]
+    pub fn hollow(mut self, estimated: bool) -> Series {
+        self.hollow = estimated;
+        self
+    }
+
     /// The id of the k-th point.
     pub fn id(&self, k: usize) -> Option<&str> {
         if self.ids.len() == 1 { self.ids.first() } else { self.ids.get(k) }.map(String::as_str)
@@ -285,6 +296,19 @@ impl Series {
     /// What is said of the k-th point: its note, else its id.
     pub fn note(&self, k: usize) -> &str {
         self.notes.get(k).map(String::as_str).or(self.id(k)).unwrap_or("")
+    }
+}
+
+/// What the legend says of hollow marks.
+const HOLLOW: &str = "hollow: rests on an estimate";
+
+impl Panel {
+    /// Says in the legend what hollow marks are, where there are any.
+    fn explain_hollow(&mut self) {
+        if self.series.iter().any(|s| s.hollow) {
+            let sample = Series::new(Tone::Grey, Mark::Points(Shape::Circle), Vec::new());
+            self.series.push(sample.named(HOLLOW).hollow(true));
+        }
     }
 }
 
@@ -414,6 +438,25 @@ fn objective_axis(goal: &Objective) -> Axis {
         "1" => format!("{}, weighted [1]", goal.name()),
         si => format!("{} [{}]", goal.name(), unit(si)),
     })
+}
+
+/// Lines that lie over each other become one, with all their names: a legend of two lines of which one is seen would
+/// have its reader look for the other. `height` is that of the panel, in the ordinate's unit.
+fn merge_coincident(all: Vec<Series>, height: f64) -> Vec<Series> {
+    let near = |a: f64, b: f64| (a - b).abs() <= 2e-3 * height || (!a.is_finite() && !b.is_finite());
+    let same = |a: &Series, b: &Series| {
+        let pairs = || a.points.iter().zip(&b.points);
+        a.points.len() == b.points.len() && pairs().all(|(p, q)| near(p.1, q.1) && (p.0 == q.0 || !p.0.is_finite()))
+    };
+    let mut kept: Vec<Series> = Vec::new();
+    for series in all {
+        match kept.iter_mut().find(|k| same(k, &series)) {
+            Some(first) if !series.name.is_empty() => first.name = format!("{} = {}", first.name, series.name),
+            Some(_) => {}
+            None => kept.push(series),
+        }
+    }
+    kept
 }
 
 /// At most `most` of `count` indices, evenly spread.

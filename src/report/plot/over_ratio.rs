@@ -8,6 +8,8 @@ use crate::report::number;
 
 /// Ratios along the axis.
 const POINTS: usize = 161;
+/// Demand over limit is drawn up to this.
+const HIGHEST: f64 = 1.6;
 /// Most limits that are drawn.
 const LIMITS: usize = 8;
 
@@ -92,7 +94,7 @@ pub fn limits(evaluations: &[Evaluation], optimum: Option<&Optimum>, here: f64) 
     let mut panel = Panel {
         title: "limits over N: demand over what may be had".into(),
         x: ratio_axis(range),
-        y: Axis::linear("demand / limit").within(0.0, 1.6),
+        y: Axis::linear("demand / limit").within(0.0, HIGHEST),
         empty: "no limit applies".into(),
         ..Panel::default()
     };
@@ -108,12 +110,15 @@ pub fn limits(evaluations: &[Evaluation], optimum: Option<&Optimum>, here: f64) 
     let count = evaluations[0].margins.len();
     let mut order: Vec<(usize, f64)> = (0..count).map(|k| (k, use_of(k))).collect();
     order.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    for (rank, (k, _)) in order.iter().take(LIMITS).enumerate() {
+    let mut nearest = Vec::new();
+    for (k, _) in order.iter().take(LIMITS) {
         let margin = |e: &Evaluation| if e.margins[*k].margin <= -1e5 { f64::NAN } else { 1.0 - e.margins[*k].margin };
         let points = evaluations.iter().map(|e| (e.ratio, margin(e))).collect();
         let name = evaluations[0].margins[*k].limit;
-        let series = Series::new(Tone::nth(rank), Mark::Line(Dash::nth(rank)), points);
-        panel.series.push(series.named(name));
+        nearest.push(Series::new(Tone::Black, Mark::Line(Dash::Solid), points).named(name));
+    }
+    for (rank, series) in super::merge_coincident(nearest, HIGHEST).into_iter().enumerate() {
+        panel.series.push(Series { tone: Tone::nth(rank), mark: Mark::Line(Dash::nth(rank)), ..series });
     }
     if order.len() > LIMITS {
         panel.title.push_str(&format!("; the {LIMITS} nearest of {}", order.len()));

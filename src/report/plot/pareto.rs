@@ -6,7 +6,7 @@ use crate::report::number;
 use crate::requirement::Quantity;
 
 /// Motors that get a look of their own.
-const LOOKS: usize = 8;
+const LOOKS: usize = 6;
 
 /// One panel for each joint.
 pub fn figure(fronts: &[Front]) -> Figure {
@@ -15,7 +15,8 @@ pub fn figure(fronts: &[Front]) -> Figure {
         groups: vec![Group {
             title: format!("Fronts of {} and {}", names[0], names[1]),
             caption: "Each point is a design that keeps all limits; none has less of one quantity without more of the other. \
-                      A motor's points differ in the ratio N."
+                      A motor's points differ in the ratio N, which stands at them. Between two motors the front is a \
+                      step: there is nothing between them."
                 .into(),
             own_legends: true,
             panels: fronts.iter().map(panel).collect(),
@@ -47,8 +48,14 @@ fn panel(front: &Front) -> Panel {
         empty: if front.points.is_empty() { "no design is feasible" } else { "one design is the best in both" }.into(),
         ..Panel::default()
     };
-    let all = (0..front.points.len()).map(at).collect();
-    panel.series.push(Series::new(Tone::Grey, Mark::Thin(Dash::Solid), all));
+    panel.series.push(Series::new(Tone::Grey, Mark::Thin(Dash::Solid), staircase(front)));
+    if front.points.iter().all(|p| p.values == front.points[0].values) {
+        // One point has no extent of its own.
+        let about = |value: f64| Some((0.0, 2.0 * value)).filter(|_| value > 0.0);
+        let single = front.points.first().map(|p| p.values.map(about));
+        (panel.x.range, panel.y.range) = single.map_or((None, None), |[x, y]| (x, y));
+    }
+    let mut ends = Vec::new();
     for (rank, motor) in distinct(front).into_iter().enumerate() {
         let of: Vec<usize> = (0..front.points.len()).filter(|k| front.points[*k].motor.id == motor).collect();
         let note = |k: &usize| {
@@ -59,11 +66,34 @@ fn panel(front: &Front) -> Panel {
         let (tone, shape) =
             if rank < LOOKS { (Tone::nth(rank), Shape::nth(rank)) } else { (Tone::Grey, Shape::Circle) };
         let series = Series::new(tone, Mark::Points(shape), of.iter().map(|k| at(*k)).collect());
+        let estimated = !front.points[of[0]].motor.estimates.is_empty();
         let series = series.of(vec![motor.to_string()]).noted(of.iter().map(note).collect());
-        panel.series.push(series);
-        panel.labels.push(Label { at: at(of[of.len() / 2]), text: motor.to_string(), chosen: false });
+        panel.series.push(series.hollow(estimated));
+        let ratio = |k: usize| number(front.points[k].evaluation.ratio);
+        let (first, last) = (of[0], of[of.len() - 1]);
+        panel.labels.push(Label { at: at(first), text: format!("{motor}, N = {}", ratio(first)), chosen: false });
+        if at(first) != at(last) {
+            ends.push(Label { at: at(last), text: format!("N = {}", ratio(last)), chosen: false });
+        }
     }
+    // Names first, the other ends where there is room.
+    panel.labels.append(&mut ends);
+    panel.explain_hollow();
     panel
+}
+
+/// The front as a line: a motor's own stretch runs from ratio to ratio, from one motor (or gear) to the next it is a
+/// step, as there is no design between them.
+fn staircase(front: &Front) -> Vec<(f64, f64)> {
+    let at = |k: usize| (front.points[k].values[0], front.points[k].values[1]);
+    let mut line = Vec::new();
+    for (k, point) in front.points.iter().enumerate() {
+        let before = k.checked_sub(1).map(|before| &front.points[before]);
+        let step = before.filter(|b| b.motor.id != point.motor.id || b.gear.is_some());
+        line.extend(step.map(|b| (point.values[0], b.values[1])));
+        line.push(at(k));
+    }
+    line
 }
 
 /// Motors in the order in which they come on the front.

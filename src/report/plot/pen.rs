@@ -189,6 +189,8 @@ impl Pen {
     /// A shape with an outline, of about the same area whatever its kind.
     pub fn shape(&mut self, (x, y): (f64, f64), shape: Shape, r: f64, colours: (&str, &str), title: &str) {
         let (fill, outline) = colours;
+        // White inside: only the outline is seen.
+        let width = if fill == "#ffffff" { 1.5 } else { 0.8 };
         let closed = |corners: &[(f64, f64)]| -> String {
             let points: Vec<(f64, f64)> = corners.iter().map(|(dx, dy)| (x + r * dx, y + r * dy)).collect();
             format!("{}Z", path(&points))
@@ -200,7 +202,7 @@ impl Pen {
         let d = match shape {
             Shape::Circle => {
                 let (x, y, r) = (px(x), px(y), px(r));
-                let paint = format!("fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"0.8\"");
+                let paint = format!("fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"{width}\"");
                 return self.element("circle", &format!("cx=\"{x}\" cy=\"{y}\" r=\"{r}\" {paint}"), title);
             }
             Shape::Square => closed(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
@@ -213,7 +215,7 @@ impl Pen {
         };
         let paint = match shape {
             Shape::Cross | Shape::Plus => format!("fill=\"none\" stroke=\"{outline}\" stroke-width=\"1.8\""),
-            _ => format!("fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"0.8\""),
+            _ => format!("fill=\"{fill}\" stroke=\"{outline}\" stroke-width=\"{width}\""),
         };
         self.element("path", &format!("d=\"{d}\" {paint}"), title);
     }

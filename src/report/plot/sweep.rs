@@ -22,8 +22,13 @@ pub fn figure(sweeps: &[JointSweep]) -> Figure {
                 motors.iter().filter(|m| m.best.is_finite()).count()
             ),
             caption: format!(
-                "The first {} motors, the best on top. A cross: some limit is exceeded.",
-                motors.len().min(MAPPED)
+                "The first {} motors, the best on top. A cross: some limit is exceeded.{}",
+                motors.len().min(MAPPED),
+                if motors.iter().take(MAPPED).any(|m| m.estimated) {
+                    " Hollow: something of the motor is estimated."
+                } else {
+                    ""
+                }
             ),
             own_legends: true,
             panels: vec![map(s, &motors), curves(s, &motors)],
@@ -35,6 +40,7 @@ pub fn figure(sweeps: &[JointSweep]) -> Figure {
 /// A motor with its designs.
 struct Swept<'a> {
     id: &'a str,
+    estimated: bool,
     best: f64,
     designs: Vec<(&'a SweptDesign<'a>, f64)>,
 }
@@ -46,7 +52,8 @@ fn ordered<'a>(sweep: &'a JointSweep) -> Vec<Swept<'a>> {
         let value = design.evaluation.objective(&sweep.joint.objective).unwrap_or(f64::NAN);
         let id = design.motor.id.as_str();
         if motors.last().is_none_or(|m| m.id != id) {
-            motors.push(Swept { id, best: f64::INFINITY, designs: Vec::new() });
+            let estimated = !design.motor.estimates.is_empty();
+            motors.push(Swept { id, estimated, best: f64::INFINITY, designs: Vec::new() });
         }
         let Some(motor) = motors.last_mut() else { continue };
         if design.is_choice() {
@@ -94,9 +101,11 @@ fn map(sweep: &JointSweep, motors: &[Swept]) -> Panel {
         (&near, Tone::Blue, Shape::Circle),
         ("cannot be judged", Tone::Grey, Shape::Circle),
     ];
-    for (kind, (name, tone, shape)) in kinds.into_iter().enumerate() {
+    for (kind, (name, tone, shape), hollow) in
+        kinds.into_iter().enumerate().flat_map(|(k, look)| [false, true].map(|hollow| (k, look, hollow)))
+    {
         let (mut points, mut ids, mut notes) = (Vec::new(), Vec::new(), Vec::new());
-        for (row, motor) in shown.iter().rev().enumerate() {
+        for (row, motor) in shown.iter().rev().enumerate().filter(|(_, m)| m.estimated == hollow) {
             for (design, value) in &motor.designs {
                 let of = match (design.evaluation.feasible, *value <= (1.0 + NEAR) * best) {
                     (false, _) => 0,
@@ -112,7 +121,9 @@ fn map(sweep: &JointSweep, motors: &[Swept]) -> Panel {
             }
         }
         if !points.is_empty() {
-            panel.series.push(Series::new(tone, Mark::Points(shape), points).named(name).of(ids).noted(notes));
+            // A cross has no inside.
+            let series = Series::new(tone, Mark::Points(shape), points).named(name).of(ids).noted(notes);
+            panel.series.push(series.hollow(hollow && shape != Shape::Cross));
         }
     }
     panel
@@ -147,6 +158,7 @@ fn curves(sweep: &JointSweep, motors: &[Swept]) -> Panel {
         if own || geared {
             let shape = if own { Shape::nth(rank) } else { Shape::Circle };
             let dots = Series::new(tone, Mark::Points(shape), points(motor)).of(vec![motor.id.into()]).noted(notes());
+            let dots = dots.hollow(motor.estimated);
             panel.series.push(if own { dots.named(motor.id) } else { dots });
         }
     }

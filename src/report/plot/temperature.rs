@@ -1,7 +1,7 @@
 //! Winding and housing temperature over the motion, with the limit.
 
 use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Tone, thinned};
-use crate::actuator::limits::Demand;
+use crate::actuator::limits::{Candidate, Check, Demand, LIMITS};
 use crate::design::Prepared;
 use crate::report::number;
 use crate::units::in_unit;
@@ -9,8 +9,30 @@ use crate::units::in_unit;
 /// Most points of a curve.
 const POINTS: usize = 1500;
 
-/// The panel; `None` where the motor's row or the motion does not say enough to follow the temperature.
-pub fn panel(prepared: &Prepared, ratio: f64) -> Option<Panel> {
+/// The panel; where the motor's row or the motion does not say enough to follow the temperature, it says so.
+pub fn panel(prepared: &Prepared, ratio: f64) -> Panel {
+    followed(prepared, ratio).unwrap_or_else(|| Panel {
+        title: "temperature".into(),
+        empty: format!("no thermal data: {}", lacking(&prepared.candidate)),
+        ..Panel::default()
+    })
+}
+
+/// What it takes to follow the temperature over the motion, and is not there.
+fn lacking(candidate: &Candidate) -> &'static str {
+    let unknown = LIMITS.iter().filter(|limit| limit.name == "winding_peak_temperature").find_map(|limit| match limit
+        .check(candidate)
+    {
+        Check::Unknown(why) => Some(why),
+        _ => None,
+    });
+    unknown.unwrap_or(match candidate.joint.motion.course {
+        Course::Points(_) => "operating points have no order in time",
+        _ => "the motor's row has no thermal resistances and time constants to follow the winding with",
+    })
+}
+
+fn followed(prepared: &Prepared, ratio: f64) -> Option<Panel> {
     let asked = prepared.asked.iter().find(|a| matches!(a.demand, Demand::WindingPeak(_)))?;
     let Demand::WindingPeak(node) = asked.demand else { return None };
     let candidate = &prepared.candidate;
@@ -23,7 +45,7 @@ pub fn panel(prepared: &Prepared, ratio: f64) -> Option<Panel> {
         ..Panel::default()
     };
     let celsius = |kelvin: f64| in_unit(kelvin, "degC");
-    let look = |here: &crate::actuator::limits::Candidate| {
+    let look = |here: &Candidate| {
         let (times, course) = here.load.winding_course(&here.actuator, &node, ratio)?;
         let points = |of: &[f64]| thinned(of.len(), POINTS).map(|k| (times[k], celsius(of[k]))).collect::<Vec<_>>();
         let peak = (times[course.peak_sample], celsius(course.peak));

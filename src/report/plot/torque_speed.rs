@@ -6,12 +6,13 @@
 
 use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Shape, Tone, thinned};
 use crate::actuator::envelope::Steady;
-use crate::actuator::limits::{Asked, Candidate, Demand};
+use crate::actuator::limits::{Asked, Candidate, Demand, is_of_gear};
 use crate::actuator::shaft::Flow;
 use crate::actuator::waveform::Functional;
+use crate::catalog::estimate::Estimated;
 use crate::design::Prepared;
 use crate::report::number;
-use crate::requirement::Course;
+use crate::requirement::{Course, Joint};
 
 /// Points of a boundary.
 const POINTS: usize = 121;
@@ -21,13 +22,14 @@ const SAMPLES: usize = 1500;
 /// What stands under the diagram.
 pub const CAPTION: &str = "At the output, at steady speed and torque (α = 0, dτ/dt = 0); driving above zero, braking below. \
     The motion: for each sample the steady torque that asks the same torque of the motor's shaft, the rotor's \
-    acceleration included; times are written at it. Continuous limits are on the rms over the motion, peak limits on every \
-    sample. The voltage that changes the current (L di/dt) is not in the diagram; the limit in the table has it.";
+    acceleration included; times are written at it. Each line says what it bounds: \"motion ≤\" every sample of the motion \
+    with the rotor, \"rms motion ≤\" its rms, \"load ≤\" the load torque alone; safety and reserves are in the lines. The voltage that changes the current (L di/dt) is not in the diagram; the limit in the table has it.";
 
 /// The diagram of a design at a ratio.
 pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
     let candidate = &prepared.candidate;
-    let motion = cloud(candidate, ratio);
+    let all = cloud(candidate, ratio);
+    let motion: Vec<(usize, (f64, f64))> = thinned(all.len(), SAMPLES).map(|k| all[k]).collect();
     let loads: Vec<(f64, f64)> = {
         let m = &candidate.joint.motion;
         let of = |k: usize| {
@@ -41,12 +43,12 @@ pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
     let speed = speed_range(prepared, ratio, fastest);
     let speeds: Vec<f64> = (0..POINTS).map(|k| speed * k as f64 / (POINTS - 1) as f64).collect();
     let mut panel = Panel { title, ..Panel::default() };
-    let boundaries = boundaries(prepared, ratio, &speeds);
+    let (boundaries, rms) = boundaries(prepared, ratio, &speeds);
     // The peak limits must be seen, unless they are so far off that the motion would vanish.
     let farthest = boundaries
         .iter()
-        .filter(|s| s.name.starts_with("peak"))
-        .flat_map(|s| &s.points)
+        .filter(|b| b.peak)
+        .flat_map(|b| &b.series.points)
         .map(|p| p.1.abs())
         .filter(|t| t.is_finite() && *t <= 4.0 * strongest)
         .fold(strongest, f64::max);
@@ -54,7 +56,7 @@ pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
     let up = 1.12 * farthest;
     panel.x = Axis::linear("speed of the output [rad/s]").within(0.0, speed);
     panel.y = Axis::linear("torque at the output [N·m]").within(-(1.25 * deepest).max(0.25 * up).min(up), up);
-    panel.series.push(Series::new(Tone::Grey, Mark::Dots, loads).named("load torque alone"));
+    panel.series.push(Series::new(Tone::Grey, Mark::Dots, loads).named("load alone"));
     let order: Vec<(f64, f64)> = motion.iter().map(|(_, p)| *p).collect();
     for (samples, course) in candidate.joint.motion.courses() {
         let of_it: Vec<(f64, f64)> = motion.iter().filter(|(k, _)| samples.contains(k)).map(|(_, p)| *p).collect();
@@ -66,18 +68,89 @@ pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
     panel.series.push(Series::new(Tone::Blue, Mark::Dots, order).named("motion, with the rotor").noted(notes));
     // What lies beyond the panel is said, and not in the legend.
     let (lowest, highest) = panel.y.range.unwrap_or_default();
-    let seen = |s: &Series| s.points.iter().any(|p| p.1 >= lowest && p.1 <= highest && p.0 <= speed);
-    let (seen, beyond): (Vec<Series>, Vec<Series>) = boundaries.into_iter().partition(seen);
+    let visible = |s: &Series| s.points.iter().any(|p| p.1 >= lowest && p.1 <= highest && p.0 <= speed);
+    let (seen, beyond): (Vec<Boundary>, Vec<Boundary>) = boundaries.into_iter().partition(|b| visible(&b.series));
     if !beyond.is_empty() {
-        let names: Vec<&str> = beyond.iter().map(|s| s.name.as_str()).collect();
-        panel.title.push_str(&format!("; beyond what is drawn: {}", names.join("; ")));
+        let names: Vec<&str> = beyond.iter().map(|b| b.short.as_str()).collect();
+        panel.title.push_str(&format!(" (farther off than drawn: {})", names.join(", ")));
     }
-    panel.series.extend(seen);
-    panel.rules = straight(prepared, ratio, (speed, up));
-    panel.labels = instants(candidate, &motion);
-    let (at, notes) = panel.labels.iter().map(|l| (l.at, l.text.clone())).unzip();
+    panel.series.extend(rms.filter(&visible));
+    let lines = seen.into_iter().map(|b| b.series.named(format!("{} ≤ {}", b.of, b.short))).collect();
+    panel.series.extend(super::merge_coincident(lines, highest - lowest));
+    panel.rules = straight(prepared, ratio, (speed, up, lowest));
+    let binding = binding(prepared, ratio, &all);
+    let times = instants(candidate, &motion);
+    let marks = |of: &[Label]| of.iter().map(|l| (l.at, l.text.clone())).unzip::<_, _, Vec<_>, Vec<_>>();
+    let (at, notes) = marks(&times);
     panel.series.push(Series::new(Tone::Blue, Mark::Points(Shape::Circle), at).noted(notes));
+    if !binding.is_empty() {
+        let (at, notes) = marks(&binding);
+        let binds = Series::new(Tone::Vermilion, Mark::Points(Shape::Diamond), at);
+        panel.series.push(binds.noted(notes).named("where a limit binds"));
+    }
+    panel.labels = binding;
+    // One instant has one label: what binds there says when it is.
+    let apart = |l: &Label| panel.labels.iter().all(|other| other.at != l.at);
+    let times: Vec<Label> = times.into_iter().filter(apart).collect();
+    panel.labels.extend(times);
     panel
+}
+
+/// A limit leaves no more than this share, and its instant is labelled.
+const BINDS: f64 = 0.05;
+
+/// Where the limits bind that leave least, each at the sample that asks most of it.
+fn binding(prepared: &Prepared, ratio: f64, motion: &[(usize, (f64, f64))]) -> Vec<Label> {
+    let candidate = &prepared.candidate;
+    let m = &candidate.joint.motion;
+    let mut found: Vec<(f64, usize, &'static str)> = Vec::new();
+    for asked in &prepared.asked {
+        let (raw, sample) = asked.raw_demand(candidate, ratio);
+        let margin = asked.margin(candidate, ratio, raw);
+        // The torque that a bandwidth asks for on top is in no dot.
+        let drawn = !matches!(asked.demand, Demand::Bandwidth(_));
+        if let Some(sample) = sample.filter(|k| drawn && margin <= BINDS && *k < m.len()) {
+            found.push((margin, sample, asked.limit.name));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(b.2)));
+    let label = |(margin, sample, limit): &(f64, usize, &'static str)| {
+        let sign = if m.velocity[*sample] == 0.0 { m.torque[*sample].signum() } else { m.velocity[*sample].signum() };
+        let load = (m.velocity[*sample].abs(), sign * m.torque[*sample]);
+        let with_rotor = || motion.iter().find(|(k, _)| k == sample).map(|(_, p)| *p);
+        let at = if is_of_gear(limit) { load } else { with_rotor()? };
+        let how = match margin {
+            m if *m < -1e-6 => "exceeded".to_string(),
+            m if *m < 0.0005 => "binds".to_string(),
+            m => format!("{} % left", number((1000.0 * m).round() / 10.0)),
+        };
+        Some(Label { at, text: format!("{limit} {how}, {}", m.name_sample(*sample)), chosen: false })
+    };
+    found.iter().filter_map(label).take(LABELLED).collect()
+}
+
+/// Most instants at which limits bind that are labelled.
+const LABELLED: usize = 3;
+
+/// A boundary of the diagram.
+struct Boundary {
+    series: Series,
+    /// Which dots it bounds.
+    of: &'static str,
+    /// What it is, in few words.
+    short: String,
+    /// Whether it must be seen: a peak limit.
+    peak: bool,
+}
+
+/// What of a limit is not to be used: safety factor and reserve, to go on its name.
+fn held_back(asked: &Asked, joint: &Joint) -> String {
+    let safety = joint.limits.safety;
+    let reserve = joint.limits.reserve(asked.limit.name);
+    let safety =
+        if asked.limit.safety && safety != 1.0 { format!(" / safety {}", number(safety)) } else { String::new() };
+    let reserve = if reserve > 0.0 { format!(" less {} % reserve", number(100.0 * reserve)) } else { String::new() };
+    safety + &reserve
 }
 
 /// The samples with what each asks of the motor, as speed and torque at the output.
@@ -110,11 +183,8 @@ fn cloud(candidate: &Candidate, ratio: f64) -> Vec<(usize, (f64, f64))> {
         kept
     };
     let all = if candidate.is_evaluated() { candidate.at_ratio(ratio, shaft) } else { shaft(candidate) };
-    thinned(all.len(), SAMPLES)
-        .filter_map(|k| {
-            let (origin, speed, torque) = all[k];
-            Some((origin, (speed, steady.load_torque(torque, speed)?)))
-        })
+    all.into_iter()
+        .filter_map(|(origin, speed, torque)| Some((origin, (speed, steady.load_torque(torque, speed)?))))
         .collect()
 }
 
@@ -134,22 +204,25 @@ fn speed_range(prepared: &Prepared, ratio: f64, fastest: f64) -> f64 {
     if reaches(speed) { 1.3 * fastest.max(1e-3) } else { speed }
 }
 
-/// A limit on the torque of the motor's shaft: its name in the legend, and the torque \[N·m\].
-fn shaft_limit(asked: &Asked) -> Option<(&'static str, f64)> {
+/// A limit on the torque of the motor's shaft: its name in the legend, whether it is on every sample (else on their rms),
+/// and the torque \[N·m\].
+fn shaft_limit(asked: &Asked) -> Option<(&'static str, bool, f64)> {
     let bound = asked.raw_bound().max(0.0).sqrt();
-    let name = match (asked.limit.name, asked.owner) {
-        ("peak_current", "drive") => "peak: drive current",
-        ("peak_current", _) => "peak: motor current",
-        ("peak_torque", _) => "peak: motor torque",
-        ("continuous_current", _) => "continuous: rated current",
-        ("continuous_torque", _) => "continuous: rated torque",
-        ("winding_temperature", _) => "continuous: winding temperature",
+    let (name, peak) = match (asked.limit.name, asked.owner) {
+        ("peak_current", "drive") => ("peak current of the drive", true),
+        ("peak_current", _) => ("peak current of the motor", true),
+        ("peak_torque", _) => ("peak torque of the motor", true),
+        ("continuous_current", _) => ("rated current", false),
+        ("continuous_torque", _) => ("rated torque", false),
+        ("winding_temperature", _) => ("winding temperature", false),
         _ => return None,
     };
-    matches!(asked.demand, Demand::Samples(Functional::TorqueSquared) | Demand::Polynomial(..)).then_some((name, bound))
+    matches!(asked.demand, Demand::Samples(Functional::TorqueSquared) | Demand::Polynomial(..))
+        .then_some((name, peak, bound))
 }
 
-fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
+/// The boundaries, and the rms of the motion as a line where a continuous limit bounds it.
+fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> (Vec<Boundary>, Option<Series>) {
     let candidate = &prepared.candidate;
     let steady = Steady::new(candidate, ratio);
     let both = |at: &dyn Fn(Flow, f64) -> Option<f64>| -> Vec<(f64, f64)> {
@@ -168,11 +241,12 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
         }
         points
     };
-    let mut all = Vec::new();
+    let (mut all, mut rms) = (Vec::new(), None);
     for asked in &prepared.asked {
+        let held = held_back(asked, candidate.joint);
         let bound = asked.raw_bound();
-        if let Some((name, torque)) = shaft_limit(asked) {
-            let tone = if name.starts_with("peak") { Tone::Vermilion } else { Tone::Green };
+        if let Some((name, peak, torque)) = shaft_limit(asked) {
+            let tone = if peak { Tone::Vermilion } else { Tone::Green };
             let dash = match asked.limit.name {
                 // No two alike: in grey the dash is all that tells them apart.
                 "peak_torque" => Dash::Dashed,
@@ -181,11 +255,21 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
                 "continuous_torque" => Dash::DashDotDot,
                 _ => Dash::Solid,
             };
-            let at = |flow: Flow, speed: f64| {
-                let signed = if flow == Flow::Driving { torque } else { -torque };
-                steady.load_torque(signed, speed).filter(|t| (*t >= 0.0) == (flow == Flow::Driving))
+            let line = |torque: f64| {
+                both(&|flow: Flow, speed: f64| {
+                    let signed = if flow == Flow::Driving { torque } else { -torque };
+                    steady.load_torque(signed, speed).filter(|t| (*t >= 0.0) == (flow == Flow::Driving))
+                })
             };
-            all.push(Series::new(tone, Mark::Line(dash), both(&at)).named(name));
+            if !peak && rms.is_none() {
+                let asks = asked.raw_demand(candidate, ratio).0.max(0.0).sqrt();
+                rms = Some(Series::new(Tone::Blue, Mark::Thin(Dash::DashDot), line(asks)).named("rms motion"));
+            }
+            let heat = asked.limit.name == "winding_temperature";
+            let guessed = heat && candidate.motor.is_estimated(Estimated::ThermalResistance);
+            let short = format!("{name}{}{held}", if guessed { " (estimated)" } else { "" });
+            let of = if peak { "motion" } else { "rms motion" };
+            all.push(Boundary { series: Series::new(tone, Mark::Line(dash), line(torque)), of, short, peak });
         }
         let (functional, name, tone, dash) = match asked.limit.name {
             "voltage" => (Functional::VoltageSquared, "voltage", Tone::Black, Dash::Solid),
@@ -196,14 +280,16 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> Vec<Series> {
         let boundary = |steady: Steady| both(&|flow, speed| steady.largest_torque(functional, bound, flow, speed));
         let inductance = asked.limit.name == "voltage" && candidate.motor.inductance_and_poles().is_some();
         let name = if inductance { "voltage, with inductance" } else { name };
-        all.push(Series::new(tone, Mark::Line(dash), boundary(steady)).named(name));
+        let of_bus =
+            |series, name: &str| Boundary { series, of: "motion", short: format!("{name}{held}"), peak: false };
+        all.push(of_bus(Series::new(tone, Mark::Line(dash), boundary(steady)), name));
         if inductance {
-            let without = boundary(steady.without_inductance());
-            all.push(Series::new(tone, Mark::Line(Dash::Dotted), without).named("voltage, without inductance"));
+            let without = Series::new(tone, Mark::Line(Dash::Dotted), boundary(steady.without_inductance()));
+            all.push(of_bus(without, "voltage, without inductance"));
         }
     }
-    all.retain(|s| s.points.iter().any(|p| p.1.is_finite()));
-    all
+    all.retain(|b| b.series.points.iter().any(|p| p.1.is_finite()));
+    (all, rms)
 }
 
 /// The last point that there is between a speed that has one and a speed that has none.
@@ -216,21 +302,24 @@ fn last(at: &dyn Fn(f64) -> Option<f64>, with: f64, without: f64) -> (f64, f64) 
     (low, at(low).unwrap_or(f64::NAN))
 }
 
-/// Limits of speed, and of the gear's torque.
-fn straight(prepared: &Prepared, ratio: f64, (fastest, strongest): (f64, f64)) -> Vec<Rule> {
-    let safety = prepared.candidate.joint.limits.safety;
-    let rule = |asked: &Asked| {
-        let (along, at, text, dash) = match asked.limit.name {
-            "max_speed" => (Along::X, asked.bound / ratio, "speed of the motor", Dash::Dashed),
-            "gear_input_speed" => (Along::X, asked.bound / ratio, "speed of the gear", Dash::DashDot),
-            "gear_peak_torque" => (Along::Y, asked.bound / safety, "gear, peak", Dash::Long),
-            "gear_continuous_torque" => (Along::Y, asked.bound, "gear, continuous", Dash::Dotted),
-            _ => return None,
+/// Limits of speed, and of the gear's torque, which holds for driving and for braking.
+fn straight(prepared: &Prepared, ratio: f64, (fastest, strongest, lowest): (f64, f64, f64)) -> Vec<Rule> {
+    let joint = prepared.candidate.joint;
+    let rules = |asked: &Asked| {
+        let (along, at, name, dash) = match asked.limit.name {
+            "max_speed" => (Along::X, asked.bound / ratio, "motion ≤ speed of the motor", Dash::Dashed),
+            "gear_input_speed" => (Along::X, asked.bound / ratio, "motion ≤ speed of the gear", Dash::DashDot),
+            "gear_peak_torque" => (Along::Y, asked.bound / joint.limits.safety, "load ≤ peak of the gear", Dash::Long),
+            "gear_continuous_torque" => (Along::Y, asked.bound, "rms load ≤ continuous of the gear", Dash::Dotted),
+            _ => return Vec::new(),
         };
-        let seen = if along == Along::X { at <= fastest } else { at <= strongest };
-        seen.then(|| Rule { along, at, tone: Tone::Orange, dash, text: text.into() })
+        let rule = |at: f64, text: String| Rule { along, at, tone: Tone::Orange, dash, text };
+        let upper = if along == Along::X { at <= fastest } else { at <= strongest };
+        let upper = upper.then(|| rule(at, format!("{name}{}", held_back(asked, joint))));
+        let lower = (along == Along::Y && -at >= lowest).then(|| rule(-at, String::new()));
+        upper.into_iter().chain(lower).collect()
     };
-    prepared.asked.iter().filter_map(rule).collect()
+    prepared.asked.iter().flat_map(rules).collect()
 }
 
 /// Where the motion is at the start and after each quarter.
