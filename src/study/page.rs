@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::effects::Effect;
 use super::output::Manifest;
+use super::plan::PlannedParameter;
 use super::{StudyError, Summary, plot};
 use crate::input::InputFile;
 use crate::report::html::{Page, Part, Row, Section, Table, Verdict};
@@ -49,7 +50,10 @@ pub fn page(out: &Path, summary: &Summary, manifest: &Manifest) -> Result<Page, 
     }
     Ok(Page {
         command: "study",
-        title: robots.clone(),
+        title: match &manifest.plan.study {
+            Some(study) => format!("{}: {robots}", study.file),
+            None => robots.clone(),
+        },
         verdict: Verdict::from(summary.broken == 0),
         asked: asked(summary, manifest),
         headline,
@@ -106,7 +110,7 @@ struct Whole {
 impl Whole {
     /// Its name with its point of the grid.
     fn title(&self, manifest: &Manifest) -> String {
-        let at = manifest.plan.grid.iter().zip(&self.point).map(|(p, cell)| format!("{} = {cell}", p.column));
+        let at = manifest.plan.grid.iter().zip(&self.point).map(|(p, cell)| format!("{} = {cell}", p.key));
         let at: Vec<String> = at.collect();
         if at.is_empty() { self.name.clone() } else { format!("{} with {}", self.name, at.join(", ")) }
     }
@@ -149,8 +153,8 @@ impl Best {
     }
 }
 
-fn heading(parameter: &super::plan::PlannedParameter) -> String {
-    if parameter.numeric { format!(">{}", parameter.column) } else { parameter.column.clone() }
+fn heading(parameter: &PlannedParameter) -> String {
+    if parameter.numeric { format!(">{}", parameter.key) } else { parameter.key.clone() }
 }
 
 /// Reads the results once, robot by robot: nothing grows with their number.
@@ -177,7 +181,12 @@ fn best(out: &Path, manifest: &Manifest) -> Result<Best, StudyError> {
         let id: u64 = text(robot).parse().unwrap_or(u64::MAX);
         if here.as_ref().is_none_or(|(whole, ..)| whole.robot != id) {
             take(here.take(), &mut best);
-            let point = grid.iter().map(|k| text(*k).to_string()).collect();
+            // As the study's file has it: a number with its unit.
+            let written = |(p, k): (&PlannedParameter, &Option<usize>)| {
+                let value = p.cells.iter().position(|cell| cell == text(*k)).and_then(|v| p.values.get(v));
+                value.cloned().unwrap_or_else(|| text(*k).to_string())
+            };
+            let point = manifest.plan.grid.iter().zip(&grid).map(written).collect();
             let name = text(name).to_string();
             let whole = Whole { robot: id, name, point, loss: 0.0, mass: Some(0.0), choices: Vec::new() };
             here = Some((whole, true, String::new()));

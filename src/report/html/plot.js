@@ -357,6 +357,13 @@ class PanelView {
     };
     // What texts had better not cover.
     const crowd = this.marks.flatMap((m) => m.px.map((p, k) => [p, m.py[k]]));
+    if (this.panel.x.names.length) {
+      // A wide bar is in the way with all of its area.
+      const half = 0.3 * (x(1) - x(0)), bottom = bbox.top + bbox.height;
+      for (const m of this.marks) if (m.s.mark === "bars") m.px.forEach((p, k) => {
+        for (let q = m.py[k] + ratio; q < bottom; q += 8 * ratio) for (const s of [-0.9, -0.5, 0, 0.5, 0.9]) crowd.push([p + s * half, q]);
+      });
+    }
     const around = 3 * ratio;
     const covered = (r) => crowd.reduce((n, [p, q]) => n + (p > r[0] - around && p < r[2] + around && q > r[1] - around && q < r[3] + around), 0);
     let labels = this.panel.labels.map((l) => ({ ...l, px: x(l.x), py: y(l.y) }));
@@ -505,7 +512,13 @@ function tip(lines, px, py) {
 // The legend's entries, each once, with all that has the name; pressing one hides or shows it.
 function legend(views) {
   const entries = new Map();
-  const add = (name, sample) => { if (name) entries.set(name, [...(entries.get(name) ?? []), sample]); };
+  // Of one look full and hollow, the full one is the sample.
+  const add = (name, sample) => {
+    if (!name) return;
+    const others = entries.get(name) ?? [], alike = others.findIndex((s) => s.mark === sample.mark && s.tone === sample.tone);
+    if (alike < 0) entries.set(name, [...others, sample]);
+    else if (others[alike].hollow) others[alike] = sample;
+  };
   for (const { panel } of views) {
     for (const s of panel.series) add(s.name, s);
     for (const s of panel.stripes) add(s.name, { ...s, mark: "stripe" });

@@ -58,7 +58,7 @@ class TableView {
     const { box, scroll } = this, room = scroll.clientWidth;
     if (!room || state.print) return;
     this.seen = room;
-    box.className = "table";
+    box.className = `table${this.rows.length <= 12 ? " whole" : ""}${this.all ? " all" : ""}`;
     let shown = this.heads.length;
     if (this.main && !this.all) {
       const most = Math.min(this.main, MOST_SHORT), widths = this.heads.map((h) => h.offsetWidth);
@@ -69,7 +69,7 @@ class TableView {
       if (innerWidth < NARROW) shown = most;
       box.classList.add(`first-${shown}`);
     }
-    if (scroll.scrollWidth > room + 1 && (innerWidth < NARROW || !this.all)) this.blocks();
+    if (scroll.scrollWidth > room + 1 && (innerWidth < NARROW || (innerWidth < 1100 && !this.all))) this.blocks();
     if (this.more) {
       this.more.textContent = this.all ? "main columns" : `all ${this.heads.length} columns`;
       this.more.setAttribute("aria-pressed", String(Boolean(this.all)));

@@ -149,7 +149,11 @@ fn legend<'a>(panels: impl Iterator<Item = &'a Panel>) -> Vec<Entry<'a>> {
         }
         match entries.iter_mut().find(|e| e.name == name) {
             Some(entry) if entry.samples.contains(&sample) => {}
-            Some(entry) => entry.samples.push(sample),
+            // Of one look full and hollow: the full one is the sample, and the legend says what hollow is.
+            Some(entry) => match entry.samples.iter_mut().find(|s| (s.0, s.1) == (sample.0, sample.1)) {
+                Some(same) => same.2 = false,
+                None => entry.samples.push(sample),
+            },
             None => entries.push(Entry { name, samples: vec![sample] }),
         }
     };
@@ -520,6 +524,16 @@ fn crowd(panel: &Panel, axes: &Axes) -> Vec<(f64, f64)> {
     for series in &panel.series {
         let pixels: Vec<(f64, f64)> = series.points.iter().map(|p| axes.at(*p)).collect();
         match series.mark {
+            Mark::Bars if axes.counts => {
+                // A wide bar is in the way with all of its area.
+                let half = 0.3 * (axes.x.pixel(1.0) - axes.x.pixel(0.0));
+                let bottom = axes.frame[3];
+                for (x, y) in pixels.iter().filter(|p| p.1.is_finite()) {
+                    let rows = ((bottom - y) / 8.0).clamp(1.0, 100.0) as u32;
+                    let across = [-0.9, -0.5, 0.0, 0.5, 0.9];
+                    all.extend((0..rows).flat_map(|r| across.map(|s| (x + s * half, y + 1.0 + 8.0 * f64::from(r)))));
+                }
+            }
             Mark::Dots | Mark::Bars => all.extend(pixels),
             // A shape counts with its extent.
             Mark::Points(_) => all.extend(pixels.iter().flat_map(|(x, y)| {

@@ -451,12 +451,21 @@ fn merge_coincident(all: Vec<Series>, height: f64) -> Vec<Series> {
     let mut kept: Vec<Series> = Vec::new();
     for series in all {
         match kept.iter_mut().find(|k| same(k, &series)) {
-            Some(first) if !series.name.is_empty() => first.name = format!("{} = {}", first.name, series.name),
+            Some(first) if !series.name.is_empty() => first.name = together(&first.name, &series.name),
             Some(_) => {}
             None => kept.push(series),
         }
     }
     kept
+}
+
+/// Two names of one line: `a ≤ b` and `a ≤ c` are `a ≤ b = c`.
+fn together(first: &str, second: &str) -> String {
+    let bounded = |name: &str| name.split_once(" ≤ ").map(|(of, by)| (of.to_string(), by.to_string()));
+    match (bounded(first), bounded(second)) {
+        (Some((of, _)), Some((other, by))) if of == other => format!("{first} = {by}"),
+        _ => format!("{first} = {second}"),
+    }
 }
 
 /// At most `most` of `count` indices, evenly spread.

@@ -263,7 +263,7 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> (Vec<Boundary>
             };
             if !peak && rms.is_none() {
                 let asks = asked.raw_demand(candidate, ratio).0.max(0.0).sqrt();
-                rms = Some(Series::new(Tone::Blue, Mark::Thin(Dash::DashDot), line(asks)).named("rms motion"));
+                rms = Some(Series::new(Tone::Blue, Mark::Thin(Dash::Dotted), line(asks)).named("rms motion"));
             }
             let heat = asked.limit.name == "winding_temperature";
             let guessed = heat && candidate.motor.is_estimated(Estimated::ThermalResistance);

@@ -124,7 +124,13 @@ fn page_about(names: &[String]) -> Page {
 #[test]
 fn every_command_has_a_page() {
     let quadruped = "requirements/quadruped_mini_cheetah.toml";
-    let cases: [(&[&str], &[&str]); 6] = [
+    let cases: [(&[&str], &[&str]); 9] = [
+        (&["check", GOOD], &["What was asked", "The design passes", "45 rules", "GW110"]),
+        (
+            &["characterize", "requirements/bench/motor_on_bench.toml"],
+            &["What was found", "torque_constant", "drag: checks"],
+        ),
+        (&["optimize", quadruped, "--robust"], &["at worst", "over the tolerances", "is first then"]),
         (&["rank"], &["In short", "Motors", "Warnings", "Where this comes from"]),
         (&["compare", "t-motor-ri50", "t-motor-u8"], &["is ", "times as responsive", "Speed response"]),
         (&["explain", "t-motor-ri50", quadruped, "--joint", "knee"], &["Limits", "What it needs and weighs", "sha256"]),
@@ -138,12 +144,156 @@ fn every_command_has_a_page() {
             assert!(page.contains(text), "{arguments:?} has no {text}");
         }
         assert_eq!(page.matches("<h1>").count(), 1);
+        // What was asked comes before the answer.
+        let at = |id: &str| page.find(&format!("<section id=\"{id}\"")).unwrap_or_else(|| panic!("no {id}"));
+        assert!(at("asked") < at("summary"), "{arguments:?}");
         assert!(page.ends_with("</html>\n"));
         // No address in the page but that of SVG-like names: nothing can be fetched.
         let own = markup(&page);
         for fetch in [" src=", "url(", "@import", "<iframe", "<object", "<base", " style=", " onclick="] {
             assert!(!own.contains(fetch), "{arguments:?} has {fetch}");
         }
+    }
+}
+
+const GOOD: &str = "requirements/designs/quadruped_mini_cheetah/design.toml";
+
+/// The text between a page's first and last mark of a section.
+fn section<'p>(page: &'p str, id: &str) -> &'p str {
+    between(page, &format!("<section id=\"{id}\""), "</section>")
+}
+
+#[test]
+fn a_page_begins_with_the_requirement_and_its_motion() {
+    let page = page_of(&["optimize", "requirements/quadruped_mini_cheetah.toml"]);
+    let asked = section(&page, "asked");
+    // By hand: the knee's file has 200 rows, its largest torque is 13.39 N·m; four points of the abduction.
+    for expected in
+        ["Bus of 24 V", "at most 40 A", "<td>knee", "<td class=n>200", "<td class=n>13.39", "safety 1.2 on peaks"]
+    {
+        assert!(asked.contains(expected), "no {expected} in {asked}");
+    }
+    assert!(asked.contains("data-figure=\"0\""), "the motion is drawn");
+    // What nobody asked for is not said.
+    for none in ["of the bus for one joint", "in reserve", "spring", "all actuators together"] {
+        assert!(!asked.contains(none), "{none}");
+    }
+}
+
+#[test]
+fn a_whole_robot_is_tables_and_no_block_of_text() {
+    let quadruped = "requirements/quadruped_mini_cheetah.toml";
+    let page = page_of(&["optimize", quadruped, "--robot"]);
+    let summary = section(&page, "summary");
+    for table in ["The best combination", "The best, and the next best with another motor somewhere"] {
+        assert!(summary.contains(&format!("<caption>{table}</caption>")), "{table}");
+    }
+    // Only the call is as it was typed.
+    assert_eq!(markup(&page).matches("<pre").count(), 1);
+    let alone = page_of(&["optimize", quadruped]);
+    assert!(!alone.contains("The best combination"));
+}
+
+/// The shipped design with another ratio of the knee.
+fn design(folder: &Path, ratio: &str) -> String {
+    let root = common::repository("requirements");
+    let text = std::fs::read_to_string(common::repository(GOOD)).expect("the design");
+    let text = text.replace("../../quadruped", &format!("{}/quadruped", root.display()));
+    let text = text.replace("rules = \"rules.toml\"\n", "").replace("ratio = 9.33", &format!("ratio = {ratio}"));
+    let path = folder.join("design.toml");
+    std::fs::write(&path, text).expect("a design");
+    path.to_str().expect("a name").to_string()
+}
+
+#[test]
+fn the_page_of_a_check_says_what_is_wrong_by_how_much_and_how_to_mend_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bad = page_of(&["check", &design(folder.path(), "2")]);
+    assert!(bad.contains("<span class=\"badge bad\">not satisfied</span>"));
+    assert!(bad.contains("does not pass"));
+    let knee = between(&bad, "<caption>knee: findings</caption>", "</table>");
+    for heading in ["severity", "rule", "measured", "bound", "how to fix", "asked for in"] {
+        assert!(knee.contains(&format!(">{heading}</th>")), "{heading}");
+    }
+    assert!(knee.contains("<td>error"), "{knee}");
+    // Each number of the page is one of the JSON.
+    let json = gearwise(&["check", &design(folder.path(), "2"), "--json"]).stdout;
+    let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
+    let findings = json["findings"].as_array().expect("findings");
+    let errors: Vec<_> = findings.iter().filter(|f| f["joint"] == "knee" && f["severity"] == "error").collect();
+    assert_eq!(knee.matches("<td>error").count(), errors.len());
+    for code in errors.iter().map(|f| f["code"].as_str().expect("a code")) {
+        assert!(knee.contains(code), "{code}");
+    }
+    // Nothing wrong, and nothing said of it.
+    let good = page_of(&["check", GOOD]);
+    assert!(good.contains("<span class=\"badge good\">satisfied</span>"));
+    assert!(!good.contains("<td>error") && !good.contains("does not pass"));
+}
+
+#[test]
+fn the_page_of_a_study_says_what_was_varied_and_which_robots_are_best() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("result").to_str().expect("a name").to_string();
+    let study = ["study", "requirements/studies/quadruped.toml", "--out", &out];
+    let page = page_of(&study);
+    let asked = section(&page, "asked");
+    for expected in ["18 robots", "bus.voltage", "24 V, 36 V, 48 V", "scale.speed"] {
+        assert!(asked.contains(expected), "{expected}");
+    }
+    // The best robot by hand: the least sum of count times loss over first choices, all joints of a robot having one.
+    let mut reader = csv::Reader::from_path(Path::new(&out).join("results.csv")).expect("results");
+    let head = reader.headers().expect("a header").clone();
+    let at = |name: &str| head.iter().position(|h| h == name).expect("a column");
+    let (mut sums, mut broken) = (std::collections::BTreeMap::<u64, f64>::new(), Vec::new());
+    for row in reader.records() {
+        let row = row.expect("a row");
+        let number = |name: &str| row[at(name)].parse::<f64>().ok();
+        let robot: u64 = row[at("robot")].parse().expect("a number");
+        match &row[at("rank")] {
+            "1" => *sums.entry(robot).or_default() += number("joint_count").unwrap() * number("loss_w").unwrap(),
+            "" => broken.push(robot),
+            _ => {}
+        }
+    }
+    sums.retain(|robot, _| !broken.contains(robot));
+    let (best, loss) = sums.iter().min_by(|a, b| a.1.total_cmp(b.1)).expect("a robot");
+    assert!(!broken.is_empty(), "a robot that cannot be built is not among the best");
+    let summary = section(&page, "summary");
+    assert!(summary.contains(&format!("<tr><td class=n>1<td class=n>{best}<td>")), "robot {best}");
+    assert!(summary.contains(&gearwise::report::number(*loss)), "{loss}");
+    assert!(summary.contains(&format!("{} of 18 robots can be built", sums.len())));
+    for robot in broken {
+        assert!(!summary.contains(&format!("<td class=n>{robot}<td>quadruped")), "robot {robot}");
+    }
+    // Again from the finished results: the same page.
+    assert!(page_of(&study) == page, "the pages differ");
+    // Nothing was varied: nothing is said of it. A part of a study has no page.
+    let single = folder.path().join("single").to_str().expect("a name").to_string();
+    let page = page_of(&["study", "requirements/exoskeleton_hip.toml", "--out", &single]);
+    assert!(!page.contains("What was varied"));
+    let part = folder.path().join("part").to_str().expect("a name").to_string();
+    let refused = gearwise(&["study", study[1], "--out", &part, "--shard", "1/2", "--html", "x.html"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("merge --html"));
+}
+
+#[test]
+fn robust_is_said_of_tolerances_and_not_of_printed_numbers() {
+    // The built-in rows that come first here have no ±: the page must not say that they keep their limits over it.
+    let page = page_of(&["optimize", "requirements/quadruped_mini_cheetah.toml", "--robust"]);
+    let bare = section(&page, "summary").contains("no tolerances in the catalogue: nominal");
+    let proud = page.contains("Every joint has a design that keeps all limits over the tolerances of its motor.");
+    assert!(bare && !proud);
+}
+
+#[test]
+fn units_are_printed_as_in_print() {
+    let page = page_of(&["optimize", "requirements/ankle_prosthesis_parallel_spring.toml"]);
+    let own = markup(&page);
+    assert!(own.contains("N·m/rad"));
+    for typed in ["N*m", "kg*m^2", "Nm]"] {
+        assert!(!own.contains(typed), "{typed}");
     }
 }
 

@@ -248,6 +248,143 @@ fn the_boundary_of_a_current_is_that_current() {
     }
 }
 
+/// The picture of a command.
+fn picture(command: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("x.svg");
+    let output = gearwise(&[command, &["--plot", file.to_str().unwrap()]].concat());
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{command:?}");
+    std::fs::read_to_string(&file).unwrap()
+}
+
+proptest! {
+    /// From fewer than three ticks nobody can tell that an axis is logarithmic.
+    #[test]
+    fn a_logarithmic_axis_has_three_ticks(low in -6.0..6.0_f64, decades in 0.01..9.0_f64, most in 1_usize..14) {
+        let (low, high) = (10_f64.powf(low), 10_f64.powf(low + decades));
+        let found = plot::ticks(&Axis::log(""), (low, high), most).labelled;
+        prop_assert!(found.len() >= 3, "{found:?}");
+        prop_assert!(found.iter().all(|t| t.0 >= low * 0.999_999 && t.0 <= high * 1.000_001));
+        let texts: std::collections::HashSet<&String> = found.iter().map(|t| &t.1).collect();
+        prop_assert_eq!(texts.len(), found.len(), "{:?}", found);
+    }
+}
+
+fn fronts_figure(catalog: &Catalog, quantities: [requirement::Quantity; 2]) -> Figure {
+    let robot = requirement::read(Path::new(CHEETAH)).unwrap();
+    let fronts = gearwise::design::pareto::fronts(&robot, catalog, quantities, 33, Default::default()).unwrap();
+    plot::pareto::figure(&fronts)
+}
+
+/// Between two motors there is no design: the front has a corner there, above and right of what can be had. Along one
+/// motor there are designs at all ratios: no corner.
+#[test]
+fn a_front_is_a_step_between_motors_and_a_curve_along_one() {
+    use requirement::Quantity::{Loss, Mass, ReflectedInertia};
+    let catalog = Catalog::builtin().unwrap();
+    for (quantities, mixed) in [([Loss, Mass], false), ([Loss, ReflectedInertia], true)] {
+        let figure = fronts_figure(&catalog, quantities);
+        let mut sloped = 0;
+        for panel in figure.groups[0].panels.iter().filter(|p| !p.series.is_empty()) {
+            let [line, motors @ ..] = panel.series.as_slice() else { panic!("a front") };
+            let of = |p: (f64, f64)| motors.iter().find(|s| s.points.contains(&p)).map(|s| s.ids[0].clone());
+            for pair in line.points.windows(2) {
+                let straight = pair[0].0 == pair[1].0 || pair[0].1 == pair[1].1;
+                let same = of(pair[0]).is_some() && of(pair[0]) == of(pair[1]);
+                assert!(straight || same, "{pair:?} of {}", panel.title);
+                sloped += usize::from(!straight);
+            }
+            // Every motor is named with the ratio of its point.
+            let named = |id: &str| panel.labels.iter().any(|l| l.text.starts_with(&format!("{id}, N = ")));
+            assert!(motors.iter().filter(|s| !s.ids.is_empty()).all(|s| named(&s.ids[0])));
+        }
+        assert_eq!(sloped > 0, mixed, "{quantities:?}");
+    }
+}
+
+#[test]
+fn a_mark_is_hollow_only_where_something_is_estimated() {
+    use requirement::Quantity::{Loss, Mass};
+    let plain = Catalog::builtin().unwrap();
+    let estimated = gearwise::actuator::estimate::complete(Catalog::builtin().unwrap());
+    for (catalog, any) in [(&plain, false), (&estimated, true)] {
+        let figure = fronts_figure(catalog, [Loss, Mass]);
+        let mut hollow = 0;
+        for series in figure.groups[0].panels.iter().flat_map(|p| &p.series).filter(|s| !s.ids.is_empty()) {
+            let motor = catalog.motor(&series.ids[0]).unwrap();
+            assert_eq!(series.hollow, !motor.estimates.is_empty(), "{}", motor.id);
+            hollow += usize::from(series.hollow);
+        }
+        let svg = plot::svg(&figure);
+        assert_eq!(hollow > 0, any);
+        assert_eq!(svg.contains("hollow: rests on an estimate"), any);
+    }
+}
+
+#[test]
+fn a_line_says_what_it_bounds_and_that_safety_is_in_it() {
+    let with = picture(&["explain", "t-motor-u8-lee@8", CHEETAH, "--joint", "hip"]);
+    for name in ["motion ≤ peak current of the drive / safety 1.2", "motion ≤ voltage, with inductance", "load alone"]
+    {
+        assert!(with.contains(name), "{name}");
+    }
+    // Rated current and torque of this row are the same line; heat is another.
+    assert!(with.contains("rms motion ≤ rated current = rated torque"));
+    assert!(with.contains(">rms motion ≤ winding temperature<"));
+    // Without a safety factor none is said; what is not the same line is not one entry.
+    let folder = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(CHEETAH).unwrap().replace("safety = 1.2", "safety = 1.0");
+    let text = text.replace("motions/", &format!("{}/requirements/motions/", env!("CARGO_MANIFEST_DIR")));
+    let plain = folder.path().join("plain.toml");
+    std::fs::write(&plain, text).unwrap();
+    let without = picture(&["explain", "tq-robodrive-ilm-85x04@18", plain.to_str().unwrap(), "--joint", "knee"]);
+    assert!(without.contains("motion ≤ peak torque of the motor") && !without.contains("/ safety"));
+    assert!(without.contains(">rms motion ≤ rated torque<"));
+}
+
+#[test]
+fn the_limits_of_a_gear_hold_in_both_directions() {
+    let gears = picture(&["optimize", "requirements/humanoid_hip_catalog_gears.toml"]);
+    // Once with its text, and its mirror image without.
+    let dashes = gears.matches("stroke-dasharray=\"14 5\"").count();
+    assert!(gears.contains("load ≤ peak of the gear / safety 1.2") && dashes >= 2, "{dashes}");
+}
+
+#[test]
+fn the_instant_at_which_a_limit_binds_is_labelled_and_no_other() {
+    let binds = picture(&["optimize", CHEETAH]);
+    assert!(binds.contains("voltage binds, t = 0.3625 s") && binds.contains("where a limit binds"));
+    // Here every limit on a sample leaves more than a twentieth.
+    let free = picture(&["explain", "t-motor-u8-lee@8", CHEETAH, "--joint", "hip"]);
+    assert!(!free.contains("where a limit binds") && !free.contains(" binds, t"));
+}
+
+#[test]
+fn where_there_is_no_thermal_data_the_picture_says_so_and_only_there() {
+    let without = picture(&["explain", "t-motor-ri50@13", CHEETAH, "--joint", "knee"]);
+    assert!(without.contains("no thermal data"));
+    let with = picture(&["explain", "t-motor-u8-lee@8", CHEETAH, "--joint", "hip"]);
+    assert!(!with.contains("no thermal data") && with.contains("temperature, settled"));
+}
+
+#[test]
+fn gears_of_a_catalogue_are_bars_and_continuous_ratios_a_curve() {
+    let gears = picture(&["optimize", "requirements/humanoid_hip_catalog_gears.toml"]);
+    assert!(gears.contains("N of the gear") && !gears.contains(">ratio N<") && !gears.contains("N* ="));
+    let curves = picture(&["optimize", CHEETAH]);
+    assert!(!curves.contains("N of the gear") && curves.contains(">ratio N<"));
+}
+
+#[test]
+fn torque_is_in_newton_metres_everywhere() {
+    let bench = ["characterize", "requirements/bench/motor_on_bench.toml"];
+    for command in [&["explain", "t-motor-ri50@9", CHEETAH, "--joint", "knee"][..], &["rank"], &bench] {
+        let svg = picture(command);
+        assert!(svg.contains("N·m"), "{command:?}");
+        assert!(!svg.contains("N*m") && !svg.contains("[Nm"), "{command:?}");
+    }
+}
+
 /// Every command's picture, whole and of a bearable size; what cannot be drawn is said before any work.
 #[test]
 fn every_command_draws_its_picture() {
