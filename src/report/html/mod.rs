@@ -195,6 +195,15 @@ fn folded(title: &str, part: Option<Part>) -> Option<Part> {
     part.map(|part| Part::Folded(title.into(), Box::new(part)))
 }
 
+/// The limit that leaves least, and what it leaves \[%\].
+fn tightest(e: &crate::design::Evaluation) -> [String; 2] {
+    let tightest = e.tightest();
+    [
+        tightest.map_or_else(|| "–".into(), |m| m.limit.into()),
+        tightest.map_or_else(|| "–".into(), |m| crate::report::number((1000.0 * m.margin.max(0.0)).round() / 10.0)),
+    ]
+}
+
 /// What of a motor is estimated, for a cell; blank where nothing is.
 fn estimated(motor: &crate::catalog::Motor) -> String {
     motor.estimates.iter().map(|e| e.of.words()).collect::<Vec<_>>().join(", ")

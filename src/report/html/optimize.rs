@@ -1,9 +1,8 @@
 //! The page of the choice for each joint.
 
-use super::{Page, Part, Section, Table, Verdict, asked, estimated, group_of, robot as robot_page};
+use super::{Page, Part, Section, Table, Verdict, asked, estimated, group_of, robot as robot_page, tightest};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Catalog;
-use crate::design::Evaluation;
 use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{limit_columns, limit_rows};
@@ -139,15 +138,6 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
         }
     }
     table
-}
-
-/// The limit that leaves least, and what it leaves \[%\].
-pub(super) fn tightest(e: &Evaluation) -> [String; 2] {
-    let tightest = e.tightest();
-    [
-        tightest.map_or_else(|| "–".into(), |m| m.limit.into()),
-        tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)),
-    ]
 }
 
 /// What stands in place of a choice.

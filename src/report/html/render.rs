@@ -53,6 +53,7 @@ const SCRIPT: &str = concat!(
     include_str!("vendor/uPlot.iife.min.js"),
     "\n",
     include_str!("plot.js"),
+    include_str!("ticks.js"),
     include_str!("table.js"),
     include_str!("page.js")
 );

@@ -1,6 +1,6 @@
 //! The choice for a whole robot, as tables.
 
-use super::{Part, Row, Table, estimated, folded};
+use super::{Part, Row, Table, estimated, folded, tightest};
 use crate::design::robot::{Choice, Combination};
 use crate::report::robot::{
     aim, change_text, differences, kept, name, no_combination, proof, sums, unit, wanting_lines,
@@ -51,7 +51,7 @@ fn designs(choice: &Choice, best: &Combination) -> Table {
         let mut cells = vec![joint.name.clone(), joint.count.to_string(), design.motor.id.clone()];
         cells.extend([design.gear.unwrap_or("").into(), number(facts.evaluation.ratio)]);
         cells.extend(columns::cells_of_pages(true, &facts));
-        cells.extend(super::optimize::tightest(facts.evaluation));
+        cells.extend(tightest(facts.evaluation));
         cells.extend([estimated(design.motor), design.unchecked.len().to_string()]);
         table.push(&design.motor.id, cells);
     }

@@ -23,8 +23,8 @@ function conditions(text, names) {
 }
 // Columns that a table is never cut down below, and that the style knows how to cut down to.
 const LEAST_SHORT = 5, MOST_SHORT = 24;
-// Windows that are narrower show wide tables as blocks.
-const NARROW = 700;
+// Windows that are narrower show wide tables as blocks: always, or unless all columns were asked for.
+const NARROW = 700, WIDE = 1100;
 class TableView {
   constructor(box) {
     this.body = box.querySelector("tbody");
@@ -44,6 +44,7 @@ class TableView {
     });
     this.rows.forEach((row) => this.tie(row));
     this.box = box;
+    this.labelled = 0;
     this.scroll = box.querySelector(".scroll");
     this.main = Number(box.dataset.main ?? 0);
     if (this.rows.length > 7 || this.main) this.bar(box);
@@ -69,17 +70,20 @@ class TableView {
       if (innerWidth < NARROW) shown = most;
       box.classList.add(`first-${shown}`);
     }
-    if (scroll.scrollWidth > room + 1 && (innerWidth < NARROW || (innerWidth < 1100 && !this.all))) this.blocks();
+    const over = () => scroll.scrollWidth > room + 1;
+    if (over() && (innerWidth < NARROW || (innerWidth < WIDE && !this.all))) this.blocks(shown);
+    else if (over() && !this.all) box.classList.add("tight");
     if (this.more) {
       this.more.textContent = this.all ? "main columns" : `all ${this.heads.length} columns`;
       this.more.setAttribute("aria-pressed", String(Boolean(this.all)));
     }
   }
-  blocks() {
-    if (!this.labelled) {
-      this.labelled = true;
-      const names = this.heads.map((h) => h.textContent.trim());
-      for (const row of this.rows) for (const cell of row.cells) cell.dataset.of = names[cell.cellIndex];
+  blocks(shown) {
+    // Only the cells that are shown need the name of their column.
+    const names = this.heads.slice(0, shown).map((h) => h.textContent.trim());
+    if (names.length > this.labelled) {
+      for (const row of this.rows) for (let k = this.labelled; k < names.length; k++) row.cells[k]?.setAttribute("data-of", names[k]);
+      this.labelled = names.length;
     }
     this.box.classList.add("blocks");
   }

@@ -12,7 +12,9 @@ pub mod characterize;
 pub mod design;
 mod draw;
 mod labels;
+mod legend;
 pub mod over_ratio;
+mod paint;
 pub mod pareto;
 mod pen;
 #[cfg(feature = "png")]

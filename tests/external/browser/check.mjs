@@ -17,8 +17,13 @@ const commands = {
   optimize: ["optimize", requirement],
   gears: ["optimize", "requirements/humanoid_hip_catalog_gears.toml"],
   spring: ["optimize", "requirements/ankle_prosthesis_parallel_spring.toml"],
+  robot: ["optimize", requirement, "--robot"],
+  robust: ["optimize", requirement, "--robust"],
+  check: ["check", "requirements/designs/quadruped_mini_cheetah/design.toml"],
+  study: ["study", "requirements/studies/quadruped.toml", "--force", "--out", path.join(folder, "study")],
+  characterize: ["characterize", "requirements/bench/motor_on_bench.toml"],
   pareto: ["optimize", requirement, "--pareto", "loss,reflected_inertia"],
-  sweep: ["sweep", requirement],
+  sweep: ["sweep", requirement, "--ratios", "10"],
   explain: ["explain", "t-motor-ri50", requirement, "--joint", "knee"],
   audit: ["audit"],
   identify: ["identify", "requirements/bench/leg_actuator.toml"],
@@ -34,6 +39,14 @@ function hostileCatalogue() {
   fs.writeFileSync(file, [head, ...rows].join("\n") + "\n");
   return file;
 }
+// A design that breaks many rules, with paths that are long.
+function brokenDesign() {
+  const shipped = path.join(root, "requirements/designs/quadruped_mini_cheetah/design.toml"), file = path.join(folder, "broken.toml");
+  const text = fs.readFileSync(shipped, "utf8").replace("../../", `${root}/requirements/`).replace(/^rules = .*$/m, "").replace("ratio = 9.33", "ratio = 3");
+  fs.writeFileSync(file, text);
+  return file;
+}
+commands.broken = ["check", brokenDesign()];
 const catalogue = hostileCatalogue();
 commands.hostile_rank = ["rank", catalogue];
 commands.hostile_compare = ["compare", "motor-0", "motor-1", "--catalog", catalogue];
@@ -61,6 +74,8 @@ const equal = (a, b, message) => { checks++; assert.deepEqual(a, b, message); };
 async function open(file, options) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   const page = await context.newPage();
+  // A busy machine takes its time.
+  page.setDefaultTimeout(180000);
   const wrong = [];
   page.on("console", (m) => ["error", "warning"].includes(m.type()) && wrong.push(`console: ${m.text()}`));
   page.on("pageerror", (e) => wrong.push(`error: ${e.message}`));
@@ -71,30 +86,99 @@ async function open(file, options) {
 }
 const wait = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
-// Every page in every look: nothing wrong, nothing wider than the window, every diagram drawn.
-async function looks(name, file) {
-  const views = {
-    desktop: { viewport: { width: 1280, height: 900 }, colorScheme: "light" },
-    dark: { viewport: { width: 1280, height: 900 }, colorScheme: "dark" },
-    phone: { viewport: { width: 390, height: 844 }, colorScheme: "light", deviceScaleFactor: 2, isMobile: true, hasTouch: true },
+// What is cut off, off screen or too faint to read, each in words.
+const faults = (page) => page.evaluate(() => {
+  const found = [], shown = (e) => e.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true });
+  const hidden = (e) => e.closest(".unseen, .skip, .blocks thead");
+  const say = (e) => `${e.tagName.toLowerCase()} "${(e.textContent || e.getAttribute("aria-label") || "").trim().slice(0, 40)}"`;
+  for (const e of document.querySelectorAll("body *")) {
+    if (!shown(e) || hidden(e)) continue;
+    const box = e.getBoundingClientRect();
+    if (box.width && (box.right > innerWidth + 1 || box.left < -1)) found.push(`${say(e)} is off screen: ${Math.round(box.left)} to ${Math.round(box.right)}`);
+    const clips = getComputedStyle(e).overflowX !== "visible";
+    if (clips && e.scrollWidth > e.clientWidth + 1 && e.tagName !== "INPUT") found.push(`${say(e)} is cut: ${e.scrollWidth} in ${e.clientWidth} px`);
+  }
+  const numbers = (colour) => colour.match(/[\d.]+/g).map(Number);
+  const light = ([r, g, b]) => {
+    const [x, y, z] = [r, g, b].map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * x + 0.7152 * y + 0.0722 * z;
   };
+  const ground = (e) => {
+    for (let on = e; on; on = on.parentElement) {
+      const colour = numbers(getComputedStyle(on).backgroundColor);
+      if (colour.length === 3 || colour[3] === 1) return colour;
+    }
+    return [255, 255, 255];
+  };
+  const seen = new Set(), walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node; (node = walker.nextNode()); ) {
+    const e = node.parentElement;
+    if (!node.data.trim() || !shown(e) || hidden(e) || e.closest("[aria-pressed='false'].legend button")) continue;
+    const style = getComputedStyle(e), colour = numbers(style.color), under = ground(e), key = `${colour} ${under} ${style.fontSize}`;
+    if (seen.has(key)) continue;
+    seen.add(key);
+    const [a, b] = [light(colour), light(under)].sort((x, y) => y - x), contrast = (a + 0.05) / (b + 0.05);
+    const large = parseFloat(style.fontSize) >= 24;
+    if (contrast < (large ? 3 : 4.5)) found.push(`${say(e)} has a contrast of ${contrast.toFixed(2)}`);
+  }
+  return found;
+});
+
+// What finds faults must find them.
+async function finds(file) {
+  const { page, close } = await open(file, { viewport: { width: 390, height: 844 } });
+  await wait(page);
+  equal(await faults(page), []);
+  const spoilt = {
+    "off screen": { width: "600px", maxWidth: "none" },
+    cut: { width: "50px", overflow: "hidden", whiteSpace: "nowrap" },
+    contrast: { color: "#999999" },
+  };
+  for (const [fault, style] of Object.entries(spoilt)) {
+    await page.evaluate((style) => {
+      const p = document.createElement("p");
+      p.id = "spoilt";
+      p.textContent = "a sentence that stands here to be found by the test";
+      document.querySelector("main").prepend(p);
+      Object.assign(p.style, style);
+    }, style);
+    ok((await faults(page)).some((text) => text.includes(fault)), `what is ${fault} is found`);
+    await page.evaluate(() => document.getElementById("spoilt").remove());
+  }
+  await close();
+}
+
+// Every page in every look: nothing wrong, nothing cut or off screen, every text readable, every diagram drawn.
+async function looks(name, file) {
+  const views = {};
+  for (const colorScheme of ["light", "dark"]) {
+    views[`1440-${colorScheme}`] = { viewport: { width: 1440, height: 900 }, colorScheme };
+    views[`800-${colorScheme}`] = { viewport: { width: 800, height: 900 }, colorScheme };
+    views[`390-${colorScheme}`] = { viewport: { width: 390, height: 844 }, colorScheme, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
+  }
   for (const [view, options] of Object.entries(views)) {
     const { page, wrong, close } = await open(file, options);
     await wait(page);
     const width = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
     ok(width[0] <= width[1], `${name} ${view}: the page is ${width[0]} px wide, the window ${width[1]}`);
+    equal(await faults(page), [], `${name} ${view}`);
+    const heads = await page.evaluate(() => [...document.querySelectorAll("h2")].map((h) => h.textContent));
+    if (commands[name]) equal(heads.slice(0, 2), ["What was asked", "In short"], name);
     const drawn = await page.evaluate(() => panels.map((v) => [v.panel.series.length, v.marks.length, v.plot.width]));
     for (const [series, marks, size] of drawn) ok(series > 0 && marks > 0 && size > 200, `${name} ${view}: a diagram is empty`);
     const ground = await page.evaluate(() => getComputedStyle(document.body).backgroundColor);
-    equal(ground, view === "dark" ? "rgb(18, 22, 27)" : "rgb(255, 255, 255)", `${name} ${view}: ground`);
+    equal(ground, view.endsWith("dark") ? "rgb(18, 22, 27)" : "rgb(255, 255, 255)", `${name} ${view}: ground`);
     const levels = await page.evaluate(() => [...document.querySelectorAll("h1,h2,h3,h4")].map((h) => Number(h.tagName[1])));
     equal(levels[0], 1);
     ok(levels.every((l, k) => k === 0 || l <= levels[k - 1] + 1), `${name}: a heading's level is left out`);
-    await page.screenshot({ path: path.join(folder, `${name}-${view}.png`), fullPage: true });
+    await page.screenshot({ path: path.join(folder, `${name}-${view}.png`), fullPage: true, clip: await seen(page, 6000) });
     equal(wrong, [], `${name} ${view}`);
     await close();
   }
 }
+
+// A page down to some length: longer ones make pictures that nobody can look at.
+const seen = (page, most) => page.evaluate((most) => ({ x: 0, y: 0, width: innerWidth, height: Math.min(most, document.documentElement.scrollHeight) }), most);
 
 async function sortsAndFilters(file) {
   const { page, wrong, close } = await open(file);
@@ -131,6 +215,23 @@ async function sortsAndFilters(file) {
   ok(motors.length > 0 && motors.length < losses.length, "a filter by word leaves some");
   await table.getByRole("searchbox").fill("");
   equal((await column("loss")).length, losses.length);
+  equal(wrong, []);
+  await close();
+}
+
+// The columns that are not shown at once come by the button, and go again.
+async function columns(file) {
+  const { page, wrong, close } = await open(file, { viewport: { width: 1440, height: 900 } });
+  await wait(page);
+  const table = page.locator("#s0 div.table").first(), head = table.locator("thead th"), all = await head.count();
+  const shown = () => head.evaluateAll((heads) => heads.filter((h) => h.offsetWidth > 0).length);
+  const few = await shown();
+  ok(few >= 5 && few < all, `${few} of ${all} columns`);
+  const button = table.getByRole("button", { name: `all ${all} columns` });
+  await button.click();
+  equal(await shown(), all);
+  await table.getByRole("button", { name: "main columns" }).click();
+  equal(await shown(), few);
   equal(wrong, []);
   await close();
 }
@@ -275,7 +376,9 @@ for (const [name, file] of Object.entries(files)) {
   await looks(name, file);
   console.log(`${name}: ${fs.statSync(file).size} bytes`);
 }
+if (files.check) await finds(files.check);
 if (files.optimize) await sortsAndFilters(files.optimize);
+if (files.optimize) await columns(files.optimize);
 for (const name of ["optimize", "rank", "sweep", "pareto"]) if (files[name]) await highlights(files[name]);
 if (files.rank) await zooms(files.rank);
 for (const name of ["optimize", "rank"]) if (files[name]) await themes(files[name]);

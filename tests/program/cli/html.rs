@@ -208,7 +208,7 @@ fn design(folder: &Path, ratio: &str) -> String {
 #[test]
 fn the_page_of_a_check_says_what_is_wrong_by_how_much_and_how_to_mend_it() {
     let folder = tempfile::tempdir().expect("a folder");
-    let bad = page_of(&["check", &design(folder.path(), "2")]);
+    let bad = page_of(&["check", &design(folder.path(), "3")]);
     assert!(bad.contains("<span class=\"badge bad\">not satisfied</span>"));
     assert!(bad.contains("does not pass"));
     let knee = between(&bad, "<caption>knee: findings</caption>", "</table>");
@@ -217,7 +217,7 @@ fn the_page_of_a_check_says_what_is_wrong_by_how_much_and_how_to_mend_it() {
     }
     assert!(knee.contains("<td>error"), "{knee}");
     // Each number of the page is one of the JSON.
-    let json = gearwise(&["check", &design(folder.path(), "2"), "--json"]).stdout;
+    let json = gearwise(&["check", &design(folder.path(), "3"), "--json"]).stdout;
     let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
     let findings = json["findings"].as_array().expect("findings");
     let errors: Vec<_> = findings.iter().filter(|f| f["joint"] == "knee" && f["severity"] == "error").collect();
@@ -266,8 +266,9 @@ fn the_page_of_a_study_says_what_was_varied_and_which_robots_are_best() {
     for robot in broken {
         assert!(!summary.contains(&format!("<td class=n>{robot}<td>quadruped")), "robot {robot}");
     }
-    // Again from the finished results: the same page.
-    assert!(page_of(&study) == page, "the pages differ");
+    // Again from the finished results: the same answer.
+    let again = page_of(&[&study[..], &["--resume"]].concat());
+    assert_eq!(section(&again, "summary"), section(&page, "summary"));
     // Nothing was varied: nothing is said of it. A part of a study has no page.
     let single = folder.path().join("single").to_str().expect("a name").to_string();
     let page = page_of(&["study", "requirements/exoskeleton_hip.toml", "--out", &single]);
