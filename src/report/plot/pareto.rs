@@ -15,7 +15,7 @@ pub fn figure(fronts: &[Front]) -> Figure {
         groups: vec![Group {
             title: format!("Fronts of {} and {}", names[0], names[1]),
             caption: "Each point is a design that keeps all limits; none has less of one quantity without more of the other. \
-                      A motor's points differ in the ratio N, which stands at them. Between two motors the front is a \
+                      A motor's points differ in the ratio N, which appears at them. Between two motors the front is a \
                       step: there is nothing between them."
                 .into(),
             own_legends: true,
