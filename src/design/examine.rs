@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use super::evaluate::Judged;
 use super::mount::{Mount, load_through};
-use super::program::RatioProgram;
 use super::robot::{carried_first, carrying, power_course};
+use super::solved::solve;
 use super::{Evaluation, Unusable};
 use crate::actuator::limits::{LIMITS, Remark, hottest};
 use crate::actuator::thermal::Winding;
-use crate::requirement::{Choice, Joint, Motion, RatioChoice, Robot};
+use crate::requirement::{Choice, Joint, Motion, Robot};
 
 /// What is known of a chosen design. SI.
 #[derive(Debug, Clone)]
@@ -81,6 +81,12 @@ pub fn examine(robot: &Robot, choices: &[Choice]) -> Vec<Result<Examined, Unusab
     found.into_iter().map(|one| one.expect("every choice is of a joint of the robot")).collect()
 }
 
+/// The best ratio of each choice's motor and its objective, as in [`Examined::best`]; outside `None` where motor and gear
+/// are no candidate. For limits that rules have tightened.
+pub fn best_ratios(robot: &Robot, choices: &[Choice]) -> Vec<Option<Option<(f64, f64)>>> {
+    examine(robot, choices).into_iter().map(|one| one.ok().map(|examined| examined.best)).collect()
+}
+
 /// One joint under the load that is given.
 fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Examined, Unusable> {
     if let Some(spring) = choice.design.spring
@@ -91,15 +97,9 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
     let (motor, ratio) = (choice.motor, choice.ratio);
     let load = load_through(&joint, choice.gear);
     let prepared = Mount::new(robot, &joint, &load, motor).with_gear(choice.gear).prepared()?;
-    let best = match (&joint.ratio, choice.gear) {
-        (RatioChoice::Continuous { min, max }, None) => {
-            match RatioProgram::new(&prepared, &joint.objective, *min, *max).solve() {
-                Ok(optimum) => Some((optimum.ratio, optimum.objective)),
-                _ => None,
-            }
-        }
-        _ => None,
-    };
+    let range = joint.ratio.range().filter(|_| choice.gear.is_none());
+    let best = range.and_then(|range| solve(&prepared, &joint, range).ok());
+    let best = best.map(|optimum| (optimum.ratio, optimum.objective));
     let estimated = choice.design.load_inertia.is_none();
     let Judged { unchecked, assumed } = prepared.judged(ratio);
     Ok(Examined {

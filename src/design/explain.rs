@@ -55,6 +55,8 @@ pub struct Explanation<'a> {
 pub enum Forbidden {
     /// The requirement allows the ratios from one to another.
     Ratio(f64, f64),
+    /// The requirement lists the ratios that it allows, and this is none of them.
+    NotListed,
     /// It is none of the gears that the requirement names.
     Gear,
     /// The gear is not made for the motor.
@@ -106,9 +108,9 @@ impl Explanation<'_> {
                 (!is_named).then_some(Forbidden::Gear)
             }
             (RatioChoice::Continuous { min, max }, None) => {
-                let is_outside = ratio < min * (1.0 - 1e-9) || ratio > max * (1.0 + 1e-9);
-                is_outside.then_some(Forbidden::Ratio(*min, *max))
+                (!self.joint.ratio.allows(ratio)).then_some(Forbidden::Ratio(*min, *max))
             }
+            (RatioChoice::Listed { .. }, None) => (!self.joint.ratio.allows(ratio)).then_some(Forbidden::NotListed),
             _ => None,
         }
     }
@@ -131,10 +133,9 @@ pub fn explain<'a>(
     }
     let load = load_through(joint, gear);
     let mount = Mount::new(robot, joint, &load, motor).with_gear(gear);
-    let range = match (ratio.or(gear.map(|g| g.ratio)), &joint.ratio) {
-        (Some(ratio), _) => (ratio, ratio),
-        (None, RatioChoice::Continuous { min, max }) => (*min, *max),
-        (None, RatioChoice::Catalog { .. }) => (1.0, 1.0),
+    let range = match ratio.or(gear.map(|g| g.ratio)) {
+        Some(ratio) => (ratio, ratio),
+        None => joint.ratio.range().unwrap_or((1.0, 1.0)),
     };
     let prepared = mount.prepared()?;
     let chosen = choose(&mount, &prepared, range);
@@ -195,10 +196,7 @@ fn explain_as_it_is<'a>(
     let load = load_through(joint, gear);
     let mount = Mount::new(robot, joint, &load, motor).with_gear(gear);
     let prepared = mount.prepared()?;
-    let range = match (&joint.ratio, gear) {
-        (RatioChoice::Continuous { min, max }, None) => Some((*min, *max)),
-        _ => None,
-    };
+    let range = joint.ratio.range().filter(|_| gear.is_none());
     let solved = |range| solve(&prepared, joint, range).map(|optimum| judged_part(&prepared, optimum, false));
     let best = range.map(solved);
     let here = ratio.or(gear.map(|g| g.ratio)).unwrap_or_else(|| match &best {

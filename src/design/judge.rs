@@ -8,6 +8,7 @@
 use super::Prepared;
 use super::answer::{Design, Reason, Refused, Rejected, Unjudged};
 use super::program::{Bind, Certificate, GAP_TOLERANCE, Optimum, RatioProgram, Window};
+use super::solved::{Tried, best_listed, tried};
 use crate::actuator::limits::{Remark, is_stated};
 use crate::numerics::grid::grid;
 use crate::requirement::{Joint, Robot};
@@ -64,7 +65,16 @@ pub(super) fn judged_part(prepared: &Prepared, optimum: Optimum, only_checked: b
     if !may_change(prepared, only_checked) || doubt_of(prepared, &prepared.unchecked, only_checked).is_some() {
         return optimum;
     }
-    within(prepared, optimum, &|ratio| doubt(prepared, ratio, only_checked))
+    let doubt = |ratio: f64| doubt(prepared, ratio, only_checked);
+    let joint = prepared.candidate.joint;
+    let Some(values) = joint.ratio.listed().filter(|_| prepared.candidate.catalog_gear.is_none()) else {
+        return within(prepared, optimum, &doubt);
+    };
+    let look = |ratio: f64| match (tried(prepared, &joint.objective, ratio), doubt(ratio)) {
+        (Tried::Kept(..), Some(why)) => Tried::Doubt(why),
+        (tried, _) => tried,
+    };
+    best_listed(values.iter().copied(), look).unwrap_or(optimum)
 }
 
 /// Whether a candidate may be a choice at some ratios only, by what is not known of it.

@@ -47,14 +47,11 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
         self.gear.map(|gear| gear.id.as_str())
     }
 
-    /// The ratios that are open: the gear's own, or those that the requirement allows. `None` where only a gear
+    /// The ratios that are open: the gear's own, or those that the requirement allows, from the smallest to the largest
+    /// where it lists them ([`RatioChoice::listed`]). `None` where only a gear
     /// could tell, and none is mounted.
     pub fn range(&self) -> Option<(f64, f64)> {
-        match (self.gear, &self.joint.ratio) {
-            (Some(gear), _) => Some((gear.ratio, gear.ratio)),
-            (None, RatioChoice::Continuous { min, max }) => Some((*min, *max)),
-            (None, RatioChoice::Catalog { .. }) => None,
-        }
+        self.gear.map(|gear| (gear.ratio, gear.ratio)).or_else(|| self.joint.ratio.range())
     }
 
     /// The candidate.
@@ -150,7 +147,7 @@ impl<'a> JointDemand<'a> {
     /// Prepares a joint.
     pub fn new(joint: &Joint, catalog: &'a Catalog) -> JointDemand<'a> {
         let gears = match &joint.ratio {
-            RatioChoice::Continuous { .. } => Vec::new(),
+            RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => Vec::new(),
             RatioChoice::Catalog { patterns, .. } => {
                 catalog.gears.iter().filter(|g| patterns.iter().any(|p| matches_pattern(p, &g.id))).collect()
             }

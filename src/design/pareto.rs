@@ -173,9 +173,16 @@ impl<'a> Asked<'a, '_> {
             a.windows.len() == 1 && !prepared.candidate.actuator.has_odd_powers() && !prepared.candidate.is_evaluated();
         let (from, to) = (a.ratio.min(b.ratio), a.ratio.max(b.ratio));
         let count = if to > from * (1.0 + 1e-12) { self.points.max(2) } else { 1 };
-        let ratios = if count == 1 { vec![a.ratio] } else { grid(from, to, count) };
+        let listed = mount.joint.ratio.listed();
+        let ratios = match listed {
+            // All of them: what is dominated is left out, and that all are evaluated is the proof.
+            Some(values) => values.to_vec(),
+            None if count == 1 => vec![a.ratio],
+            None => grid(from, to, count),
+        };
+        let proved = certified && (convex || listed.is_some());
         let points: Vec<FrontPoint> =
-            ratios.into_iter().filter_map(|n| self.at(&mount, &prepared, n, certified && convex)).collect();
+            ratios.into_iter().filter_map(|n| self.at(&mount, &prepared, n, proved)).collect();
         if points.is_empty() {
             let unknown = prepared.candidate.mass_at(range.0).is_none() && self.quantities.contains(&Quantity::Mass);
             let not = || Reason::NotSolved(Unsolved::NoneBetween);

@@ -40,6 +40,9 @@ pub(super) fn choose(
     (min, max): (f64, f64),
 ) -> Result<(SpringChoice, Optimum), Reason> {
     let joint = mount.joint;
+    if let Some(values) = joint.ratio.listed().filter(|_| min < max) {
+        return choose_listed(mount, prepared, values);
+    }
     let Some(asked) = joint.limits.spring else {
         return Err(Reason::NotSolved(Unsolved::NoSpringAsked));
     };
@@ -51,6 +54,41 @@ pub(super) fn choose(
     let without = without_spring(prepared, joint, min, max);
     let SpringOptimum { stiffness, rest_angle, optimum, lower_bound, gap, least_stiffness } = found;
     Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
+}
+
+/// The best of listed ratios, each with its best spring.
+fn choose_listed(mount: &Mount, prepared: &Prepared, values: &[f64]) -> Result<(SpringChoice, Optimum), Reason> {
+    let found: Vec<_> = values.iter().map(|n| (*n, choose(mount, prepared, (*n, *n)))).collect();
+    let unsolved = found.iter().any(|(_, found)| matches!(found, Err(Reason::NotSolved(_))));
+    let made = || found.iter().filter_map(|(_, found)| found.as_ref().ok());
+    let Some((spring, optimum)) = made().min_by(|a, b| a.1.objective.total_cmp(&b.1.objective)) else {
+        // What the middle one comes to is as good a reason as any.
+        return found
+            .into_iter()
+            .nth(values.len() / 2)
+            .map_or(Err(Reason::NotSolved(Unsolved::NoSpringAsked)), |f| f.1);
+    };
+    let objective = optimum.objective;
+    let bounds = made().map(|(spring, _)| spring.lower_bound);
+    let lower_bound = bounds.reduce(|a, b| a.zip(b).map(|(a, b)| a.min(b))).flatten().filter(|_| !unsolved);
+    let gap = lower_bound.map(|b| if objective == 0.0 { 0.0 } else { ((objective - b) / objective.abs()).max(0.0) });
+    let certificate = match (lower_bound, gap) {
+        (Some(bound), Some(gap)) if gap <= super::program::GAP_TOLERANCE => {
+            let method = "all listed ratios, each with its best spring";
+            Certificate::Certified { lower_bound: bound.min(objective), gap, method }
+        }
+        _ => Certificate::NotCertified("the spring of another listed ratio could not be bounded closely enough".into()),
+    };
+    let without = solve_without(prepared, mount.joint);
+    let spring = SpringChoice { lower_bound, gap, without, ..*spring };
+    Ok((spring, Optimum { certificate, ..optimum.clone() }))
+}
+
+/// The best of the listed ratios without the spring.
+fn solve_without(prepared: &Prepared, joint: &Joint) -> Option<WithoutSpring> {
+    let optimum = super::solved::solve(prepared, joint, joint.ratio.range()?).ok()?;
+    let (ratio, objective) = (optimum.ratio, optimum.objective);
+    Some(WithoutSpring { ratio, objective, loss: prepared.at(ratio).loss })
 }
 
 /// The allowed spring that comes nearest to keeping the limits, where none does: stiffness \[N·m/rad\] and rest angle

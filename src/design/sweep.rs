@@ -12,7 +12,7 @@ use crate::catalog::{Catalog, Motor};
 use crate::numerics::grid::grid;
 use crate::requirement::Robot;
 
-/// Evaluates every motor at every ratio of the grid (`ratios` of them), or with every gear of the
+/// Evaluates every motor at every ratio of a grid (`ratios` of them), or at those that the requirement lists, or with every gear of the
 /// catalogue that the joint allows and that fits.
 pub fn sweep<'a>(robot: &'a Robot, catalog: &'a Catalog, ratios: usize) -> Vec<JointSweep<'a>> {
     sweep_with(robot, catalog, ratios, Options::default()).expect("nobody stops it")
@@ -76,9 +76,10 @@ fn sweep_motor<'a>(
     for mount in site.mounts(motor) {
         match mount.prepared() {
             Ok(prepared) => {
-                let at = match (mount.gear, mount.range()) {
+                let at = match (mount.gear, mount.joint.ratio.listed()) {
                     (Some(gear), _) => vec![gear.ratio],
-                    (None, range) => range.map_or_else(Vec::new, |(min, max)| grid(min, max, ratios)),
+                    (None, Some(values)) => values.to_vec(),
+                    (None, None) => mount.range().map_or_else(Vec::new, |(min, max)| grid(min, max, ratios)),
                 };
                 designs.extend(at.into_iter().map(|ratio| swept(&mount, &prepared, ratio)));
             }

@@ -124,6 +124,7 @@ pub(super) fn verdict(story: &Explanation) -> String {
                 number(min),
                 number(max)
             ),
+            Forbidden::NotListed => format!("{judged} has a ratio that the requirement does not list"),
             Forbidden::Gear => format!("{judged} has a gear that the requirement does not allow"),
             Forbidden::DoesNotFit => format!("{judged} has a gear that is not made for this motor"),
         };

@@ -19,9 +19,6 @@ use crate::units;
 use crate::words::nearest;
 use crate::words::number;
 
-/// A ratio may leave the requirement's range by this share: what rounding leaves of a ratio at its end.
-const AT_THE_END: f64 = 1e-9;
-
 /// A design file with the requirement that it answers.
 #[derive(Debug, Clone)]
 pub struct DesignFile {
@@ -192,9 +189,13 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
     };
     if let (Some(gear), Some(ratio)) = (gear, ratio) {
         match &joint.ratio {
-            RatioChoice::Continuous { min, max } if !within(ratio, *min, *max) => problems.push(at(
+            RatioChoice::Continuous { min, max } if !joint.ratio.allows(ratio) => problems.push(at(
                 format!("gear `{}` has a ratio of {}, outside the requirement's range", gear.id, number(ratio)),
                 format!("joint `{}` asks for {} to {}", joint.name, number(*min), number(*max)),
+            )),
+            RatioChoice::Listed { values, .. } if !joint.ratio.allows(ratio) => problems.push(at(
+                format!("gear `{}` has a ratio of {}, which the requirement does not list", gear.id, number(ratio)),
+                format!("joint `{}` asks for {}", joint.name, nearest_of(values, ratio)),
             )),
             RatioChoice::Catalog { patterns, .. } if !patterns.iter().any(|p| matches_pattern(p, &gear.id)) => {
                 problems.push(at(
@@ -211,8 +212,12 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
     }
 }
 
-fn within(ratio: f64, min: f64, max: f64) -> bool {
-    (min * (1.0 - AT_THE_END)..=max * (1.0 + AT_THE_END)).contains(&ratio)
+/// The listed ratios next to one that is none of them, in words.
+fn nearest_of(values: &[f64], ratio: f64) -> String {
+    let above = values.partition_point(|n| *n < ratio);
+    let next = values[above.saturating_sub(1)..].iter().take(if above == 0 { 1 } else { 2 });
+    let next: Vec<String> = next.map(|n| n.to_string()).collect();
+    format!("certain ratios; the nearest: {}", next.join(", "))
 }
 
 const CATALOG: Key =
@@ -413,9 +418,15 @@ fn read_reduction(section: &Section, joint: Option<&Joint>) -> Option<Reduction>
                     );
                     return None;
                 }
-                Some(RatioChoice::Continuous { min, max }) if !within(ratio, *min, *max) => {
+                Some(choice @ RatioChoice::Continuous { min, max }) if !choice.allows(ratio) => {
                     let message = format!("a ratio of {} is outside the requirement's range", number(ratio));
                     let label = format!("expected {} to {}", number(*min), number(*max));
+                    section.note(Problem::at(section.span_of("ratio"), message, label));
+                    return None;
+                }
+                Some(choice @ RatioChoice::Listed { values, .. }) if !choice.allows(ratio) => {
+                    let message = format!("a ratio of {ratio} is none of those that the requirement lists");
+                    let label = format!("expected {}", nearest_of(values, ratio));
                     section.note(Problem::at(section.span_of("ratio"), message, label));
                     return None;
                 }

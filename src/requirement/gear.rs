@@ -1,4 +1,4 @@
-//! Which ratios a joint may have, and the gear that goes with a continuous one: `ratio`, `gears`, `gear`.
+//! Which ratios a joint may have, and the gear that goes with a free one: `ratio`, `gears`, `gear`.
 
 use crate::input::{Problem, Range, Section, key};
 use crate::units;
@@ -13,6 +13,13 @@ pub enum RatioChoice {
         /// Largest ratio.
         max: f64,
     },
+    /// One of certain ratios, with the gear that the requirement describes.
+    Listed {
+        /// The ratios, ascending, at least one.
+        values: Vec<f64>,
+        /// Where they were given as a grid, its step.
+        step: Option<f64>,
+    },
     /// The gears of the catalogue whose id matches one of the patterns.
     Catalog {
         /// The patterns, `*` for any run of characters.
@@ -20,6 +27,45 @@ pub enum RatioChoice {
         /// What a gear's efficiency acts on.
         efficiency_covers: EfficiencyCovers,
     },
+}
+
+/// A ratio may be off by this share of itself and is still the one that is meant.
+const SAME: f64 = 1e-9;
+/// Most ratios that a list or a grid may have.
+const MOST_LISTED: usize = 1000;
+
+impl RatioChoice {
+    /// The smallest and the largest ratio; `None` where gears of the catalogue have them.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        match self {
+            RatioChoice::Continuous { min, max } => Some((*min, *max)),
+            RatioChoice::Listed { values, .. } => Some((*values.first()?, *values.last()?)),
+            RatioChoice::Catalog { .. } => None,
+        }
+    }
+
+    /// The ratios, where there are only certain ones.
+    pub fn listed(&self) -> Option<&[f64]> {
+        match self {
+            RatioChoice::Listed { values, .. } => Some(values),
+            _ => None,
+        }
+    }
+
+    /// Whether the ratios are those of gears of the catalogue.
+    pub fn is_catalog(&self) -> bool {
+        matches!(self, RatioChoice::Catalog { .. })
+    }
+
+    /// Whether a ratio may be chosen, but for rounding; of gears of the catalogue it is not told by the ratio.
+    pub fn allows(&self, ratio: f64) -> bool {
+        let same = |n: &f64| (ratio - n).abs() <= SAME * n.abs();
+        match self {
+            RatioChoice::Continuous { min, max } => min * (1.0 - SAME) <= ratio && ratio <= max * (1.0 + SAME),
+            RatioChoice::Listed { values, .. } => values.iter().any(same),
+            RatioChoice::Catalog { .. } => true,
+        }
+    }
 }
 
 /// What torque a gear's efficiency acts on, and whose direction of power it flips with.
@@ -128,41 +174,109 @@ pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
             })
         }
         (true, false) => {
-            let ratio = section.section(key("ratio", "a continuous ratio").or("gears"))?;
-            let (min, max) = (
-                ratio.number(key("min", "smallest ratio").required(), Range::Positive),
-                ratio.number(key("max", "largest ratio").required(), Range::Positive),
-            );
-            for (key, value) in [("min", min), ("max", max)] {
-                if value.is_none() && !ratio.has(if key == "min" { "min" } else { "max" }) {
-                    ratio.missing(if key == "min" { "min" } else { "max" }, if key == "min" { "3" } else { "30" });
-                }
-            }
-            let (span, max_span) = (ratio.span(), ratio.span_of("max"));
-            ratio.finish();
-            let (min, max) = (min?, max?);
-            if min > max {
-                section.note(
-                    Problem::at(
-                        max_span,
-                        format!("the ratio range is upside down: max = {max} is less than min = {min}"),
-                        "less than min",
-                    )
-                    .help("swap min and max"),
-                );
-                return None;
-            }
-            if max / min > 1e6 || max > 1e6 || min < 1e-6 {
-                section.note(Problem::at(
-                    span,
-                    "the ratio range is not one of a gear",
-                    "expected ratios between 1e-6 and 1e6, at most a factor of 1e6 apart",
-                ));
-                return None;
-            }
-            Some(RatioChoice::Continuous { min, max })
+            let about = "the ratios that may be chosen: any between two, a grid, or a list";
+            let table = section.section(key("ratio", about).or("gears"))?;
+            let read = read_ratios(&table);
+            table.finish();
+            read
         }
     }
+}
+
+/// Reads `{ min, max }`, `{ min, max, step }` or `{ values }`.
+fn read_ratios(table: &Section) -> Option<RatioChoice> {
+    let (min, max) = (
+        table.number(key("min", "smallest ratio").or("values"), Range::Positive),
+        table.number(key("max", "largest ratio").or("values"), Range::Positive),
+    );
+    let step =
+        table.number(key("step", "of a grid that begins at `min`; without it any ratio between"), Range::Positive);
+    let values = table.number_list(key("values", "the only ratios, ascending").or("min"), Range::Positive);
+    if table.has("values") {
+        for other in ["min", "max", "step"].into_iter().filter(|other| table.has(*other)) {
+            let message = format!("`values` lists the ratios: there is no `{other}` beside it");
+            let problem = Problem::at(table.span_of(other), message, "not with `values`");
+            table.note(problem.help("remove `values`, or `min`, `max` and `step`"));
+            return None;
+        }
+        return read_values(table, values?);
+    }
+    for (key, value, example) in [("min", min, "3"), ("max", max, "30")] {
+        if value.is_none() && !table.has(key) {
+            table.missing(key, example);
+        }
+    }
+    let (min, max) = (min?, max?);
+    if min > max {
+        table.note(
+            Problem::at(
+                table.span_of("max"),
+                format!("the ratio range is upside down: max = {max} is less than min = {min}"),
+                "less than min",
+            )
+            .help("swap min and max"),
+        );
+        return None;
+    }
+    if max / min > 1e6 || max > 1e6 || min < 1e-6 {
+        table.note(Problem::at(
+            table.span(),
+            "the ratio range is not one of a gear",
+            "expected ratios between 1e-6 and 1e6, at most a factor of 1e6 apart",
+        ));
+        return None;
+    }
+    match (table.has("step"), step) {
+        (false, _) => Some(RatioChoice::Continuous { min, max }),
+        (true, step) => read_grid(table, (min, max), step?),
+    }
+}
+
+/// The ratios of a grid.
+fn read_grid(table: &Section, (min, max): (f64, f64), step: f64) -> Option<RatioChoice> {
+    let wrong = |message: String, label: &str| {
+        table.note(Problem::at(table.span_of("step"), message, label));
+        None
+    };
+    if step > (max - min) * (1.0 + SAME) {
+        return wrong(format!("a step of {step} leads past the range from {min} to {max}"), "larger than the range");
+    }
+    let steps = ((max - min) / step * (1.0 + SAME)).floor();
+    if steps >= MOST_LISTED as f64 {
+        let message = format!("a step of {step} makes {} ratios from {min} to {max}", steps + 1.0);
+        return wrong(message, &format!("at most {MOST_LISTED}"));
+    }
+    // As it would be written by hand: 5.3, not 5.300000000000001.
+    let at = |k: usize| format!("{:.12e}", min + k as f64 * step).parse().unwrap_or(min + k as f64 * step);
+    let values = (0..=steps as usize).map(at).map(|ratio: f64| ratio.min(max)).collect();
+    Some(RatioChoice::Listed { values, step: Some(step) })
+}
+
+/// The ratios of a list.
+fn read_values(table: &Section, values: Vec<f64>) -> Option<RatioChoice> {
+    let wrong = |message: String, label: &str| {
+        table.note(Problem::at(table.span_of("values"), message, label));
+        None
+    };
+    if values.is_empty() {
+        return wrong("`values` lists no ratio".into(), "expected at least one");
+    }
+    if values.len() > MOST_LISTED {
+        return wrong(format!("`values` lists {} ratios", values.len()), &format!("at most {MOST_LISTED}"));
+    }
+    if let Some(outside) = values.iter().find(|n| !(1e-6..=1e6).contains(*n)) {
+        return wrong(format!("{outside} is not a ratio of a gear"), "expected ratios between 1e-6 and 1e6");
+    }
+    for pair in values.windows(2) {
+        if (pair[1] - pair[0]).abs() <= SAME * pair[0] {
+            return wrong(format!("the ratio {} is listed twice", pair[1]), "expected each once");
+        }
+        if pair[1] < pair[0] {
+            let message = format!("the ratios are not in ascending order: {} after {}", pair[1], pair[0]);
+            return wrong(message, "expected the smallest first");
+        }
+    }
+    Some(RatioChoice::Listed { values, step: None })
 }
 
 /// Reads `gear` of a joint.

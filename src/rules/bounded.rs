@@ -97,6 +97,15 @@ fn tighten(
             Some("reflected_inertia")
         }
         (_, "ratio") => {
+            if let RatioChoice::Listed { values, .. } = &mut joint.ratio {
+                let kept = |n: &f64| min.is_none_or(|min| *n >= min) && max.is_none_or(|max| *n <= max);
+                // A rule that leaves no ratio is found on the result.
+                if !values.iter().any(kept) {
+                    return None;
+                }
+                values.retain(kept);
+                return Some("ratio");
+            }
             let RatioChoice::Continuous { min: low, max: high, .. } = &mut joint.ratio else { return None };
             let (at_least, at_most) = (min.unwrap_or(*low).max(*low), max.unwrap_or(*high).min(*high));
             // A rule that leaves no ratio is found on the result.

@@ -140,7 +140,7 @@ const OWN: &[Own] = &[
         "objective_excess",
         None,
         "1",
-        "objective over that of the best ratio of the same motor, less one",
+        "objective over that of the best ratio of the same motor under the limits and the rules, less one",
         Value::Design(|facts, e| {
             let (_, best) = e.best.filter(|(_, best)| *best > 0.0)?;
             Some(e.evaluation.objective(&facts.choice.joint.objective)? / best - 1.0)

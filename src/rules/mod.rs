@@ -23,10 +23,11 @@ pub use rule::{Remark, Rule, Severity, Test};
 
 use crate::actuator::limits::LIMITS;
 use crate::catalog::Catalog;
+use crate::design::Unusable;
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
-use crate::design::examine::examine;
+use crate::design::examine::{Examined, best_ratios, examine};
 use crate::input::{InputError, Source};
-use crate::requirement::DesignFile;
+use crate::requirement::{Choice, DesignFile};
 use crate::words::{heat_or, with_unit};
 use facts::{JointFacts, RobotFacts};
 use file::Selection;
@@ -152,7 +153,8 @@ pub fn check<'a>(
             LockState::Compared { path: lock_path.to_path_buf(), differences: locked.differences(&now, &choices) }
         }
     };
-    let examined = examine(&design.robot, &choices);
+    let mut examined = examine(&design.robot, &choices);
+    best_under_rules(design, &choices, rules, &mut examined);
     let joints: Vec<JointFacts> = choices
         .into_iter()
         .zip(examined)
@@ -170,6 +172,26 @@ pub fn check<'a>(
     checker.run(&facts);
     let Checker { rules, findings, judged, .. } = checker;
     Ok(Report { facts, rules, findings, judged, lock: now })
+}
+
+/// Compares with the best ratio under the same rules: a rule does not advise against what another one asks for.
+fn best_under_rules(
+    design: &DesignFile,
+    choices: &[Choice],
+    rules: &RulesFile,
+    examined: &mut [Result<Examined, Unusable>],
+) {
+    let (robot, kept) = bounded::bounded(&design.robot, rules);
+    if kept.is_empty() {
+        return;
+    }
+    let own = |choice: &Choice| robot.joints.iter().find(|joint| joint.name == choice.joint.name);
+    let ruled = choices.iter().filter_map(|choice| Some(Choice { joint: own(choice)?, ..*choice }));
+    for (examined, ruled) in examined.iter_mut().zip(best_ratios(&robot, &ruled.collect::<Vec<_>>())) {
+        if let (Ok(examined), Some(best)) = (examined, ruled) {
+            examined.best = best;
+        }
+    }
 }
 
 struct Checker<'a> {

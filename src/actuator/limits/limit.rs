@@ -4,7 +4,7 @@ use crate::actuator::candidate::Candidate;
 use crate::actuator::thermal_motion::TwoNode;
 use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;
-use crate::requirement::{Joint, RatioChoice, Robot};
+use crate::requirement::{Joint, Robot};
 
 /// Which ratios a limit leaves, as a function of u = N² with all else fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -239,7 +239,7 @@ pub(super) fn always(_: &Robot, _: &Joint) -> bool {
 
 /// A rating of the gear that the requirement describes, not of one from the catalogue.
 pub(super) fn described(joint: &Joint, rating: Option<f64>) -> bool {
-    rating.is_some() && matches!(joint.ratio, RatioChoice::Continuous { .. })
+    rating.is_some() && !joint.ratio.is_catalog()
 }
 
 pub(super) const NO_DURATIONS: &str = "the operating points have no durations";

@@ -17,7 +17,7 @@ use crate::design::mount::{JointDemand, Site};
 use crate::design::program::{minimise, value};
 use crate::design::{Candidate, Prepared};
 use crate::numerics::grid::grid;
-use crate::requirement::{Joint, Quantity, RatioChoice, Robot};
+use crate::requirement::{Joint, Quantity, Robot};
 
 /// How many boxes a joint's load is divided into at most.
 const BOXES: f64 = 400.0;
@@ -263,16 +263,17 @@ fn bound(robot: &Robot, joint: &Joint, center: &Joint, catalog: &Catalog, radius
     let site = Site::new(robot, center, &demand);
     let of_mount = |motor: &Motor, candidate: Candidate| {
         let steepest = steepest(candidate.gear.efficiency, candidate.gear.backdrive_efficiency);
-        let ratios = match (candidate.catalog_gear, &joint.ratio) {
+        let ratios = match (candidate.catalog_gear, joint.ratio.range()) {
             (Some(gear), _) => vec![gear.ratio, gear.ratio],
-            (None, RatioChoice::Continuous { min, max }) => {
-                let max = &max.min(highest(&candidate, speed) * (1.0 + 1e-6));
-                if max < min || too_heavy(joint, motor, *min, needs) {
+            // Of listed ratios all between them, too: a bound below is one.
+            (None, Some((min, max))) => {
+                let max = max.min(highest(&candidate, speed) * (1.0 + 1e-6));
+                if max < min || too_heavy(joint, motor, min, needs) {
                     return f64::INFINITY;
                 }
-                if max > min { grid(*min, *max, PIECES + 1) } else { vec![*min, *min] }
+                if max > min { grid(min, max, PIECES + 1) } else { vec![min, min] }
             }
-            (None, RatioChoice::Catalog { .. }) => return f64::INFINITY,
+            (None, None) => return f64::INFINITY,
         };
         of(&Prepared::new(candidate), &ratios, steepest)
     };

@@ -400,8 +400,9 @@ fn reach(joint: &Joint, catalog: &Catalog, menu: Option<&Menu>) -> (f64, f64) {
     }
     let motor = span(&mut catalog.motors.iter().filter_map(|m| m.mass));
     let gear = match &joint.ratio {
-        RatioChoice::Continuous { min, max } => {
-            (joint.gear.mass_at(*min).unwrap_or(0.0), joint.gear.mass_at(*max).unwrap_or(0.0))
+        RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => {
+            let at_the_ends = joint.ratio.range().map(|(min, max)| (joint.gear.mass_at(min), joint.gear.mass_at(max)));
+            at_the_ends.map_or((0.0, 0.0), |(least, most)| (least.unwrap_or(0.0), most.unwrap_or(0.0)))
         }
         RatioChoice::Catalog { patterns, .. } => {
             let allowed =

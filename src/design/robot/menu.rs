@@ -60,7 +60,9 @@ pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog,
         .map(|motor| match &carrying.ratio {
             // What is found is no answer any more.
             _ if stop.now() => Made::default(),
-            RatioChoice::Continuous { .. } => continuous(site, &pieces, catalog, motor, needs),
+            RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => {
+                continuous(site, &pieces, catalog, motor, needs)
+            }
             RatioChoice::Catalog { .. } => geared(site, catalog, motor, needs),
         })
         .collect();
@@ -85,9 +87,16 @@ struct Made<'a> {
     unproved: bool,
 }
 
-/// The joint for each number of gear stages, where the mass decides; else the joint as it is.
+/// The joint for each number of gear stages, where the mass decides; for each listed ratio, where it may leave its best;
+/// else the joint as it is.
 fn pieces(joint: &Joint, needs: Needs) -> Vec<Joint> {
     let weighs = needs.mass || needs.moves && joint.objective.weight(Quantity::Mass) > 0.0;
+    let between = |min: f64, max: f64| Joint { ratio: RatioChoice::Continuous { min, max }, ..joint.clone() };
+    if let Some(values) = joint.ratio.listed()
+        && (needs.moves || weighs && joint.gear.mass_per_stage.is_some())
+    {
+        return values.iter().map(|n| between(*n, *n)).collect();
+    }
     let (RatioChoice::Continuous { min, max }, Some((_, stage)), true) =
         (&joint.ratio, joint.gear.mass_per_stage, weighs)
     else {
@@ -97,8 +106,7 @@ fn pieces(joint: &Joint, needs: Needs) -> Vec<Joint> {
     let mut ends = vec![*min];
     ends.extend(powers.take_while(|n| n < max).filter(|n| n > min));
     ends.push(*max);
-    let piece = |w: &[f64]| Joint { ratio: RatioChoice::Continuous { min: w[0], max: w[1] }, ..joint.clone() };
-    ends.windows(2).map(piece).collect()
+    ends.windows(2).map(|w| between(w[0], w[1])).collect()
 }
 
 fn continuous<'a>(site: Site, pieces: &[Joint], catalog: &'a Catalog, motor: usize, needs: Needs) -> Made<'a> {
@@ -106,7 +114,7 @@ fn continuous<'a>(site: Site, pieces: &[Joint], catalog: &'a Catalog, motor: usi
     for piece in pieces {
         match best_design(Site { joint: piece, ..site }, &catalog.motors[motor], needs.only_checked) {
             Ok(found) => {
-                let RatioChoice::Continuous { max, .. } = piece.ratio else { continue };
+                let Some((_, max)) = piece.ratio.range() else { continue };
                 let window = found.optimum.window().clone();
                 let mass = catalog.motors[motor].mass.zip(piece.gear.mass_at(max)).map(|(a, b)| a + b);
                 // Nothing moves where the ratio stays; a spring stays with its ratio.

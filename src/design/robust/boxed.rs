@@ -10,7 +10,8 @@ use crate::design::judge;
 use crate::design::mount::{Mount, Site};
 use crate::design::program::{Certificate, Limited, Optimum, RatioProgram, Unsolved};
 use crate::design::selection::Selection;
-use crate::design::solved::one_gear;
+use crate::design::solved::{Tried, best_listed, one_gear, tried};
+use crate::requirement::Objective;
 
 /// The design of a motor that keeps all limits over its tolerances; with `only_checked`, one of which every limit could
 /// be checked.
@@ -59,6 +60,14 @@ impl<'a> Over<'a, '_> {
         let mount = site.direct(nominal.motor);
         let Some(range) = mount.range() else { return Err(Reason::Unusable(Unusable::NoGearFits)) };
         let boxed = Boxed::new(mount, corners).map_err(Reason::Unusable)?;
+        if let Some(values) = site.joint.ratio.listed() {
+            let mut optimum =
+                best_listed(values.iter().copied(), |ratio| boxed.tried(&site.joint.objective, ratio, only_checked))?;
+            if let Some(why) = unproved(site.robot, &boxed.nominal, &toleranced) {
+                optimum.certificate = Certificate::NotCertified(why.into());
+            }
+            return Ok(boxed.design(nominal, toleranced, None, optimum));
+        }
         let limits = limits_of(&boxed.nominal, &boxed.corners);
         let program = RatioProgram::under(&boxed.nominal, &site.joint.objective, range, limits);
         let mut optimum = program.solve()?;
@@ -122,6 +131,18 @@ impl<'p> Boxed<'p> {
     /// What keeps the printed numbers or a corner from being a choice at a ratio, by what is not known.
     fn doubt(&self, ratio: f64, only_checked: bool) -> Option<Remark> {
         self.all().find_map(|prepared| judge::doubt(prepared, ratio, only_checked))
+    }
+
+    /// What becomes of one of several ratios over the tolerances.
+    fn tried(&self, objective: &Objective, ratio: f64, only_checked: bool) -> Tried {
+        let exceeded = self.tightest(ratio).filter(|m| m.margin < -FEASIBILITY_TOLERANCE);
+        let doubt =
+            || judge::may_change(&self.nominal, only_checked).then(|| self.doubt(ratio, only_checked)).flatten();
+        match (exceeded, tried(&self.nominal, objective, ratio)) {
+            (Some(margin), _) => Tried::Exceeds(margin),
+            (None, kept @ Tried::Kept(..)) => doubt().map_or(kept, Tried::Doubt),
+            (None, other) => other,
+        }
     }
 
     /// The printed numbers, then the corners.

@@ -10,7 +10,7 @@ use crate::design::program::Optimum;
 use crate::design::{Mount, Prepared, load_through};
 use crate::numerics::grid::grid;
 use crate::report::number;
-use crate::requirement::{Joint, RatioChoice, Robot};
+use crate::requirement::{Joint, Robot};
 
 /// Designs whose objective is drawn over the ratio.
 const CURVES: usize = 6;
@@ -49,7 +49,7 @@ pub fn explained(robot: &Robot, story: &Explanation) -> Figure {
     let panels = with_prepared(robot, &joint, story.motor, story.gear, |prepared| {
         let mut panels = vec![torque_speed::panel(prepared, ratio, "torque over speed".into())];
         panels.push(temperature::panel(prepared, ratio));
-        if let RatioChoice::Continuous { min, max } = joint.ratio {
+        if let Some((min, max)) = joint.ratio.range() {
             let all = over_ratio::evaluations(prepared, over_ratio::range(optimum, ratio, (min, max)));
             panels.push(over_ratio::objective(prepared, &all, optimum, ratio));
             panels.push(over_ratio::limits(&all, optimum, ratio));

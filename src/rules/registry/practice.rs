@@ -1,6 +1,5 @@
 //! What the field calls good practice, with bounds that a rules file may move.
 
-use crate::requirement::RatioChoice;
 use crate::rules::facts::JointFacts;
 use crate::rules::place::Place;
 use crate::rules::rule::{Remark, Rule, Severity, Test};
@@ -136,7 +135,7 @@ pub(super) const GEAR_RATING_UNKNOWN: Rule = Rule {
 
 fn gear_rating(facts: &JointFacts) -> Vec<Remark> {
     let joint = facts.choice.joint;
-    let described = matches!(joint.ratio, RatioChoice::Continuous { .. }) && facts.choice.gear.is_none();
+    let described = !joint.ratio.is_catalog() && facts.choice.gear.is_none();
     let ideal = joint.gear.efficiency == 1.0 && joint.gear.mass == Some(0.0) && joint.gear.inertia == 0.0;
     if !described || ideal || joint.gear.peak_torque.is_some() {
         return Vec::new();
@@ -153,7 +152,7 @@ pub(super) const FAR_FROM_BEST: Rule = Rule {
     name: "far-from-best",
     summary: "the ratio is not far worse than the motor's best",
     severity: Severity::Note,
-    what: "Solves the ratio program for the chosen motor and notes a ratio whose objective is more than 25 % above that of the best one. Only for a continuous ratio; where no ratio keeps the limits nothing is compared.",
+    what: "Solves the ratio program for the chosen motor and notes a ratio whose objective is more than 25 % above that of the best one that keeps the limits and the bounds of these rules. Not for gears of the catalogue; where no ratio keeps them all nothing is compared.",
     why: "The optimum is flat (loss within 2 % over ±10 % of ratio where heat of torque and inertia balance), so 25 % are no rounding to the next gear, but a choice that something else should explain.",
     example: "A ratio of 6 where 11 would halve the loss.",
     fix: "Take the best ratio (`gearwise explain` shows it), or say with [[allow]] why not.",
