@@ -7,6 +7,7 @@ use super::written::Ruled;
 use super::{Call, CatalogChoice, Done, Failure, Html, Output, Set};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
+use crate::design::outlook::outlooks;
 use crate::design::pareto::fronts;
 use crate::design::robot::{self, choose};
 use crate::design::robust::{assume_tolerance, robust};
@@ -17,17 +18,26 @@ use crate::report::{html, json, pareto, plot, robot as robot_report, robust as r
 use crate::requirement::{Quantity, Robot};
 use crate::words::nearest;
 
+/// How many motors a joint's table shows where nobody says.
+const TOP: usize = 5;
+
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --html robot.html\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --why\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --html robot.html\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
     /// Requirement file (TOML); `-` is standard input
     requirement: PathBuf,
-    /// How many motors of each joint the table shows
-    #[arg(long, default_value_t = 5, value_name = "N")]
-    top: usize,
+    /// How many motors of each joint its table shows: as `--full`, which shows 5
+    #[arg(long, value_name = "N")]
+    top: Option<usize>,
+    /// Why each first choice: what binds, how its number comes about, how far the ratio may move, which gears are near
+    #[arg(long)]
+    why: bool,
+    /// Everything: the tables of all joints, what could not be checked, why the others cannot
+    #[arg(long)]
+    full: bool,
     /// Only the first K designs of each joint: motors that provably are not among them are not solved
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "pareto")]
     only_top: Option<u32>,
@@ -161,7 +171,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     }
     let work = arguments.telling.counted(robot.joints.len() * catalog.motors.len(), "optimising");
     let keep = arguments.only_top.map(|k| k as usize);
-    let options = Options { only_checked: arguments.only_checked, keep, tick: &|| work.step(), ..Options::default() };
+    let search = Options { only_checked: arguments.only_checked, ..Options::default() };
+    let options = Options { keep, tick: &|| work.step(), ..search };
     if arguments.robust {
         let joints = robust(robot, &catalog, options)?;
         work.end();
@@ -169,7 +180,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         let inputs = || [robot.files(), catalog.files()].concat();
         arguments.html.write(call, inputs, || html::robust::page(robot, &joints))?;
         let text = arguments.output.choose(
-            || super::told_set(robot) + &robust_report::text(robot, &joints, arguments.top, tolerance),
+            || super::told_set(robot) + &robust_report::text(robot, &joints, arguments.top.unwrap_or(TOP), tolerance),
             || json::robust::json(robot, &joints, tolerance),
             || robust_report::csv(&joints),
         );
@@ -188,7 +199,14 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         false => Ok(None),
     };
     super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
-    let shown = report::Shown { top: keep.unwrap_or(arguments.top), rejected: arguments.rejected };
+    let shown = report::Shown {
+        top: keep.or(arguments.top).unwrap_or(TOP),
+        rejected: arguments.rejected,
+        why: arguments.why || arguments.full,
+        full: arguments.full || arguments.top.is_some() || keep.is_some(),
+    };
+    let with_front = arguments.why || arguments.full;
+    let outlooks = outlooks(&result, &catalog, with_front, search)?;
     let of_joints = telling.counted(robot.joints.len(), "the whole robot: joints");
     let search = telling.search("the whole robot");
     let options = robot::Options {
@@ -236,9 +254,9 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         || {
             let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
             let costs: String = costs.iter().map(|line| table::paragraph(line, 2, 4)).collect();
-            super::told_set(robot) + &report::text(&result, shown) + &costs + &whole
+            super::told_set(robot) + &report::text(&result, &outlooks, shown) + &costs + &whole
         },
-        || json::optimize::json(&result, choice.as_ref()),
+        || json::optimize::json(&result, &outlooks, choice.as_ref()),
         || report::csv(&result),
     );
     let satisfied = kept && choice.as_ref().map_or_else(|| result.satisfied(), |c| !c.combinations.is_empty());

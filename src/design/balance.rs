@@ -73,6 +73,7 @@ fn extreme(design: &Design) -> Option<Extreme> {
         motor: design.motor.id.clone(),
         gear: design.gear.map(str::to_string),
         ratio: design.evaluation.ratio,
+        window: (design.optimum.window().min, design.optimum.window().max),
         loss: design.evaluation.loss,
         mass: design.evaluation.mass?,
     })

@@ -104,8 +104,8 @@ fn runs(all: &[(f64, Tried)]) -> Vec<Window> {
                 let low = before.map_or_else(|| Bind::of("ratio_min", None), bind);
                 windows.push(Window { min: *ratio, max: *ratio, low, high: Bind::of("ratio_max", None) });
             }
-            (true, true) => windows.iter_mut().last().into_iter().for_each(|w| w.max = *ratio),
-            (true, false) => windows.iter_mut().last().into_iter().for_each(|w| w.high = bind(tried)),
+            (true, true) => windows.last_mut().into_iter().for_each(|w| w.max = *ratio),
+            (true, false) => windows.last_mut().into_iter().for_each(|w| w.high = bind(tried)),
             (false, false) => {}
         }
         before = Some(tried);

@@ -1,7 +1,7 @@
 //! What a balanced objective is balanced from: three designs next to each other.
 
-use super::number;
 use super::table::{Column, Table, paragraph};
+use super::{design_ratio, number, number_between, optional};
 use crate::design::answer::JointResult;
 use crate::requirement::{Balance, Balancing, Extreme};
 
@@ -15,22 +15,25 @@ pub fn sentence(balance: &Balance) -> String {
 }
 
 /// That the objective could not be balanced, and why.
-fn cannot(why: &str) -> String {
+pub(super) fn cannot(why: &str) -> String {
     format!("No objective is stated, and it cannot be balanced: {why}. The least loss counts.")
 }
 
 /// The three designs of a joint: their cells (name, motor, N, loss, mass), and the gear where there is one.
 pub fn rows(result: &JointResult, balance: &Balance) -> Vec<(Vec<String>, Option<String>)> {
-    let row = |name: &str, motor: &str, gear: Option<&str>, numbers: [Option<f64>; 3]| {
-        let cells = numbers.map(|n| n.map_or_else(|| "?".into(), number));
-        ([vec![name.to_string(), motor.to_string()], cells.to_vec()].concat(), gear.map(|gear| format!("with {gear}")))
+    let row = |name: &str, motor: &str, gear: Option<&str>, ratio: String, numbers: [Option<f64>; 2]| {
+        let cells = numbers.map(optional);
+        let first = vec![name.to_string(), motor.to_string(), ratio];
+        ([first, cells.to_vec()].concat(), gear.map(|gear| format!("with {gear}")))
     };
     let end = |name: &str, of: &Extreme| {
-        row(name, &of.motor, of.gear.as_deref(), [Some(of.ratio), Some(of.loss), Some(of.mass)])
+        let (min, max) = of.window;
+        let ratio = if of.gear.is_some() { number(of.ratio) } else { number_between(of.ratio, min, max) };
+        row(name, &of.motor, of.gear.as_deref(), ratio, [Some(of.loss), Some(of.mass)])
     };
     let first = result.candidates.first().map(|d| {
         let e = &d.evaluation;
-        row("balanced", &d.motor.id, d.gear, [Some(e.ratio), Some(e.loss), e.mass])
+        row("balanced", &d.motor.id, d.gear, design_ratio(d), [Some(e.loss), e.mass])
     });
     let ends = (end("lightest", &balance.lightest), end("least loss", &balance.least_loss));
     [Some(ends.0), first, Some(ends.1)].into_iter().flatten().collect()
@@ -59,7 +62,7 @@ pub fn columns() -> Vec<Column> {
         Column::name("choice"),
         Column::name("motor"),
         Column::number("N", ""),
-        Column::number("loss", "W"),
+        Column::number("copper\nloss", "W"),
         Column::number("mass", "kg"),
     ]
 }
@@ -73,14 +76,19 @@ pub fn text(result: &JointResult) -> String {
                 table.push(row, gear.into_iter().collect());
             }
             let mut out = paragraph(&sentence(balance), 2, 4);
-            if result.joint.limits.actuator_mass.is_none() && result.joint.limits.reflected_inertia.is_none() {
-                out.push_str(&paragraph(NO_LIMIT, 2, 4));
-            }
+            out.push_str(&no_limit(result));
             out + "\n" + &table.text()
         }
         Balancing::Cannot(why) => paragraph(&cannot(why), 2, 4),
         Balancing::No | Balancing::Asked => String::new(),
     }
+}
+
+/// That nothing holds the least loss back, where nothing does.
+pub(super) fn no_limit(result: &JointResult) -> String {
+    let limits = &result.joint.limits;
+    let is_held = limits.actuator_mass.is_some() || limits.reflected_inertia.is_some();
+    if is_held { String::new() } else { paragraph(NO_LIMIT, 2, 4) }
 }
 
 /// What is said where nothing holds the least loss back.

@@ -2,7 +2,7 @@
 
 use super::optimize::{bind_text, fitted_notes, proof, reason_text};
 use super::table::{Column, Table, paragraph};
-use super::{currents, heat_or, number, optional};
+use super::{currents, heat_or, number, number_between, optional};
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::answer::Reason;
@@ -22,7 +22,11 @@ pub fn text(story: &Explanation) -> String {
     let joint = story.joint;
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
     let verdict = verdict(story);
-    let heading = format!("{}: {} at N = {}{gear} {verdict}", joint.name, story.motor.id, number(e.ratio));
+    let at = match &story.best {
+        Some(Ok(best)) if best.ratio == e.ratio => number_between(e.ratio, best.window().min, best.window().max),
+        _ => number(e.ratio),
+    };
+    let heading = format!("{}: {} at N = {at}{gear} {verdict}", joint.name, story.motor.id);
     let mut out = format!("{}\n", paragraph(&heading, 0, 2));
     out.push_str(&limits(story));
     out.push('\n');
@@ -235,7 +239,7 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
     format!(
         "Best ratio for {}: N* = {} with {} ({}); feasible from {}.",
         joint.aim(),
-        number(optimum.ratio),
+        number_between(optimum.ratio, optimum.window().min, optimum.window().max),
         super::with_unit(optimum.objective, joint.objective.unit()),
         proof(&optimum.certificate),
         windows.collect::<Vec<_>>().join(" and from ")

@@ -1,6 +1,7 @@
 //! Results for people and programs: one file for each kind of result, which gives its table, its
 //! JSON and its CSV from the same facts.
 
+mod answer;
 pub mod audit;
 mod balance;
 pub mod catalog;
@@ -21,6 +22,7 @@ pub mod import;
 pub mod json;
 mod motion;
 pub mod optimize;
+mod outlook;
 pub mod pareto;
 pub mod plot;
 mod prune;
@@ -29,6 +31,7 @@ pub mod remake;
 pub mod robot;
 pub mod robust;
 pub mod rules;
+mod said;
 pub mod spring;
 pub mod sweep;
 pub mod table;
@@ -37,10 +40,11 @@ pub mod unjudged;
 
 pub use crate::words::csv::{csv_number, csv_row, csv_text, guarded};
 pub(crate) use crate::words::{counted, heat_or, with_unit};
-pub use crate::words::{number, optional};
+pub use crate::words::{number, number_between, optional};
 
 use serde_json::Value;
 
+use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
 
 /// How many different motors there are, in words.
@@ -60,6 +64,12 @@ pub(crate) fn demand_of(margin: &Margin) -> String {
         hot if hot != with_unit(*demand, unit) => format!("{hot}, where {} {unit} are allowed", number(*bound)),
         _ => format!("{} of {} {unit}", number(*demand), number(*bound)),
     }
+}
+
+/// The ratio of a design, so that it keeps its limits when it is typed again: inside the ratios that do.
+pub fn design_ratio(design: &Design) -> String {
+    let (ratio, window) = (design.evaluation.ratio, design.optimum.window());
+    if design.gear.is_some() { number(ratio) } else { number_between(ratio, window.min, window.max) }
 }
 
 /// JSON text, two spaces deep, with a final newline.

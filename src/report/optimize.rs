@@ -2,37 +2,21 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+pub use super::said::{Shown, bind_text, proof};
+pub(super) use super::said::{choice_text, margin_text};
+
 use super::columns::{self, Entry, State};
 use super::table::{Column, Table, paragraph, wrap};
-use super::{different_motors, number};
-use super::{estimated, prune, unjudged};
+use super::{answer, design_ratio, different_motors, estimated, number, outlook, prune, unjudged};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
 use crate::actuator::metrics::{METRICS, Metric, metric};
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
 use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult};
-use crate::design::evaluate::Margin;
-use crate::design::program::{Bind, Certificate, Infeasible, Optimum};
+use crate::design::outlook::Outlook;
+use crate::design::program::{Certificate, Infeasible, Optimum};
 use crate::requirement::{Course, GearModel, Joint, Quantity, RatioChoice};
-
-/// What is shown to people.
-#[derive(Debug, Clone, Copy)]
-pub struct Shown {
-    /// How many candidates of each joint.
-    pub top: usize,
-    /// Whether every rejected motor gets its line.
-    pub rejected: bool,
-}
-
-/// A limit with the instant at which it binds.
-pub fn bind_text(bind: &Bind, joint: &Joint) -> String {
-    match (bind.sample, bind.unjudged) {
-        (_, Some(_)) => format!("{} cannot be judged beyond", bind.limit),
-        (Some(k), None) => format!("{} ({})", bind.limit, joint.motion.name_sample(k)),
-        (None, None) => bind.limit.to_string(),
-    }
-}
 
 /// Why a motor was rejected: a short class for counting, and the sentence.
 pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
@@ -113,17 +97,8 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
     }
 }
 
-/// How an optimum is proved, in a word.
-pub fn proof(certificate: &Certificate) -> String {
-    match certificate {
-        Certificate::Certified { gap, .. } if *gap < 1e-12 => "exact".into(),
-        Certificate::Certified { gap, .. } => format!("gap {gap:.0e}"),
-        Certificate::NotCertified(_) => "not certified".into(),
-    }
-}
-
-/// For people.
-pub fn text(result: &RobotResult, shown: Shown) -> String {
+/// For people: the answer, and as much of the rest as is asked for. `outlooks` are those of the joints, in their order.
+pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
     let heading = format!(
@@ -137,9 +112,32 @@ pub fn text(result: &RobotResult, shown: Shown) -> String {
     if let Some(driven) = &robot.driven {
         out.push_str(&super::torques::driven_text(driven, robot));
     }
-    for joint in &result.joints {
+    let with_outlooks = || {
+        let none = std::iter::repeat(None);
+        result.joints.iter().zip(outlooks.iter().map(Some).chain(none))
+    };
+    if !shown.full {
         out.push('\n');
-        out.push_str(&joint_text(joint, shown));
+        out.push_str(&answer::text(result, outlooks));
+        totals(result).iter().for_each(|line| out.push_str(&paragraph(line, 2, 4)));
+        for (joint, outlook) in with_outlooks() {
+            let why = if shown.why { outlook::text(joint, outlook) } else { String::new() };
+            let rejected = if shown.rejected || joint.candidates.is_empty() {
+                unjudged::text(joint, shown.rejected) + &rejected_text(joint, shown)
+            } else {
+                String::new()
+            };
+            if !(why.is_empty() && rejected.is_empty()) {
+                let heading = format!("{} (×{}), {}:", joint.joint.name, joint.joint.count, verdict(joint));
+                out.push_str(&format!("\n{}{why}{rejected}", paragraph(&heading, 0, 2)));
+            }
+        }
+        out.push_str(&format!("\n{}", paragraph(answer::further(shown), 0, 2)));
+        return out;
+    }
+    for (joint, outlook) in with_outlooks() {
+        out.push('\n');
+        out.push_str(&joint_text(joint, outlook, shown));
     }
     out.push('\n');
     out.push_str(&summary(result));
@@ -176,7 +174,7 @@ pub(super) fn verdict(result: &JointResult) -> String {
     }
 }
 
-fn joint_text(result: &JointResult, shown: Shown) -> String {
+fn joint_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) -> String {
     let joint = result.joint;
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
     let heading = format!("{} (×{}), {ratio}, {}: {verdict}", joint.name, joint.count, joint.aim());
@@ -208,6 +206,9 @@ fn joint_text(result: &JointResult, shown: Shown) -> String {
         out.push('\n');
         out.push_str(&candidates_table(result, shown.top));
         out.push_str(&footnotes(result, shown.top));
+        if shown.why {
+            out.push_str(&outlook::text(result, outlook));
+        }
     }
     out.push_str(&unjudged::text(result, shown.rejected));
     out.push_str(&rejected_text(result, shown));
@@ -238,7 +239,7 @@ fn candidates_table(result: &JointResult, top: usize) -> String {
     let mut table = Table::new(columns).indented(2).also_in("`--csv`, `--json`");
     for (place, design) in result.candidates.iter().take(top).enumerate() {
         let facts = design.facts();
-        let mut row = vec![(place + 1).to_string(), design.motor.id.clone(), number(design.evaluation.ratio)];
+        let mut row = vec![(place + 1).to_string(), design.motor.id.clone(), design_ratio(design)];
         if with_objective {
             row.push(number(design.optimum.objective));
         }
@@ -305,10 +306,6 @@ fn details(design: &Design, joint: &Joint) -> String {
         format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
     });
     format!("feasible from {}; {tightest}", windows.collect::<Vec<_>>().join(" and from "))
-}
-
-pub(super) fn margin_text(margin: &Margin) -> String {
-    format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
 }
 
 /// What cannot be judged beyond the windows of an optimum, each once.
@@ -404,17 +401,6 @@ fn rejected_text(result: &JointResult, shown: Shown) -> String {
     out
 }
 
-pub(super) fn choice_text(design: &Design) -> String {
-    let gear = design.gear.map_or_else(String::new, |g| format!(" with {g}"));
-    let unchecked = match design.unchecked.len() {
-        0 => String::new(),
-        1 => ", 1 thing not checked".into(),
-        n => format!(", {n} things not checked"),
-    };
-    let estimated = estimated::text(design.motor);
-    format!("{}{gear} at N = {}{unchecked}{estimated}", design.motor.id, number(design.evaluation.ratio))
-}
-
 /// What the first choices come to, and what the budgets of the requirement say of it.
 pub(super) fn budget_lines(result: &RobotResult) -> Vec<String> {
     let several = different_motors(result.distinct_motors());
@@ -473,16 +459,21 @@ fn summary(result: &RobotResult) -> String {
         };
         out.push_str(&paragraph(&line, 4, 6));
     }
-    let mut say = |line: &str| out.push_str(&paragraph(line, 2, 4));
-    budget_lines(result).iter().for_each(|line| say(line));
+    totals(result).iter().for_each(|line| out.push_str(&paragraph(line, 2, 4)));
+    out
+}
+
+/// What is said of all joints together.
+fn totals(result: &RobotResult) -> Vec<String> {
+    let robot = result.robot;
+    let mut lines = budget_lines(result);
     let several = robot.joints.iter().map(|j| j.count).sum::<u32>() > 1;
     if several && robot.shared_power().is_none() && (robot.bus.power.is_some() || robot.bus.current.is_some()) {
-        say("the bus's power and current are kept by each joint alone; `power` in [budget] limits all together");
+        let line = "the bus's power and current are kept by each joint alone; `power` in [budget] limits all together";
+        lines.push(line.into());
     }
-    for line in without_choice(result) {
-        say(&line);
-    }
-    out
+    lines.extend(without_choice(result));
+    lines
 }
 
 /// What is said of joints that have no choice.

@@ -3,7 +3,7 @@
 
 use super::optimize::margin_text;
 use super::table::{Column, Table, paragraph, wrap};
-use super::{columns, different_motors, number, optional};
+use super::{columns, design_ratio, different_motors, number, optional};
 use crate::design::answer::Design;
 use crate::design::robot::{Change, Choice, Combination, Wanting};
 use crate::requirement::{Joint, Regeneration, Robot};
@@ -125,7 +125,7 @@ fn designs(robot: &Robot, best: &Combination) -> String {
         let mark = if design.unchecked.is_empty() { "" } else { " *" };
         let tightest = facts.evaluation.tightest().map_or_else(String::new, margin_text);
         let mut row = vec![joint.name.clone(), joint.count.to_string(), format!("{}{mark}", name(design))];
-        row.push(number(facts.evaluation.ratio));
+        row.push(design_ratio(design));
         row.extend(columns::in_tables().map(|figure| columns::cell(figure, &facts)));
         row.push(tightest);
         row

@@ -138,6 +138,8 @@ pub struct Extreme {
     pub gear: Option<String>,
     /// Ratio, N.
     pub ratio: f64,
+    /// The feasible ratios about it.
+    pub window: (f64, f64),
     /// Mean copper loss \[W\].
     pub loss: f64,
     /// Mass of motor and gear \[kg\].

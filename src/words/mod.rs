@@ -55,6 +55,36 @@ pub fn number(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
+/// A number between two others, with as few digits as [`number`] or as many more as it takes to stay between them when it is
+/// read again.
+///
+/// ```
+/// use gearwise::words::number_between;
+/// assert_eq!(number_between(9.84376, 3.0, 20.0), "9.844");
+/// assert_eq!(number_between(9.84376, 3.0, 9.84376), "9.843");
+/// assert_eq!(number_between(9.84376, 9.84376, 20.0), "9.844");
+/// assert_eq!(number_between(9.84376, 9.84371, 9.84376), "9.84375");
+/// ```
+pub fn number_between(value: f64, min: f64, max: f64) -> String {
+    let plain = number(value);
+    let is_between = |text: &String| text.parse().is_ok_and(|read: f64| min <= read && read <= max);
+    if is_between(&plain) || !(min <= value && value <= max) || value <= 0.0 {
+        return plain;
+    }
+    let magnitude = value.log10().floor() as i32;
+    let rounded = (4..=17).flat_map(|digits: i32| {
+        let decimals = (digits - 1 - magnitude).max(0);
+        let step = 10.0_f64.powi(-decimals);
+        let near = value / step;
+        let decimals = decimals as usize;
+        [near.round(), near.floor(), near.ceil()].map(|n| {
+            let text = format!("{:.decimals$}", n * step);
+            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+        })
+    });
+    rounded.into_iter().find(is_between).unwrap_or_else(|| value.to_string())
+}
+
 /// `number`, or a dash where the value is unknown.
 pub fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "–".into(), number)

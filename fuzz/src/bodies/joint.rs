@@ -513,6 +513,8 @@ pub fn judge(robot: &Robot, catalog: &Catalog, answer: Result<&Design, &Reason>)
         }
         (RatioChoice::Continuous { min, max }, Some(_)) => with_springs(robot, motor, joint.gear, (*min, *max), answer),
         (RatioChoice::Catalog { .. }, None) => of_gears(robot, motor, &catalog.gears, answer),
+        // What is listed is held against a plain look at each by the tests of the proof.
+        (RatioChoice::Listed { .. }, _) => {}
         // A spring with gears of a list is each gear's own problem.
         (RatioChoice::Catalog { .. }, Some(_)) => {}
     }

@@ -112,12 +112,14 @@ fn nothing_better(robot: &Robot, joint: &Joint, design: &Design) {
         assert!(!(kept && better), "{value:?} at {ratio} is better than {:?}", design.optimum);
     };
     match &joint.ratio {
-        RatioChoice::Continuous { min, max } => {
+        RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => {
+            let (min, max) = joint.ratio.range().expect("ratios");
             let candidate = Mount::new(robot, joint, &demand.load, design.motor).candidate().expect("a candidate");
             let prepared = Prepared::new(candidate);
             let middle = prepared.at_in_full((min * max).sqrt()).objective(&joint.objective).unwrap_or(0.0);
             let size = design.optimum.objective.abs().max(1e-6 * middle.abs()).max(1e-300);
-            for ratio in grid(*min, *max, RATIOS) {
+            let ratios = joint.ratio.listed().map_or_else(|| grid(min, max, RATIOS), <[f64]>::to_vec);
+            for ratio in ratios {
                 better(&prepared, ratio, size);
             }
         }

@@ -186,6 +186,14 @@ impl<'a> RatioProgram<'a> {
         (goal.cut(ratio), goal.steps(ratio))
     }
 
+    /// Whether the objective falls to one valley and rises beyond it, and the feasible ratios are one interval.
+    pub(in crate::design) fn has_one_valley(&self) -> bool {
+        match with_constant_mass(self.prepared, self.objective) {
+            Some((rest, _)) => RatioProgram { objective: &rest, limits: self.limits.clone(), ..*self }.has_one_valley(),
+            None => !self.is_evaluated() && self.why_not_convex().is_none(),
+        }
+    }
+
     /// Whether ratios have to be evaluated one by one.
     fn is_evaluated(&self) -> bool {
         self.prepared.candidate.is_evaluated()

@@ -15,6 +15,7 @@ pub mod import;
 pub mod joint;
 pub mod motors;
 pub mod optimize;
+pub mod outlook;
 pub mod pareto;
 pub mod remake;
 pub mod robot;

@@ -5,11 +5,12 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::joint::{Agreement, Choices, Joint, Pruned};
+use super::outlook::Outlook;
 use super::robot::Choice;
 use super::torques::Mechanism;
 use super::{Design, OfRobot, Setting, design, document};
 use crate::design::answer::{JointResult, RobotResult};
-use crate::design::robot;
+use crate::design::{outlook, robot};
 use crate::report::optimize::reason_text;
 
 /// What `optimize` prints.
@@ -50,6 +51,9 @@ pub struct OfJoint<'a> {
     pub unjudged: Vec<design::Unjudged<'a>>,
     /// Motors that cannot do it.
     pub rejected: Vec<design::Rejected<'a>>,
+    /// Of the first candidate: how near to its ratio a gear has to be, which gears there are, what decided.
+    #[serde(flatten)]
+    pub outlook: Outlook<'a>,
     /// How alike orders by metric and the order by the task are.
     pub metric_agreement: Vec<Agreement>,
     /// What was left out, where only the first designs were asked for.
@@ -58,7 +62,7 @@ pub struct OfJoint<'a> {
 }
 
 impl<'a> OfJoint<'a> {
-    fn new(result: &'a JointResult<'a>) -> OfJoint<'a> {
+    fn new(result: &'a JointResult<'a>, outlook: Option<&'a outlook::Outlook<'a>>) -> OfJoint<'a> {
         let joint = result.joint;
         OfJoint {
             joint: Joint::new(joint),
@@ -66,6 +70,7 @@ impl<'a> OfJoint<'a> {
             candidates: result.candidates.iter().map(|d| Design::new(d.facts(), joint)).collect(),
             unjudged: unjudged(result),
             rejected: result.rejected.iter().map(|r| rejected(r.motor, r.gear, &r.reason, joint)).collect(),
+            outlook: Outlook::new(result, outlook),
             metric_agreement: result.agreement.iter().map(Agreement::from).collect(),
             pruned: result.pruned.as_ref().map(Pruned::from),
         }
@@ -92,10 +97,12 @@ pub(super) fn rejected<'a>(
     design::Rejected { motor: &motor.id, gear, because, class, design: None }
 }
 
-/// The result, with the choice for the whole robot where there is one.
-pub fn json(result: &RobotResult, choice: Option<&robot::Choice>) -> Value {
+/// The result, with the choice for the whole robot where there is one, and with the outlooks of the joints, in their order.
+pub fn json(result: &RobotResult, outlooks: &[outlook::Outlook], choice: Option<&robot::Choice>) -> Value {
     let robot = result.robot;
     let checked = |j: &JointResult| j.candidates.first().is_some_and(|d| d.unchecked.is_empty());
+    let outlooks = outlooks.iter().map(Some).chain(std::iter::repeat(None));
+    let joints = result.joints.iter().zip(outlooks).map(|(joint, outlook)| OfJoint::new(joint, outlook));
     let answer = Answer {
         robot: Robot {
             name: &robot.name,
@@ -106,7 +113,7 @@ pub fn json(result: &RobotResult, choice: Option<&robot::Choice>) -> Value {
             distinct_motors: result.distinct_motors(),
             choice: choice.map(Choice::new),
         },
-        joints: result.joints.iter().map(OfJoint::new).collect(),
+        joints: joints.collect(),
         mechanism: robot.driven.as_ref().map(|driven| Mechanism::new(driven, robot)),
     };
     document("optimize", answer)

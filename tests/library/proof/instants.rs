@@ -340,8 +340,12 @@ fn choice(file: &str, look: impl FnOnce(&Robot, String, serde_json::Value)) {
     let robot = gearwise::requirement::read(&folder.path().join("r.toml")).unwrap();
     let catalog = Catalog::of(vec![motor()], Vec::new());
     let result = optimize(&robot, &catalog);
-    let shown = report::optimize::text(&result, report::optimize::Shown { top: 3, rejected: false });
-    look(&robot, shown, report::json::optimize::json(&result, None));
+    let shown = report::optimize::text(
+        &result,
+        &[],
+        report::optimize::Shown { top: 3, rejected: false, why: false, full: true },
+    );
+    look(&robot, shown, report::json::optimize::json(&result, &[], None));
 }
 
 /// Rows of a motion file; with accelerations where `given`.

@@ -179,9 +179,13 @@ fn the_output_says_what_was_not_solved() {
     let result = optimize_with(&robot, &catalog, Options { keep: Some(1), ..Options::default() }).unwrap();
     let left: Vec<usize> = result.joints.iter().map(|j| j.pruned.as_ref().unwrap().not_solved.len()).collect();
     assert!(left.iter().all(|n| *n > 0));
-    let text = report::optimize::text(&result, report::optimize::Shown { top: 1, rejected: false });
+    let text = report::optimize::text(
+        &result,
+        &[],
+        report::optimize::Shown { top: 1, rejected: false, why: false, full: true },
+    );
     assert!(text.contains(&format!("Not solved: {} motors", left[0])), "{text}");
-    let json = report::json::optimize::json(&result, None);
+    let json = report::json::optimize::json(&result, &[], None);
     assert_eq!(json["joints"][0]["pruned"]["not_solved"].as_array().unwrap().len(), left[0]);
     assert_eq!(
         report::optimize::csv(&result).matches("not solved: loss is at least").count(),

@@ -186,6 +186,10 @@ impl Case {
                 let pieces: Vec<(f64, f64)> = ends.windows(2).map(piece).collect();
                 motors.flat_map(|motor| pieces.iter().map(move |p| Pick { motor, gear: None, ratios: *p })).collect()
             }
+            RatioChoice::Listed { values, .. } => {
+                let pick = |motor| move |n: &f64| Pick { motor, gear: None, ratios: (*n, *n) };
+                motors.flat_map(|motor| values.iter().map(pick(motor))).collect()
+            }
             RatioChoice::Catalog { .. } => {
                 let gears = self.catalog.gears.iter().enumerate();
                 let all = gears.map(|(g, gear)| (g, gear.ratio)).collect::<Vec<_>>();

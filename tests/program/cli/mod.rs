@@ -1,5 +1,6 @@
 //! The command line: what it takes, prints, writes and refuses.
 
+mod answer;
 mod basics;
 mod budgets;
 mod catalog_cli;

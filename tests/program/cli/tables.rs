@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use gearwise::report::number;
 use gearwise::report::table::{Column, Table, paragraph_at, wrap_at};
+use gearwise::report::{number, number_between};
 use serde_json::Value;
 
 use crate::common::repository;
@@ -130,7 +130,7 @@ fn no_line_ends_between_a_number_and_its_sign_or_unit() {
 }
 
 /// Widths at which everything is looked at; `None` is what a pipe gets.
-const WIDTHS: [Option<usize>; 6] = [Some(60), Some(80), Some(100), Some(120), Some(200), None];
+pub(super) const WIDTHS: [Option<usize>; 6] = [Some(60), Some(80), Some(100), Some(120), Some(200), None];
 
 /// Motors of the shipped catalogue: one of each kind of row, the longest names among them.
 const MOTORS: [&str; 8] = [
@@ -148,10 +148,10 @@ const MOTORS: [&str; 8] = [
 const GEARS: [&str; 3] = ["planetary-apex-af042-20", "planetary-apex-af060-50", "strain-wave-harmonic-drive-csf-17-50"];
 
 /// A folder with a small catalogue and requirements of its own.
-struct Folder(tempfile::TempDir);
+pub(super) struct Folder(pub(super) tempfile::TempDir);
 
 impl Folder {
-    fn new() -> Folder {
+    pub(super) fn new() -> Folder {
         let folder = Folder(tempfile::tempdir().unwrap());
         for (kind, ids) in [("motors", MOTORS.as_slice()), ("gears", GEARS.as_slice())] {
             let mut kept = 0;
@@ -178,14 +178,14 @@ impl Folder {
         self.0.path().join(name)
     }
 
-    fn write(&self, name: &str, text: &str) {
+    pub(super) fn write(&self, name: &str, text: &str) {
         std::fs::create_dir_all(self.path("catalog")).unwrap();
         let place = if name.ends_with(".csv") { format!("catalog/{name}") } else { name.into() };
         std::fs::write(self.path(&place), text).unwrap();
     }
 
     /// A shipped requirement with other words for some of its own.
-    fn requirement(&self, shipped: &str, name: &str, changes: &[(&str, &str)]) {
+    pub(super) fn requirement(&self, shipped: &str, name: &str, changes: &[(&str, &str)]) {
         let mut text = std::fs::read_to_string(repository("requirements").join(shipped)).unwrap();
         for (from, to) in changes {
             assert!(text.contains(from), "{shipped}: {from}");
@@ -196,11 +196,11 @@ impl Folder {
     }
 
     /// What the program prints at a width; it may say that something is not satisfied.
-    fn run(&self, words: &[&str], width: Option<usize>) -> String {
+    pub(super) fn run(&self, words: &[&str], width: Option<usize>) -> String {
         run(self.0.path(), words, width)
     }
 
-    fn json(&self, words: &[&str]) -> Value {
+    pub(super) fn json(&self, words: &[&str]) -> Value {
         serde_json::from_str(&self.run(&[words, &["--json"]].concat(), None)).unwrap()
     }
 }
@@ -218,12 +218,12 @@ fn run(folder: &Path, words: &[&str], width: Option<usize>) -> String {
 }
 
 /// A text with one blank between its words, and one at either end.
-fn collapsed(text: &str) -> String {
+pub(super) fn collapsed(text: &str) -> String {
     format!(" {} ", text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 /// The headings that a text says it leaves out, and the text without that saying.
-fn left_out(text: &str) -> (Vec<String>, String) {
+pub(super) fn left_out(text: &str) -> (Vec<String>, String) {
     let (mut names, mut rest) = (Vec::new(), String::new());
     let text = collapsed(text);
     let mut parts = text.split(" Not shown at ");
@@ -238,7 +238,7 @@ fn left_out(text: &str) -> (Vec<String>, String) {
 }
 
 /// No line is wider than the width, but for one word that is.
-fn assert_width(text: &str, width: usize, what: &str) {
+pub(super) fn assert_width(text: &str, width: usize, what: &str) {
     for line in text.lines() {
         let alone = line.split_whitespace().count() == 1;
         assert!(line.chars().count() <= width || alone, "{what}: wider than {width}:\n{line}");
@@ -264,17 +264,26 @@ fn starts(text: &str, rows: &[Vec<(&str, String)>], what: &str) -> Vec<usize> {
 }
 
 /// Each row with what follows until the next one.
-fn rows_of(text: &str, rows: &[Vec<(&str, String)>], what: &str) -> Vec<String> {
+pub(super) fn rows_of(text: &str, rows: &[Vec<(&str, String)>], what: &str) -> Vec<String> {
     let starts = starts(text, rows, what);
     let ends = starts.iter().skip(1).copied().chain([text.len()]);
     starts.iter().zip(ends).map(|(start, end)| text[*start..end].to_string() + " ").collect()
 }
 
-fn shown(value: &Value) -> String {
+pub(super) fn shown(value: &Value) -> String {
     value.as_f64().map_or_else(|| "–".into(), number)
 }
 
-fn text_of(value: &Value) -> String {
+/// The ratio of a design as it is printed: inside its window, so that it can be typed again.
+pub(super) fn ratio_of(design: &Value) -> String {
+    let ends = [&design["window"][0], &design["window"][1]].map(Value::as_f64);
+    match (design["gear"].is_null(), ends) {
+        (true, [Some(min), Some(max)]) => number_between(design["ratio"].as_f64().unwrap(), min, max),
+        _ => shown(&design["ratio"]),
+    }
+}
+
+pub(super) fn text_of(value: &Value) -> String {
     value.as_str().unwrap().to_string()
 }
 
@@ -287,7 +296,7 @@ fn assert_candidates(text: &str, joint: &Value, top: usize, what: &str) {
         .enumerate()
         .map(|(k, c)| {
             let ratio = if geared { "N" } else { "N*" };
-            vec![("#", (k + 1).to_string()), ("motor", text_of(&c["motor"])), (ratio, shown(&c["ratio"]))]
+            vec![("#", (k + 1).to_string()), ("motor", text_of(&c["motor"])), (ratio, ratio_of(c))]
         })
         .collect();
     let (dropped, text) = left_out(text);
@@ -338,7 +347,7 @@ fn assert_windows(row: &str, windows: &Value, what: &str) {
     }
 }
 
-fn tightest(margins: &Value) -> (String, f64) {
+pub(super) fn tightest(margins: &Value) -> (String, f64) {
     let margins = margins.as_object().unwrap().iter().map(|(limit, m)| (limit.clone(), m.as_f64().unwrap()));
     margins.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
 }
@@ -351,7 +360,7 @@ fn part<'t>(text: &'t str, joint: &str, next: Option<&str>) -> &'t str {
     &text[start..end.unwrap_or(text.len())]
 }
 
-const OBJECTIVES: [&str; 7] = [
+pub(super) const OBJECTIVES: [&str; 7] = [
     "\"loss\"",
     "\"energy\"",
     "\"peak_power\"",
@@ -390,7 +399,7 @@ fn every_rank_stands_with_its_own_motor_window_and_notes() {
     for file in &files {
         // With a spring two motors with long names, because each takes its time.
         let catalog = if file.starts_with("spring") { "catalog/maxon.csv" } else { "catalog" };
-        let words = ["optimize", file, "--catalog", catalog];
+        let words = ["optimize", file, "--catalog", catalog, "--full"];
         let json = folder.json(&words);
         let joints = json["joints"].as_array().unwrap();
         ranked += joints.iter().map(|j| j["candidates"].as_array().unwrap().len().min(5)).sum::<usize>();
@@ -493,12 +502,7 @@ fn ranks_fronts_checks_and_whole_robots_are_in_their_order() {
         let mark = |j: &Value| if all(&j["not_checked"]).is_empty() { "" } else { " *" };
         let key = |j: &Value| {
             let motor = format!("{}{}", j["motor"].as_str().unwrap(), mark(j));
-            vec![
-                ("joint", text_of(&j["joint"])),
-                ("×", j["count"].to_string()),
-                ("motor", motor),
-                ("N", shown(&j["ratio"])),
-            ]
+            vec![("joint", text_of(&j["joint"])), ("×", j["count"].to_string()), ("motor", motor), ("N", ratio_of(j))]
         };
         let keys: Vec<_> = all(&best).iter().map(key).collect();
         for (row, j) in rows_of(&whole, &keys, &what).iter().zip(all(&best)) {
@@ -554,7 +558,7 @@ fn counts(text: &str) -> HashMap<String, usize> {
 }
 
 /// A folded number or name leaves pieces that no wide text has, and takes away what the wide text has.
-fn assert_nothing_folded(folder: &Path, words: &[&str]) {
+pub(super) fn assert_nothing_folded(folder: &Path, words: &[&str]) {
     let wide = counts(&run(folder, words, Some(1000)));
     for width in WIDTHS {
         let what = format!("{words:?} at {width:?}");

@@ -235,3 +235,28 @@ fn a_rules_file_of_the_requirement_is_kept_and_its_mistakes_are_found() {
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && said.contains("voltage") && said.contains("less than 1"), "{said}");
 }
+
+/// A ratio is compared with the best one under the same rules: what a rule asks for, another does not advise against.
+#[test]
+fn a_ratio_that_a_rule_asks_for_is_not_called_far_from_the_best() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let text = "name = \"robot\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"joint\"\nratio = { min = 3, max = 30 }\nobjective = \"loss\"\n\
+        gear = { efficiency = 0.9, mass = \"200 g\" }\npoints = [ { torque = \"5 N*m\", speed = \"4 rad/s\", duration = \"1 s\" } ]\n";
+    fs::write(at.join("robot.toml"), text).unwrap();
+    let rule =
+        "[[rule]]\nname = \"low\"\nmeasure = \"ratio\"\nmax = 6\nseverity = \"error\"\nreason = \"backdrivable\"\n";
+    fs::write(at.join("rules.toml"), rule).unwrap();
+    let output = run(at, &["optimize", "robot.toml", "--rules", "rules.toml", "--write-design", "design.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let design = fs::read_to_string(at.join("design.toml")).unwrap();
+    let free: String = design.lines().filter(|l| !l.starts_with("rules = ")).map(|l| format!("{l}\n")).collect();
+    fs::write(at.join("free.toml"), free).unwrap();
+    let far = |design: &str| {
+        let output = run(at, &["check", design, "--json"]);
+        let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+        found["findings"].as_array().unwrap().iter().any(|f| f["code"] == "GW111")
+    };
+    assert!(!far("design.toml"), "{design}");
+    assert!(far("free.toml"), "without the rule it is far from the best: {design}");
+}

@@ -1,0 +1,211 @@
+//! The answer first: what to take at each joint, on one screen.
+
+use super::balance;
+use super::said::{Shown, bind_text, choice_text, margin_text};
+use super::table::{Column, Table, paragraph};
+use super::{design_ratio, estimated, number, number_between, optional};
+use crate::design::answer::{Design, JointResult, RobotResult};
+use crate::design::flatness::OwnBound;
+use crate::design::outlook::Outlook;
+use crate::design::program::{Bind, Certificate};
+use crate::requirement::{Balancing, Joint};
+
+/// The first choice of every joint; where the objective is balanced, between the lightest design and the least loss.
+pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
+    // Which of three designs a row is has to be said; that it is the least of what was asked for is known.
+    let has_three = result.joints.iter().any(|of| matches!(of.joint.balancing, Balancing::Made(_)));
+    let choice = Column::name("choice");
+    let mut columns = vec![
+        Column::name("joint"),
+        Column::number("×", "").dropped(1),
+        if has_three { choice } else { choice.dropped(2) },
+        Column::name("motor"),
+        Column::number("N", ""),
+    ];
+    // What is minimised has a column of its own where it is neither of the two that everybody asks for.
+    let goals = result.joints.iter().map(|of| of.joint.goal());
+    let other = goals.into_iter().find(|goal| !matches!(goal.as_str(), "balanced" | "loss" | "mass"));
+    if other.is_some() {
+        columns.push(Column::number("objective", "").dropped(4));
+    }
+    columns.push(Column::number("mass", "kg"));
+    columns.push(Column::number("copper\nloss", "W"));
+    let mut table = Table::new(columns).indented(2).also_in("`--json`");
+    let mut notes: Vec<String> = Vec::new();
+    for (place, of) in result.joints.iter().enumerate() {
+        let outlook = outlooks.get(place);
+        let mut title = [of.joint.name.clone(), of.joint.count.to_string()];
+        for (name, row, details) in rows(of, outlook) {
+            let [motor, ratio, objective, loss, mass] = row;
+            let objective = other.is_some().then_some(objective);
+            let cells = title.into_iter().chain([name, motor, ratio]).chain(objective).chain([mass, loss]);
+            table.push(cells.collect(), details);
+            // The name of a joint stands once.
+            title = [String::new(), String::new()];
+        }
+        let note = match &of.joint.balancing {
+            Balancing::Made(_) => "Balanced: the least copper loss/L₀ + mass/M₀, between the lightest design and the least loss; it is what `--write-design` writes.".to_string(),
+            Balancing::Cannot(why) => balance::cannot(why),
+            Balancing::No | Balancing::Asked => continue,
+        };
+        if !notes.contains(&note) {
+            notes.push(note);
+        }
+    }
+    let mut unjudged = Vec::new();
+    for of in result.joints.iter().filter(|of| !of.unjudged.is_empty() && !of.candidates.is_empty()) {
+        let count = crate::words::counted(of.unjudged.len(), "motor");
+        unjudged.push(format!("{count} at {}", of.joint.name));
+    }
+    if !unjudged.is_empty() {
+        notes.push(format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", ")));
+    }
+    let mut out = table.text();
+    if result.robot.is_coupled() {
+        out.push_str(&paragraph("Each joint by itself, and carrying nothing.", 2, 4));
+    }
+    notes.iter().for_each(|note| out.push_str(&paragraph(note, 2, 4)));
+    out
+}
+
+/// What choice it is; motor, N, objective, loss, mass; what is said of it.
+type Row = (String, [String; 5], Vec<String>);
+
+/// Rows of a joint.
+fn rows(of: &JointResult, outlook: Option<&Outlook>) -> Vec<Row> {
+    let first = of.candidates.first().map(|design| {
+        let e = &design.evaluation;
+        let mut details = vec![said(design, of.joint)];
+        details.extend(outlook.and_then(|o| o.own_bound.as_ref()).map(|bound| own_bound(bound, of.joint)));
+        let objective = number(design.optimum.objective);
+        let cells = [design.motor.id.clone(), design_ratio(design), objective, number(e.loss), optional(e.mass)];
+        (goal_words(of.joint), cells, details)
+    });
+    let none = || {
+        let cells = ["none".to_string(), "–".into(), "–".into(), "–".into(), "–".into()];
+        (goal_words(of.joint), cells, Vec::new())
+    };
+    let first = first.unwrap_or_else(none);
+    let Balancing::Made(balance) = &of.joint.balancing else { return vec![first] };
+    let all = balance::rows(of, balance);
+    let end = |name: &str| {
+        let (cells, gear) = all.iter().find(|(cells, _)| cells[0] == name)?;
+        let cells = [cells[1].clone(), cells[2].clone(), "–".into(), cells[3].clone(), cells[4].clone()];
+        Some((name.to_string(), cells, gear.iter().cloned().collect()))
+    };
+    // The same design is one row.
+    let (lightest, least) = (end("lightest"), end("least loss"));
+    let is_same = |end: &Row| end.1[..2] == first.1[..2] && end.1[3..] == first.1[3..];
+    let too = match (lightest.as_ref().is_some_and(is_same), least.as_ref().is_some_and(is_same)) {
+        (false, false) => None,
+        (true, false) => Some("it is the lightest, too"),
+        (false, true) => Some("it is that with the least loss, too"),
+        (true, true) => Some("it is the lightest and that with the least loss, too"),
+    };
+    let lightest = lightest.filter(|end| !is_same(end));
+    let least = least.filter(|end| !is_same(end));
+    let (name, cells, mut details) = first;
+    details.extend(too.map(str::to_string));
+    let first = (name, cells, details);
+    [lightest, Some(first), least].into_iter().flatten().collect()
+}
+
+/// What choice the first design is.
+fn goal_words(joint: &Joint) -> String {
+    match joint.balancing {
+        Balancing::Made(_) => "balanced".into(),
+        _ => joint.aim().replace('_', " "),
+    }
+}
+
+/// What binds, the smallest margin, and what is not known or not measured.
+fn said(design: &Design, joint: &Joint) -> String {
+    let margin = design.evaluation.tightest();
+    let margin =
+        margin.map_or_else(|| "nothing could be checked".into(), |m| format!("smallest margin {}", margin_text(m)));
+    let gear = design.gear.map(|gear| format!("with {gear}"));
+    let spring = design.spring.and_then(|s| s.rest_angle.map(|_| format!("spring {} N*m/rad", number(s.stiffness))));
+    let unchecked = match design.unchecked.len() {
+        0 => None,
+        1 => Some("1 thing not checked".to_string()),
+        n => Some(format!("{n} things not checked")),
+    };
+    let is_certified = matches!(design.optimum.certificate, Certificate::Certified { .. });
+    let proof = (!is_certified).then(|| "not certified".to_string());
+    // What binds is mostly what has the smallest margin: said once.
+    let is_same = binding(design).zip(design.evaluation.tightest()).is_some_and(|(bind, m)| bind.limit == m.limit);
+    let (bind, margin) = match is_same && joint.ratio.listed().is_none() {
+        true => (None, format!("{margin}, it binds")),
+        false => (Some(binds(design, joint)), margin),
+    };
+    let parts = [gear, bind, Some(margin), spring, unchecked, proof];
+    let parts: Vec<String> = parts.into_iter().flatten().filter(|part| !part.is_empty()).collect();
+    parts.join("; ") + &estimated::text(design.motor)
+}
+
+/// What forbids the ratios right beside the best one; of two ends a limit before the end of the requirement's range.
+fn binding<'d>(design: &'d Design) -> Option<&'d Bind> {
+    let (ratio, window) = (design.optimum.ratio, design.optimum.window());
+    let stands_at = |end: f64| (ratio - end).abs() <= 1e-9 * ratio;
+    let ends = [(window.max, &window.high), (window.min, &window.low)];
+    let here = || ends.iter().filter(|(end, _)| stands_at(*end) && design.gear.is_none()).map(|(_, bind)| *bind);
+    here().find(|bind| !is_of_range(bind)).or_else(|| here().next())
+}
+
+fn is_of_range(bind: &Bind) -> bool {
+    matches!(bind.limit, "ratio_min" | "ratio_max")
+}
+
+/// What keeps the ratio where it is.
+pub(super) fn binds(design: &Design, joint: &Joint) -> String {
+    match (binding(design), joint.ratio.listed()) {
+        _ if design.gear.is_some() => "the best of the gears".into(),
+        (None, _) => "no limit binds".into(),
+        (Some(bind), Some(_)) if is_of_range(bind) => "no limit binds".into(),
+        (Some(bind), None) if is_of_range(bind) => "at the end of the range of ratios".into(),
+        (Some(bind), Some(_)) => format!("the next listed ratio exceeds {}", bind_text(bind, joint)),
+        (Some(bind), None) => format!("{} binds", bind_text(bind, joint)),
+    }
+}
+
+/// That the requirement's own range of ratios decided, and what it costs.
+pub(super) fn own_bound(bound: &OwnBound, joint: &Joint) -> String {
+    let range = if joint.ratio.listed().is_some() { "list of ratios" } else { "bound on the ratio" };
+    let (low, high) = if bound.is_largest { (bound.ratio, bound.beyond) } else { (bound.beyond, bound.ratio) };
+    format!(
+        "your own {range} decides: N = {}; N = {} would save {} ({})",
+        number(bound.ratio),
+        number_between(bound.beyond, low, high),
+        per_cent(bound.saves),
+        joint.goal(),
+    )
+}
+
+/// A share in per cent.
+pub(super) fn per_cent(share: f64) -> String {
+    let rounded = (1000.0 * share).round() / 10.0;
+    if rounded == 0.0 && share != 0.0 { "less than 0.1 %".into() } else { format!("{} %", number(rounded)) }
+}
+
+/// The best design with every limit checked, where the first has not.
+pub(super) fn checked(of: &JointResult) -> Option<String> {
+    let first = of.candidates.first().filter(|first| !first.unchecked.is_empty())?;
+    let checked = of.candidates.iter().find(|design| design.unchecked.is_empty());
+    let line = match checked {
+        Some(checked) if checked.motor.id != first.motor.id => choice_text(checked),
+        _ => return None,
+    };
+    Some(format!("best with every limit checked: {line}"))
+}
+
+/// Which options say more.
+pub(super) fn further(shown: Shown) -> &'static str {
+    match (shown.why, shown.rejected) {
+        (false, false) => {
+            "More: `--why` what binds, what is near and how sure it is; `--rejected` why not the others; `--full` all tables."
+        }
+        (true, false) => "More: `--rejected` why not the others; `--full` all tables.",
+        (false, true) => "More: `--why` what binds, what is near and how sure it is; `--full` all tables.",
+        (true, true) => "More: `--full` all tables.",
+    }
+}

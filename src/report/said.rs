@@ -1,0 +1,53 @@
+//! Words for a choice that several of its readings share: what binds, how near a limit is, how sure it is.
+
+use super::{design_ratio, estimated};
+use crate::design::answer::Design;
+use crate::design::evaluate::Margin;
+use crate::design::program::{Bind, Certificate};
+use crate::requirement::Joint;
+
+/// What is shown to people.
+#[derive(Debug, Clone, Copy)]
+pub struct Shown {
+    /// How many candidates of each joint.
+    pub top: usize,
+    /// Whether every rejected motor gets its line.
+    pub rejected: bool,
+    /// Whether each first choice is explained: what binds, how its number comes about, what is near.
+    pub why: bool,
+    /// Whether every joint has its tables, too.
+    pub full: bool,
+}
+
+/// A limit with the instant at which it binds.
+pub fn bind_text(bind: &Bind, joint: &Joint) -> String {
+    match (bind.sample, bind.unjudged) {
+        (_, Some(_)) => format!("{} cannot be judged beyond", bind.limit),
+        (Some(k), None) => format!("{} ({})", bind.limit, joint.motion.name_sample(k)),
+        (None, None) => bind.limit.to_string(),
+    }
+}
+
+/// How an optimum is proved, in a word.
+pub fn proof(certificate: &Certificate) -> String {
+    match certificate {
+        Certificate::Certified { gap, .. } if *gap < 1e-12 => "exact".into(),
+        Certificate::Certified { gap, .. } => format!("gap {gap:.0e}"),
+        Certificate::NotCertified(_) => "not certified".into(),
+    }
+}
+
+pub(super) fn margin_text(margin: &Margin) -> String {
+    format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
+}
+
+pub(super) fn choice_text(design: &Design) -> String {
+    let gear = design.gear.map_or_else(String::new, |g| format!(" with {g}"));
+    let unchecked = match design.unchecked.len() {
+        0 => String::new(),
+        1 => ", 1 thing not checked".into(),
+        n => format!(", {n} things not checked"),
+    };
+    let estimated = estimated::text(design.motor);
+    format!("{}{gear} at N = {}{unchecked}{estimated}", design.motor.id, design_ratio(design))
+}
