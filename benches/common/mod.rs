@@ -62,6 +62,8 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
         ambient: 298.15,
         budget: Budget::default(),
         joints: (0..joints).map(joint).collect(),
+        cases: Vec::new(),
+        set: Vec::new(),
         driven: None,
         rules: None,
         sources: Vec::new(),

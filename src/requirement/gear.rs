@@ -193,7 +193,7 @@ fn read_ratios(table: &Section) -> Option<RatioChoice> {
         table.number(key("step", "of a grid that begins at `min`; without it any ratio between"), Range::Positive);
     let values = table.number_list(key("values", "the only ratios, ascending").or("min"), Range::Positive);
     if table.has("values") {
-        for other in ["min", "max", "step"].into_iter().filter(|other| table.has(*other)) {
+        if let Some(other) = ["min", "max", "step"].into_iter().find(|other| table.has(*other)) {
             let message = format!("`values` lists the ratios: it has no `{other}`");
             let problem = Problem::at(table.span_of(other), message, "not with `values`");
             table.note(problem.help("remove `values`, or `min`, `max` and `step`"));

@@ -60,7 +60,7 @@ impl RatioProgram<'_> {
     pub(super) fn without_walks(&self) -> Option<RatioProgram<'_>> {
         let mut limits = self.limits.clone();
         limits.retain(|l| !l.asked.demand.takes_a_walk());
-        (limits.len() < self.limits.len()).then(|| RatioProgram { limits, ..*self })
+        (limits.len() < self.limits.len()).then_some(RatioProgram { limits, ..*self })
     }
 
     /// Whether it is certain without solving that no ratio keeps the limits: [`solve`](Self::solve) would find none.

@@ -69,6 +69,11 @@ fn table(joints: &[&Joint]) -> Table {
             },
             Course::Points(Some(lasts)) => format!("operating points, {} s", number(lasts)),
             Course::Points(None) => "operating points without durations".into(),
+            Course::Cases => {
+                let cases = m.cases.iter().flat_map(|cases| &cases.list);
+                let one = |case: &crate::motion::Case| format!("{} {} %", case.name, number(100.0 * case.share));
+                format!("load cases: {}", cases.map(one).collect::<Vec<_>>().join(", "))
+            }
         };
         // Points that have no durations have no mean over time.
         let rms = if m.has_durations() { rms() } else { "–".into() };

@@ -119,7 +119,7 @@ fn candidates(robot: &Robot, result: &JointResult) -> Panel {
         empty: "one ratio only".into(),
         ..Panel::default()
     };
-    if let RatioChoice::Catalog { .. } = result.joint.ratio {
+    if result.joint.ratio.is_catalog() {
         return geared(panel, result);
     }
     for (rank, design) in result.candidates.iter().take(CURVES).enumerate() {

@@ -4,6 +4,7 @@ use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Tone, thinned};
 use crate::actuator::limits::{Candidate, Check, Demand, LIMITS};
 use crate::design::Prepared;
 use crate::report::number;
+use crate::requirement::Course;
 use crate::units::in_unit;
 
 /// Most points of a curve.
