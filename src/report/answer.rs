@@ -1,7 +1,7 @@
 //! The answer first: what to take at each joint, on one screen.
 
 use super::balance;
-use super::said::{Shown, bind_text, choice_text, margin_text};
+use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at};
 use super::table::{Column, Table, paragraph};
 use super::{design_ratio, estimated, number, number_between, optional};
 use crate::design::answer::{Design, JointResult, RobotResult};
@@ -59,6 +59,14 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
     }
     if !unjudged.is_empty() {
         notes.push(format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", ")));
+    }
+    for of in &result.joints {
+        for note in joint_notes(of.joint, true) {
+            match result.joints.len() {
+                1 => notes.push(note),
+                _ => notes.push(format!("{}: {note}", of.joint.name)),
+            }
+        }
     }
     let mut out = table.text();
     if result.robot.is_coupled() {
@@ -121,8 +129,8 @@ fn goal_words(joint: &Joint) -> String {
 /// What binds, the smallest margin, and what is not known or not measured.
 fn said(design: &Design, joint: &Joint) -> String {
     let margin = design.evaluation.tightest();
-    let margin =
-        margin.map_or_else(|| "nothing could be checked".into(), |m| format!("smallest margin {}", margin_text(m)));
+    let margin = margin
+        .map_or_else(|| "nothing could be checked".into(), |m| format!("smallest margin {}", margin_at(m, joint)));
     let gear = design.gear.map(|gear| format!("with {gear}"));
     let spring = design.spring.and_then(|s| s.rest_angle.map(|_| format!("spring {} N*m/rad", number(s.stiffness))));
     let unchecked = match design.unchecked.len() {
@@ -130,6 +138,7 @@ fn said(design: &Design, joint: &Joint) -> String {
         1 => Some("1 thing not checked".to_string()),
         n => Some(format!("{n} things not checked")),
     };
+    let assumed = (!design.assumed.is_empty()).then(|| format!("{} assumed", design.assumed.len()));
     let is_certified = matches!(design.optimum.certificate, Certificate::Certified { .. });
     let proof = (!is_certified).then(|| "not certified".to_string());
     // What binds is mostly what has the smallest margin: said once.
@@ -138,7 +147,7 @@ fn said(design: &Design, joint: &Joint) -> String {
         true => (None, format!("{margin}, it binds")),
         false => (Some(binds(design, joint)), margin),
     };
-    let parts = [gear, bind, Some(margin), spring, unchecked, proof];
+    let parts = [gear, bind, Some(margin), spring, unchecked, assumed, proof];
     let parts: Vec<String> = parts.into_iter().flatten().filter(|part| !part.is_empty()).collect();
     parts.join("; ") + &estimated::text(design.motor)
 }
@@ -164,6 +173,7 @@ pub(super) fn binds(design: &Design, joint: &Joint) -> String {
         (Some(bind), Some(_)) if is_of_range(bind) => "no limit binds".into(),
         (Some(bind), None) if is_of_range(bind) => "at the end of the range of ratios".into(),
         (Some(bind), Some(_)) => format!("the next listed ratio exceeds {}", bind_text(bind, joint)),
+        (Some(bind), None) if bind.unjudged.is_some() => format!("beyond this ratio {} cannot be judged", bind.limit),
         (Some(bind), None) => format!("{} binds", bind_text(bind, joint)),
     }
 }

@@ -4,11 +4,18 @@ use super::number;
 use crate::motion::{Case, Cases, Often};
 use crate::requirement::{Between, Course, Joint};
 
-/// For people, each a sentence without its full stop.
+/// For people, each a sentence without its full stop: the cases, the sequence in which heat is followed, and what is not
+/// known between samples.
 pub(super) fn notes(joint: &Joint) -> Vec<String> {
-    let mut notes = joint.motion.cases.as_ref().map_or_else(Vec::new, |cases| of_cases(joint, cases));
-    notes.extend(between(joint));
-    notes
+    let cases = joint.motion.cases.as_ref();
+    let list = cases.iter().flat_map(|cases| &cases.list).map(|case| of_case(joint, case));
+    list.chain(cases.map(|cases| sequence(joint, cases))).chain(between(joint)).collect()
+}
+
+/// The same without what is only told to whoever asks for more.
+pub(super) fn warnings(joint: &Joint) -> Vec<String> {
+    let unordered = joint.motion.cases.as_ref().filter(|cases| !cases.is_ordered() && cases.sequence.len() > 1);
+    unordered.map(|cases| sequence(joint, cases)).into_iter().chain(between(joint)).collect()
 }
 
 fn between(joint: &Joint) -> Option<String> {
@@ -26,11 +33,10 @@ fn between(joint: &Joint) -> Option<String> {
     })
 }
 
-/// Each case with what it asks, and in which sequence heat is followed.
-fn of_cases(joint: &Joint, cases: &Cases) -> Vec<String> {
-    let mut lines: Vec<String> = cases.list.iter().map(|case| of_case(joint, case)).collect();
+/// In which sequence heat is followed.
+fn sequence(joint: &Joint, cases: &Cases) -> String {
     let sequence = cases.sequence_words();
-    lines.push(match (&cases.often, cases.once, joint.motion.repeat_every) {
+    match (&cases.often, cases.once, joint.motion.repeat_every) {
         (Often::Order(_), false, _) => format!("Heat is followed over the order, again and again: {sequence}"),
         (Often::Order(_), true, None) => format!("Heat is followed over the order, once from cold: {sequence}"),
         (Often::Order(_), true, Some(every)) => {
@@ -41,8 +47,7 @@ fn of_cases(joint: &Joint, cases: &Cases) -> Vec<String> {
             "No order of the cases is stated: heat is followed over {sequence}, again and again. A case that goes on \
              for longer at a time may get hotter: `order` says so"
         ),
-    });
-    lines
+    }
 }
 
 fn of_case(joint: &Joint, case: &Case) -> String {

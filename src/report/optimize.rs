@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+pub(super) use super::said::joint_notes;
 pub use super::said::{Shown, bind_text, proof};
-pub(super) use super::said::{choice_text, margin_text};
+pub(super) use super::said::{choice_text, margin_at};
 
 use super::columns::{self, Entry, State};
 use super::table::{Column, Table, paragraph, wrap};
@@ -16,7 +17,7 @@ use crate::catalog::audit::{Finding, Severity, audit_motor};
 use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::outlook::Outlook;
 use crate::design::program::{Certificate, Infeasible, Optimum};
-use crate::requirement::{Course, GearModel, Joint, Quantity, RatioChoice};
+use crate::requirement::{Joint, Quantity, RatioChoice};
 
 /// Why a motor was rejected: a short class for counting, and the sentence.
 pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
@@ -179,27 +180,9 @@ fn joint_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) -> 
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
     let heading = format!("{} (×{}), {ratio}, {}: {verdict}", joint.name, joint.count, joint.aim());
     let mut out = paragraph(&heading, 0, 2);
-    if joint.motion.course == Course::Points(None) {
-        let line = "The operating points have no durations: they weigh alike, and heat is that of the hottest, held continuously.";
-        out.push_str(&paragraph(line, 2, 4));
-    }
-    let ideal = !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == GearModel::IDEAL;
-    if ideal {
-        out.push_str(&paragraph("No gear is described: it is taken as free of loss, inertia and mass.", 2, 4));
-    }
-    for note in super::motion::notes(joint) {
-        out.push_str(&format!("  {}\n", wrap(&format!("{note}."), 4)));
-    }
+    joint_notes(joint, false).iter().for_each(|note| out.push_str(&paragraph(note, 2, 4)));
     if let Some(spring) = &joint.limits.spring {
         out.push_str(&paragraph(&super::spring::asked(spring), 2, 2));
-    }
-    if joint.objective.weight(Quantity::PeakCurrent) > 0.0 {
-        let frame = "The objective's current is on the q axis: √(3/2) times the phase amplitude that the table shows.";
-        out.push_str(&paragraph(frame, 2, 4));
-    }
-    if asks_for_nothing(joint) {
-        let line = "The motion asks for no torque and no acceleration: the order says nothing.";
-        out.push_str(&paragraph(line, 2, 4));
     }
     out.push_str(&super::balance::text(result));
     if !result.candidates.is_empty() {
@@ -226,11 +209,6 @@ fn joint_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) -> 
         ));
     }
     out
-}
-
-pub(super) fn asks_for_nothing(joint: &Joint) -> bool {
-    let motion = &joint.motion;
-    motion.torque.iter().chain(&motion.acceleration).all(|x| *x == 0.0)
 }
 
 fn candidates_table(result: &JointResult, top: usize) -> String {
@@ -288,7 +266,7 @@ fn details(design: &Design, joint: &Joint) -> String {
     let tightest = design
         .evaluation
         .tightest()
-        .map_or_else(|| "nothing could be checked".into(), |m| format!("tightest margin {}", margin_text(m)));
+        .map_or_else(|| "nothing could be checked".into(), |m| format!("tightest margin {}", margin_at(m, joint)));
     let tightest = match design.unchecked.len() {
         0 => tightest,
         1 => format!("{tightest}; 1 thing not checked"),

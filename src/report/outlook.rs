@@ -1,7 +1,7 @@
 //! Why a first choice, and what is near it: what binds, how the number comes about, gears, the trade of mass and loss.
 
 use super::answer::{binds, checked, own_bound, per_cent};
-use super::said::{bind_text, margin_text, proof};
+use super::said::{bind_text, margin_at, proof};
 use super::table::{Column, Table, paragraph};
 use super::{balance, design_ratio, number, number_between, optional};
 use crate::design::answer::{Design, JointResult};
@@ -36,6 +36,8 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     if let Some(flat) = &outlook.flatness {
         say(&flatness(flat, joint, design));
     }
+    design.unchecked.iter().for_each(|(what, why)| say(&format!("not checked: {what}: {why}")));
+    design.assumed.iter().for_each(|(what, holds)| say(&format!("assumed: {what}: {holds}")));
     if let Some(line) = checked(result) {
         say(&line);
     }
@@ -54,7 +56,7 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
 /// What binds and where else the ratio may be; what a limit is worth, and how sure the ratio is.
 fn how(design: &Design, joint: &Joint) -> [String; 2] {
     let margin = design.evaluation.tightest();
-    let margin = margin.map_or_else(String::new, |m| format!("; smallest margin {}", margin_text(m)));
+    let margin = margin.map_or_else(String::new, |m| format!("; smallest margin {}", margin_at(m, joint)));
     let windows = design.optimum.windows.iter().map(|w| {
         format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
     });

@@ -1,7 +1,7 @@
 //! The choice for a whole robot: which design at which joint, what it keeps, how sure it is, what comes next
 //! and what the budgets cost.
 
-use super::optimize::margin_text;
+use super::optimize::margin_at;
 use super::table::{Column, Table, paragraph, wrap};
 use super::{columns, design_ratio, different_motors, number, optional};
 use crate::design::answer::Design;
@@ -123,7 +123,7 @@ fn designs(robot: &Robot, best: &Combination) -> String {
     let rows = robot.joints.iter().zip(&best.joints).map(|(joint, design)| {
         let facts = design.facts();
         let mark = if design.unchecked.is_empty() { "" } else { " *" };
-        let tightest = facts.evaluation.tightest().map_or_else(String::new, margin_text);
+        let tightest = facts.evaluation.tightest().map_or_else(String::new, |m| margin_at(m, joint));
         let mut row = vec![joint.name.clone(), joint.count.to_string(), format!("{}{mark}", name(design))];
         row.push(design_ratio(design));
         row.extend(columns::in_tables().map(|figure| columns::cell(figure, &facts)));

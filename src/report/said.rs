@@ -1,10 +1,37 @@
 //! Words for a choice that several of its readings share: what binds, how near a limit is, how sure it is.
 
 use super::{design_ratio, estimated};
+use crate::actuator::limits::LOW_SAFETY;
 use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
 use crate::design::program::{Bind, Certificate};
-use crate::requirement::Joint;
+use crate::requirement::{Course, GearModel, Joint, Quantity};
+
+/// What is said of a joint before its designs, each a sentence. `short` leaves out what is only told to whoever asks for
+/// more.
+pub(super) fn joint_notes(joint: &Joint, short: bool) -> Vec<String> {
+    let mut notes: Vec<String> = Vec::new();
+    if joint.motion.course == Course::Points(None) {
+        notes.push("The operating points have no durations: they weigh alike, and heat is that of the hottest, held continuously.".into());
+    }
+    if !joint.ratio.is_catalog() && joint.gear == GearModel::IDEAL {
+        notes.push("No gear is described: it is taken as free of loss, inertia and mass.".into());
+    }
+    let motion = if short { super::motion::warnings(joint) } else { super::motion::notes(joint) };
+    notes.extend(motion.into_iter().map(|note| format!("{note}.")));
+    if joint.objective.weight(Quantity::PeakCurrent) > 0.0 {
+        notes.push(
+            "The objective's current is on the q axis: √(3/2) times the phase amplitude that tables show.".into(),
+        );
+    }
+    if joint.limits.safety < 1.0 {
+        notes.push(format!("`safety`: {LOW_SAFETY}."));
+    }
+    if joint.motion.torque.iter().chain(&joint.motion.acceleration).all(|x| *x == 0.0) {
+        notes.push("The motion asks for no torque and no acceleration: the order says nothing.".into());
+    }
+    notes
+}
 
 /// What is shown to people.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +66,12 @@ pub fn proof(certificate: &Certificate) -> String {
 
 pub(super) fn margin_text(margin: &Margin) -> String {
     format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
+}
+
+/// The same with the load case that it is in, where the joint has several.
+pub(super) fn margin_at(margin: &Margin, joint: &Joint) -> String {
+    let case = margin.sample.and_then(|k| joint.motion.case_of(k));
+    margin_text(margin) + &case.map_or_else(String::new, |case| format!(" ({})", case.name))
 }
 
 pub(super) fn choice_text(design: &Design) -> String {

@@ -80,7 +80,7 @@ pub(super) fn read(
     for other in ["motion", "points", "mechanism_joint", "period"].into_iter().filter(|key| section.has(*key)) {
         let message = format!("a joint has load cases or `{other}`, not both");
         let help = format!("move `{other}` into a [[joint.case]], or remove it");
-        section.note(Problem::at(section.span_of(other), message, "beside [[joint.case]]").help(help));
+        section.note(Problem::at(section.span_of(other), message, "next to [[joint.case]]").help(help));
     }
     let tables = section.sections_at(CASE, "[[joint.case]]");
     if tables.is_empty() || tables.len() > MOST {
@@ -225,7 +225,7 @@ fn read_once(section: &Section, ordered: bool) -> Option<Option<f64>> {
         for other in ["periodic", "repeat_every"].into_iter().filter(|key| section.has(*key)) {
             let message = format!("`{other}` of a joint with load cases is about their `order`, and there is none");
             let help = format!("move `{other}` into the [[joint.case]] that it is about, or give `order`");
-            section.note(Problem::at(section.span_of(other), message, "beside [[joint.case]]").help(help));
+            section.note(Problem::at(section.span_of(other), message, "next to [[joint.case]]").help(help));
         }
         return None;
     }

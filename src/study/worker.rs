@@ -264,8 +264,8 @@ fn each_by_itself(robot: &Robot) -> Result<(), String> {
     }
     match robot.is_coupled() {
         true => {
-            Err("`budget` binds the joints together, and a study looks at each joint by itself: remove it, or use \
-            `optimize` for the whole robot"
+            Err("`budget` binds the joints together, and a study looks at each joint by itself: remove it, or take \
+            the whole robot with `optimize`"
                 .into())
         }
         false => Ok(()),

@@ -5,15 +5,16 @@ use super::limit::{Asked, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
 use crate::catalog::estimate::Estimated;
 
+/// What a factor of safety below one means.
+pub(crate) const LOW_SAFETY: &str =
+    "the requirement's factor is below 1: the limits that it multiplies allow less than the motion asks for";
+
 impl Candidate<'_> {
     /// What the limits that are asked of this candidate assume at every ratio.
     pub fn assumptions(&self, asked: &[Asked]) -> Vec<Remark> {
         let mut assumed = Vec::new();
         if self.joint.limits.safety < 1.0 {
-            assumed.push((
-                "safety",
-                "the requirement's factor is below 1: the limits that it multiplies allow less than the motion asks for",
-            ));
+            assumed.push(("safety", LOW_SAFETY));
         }
         let stated = self.joint.limits.winding_temperature.is_some();
         let heat = |asked: &&Asked| super::heat::LIMITS.iter().any(|limit| limit.name == asked.limit.name);

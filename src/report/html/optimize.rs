@@ -7,12 +7,11 @@ use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::robot::Choice;
 use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
-    asks_for_nothing, bind_text, budget_lines, choice_text, notes, proof, ratio_text, reason_text, verdict,
-    without_choice,
+    bind_text, budget_lines, choice_text, joint_notes, notes, proof, ratio_text, reason_text, verdict, without_choice,
 };
 use crate::report::plot::design as plot;
 use crate::report::{columns, different_motors, number, optional, spring};
-use crate::requirement::{Course, Joint, RatioChoice};
+use crate::requirement::{Joint, RatioChoice};
 
 /// The page.
 pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> Page {
@@ -161,19 +160,7 @@ fn budget(result: &RobotResult) -> Vec<String> {
 fn warned(result: &JointResult) -> Vec<String> {
     let joint = result.joint;
     let mut lines = Vec::new();
-    if joint.motion.course == Course::Points(None) {
-        lines.push(
-            "the operating points have no durations: they weigh alike, and heat is that of the hottest, held continuously"
-                .to_string(),
-        );
-    }
-    if !matches!(joint.ratio, RatioChoice::Catalog { .. }) && joint.gear == crate::requirement::GearModel::IDEAL {
-        lines.push("no gear is described: it is taken as free of loss, inertia and mass".into());
-    }
-    lines.extend(crate::report::motion::notes(joint));
-    if asks_for_nothing(joint) {
-        lines.push("the motion asks for no torque and no acceleration: the order says nothing".into());
-    }
+    lines.extend(joint_notes(joint, false));
     // Of many designs the places say little: the first few, and how many.
     for (note, places) in notes(result, result.candidates.len()) {
         let more = if places.len() > 4 { format!(" … ({} designs)", places.len()) } else { String::new() };

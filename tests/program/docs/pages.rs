@@ -126,7 +126,15 @@ fn requirements_are_documented() {
         "ratio = {{ min = 1, max = 2 }}\nmechanism_joint = \"b\"\nactuator_at = {{ {NO} }}\n[mechanism]\nmodel = \"a.urdf\"\n\
          trajectory = \"x.csv\""
     ));
-    compare(REQUIREMENT, &[ask(&ratio), ask(&gears), ask(&driven)]);
+    let case = |lines: &str| joint(&format!("ratio = {{ min = 1, max = 2 }}\n{lines}"));
+    let cases = case(&format!(
+        "order = [{{ case = \"a\", count = 1, {NO} }}]\n[[joint.case]]\nname = \"a\"\npoints = [{{ torque = \"1 N*m\", speed = \"0 rad/s\", duration = \"1 s\" }}]\n{NO}"
+    ));
+    let together = format!(
+        "name = \"x\"\nbus = {{ voltage = \"1 V\" }}\n[[joint]]\nname = \"a\"\nratio = {{ min = 1, max = 2 }}\n\
+         points = [{{ torque = \"1 N*m\", speed = \"0 rad/s\" }}]\n[[case]]\nname = \"a\"\n{NO}\n"
+    );
+    compare(REQUIREMENT, &[ask(&ratio), ask(&gears), ask(&driven), ask(&cases), ask(&together)]);
 }
 
 #[test]

@@ -204,7 +204,9 @@ fn an_estimate_judges_and_is_marked_everywhere() {
     let files = ["optimize", "robot.toml", "--catalog", "motors.csv"];
     let (status, out, _) = case.run_estimating(&files);
     assert!(status == 0 && flat(&out).contains("estimated: thermal resistance at most"), "{out}");
-    assert!(flat(&out).contains("#1: assumed: winding_temperature: estimated"), "{out}");
+    assert!(flat(&out).contains("assumed"), "{out}");
+    let (_, full, _) = case.run_estimating(&[&files[..], &["--full"]].concat());
+    assert!(flat(&full).contains("#1: assumed: winding_temperature: estimated"), "{full}");
     let (_, out, _) = case.run_estimating(&[&files[..], &["--json"]].concat());
     let found: Value = serde_json::from_str(&out).unwrap();
     let first = &found["joints"][0]["candidates"][0];
@@ -698,6 +700,8 @@ fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
     let smallest = points.iter().map(|p| p["ratio"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
     assert!(status == 0 && (smallest / ratio - 1.0).abs() < 1e-6, "{smallest} {ratio}");
     let (_, out, _) = case.run(&["optimize", "robot.toml", "--catalog", "motors.csv"]);
+    assert!(flat(&out).contains("beyond this ratio winding_peak_temperature cannot be judged"), "{out}");
+    let (_, out, _) = case.run(&["optimize", "robot.toml", "--catalog", "motors.csv", "--full"]);
     assert!(flat(&out).contains("(winding_peak_temperature cannot be judged beyond) to"), "{out}");
 }
 
@@ -767,11 +771,13 @@ fn an_assumption_is_told_beside_every_design() {
     let files = ["robot.toml", "--catalog", "motors.csv"];
     let tell = "the motor's own highest temperature is not known";
     let commands: [&[&str]; 4] = [
-        &["optimize"],
+        &["optimize", "--why"],
         &["optimize", "--robust"],
         &["optimize", "--pareto", "loss,reflected_inertia"],
         &["explain", "blank"],
     ];
+    // The shortest answer says how many.
+    assert!(flat(&case.run(&[&["optimize"], &files[..]].concat()).1).contains("; 1 assumed"));
     for command in commands {
         let all: Vec<&str> = command[..1].iter().chain(&command[1..]).chain(&files).copied().collect();
         let (status, out, err) = case.run(&all);
@@ -790,5 +796,6 @@ fn an_assumption_is_told_beside_every_design() {
     assert!(status == 0 && flat(&out).contains(tell), "{out}");
     // With it nothing is assumed.
     fs::write(case.path().join("motors.csv"), catalog(&[("blank", &[])])).unwrap();
-    assert!(!flat(&case.run(&[&["optimize"], &files[..]].concat()).1).contains(tell));
+    let without = flat(&case.run(&[&["optimize", "--why"], &files[..]].concat()).1);
+    assert!(!without.contains(tell) && !without.contains("assumed"), "{without}");
 }
