@@ -9,7 +9,10 @@ use crate::requirement::{self, Motion};
 
 /// Samples that the repetitions of one step of a sequence take at most one by one: those at its beginning and at its end,
 /// and some between. The others count with their mean heat.
-const ONE_BY_ONE: f64 = 1500.0;
+const ONE_BY_ONE: f64 = 6000.0;
+
+/// Looks at single repetitions between the first and the last of a step.
+const LOOKS: f64 = 2.0;
 
 /// How heat goes on in time.
 #[derive(Debug, Clone)]
@@ -28,6 +31,8 @@ pub(super) struct HeatCourse {
 #[derive(Debug, Clone)]
 struct Play {
     entries: Vec<Entry>,
+    /// Entries after a mean, on the way to the temperatures of repetitions one by one: no peak counts there.
+    settling: Vec<bool>,
     /// The samples of each case, and what each of them counts in the mean heat over a repetition with its rest.
     means: Vec<(Range<usize>, Vec<f64>)>,
 }
@@ -67,7 +72,7 @@ impl HeatCourse {
             let share = if all > 0.0 { moving / all } else { 0.0 };
             (case.samples.clone(), weights.iter().map(|w| w * share).collect())
         };
-        let mut track = Track { motion, times: Vec::new(), entries: Vec::new(), at: 0.0, one_by_one };
+        let mut track = Track { motion, times: Vec::new(), entries: Vec::new(), settling: Vec::new(), settles: false, at: 0.0, one_by_one };
         for step in &cases.sequence {
             track.repeat(&cases.list[step.case], step.case, step.repetitions);
         }
@@ -80,7 +85,7 @@ impl HeatCourse {
             course: if cases.once && every.is_none() { Course::FromCold } else { Course::Periodic },
             times: track.times,
             lasts: every.map_or(lasts, |every| every.max(lasts)),
-            play: Some(Play { entries: track.entries, means: cases.list.iter().map(mean).collect() }),
+            play: Some(Play { entries: track.entries, settling: track.settling, means: cases.list.iter().map(mean).collect() }),
         }
     }
 
@@ -164,7 +169,8 @@ impl HeatCourse {
     }
 
     pub(super) fn heat<'h>(&'h self, heat: &'h [f64]) -> Heat<'h> {
-        Heat { times: &self.times, period_or_duration: self.lasts, heat }
+        let settling = self.play.as_ref().map_or(&[][..], |play| &play.settling);
+        Heat { times: &self.times, period_or_duration: self.lasts, heat, settling }
     }
 }
 
@@ -173,6 +179,9 @@ struct Track<'m> {
     motion: &'m Motion,
     times: Vec<f64>,
     entries: Vec<Entry>,
+    settling: Vec<bool>,
+    /// Whether what comes now only finds its way from a mean.
+    settles: bool,
     /// Now \[s\].
     at: f64,
     /// Samples of one step at most.
@@ -185,32 +194,46 @@ impl Track<'_> {
         let last = self.times.last().copied().unwrap_or(0.0);
         self.times.push(time.max(last));
         self.entries.push(entry);
+        self.settling.push(self.settles);
     }
 
     /// A case so many times.
     fn repeat(&mut self, case: &Case, number: usize, repetitions: f64) {
         let whole = (repetitions * (1.0 + 1e-12)).floor();
         let part = (repetitions - whole).max(0.0);
-        let most = (self.one_by_one / case.samples.len() as f64).floor().max(9.0);
+        let most = (self.one_by_one / case.samples.len() as f64).floor().max(40.0);
         if whole <= most {
             (0..whole as usize).for_each(|_| self.once(case));
             self.mean(case, number, part);
             return;
         }
-        // A third at either end, and a third between them at times that grow by the same factor.
-        let ends = (most / 3.0).floor();
-        let middle = whole - 2.0 * ends;
-        (0..ends as usize).for_each(|_| self.once(case));
-        let looks = ends.min(middle);
+        // A quarter at the beginning, a quarter at the end behind a quarter in which the temperature settles, and
+        // looks at one between them at times that grow by the same factor, each behind as many.
+        let quarter = (most / 4.0).floor();
+        let before = quarter - 1.0;
+        let middle = whole - 3.0 * quarter;
+        (0..quarter as usize).for_each(|_| self.once(case));
         let mut done = 0.0;
-        for look in 1..=looks as usize {
-            let until = (middle.powf(look as f64 / looks)).round().clamp(done + 1.0, middle);
-            self.mean(case, number, until - done - 1.0 + if look == looks as usize { part } else { 0.0 });
+        for look in 1..LOOKS as usize + 1 {
+            let until = middle.powf(look as f64 / (LOOKS + 1.0)).round().max(done + before + 2.0);
+            if until >= middle {
+                break;
+            }
+            self.mean(case, number, until - done - before - 1.0);
+            self.settle(case, before);
             self.once(case);
             done = until;
         }
-        self.mean(case, number, middle - done);
-        (0..ends as usize).for_each(|_| self.once(case));
+        self.mean(case, number, middle - done + part);
+        self.settle(case, quarter);
+        (0..quarter as usize).for_each(|_| self.once(case));
+    }
+
+    /// Repetitions in which the temperature finds its way from a mean.
+    fn settle(&mut self, case: &Case, repetitions: f64) {
+        self.settles = true;
+        (0..repetitions as usize).for_each(|_| self.once(case));
+        self.settles = false;
     }
 
     /// One repetition with its rest.
@@ -308,6 +331,38 @@ mod tests {
             let motion = cases(period, steps);
             let (short, full) = (peak(&motion, ONE_BY_ONE), peak(&motion, 1e9));
             assert!((short / full - 1.0).abs() < 2e-4, "{short} {full}");
+        }
+    }
+
+    #[test]
+    fn a_cycle_as_long_as_the_winding_remembers_is_followed_too() {
+        // A burst of heat and rest, again and again: the mean is far from what the winding has at the start of each.
+        for (winding, rest) in [(3.16, 4.0), (12.0, 4.0), (5.1, 1.5), (30.0, 9.0)] {
+            let node = TwoNode {
+                resistance_winding_housing: 3.0,
+                resistance_housing_ambient: 0.3,
+                time_constant_winding: winding,
+                time_constant_housing: 1767.0,
+                ..MOTOR
+            };
+            let point = |torque, duration| Point { torque, duration: Some(duration), ..Point::default() };
+            let rests = [point(0.0, 0.1), point(3.0, 0.6), point(0.0, 0.1 + rest)];
+            let single = [("burst".to_string(), Motion::from_points(&rests))];
+            let count = |n: f64| Motion::from_cases(single.to_vec(), Often::Order(vec![(0, Lasting::Count(n))]), false);
+            let peak = |motion: &Motion, one_by_one: f64| {
+                let course = HeatCourse::of_cases(motion, motion.cases.as_ref().unwrap(), one_by_one);
+                let heat = course.spread(motion.torque.iter().map(|t| t * t).collect());
+                match node.periodic_state(&course.heat(&heat)) {
+                    Outcome::Settles(temperature) => temperature.peak - node.ambient,
+                    Outcome::Runaway => f64::INFINITY,
+                }
+            };
+            let once = peak(&count(1.0), 1e9);
+            // As a motion of many samples: 40 repetitions one by one.
+            let many = peak(&count(3000.0), 0.0);
+            println!("{winding} {rest}: {once} {many}");
+            // From above, by what is left of the mean after forty repetitions.
+            assert!(many > once * (1.0 - 2e-3) && many < once * (1.0 + 2e-2), "{winding} {rest}: {once} {many}");
         }
     }
 

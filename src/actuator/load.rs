@@ -402,7 +402,12 @@ impl Load {
             let times: Vec<f64> =
                 (0..periods).flat_map(|n| course.times.iter().map(move |t| t + n as f64 * course.lasts)).collect();
             let repeated: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
-            let long = Heat { times: &times, period_or_duration: periods as f64 * course.lasts, heat: &repeated };
+            let long = Heat {
+                times: &times,
+                period_or_duration: periods as f64 * course.lasts,
+                heat: &repeated,
+                settling: &[],
+            };
             let temperature = node.from_cold(&long);
             let rise = temperature.peak - node.ambient;
             if (rise > bound && rise.is_finite()) || periods >= 1 << 14 {

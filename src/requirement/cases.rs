@@ -31,22 +31,29 @@ pub struct RobotCase {
 
 impl Robot {
     /// What the joints do together: name, and which of its cases each joint is in (`None` where it has none, or may be in
-    /// any). Where `[[case]]` does not say it, cases of one name happen together.
+    /// any). What `[[case]]` does not tell of, happens together by name.
     pub fn scenarios(&self) -> Vec<(Option<String>, Vec<Option<usize>>)> {
-        if !self.cases.is_empty() {
-            return self.cases.iter().map(|case| (Some(case.name.clone()), case.cases.clone())).collect();
-        }
+        let mut all: Vec<(Option<String>, Vec<Option<usize>>)> =
+            self.cases.iter().map(|case| (Some(case.name.clone()), case.cases.clone())).collect();
+        // What the robot's own cases leave out happens by its name.
+        let is_told = |joint: usize, case: usize| self.cases.iter().any(|told| told.cases[joint] == Some(case));
+        let is_left = |name: &str| {
+            let of = |(j, joint): (usize, &Joint)| case_named(joint, name).is_some_and(|case| !is_told(j, case));
+            self.joints.iter().enumerate().any(of)
+        };
         let mut names: Vec<&str> = Vec::new();
         for case in self.joints.iter().filter_map(|j| j.motion.cases.as_ref()).flat_map(|cases| &cases.list) {
             if !names.contains(&case.name.as_str()) {
                 names.push(&case.name);
             }
         }
-        if names.is_empty() {
+        let together = |name: &str| self.joints.iter().map(|joint| case_named(joint, name)).collect();
+        let left = names.into_iter().filter(|name| is_left(name));
+        all.extend(left.map(|name| (Some(name.to_string()), together(name))));
+        if all.is_empty() {
             return vec![(None, vec![None; self.joints.len()])];
         }
-        let together = |name: &str| self.joints.iter().map(|joint| case_named(joint, name)).collect();
-        names.into_iter().map(|name| (Some(name.to_string()), together(name))).collect()
+        all
     }
 }
 

@@ -28,6 +28,15 @@ pub struct Heat<'a> {
     pub period_or_duration: f64,
     /// Heat at the samples \[W\], q_k = R_0 i_k² ≥ 0.
     pub heat: &'a [f64],
+    /// Samples from which on to the next the temperature only finds its way and no peak counts; empty for none.
+    pub settling: &'a [bool],
+}
+
+impl Heat<'_> {
+    /// Whether the peak may lie in a part.
+    pub(super) fn counts(&self, part: &Part) -> bool {
+        !self.settling.get(part.sample).copied().unwrap_or(false)
+    }
 }
 
 /// A time of constant heat: a part, or half of one.
@@ -52,7 +61,7 @@ pub(super) struct Part {
 impl<'a> Heat<'a> {
     /// The parts of constant heat, in the order of time.
     pub(super) fn parts(self, course: Course, time_constant: f64) -> impl Iterator<Item = Part> + 'a {
-        let Heat { times, period_or_duration, heat } = self;
+        let Heat { times, period_or_duration, heat, settling: _ } = self;
         assert!(!times.is_empty() && times.len() == heat.len(), "one value of heat for each of at least one sample");
         debug_assert!(heat.iter().all(|q| *q >= 0.0), "copper heat is not negative");
         debug_assert!(times.is_sorted(), "times increase");

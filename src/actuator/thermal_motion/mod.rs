@@ -122,7 +122,7 @@ impl TwoNode {
     ///     ambient: 298.15,
     ///     reference: 295.15,
     /// };
-    /// let heat = Heat { times: &[0.0, 0.5], period_or_duration: 1.0, heat: &[0.0, 100.0] };
+    /// let heat = Heat { times: &[0.0, 0.5], period_or_duration: 1.0, heat: &[0.0, 100.0], settling: &[] };
     /// let Outcome::Settles(temperature) = motor.periodic_state(&heat) else { panic!() };
     /// // Mean heat 50 W over 0.926 K/W: 46.3 K at constant resistance.
     /// assert!(temperature.peak - 298.15 > 46.3 && temperature.peak - 298.15 < 60.0);

@@ -52,7 +52,7 @@ impl Rates {
         let mut count = 0;
         for (node, (part, rise)) in nodes.clone().enumerate() {
             count += 1;
-            if part.whole.is_some() && number(rise[0]) > peak.rise {
+            if part.whole.is_some() && heat.counts(&part) && number(rise[0]) > peak.rise {
                 peak = Peak { rise: number(rise[0]), sample: part.sample, node, steps: 0 };
             }
         }
@@ -60,7 +60,7 @@ impl Rates {
         if course == Course::FromCold && number(end[0]) > peak.rise {
             peak = Peak { rise: number(end[0]), sample: heat.times.len() - 1, node: count, steps: 0 };
         }
-        for (node, (part, rise)) in nodes.enumerate() {
+        for (node, (part, rise)) in nodes.enumerate().filter(|(_, (part, _))| heat.counts(part)) {
             if let Some(Within { rise, steps, ends }) = self.highest_within(heat, &part, rise, peak.rise) {
                 peak = Peak { rise, sample: if ends { part.next } else { part.sample }, node, steps };
             }

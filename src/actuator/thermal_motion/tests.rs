@@ -114,7 +114,7 @@ fn constant_heat_settles_where_the_steady_state_says() {
             (vec![0.0, 1.0, 1.0], 1.0),
         ] {
             let q = vec![heat; times.len()];
-            let temperature = settled(&MOTOR, &Heat { times: &times, period_or_duration: period, heat: &q });
+            let temperature = settled(&MOTOR, &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] });
             assert_relative_eq!(temperature.peak, expected, max_relative = 1e-9);
             for (winding, housing) in temperature.winding.iter().zip(&temperature.housing) {
                 assert_relative_eq!(*winding, expected, max_relative = 1e-9);
@@ -140,7 +140,7 @@ fn a_step_of_heat_is_answered_by_two_exponentials() {
         let along_fast = (matrix - identity * slow) * start / (fast - slow);
         let times = grid(40, 200.0);
         let q = vec![heat; times.len()];
-        let temperature = MOTOR.from_cold(&Heat { times: &times, period_or_duration: 200.0, heat: &q });
+        let temperature = MOTOR.from_cold(&Heat { times: &times, period_or_duration: 200.0, heat: &q, settling: &[] });
         for (k, time) in times.iter().enumerate() {
             let expected = steady + along_slow * (slow * time).exp() + along_fast * (fast * time).exp();
             assert_relative_eq!(temperature.winding[k], expected[0], max_relative = 1e-11);
@@ -196,7 +196,7 @@ fn two_nodes_reach_the_limit_at_the_time_given() {
         let time = motor.time_to_reach(limit, heat, copper(motor.reference));
         assert_eq!(time.is_none(), steady.is_some_and(|steady| steady <= limit));
         if let Some(time) = time {
-            let hold = Heat { times: &[0.0], period_or_duration: time, heat: &[heat] };
+            let hold = Heat { times: &[0.0], period_or_duration: time, heat: &[heat], settling: &[] };
             assert_relative_eq!(motor.from_cold(&hold).peak, limit, max_relative = 1e-11);
         }
     }
@@ -222,7 +222,7 @@ fn continuous_currents_of_measured_motors_lead_to_their_limit() {
         // Theirs takes 0.00393 for the coefficient at each motor's own reference: the heat at 125 °C is what it gives.
         let theirs = 1.0 + 0.003_93 * (125.0 - reference);
         let heat = resistance * current * current * theirs / resistance_factor(398.15, motor.reference);
-        let hold = Heat { times: &[0.0], period_or_duration: 1.0, heat: &[heat] };
+        let hold = Heat { times: &[0.0], period_or_duration: 1.0, heat: &[heat], settling: &[] };
         assert_relative_eq!(settled(&motor, &hold).peak, 398.15, epsilon = 0.8);
     }
 }
@@ -266,7 +266,7 @@ fn heat_in_is_heat_out_and_heat_stored() {
         let samples = rng.random_range(1..60);
         let period = [0.5, 20.0, 700.0][round % 3];
         let (times, q) = random_course(&mut rng, samples, period, threshold(&motor));
-        let heat = Heat { times: &times, period_or_duration: period, heat: &q };
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] };
         let (heat_in, heat_out, stored) = balance(&motor, &heat, Course::FromCold, [0.0; 2]);
         assert_relative_eq!(heat_in, heat_out + stored, max_relative = 1e-11, epsilon = 1e-11);
         let Outcome::Settles(temperature) = motor.periodic_state(&heat) else { continue };
@@ -283,7 +283,7 @@ fn the_periodic_state_repeats_and_is_where_the_cold_start_ends_up() {
     for _ in 0..50 {
         let motor = random_motor(&mut rng);
         let (times, q) = random_course(&mut rng, 20, 30.0, threshold(&motor));
-        let heat = Heat { times: &times, period_or_duration: 30.0, heat: &q };
+        let heat = Heat { times: &times, period_or_duration: 30.0, heat: &q, settling: &[] };
         let Outcome::Settles(temperature) = motor.periodic_state(&heat) else { continue };
         let rates = motor.rates(copper(motor.reference));
         let start = [temperature.winding[0] - motor.ambient, temperature.housing[0] - motor.ambient];
@@ -379,7 +379,7 @@ fn the_gradient_is_the_difference_quotient() {
         let (times, mut q) = random_course(&mut rng, samples, period, 0.8 * threshold(&motor));
         // Heat at which differences are not hidden by rounding.
         q.iter_mut().for_each(|q| *q += 0.01 * threshold(&motor));
-        let heat = Heat { times: &times, period_or_duration: period, heat: &q };
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] };
         let temperature = match course {
             Course::Periodic => settled(&motor, &heat),
             Course::FromCold => motor.from_cold(&heat),
@@ -408,7 +408,7 @@ fn the_gradient_is_the_difference_quotient() {
 #[test]
 fn a_clamped_housing_with_the_windings_time_constant_has_a_gradient() {
     // Double eigenvalue, no way back from the housing.
-    let heat = Heat { times: &[0.0, 20.0, 50.0], period_or_duration: 90.0, heat: &[0.0, 12.0, 3.0] };
+    let heat = Heat { times: &[0.0, 20.0, 50.0], period_or_duration: 90.0, heat: &[0.0, 12.0, 3.0], settling: &[] };
     let temperature = settled(&HOLD, &heat);
     let gradient = HOLD.peak_gradient(&heat, Course::Periodic, &temperature);
     for k in 0..3 {
@@ -434,7 +434,7 @@ fn the_peak_is_convex_and_above_its_cuts() {
         let period = motor.time_constant_winding * 10.0_f64.powf(rng.random_range(-2.0..1.5));
         let most = rng.random_range(0.1..4.0) * threshold(&motor);
         let (times, here) = random_course(&mut rng, samples, period, most);
-        let heat = Heat { times: &times, period_or_duration: period, heat: &here };
+        let heat = Heat { times: &times, period_or_duration: period, heat: &here, settling: &[] };
         let there = random_heat(&mut rng, samples, most);
         let middle: Vec<f64> = here.iter().zip(&there).map(|(a, b)| 0.5 * (a + b)).collect();
         let temperature = match course {
@@ -467,7 +467,7 @@ fn parts_converge_in_second_order() {
         let times = grid(samples, period);
         let phase = |t: &f64| (std::f64::consts::TAU * t / period).sin();
         let q: Vec<f64> = times.iter().map(|t| 150.0 * phase(t).powi(2) * (1.0 + 0.5 * phase(t))).collect();
-        settled(&motor, &Heat { times: &times, period_or_duration: period, heat: &q }).winding[0]
+        settled(&motor, &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] }).winding[0]
     };
     let exact = first(65536);
     let errors: Vec<f64> = [32, 64, 128, 256].iter().map(|samples| (first(*samples) - exact).abs()).collect();
@@ -480,7 +480,7 @@ fn parts_converge_in_second_order() {
 fn long_intervals_are_close_to_the_course_they_stand_for() {
     // Piecewise linear heat in intervals of up to 6 τ_w, and the same course in 60000 samples.
     let (times, q) = ([0.0, 30.0, 330.0, 500.0], [20.0, 200.0, 100.0, 0.0]);
-    let coarse = settled(&MOTOR, &Heat { times: &times, period_or_duration: 600.0, heat: &q });
+    let coarse = settled(&MOTOR, &Heat { times: &times, period_or_duration: 600.0, heat: &q, settling: &[] });
     let fine_times = grid(60000, 600.0);
     let fine_heat: Vec<f64> = fine_times
         .iter()
@@ -490,7 +490,7 @@ fn long_intervals_are_close_to_the_course_they_stand_for() {
             q[k] + (q[(k + 1) % 4] - q[k]) * (t - times[k]) / (until - times[k])
         })
         .collect();
-    let fine = settled(&MOTOR, &Heat { times: &fine_times, period_or_duration: 600.0, heat: &fine_heat });
+    let fine = settled(&MOTOR, &Heat { times: &fine_times, period_or_duration: 600.0, heat: &fine_heat, settling: &[] });
     assert!((coarse.winding[0] - fine.winding[0]).abs() < 0.02);
     assert!((coarse.winding[2] - fine.winding[3 * 11000]).abs() < 0.02);
     // The peak lies between samples and is seen.
@@ -502,7 +502,7 @@ fn long_intervals_are_close_to_the_course_they_stand_for() {
 fn intervals_of_thousands_of_time_constants_follow_their_heat() {
     let r_th = MOTOR.resistance_winding_housing + MOTOR.resistance_housing_ambient;
     let (times, q) = ([0.0, 1e7, 2e7, 3e7], [10.0, 100.0, 100.0, 40.0]);
-    let heat = Heat { times: &times, period_or_duration: 4e7, heat: &q };
+    let heat = Heat { times: &times, period_or_duration: 4e7, heat: &q, settling: &[] };
     let temperature = settled(&MOTOR, &heat);
     for (winding, q) in temperature.winding.iter().zip(q) {
         let steady = thermal::winding_temperature(q, 1.0, MOTOR.reference, r_th, MOTOR.ambient).unwrap();
@@ -516,7 +516,7 @@ fn intervals_of_thousands_of_time_constants_follow_their_heat() {
 fn no_heat_is_ambient() {
     for (times, period) in [(vec![0.0], 1.0), (grid(10, 5.0), 5.0), (grid(3, 1e5), 1e5)] {
         let q = vec![0.0; times.len()];
-        let heat = Heat { times: &times, period_or_duration: period, heat: &q };
+        let heat = Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] };
         for temperature in [settled(&MOTOR, &heat), MOTOR.from_cold(&heat)] {
             assert!(temperature.winding.iter().chain(&temperature.housing).all(|t| *t == MOTOR.ambient));
             assert_eq!((temperature.peak, temperature.peak_sample), (MOTOR.ambient, 0));
@@ -533,8 +533,8 @@ fn no_heat_is_ambient() {
 #[test]
 fn a_motion_from_cold_counts_its_end() {
     // Samples up to the end, or the last held.
-    let to_the_end = MOTOR.from_cold(&Heat { times: &[0.0, 5.0], period_or_duration: 5.0, heat: &[50.0, 50.0] });
-    let held = MOTOR.from_cold(&Heat { times: &[0.0], period_or_duration: 5.0, heat: &[50.0] });
+    let to_the_end = MOTOR.from_cold(&Heat { times: &[0.0, 5.0], period_or_duration: 5.0, heat: &[50.0, 50.0], settling: &[] });
+    let held = MOTOR.from_cold(&Heat { times: &[0.0], period_or_duration: 5.0, heat: &[50.0], settling: &[] });
     assert_relative_eq!(to_the_end.peak, held.peak, max_relative = 1e-14);
     assert_eq!((to_the_end.peak, held.winding.len()), (to_the_end.winding[1], 1));
     assert!(held.peak > held.winding[0]);
@@ -542,7 +542,7 @@ fn a_motion_from_cold_counts_its_end() {
 
 #[test]
 fn heat_beyond_numbers_is_infinitely_hot() {
-    let heat = Heat { times: &[0.0, 500.0], period_or_duration: 1000.0, heat: &[1e9, 1e9] };
+    let heat = Heat { times: &[0.0, 500.0], period_or_duration: 1000.0, heat: &[1e9, 1e9], settling: &[] };
     assert_eq!(MOTOR.from_cold(&heat).peak, f64::INFINITY);
     assert_eq!(MOTOR.periodic_state(&heat), Outcome::Runaway);
 }
@@ -550,7 +550,7 @@ fn heat_beyond_numbers_is_infinitely_hot() {
 #[test]
 fn a_few_periods_from_cold_cut_off_what_runs_away() {
     let q = [1.3 * threshold(&MOTOR)];
-    let heat = Heat { times: &[0.0], period_or_duration: 1500.0, heat: &q };
+    let heat = Heat { times: &[0.0], period_or_duration: 1500.0, heat: &q, settling: &[] };
     let limit = 398.15;
     let cold = MOTOR.from_cold(&heat);
     let gradient = MOTOR.peak_gradient(&heat, Course::FromCold, &cold);

@@ -7,7 +7,8 @@
 
 use super::branch::{Underestimator, worst_row};
 use super::objective::Goal;
-use super::{Demand, Limited, RatioProgram, scan};
+use super::scan::{self, CLEARLY};
+use super::{Demand, Limited, RatioProgram};
 use crate::actuator::Laurent;
 use crate::numerics::grid::grid;
 use crate::requirement::{Objective, Quantity};
@@ -17,9 +18,6 @@ const PIECES: usize = 6;
 /// How often the ends of a piece are cut off.
 const ROUNDS: usize = 2;
 
-/// What exceeds a limit by this (relative) exceeds it for everyone: more than any tolerance with which limits
-/// are looked at.
-pub(super) const CLEARLY: f64 = 1e-7;
 /// Intervals after which the proof that nothing is possible is given up.
 const MOST_INTERVALS: usize = 64;
 

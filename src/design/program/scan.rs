@@ -1,12 +1,15 @@
 //! The program evaluated on a refined grid: the best ratio and the windows that were seen. A start for
 //! the branch and bound, which alone proves.
 
-use super::bound::CLEARLY;
 use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
 use crate::actuator::limits::{Asked, Check, Demand};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
 use crate::numerics::line_search::{FULLY, golden_section};
+
+/// What exceeds a limit by this (relative) exceeds it for everyone: more than any tolerance with which limits
+/// are looked at.
+pub(super) const CLEARLY: f64 = 1e-7;
 
 /// Points of the first grid, evenly spaced in ln N.
 const POINTS: usize = 1000;
