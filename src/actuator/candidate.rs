@@ -138,12 +138,23 @@ impl Candidate<'_> {
 
     /// The motor's continuous current \[A\], where it counts.
     pub(super) fn continuous_current(&self) -> Option<f64> {
-        self.motor.continuous_current.filter(|_| !self.is_mounted())
+        self.motor.continuous_current.filter(|_| !self.is_mounted()).map(|rated| rated * self.derating())
+    }
+
+    /// What is left of a continuous rating in surroundings hotter than ratings are made for: the root of the rise that is
+    /// left, to the motor's own highest temperature or the one that is assumed; nothing where there is none left.
+    pub(super) fn derating(&self) -> f64 {
+        let hottest = self.motor.max_winding_temperature.unwrap_or(ASSUMED_WINDING_TEMPERATURE);
+        match self.robot.ambient {
+            ambient if ambient >= hottest => 0.0,
+            ambient if ambient > RATED_UP_TO => ((hottest - ambient) / (hottest - RATED_UP_TO)).sqrt(),
+            _ => 1.0,
+        }
     }
 
     /// The motor's continuous torque \[N·m\], where it counts.
     pub(super) fn continuous_torque(&self) -> Option<f64> {
-        self.motor.continuous_torque.filter(|_| !self.is_mounted())
+        self.motor.continuous_torque.filter(|_| !self.is_mounted()).map(|rated| rated * self.derating())
     }
 
     /// Thermal resistance from housing to ambient \[K/W\]: the mount's, or the row's.
@@ -196,6 +207,10 @@ impl Candidate<'_> {
         told.into_iter().flatten().reduce(f64::min)
     }
 }
+
+/// Ambient temperature up to which continuous ratings are taken as they are printed \[K\]: 40 °C, the standard ambient of
+/// rotating machines (IEC 60034-1).
+const RATED_UP_TO: f64 = 313.15;
 
 /// Owner of a highest winding temperature that neither motor nor requirement gives.
 pub const ASSUMED: &str = "assumed";

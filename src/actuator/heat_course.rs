@@ -72,7 +72,15 @@ impl HeatCourse {
             let share = if all > 0.0 { moving / all } else { 0.0 };
             (case.samples.clone(), weights.iter().map(|w| w * share).collect())
         };
-        let mut track = Track { motion, times: Vec::new(), entries: Vec::new(), settling: Vec::new(), settles: false, at: 0.0, one_by_one };
+        let mut track = Track {
+            motion,
+            times: Vec::new(),
+            entries: Vec::new(),
+            settling: Vec::new(),
+            settles: false,
+            at: 0.0,
+            one_by_one,
+        };
         for step in &cases.sequence {
             track.repeat(&cases.list[step.case], step.case, step.repetitions);
         }
@@ -85,7 +93,11 @@ impl HeatCourse {
             course: if cases.once && every.is_none() { Course::FromCold } else { Course::Periodic },
             times: track.times,
             lasts: every.map_or(lasts, |every| every.max(lasts)),
-            play: Some(Play { entries: track.entries, settling: track.settling, means: cases.list.iter().map(mean).collect() }),
+            play: Some(Play {
+                entries: track.entries,
+                settling: track.settling,
+                means: cases.list.iter().map(mean).collect(),
+            }),
         }
     }
 

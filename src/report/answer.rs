@@ -61,7 +61,8 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
         notes.push(format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", ")));
     }
     for of in &result.joints {
-        for note in joint_notes(of.joint, true) {
+        let unlimited = balance::is_unlimited(of.joint).then(|| balance::NO_LIMIT.to_string());
+        for note in joint_notes(of.joint, true).into_iter().chain(unlimited) {
             match result.joints.len() {
                 1 => notes.push(note),
                 _ => notes.push(format!("{}: {note}", of.joint.name)),
@@ -135,8 +136,10 @@ fn said(design: &Design, joint: &Joint) -> String {
     let spring = design.spring.and_then(|s| s.rest_angle.map(|_| format!("spring {} N*m/rad", number(s.stiffness))));
     let unchecked = match design.unchecked.len() {
         0 => None,
-        1 => Some("1 thing not checked".to_string()),
-        n => Some(format!("{n} things not checked")),
+        _ => {
+            let names: Vec<String> = design.unchecked.iter().map(|(name, _)| name.replace('_', " ")).collect();
+            Some(format!("not checked: {}", names.join(", ")))
+        }
     };
     let assumed = (!design.assumed.is_empty()).then(|| format!("{} assumed", design.assumed.len()));
     let is_certified = matches!(design.optimum.certificate, Certificate::Certified { .. });

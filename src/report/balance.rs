@@ -3,7 +3,7 @@
 use super::table::{Column, Table, paragraph};
 use super::{design_ratio, number, number_between, optional};
 use crate::design::answer::JointResult;
-use crate::requirement::{Balance, Balancing, Extreme};
+use crate::requirement::{Balance, Balancing, Extreme, Joint, Quantity};
 
 /// How the objective came about, in a sentence.
 pub fn sentence(balance: &Balance) -> String {
@@ -86,10 +86,16 @@ pub fn text(result: &JointResult) -> String {
 
 /// That nothing holds the least loss back, where nothing does.
 pub(super) fn no_limit(result: &JointResult) -> String {
-    let limits = &result.joint.limits;
+    if is_unlimited(result.joint) { paragraph(NO_LIMIT, 2, 4) } else { String::new() }
+}
+
+/// Whether the least loss is asked for, and no limit on mass or inertia holds it back.
+pub(super) fn is_unlimited(joint: &Joint) -> bool {
+    let limits = &joint.limits;
     let is_held = limits.actuator_mass.is_some() || limits.reflected_inertia.is_some();
-    if is_held { String::new() } else { paragraph(NO_LIMIT, 2, 4) }
+    !is_held && joint.objective.weight(Quantity::Loss) > 0.0
 }
 
 /// What is said where nothing holds the least loss back.
-const NO_LIMIT: &str = "No limit on mass or inertia is stated: nothing keeps the least loss from a large motor.";
+pub(super) const NO_LIMIT: &str =
+    "No limit on mass or inertia is stated: nothing keeps the least loss from a large motor.";

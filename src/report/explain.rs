@@ -1,6 +1,6 @@
 //! The whole story of one motor at a joint.
 
-use super::optimize::{bind_text, fitted_notes, proof, reason_text};
+use super::optimize::{fitted_notes, proof, reason_text, windows_text};
 use super::table::{Column, Table, paragraph};
 use super::{currents, heat_or, number, number_between, optional};
 use crate::actuator::metrics::{METRICS, Shown};
@@ -233,16 +233,14 @@ pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> 
 /// The best ratio in a sentence.
 pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
     let joint = story.joint;
-    let windows = optimum.windows.iter().map(|w| {
-        format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
-    });
+    let windows = windows_text(optimum, joint);
     format!(
-        "Best ratio for {}: N* = {} with {} ({}); feasible from {}.",
+        "Best ratio for {}: N* = {} with {} ({}){}.",
         joint.aim(),
         number_between(optimum.ratio, optimum.window().min, optimum.window().max),
         super::with_unit(optimum.objective, joint.objective.unit()),
         proof(&optimum.certificate),
-        windows.collect::<Vec<_>>().join(" and from ")
+        windows.map_or_else(String::new, |windows| format!("; feasible from {windows}"))
     )
 }
 

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) use super::said::joint_notes;
 pub use super::said::{Shown, bind_text, proof};
 pub(super) use super::said::{choice_text, margin_at};
+pub(super) use super::said::{joint_notes, windows_text};
 
 use super::columns::{self, Entry, State};
 use super::table::{Column, Table, paragraph, wrap};
@@ -14,6 +14,7 @@ use crate::actuator::limits::hottest;
 use crate::actuator::metrics::{METRICS, Metric, metric};
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
+use crate::design::Unusable;
 use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::outlook::Outlook;
 use crate::design::program::{Certificate, Infeasible, Optimum};
@@ -164,9 +165,14 @@ pub(super) fn ratio_text(joint: &Joint) -> String {
 pub(super) fn verdict(result: &JointResult) -> String {
     match &result.pruned {
         None => {
-            let (can, cannot) = (result.candidates.len(), result.rejected.len());
+            let can = result.candidates.len();
+            // What the requirement leaves out has not been looked at.
+            let is_left_out = |r: &&Rejected| matches!(r.reason, Reason::Unusable(Unusable::NotAllowed));
+            let left_out = result.rejected.iter().filter(is_left_out).count();
+            let cannot = result.rejected.len() - left_out;
+            let left_out = if left_out > 0 { format!(", {left_out} not allowed") } else { String::new() };
             format!(
-                "{} can do it, {cannot} cannot{}",
+                "{} can do it, {cannot} cannot{}{left_out}",
                 crate::words::counted(can, "motor"),
                 unjudged::counted(result.unjudged.len())
             )
@@ -280,10 +286,10 @@ fn details(design: &Design, joint: &Joint) -> String {
     if let Some(gear) = design.gear {
         return format!("with {gear}; {tightest}");
     }
-    let windows = design.optimum.windows.iter().map(|w| {
-        format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
-    });
-    format!("feasible from {}; {tightest}", windows.collect::<Vec<_>>().join(" and from "))
+    match windows_text(&design.optimum, joint) {
+        Some(windows) => format!("feasible from {windows}; {tightest}"),
+        None => tightest,
+    }
 }
 
 /// What cannot be judged beyond the windows of an optimum, each once.

@@ -1,7 +1,7 @@
 //! Why a first choice, and what is near it: what binds, how the number comes about, gears, the trade of mass and loss.
 
 use super::answer::{binds, checked, own_bound, per_cent};
-use super::said::{bind_text, margin_at, proof};
+use super::said::{margin_at, proof, windows_text};
 use super::table::{Column, Table, paragraph};
 use super::{balance, design_ratio, number, number_between, optional};
 use crate::design::answer::{Design, JointResult};
@@ -57,17 +57,14 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
 fn how(design: &Design, joint: &Joint) -> [String; 2] {
     let margin = design.evaluation.tightest();
     let margin = margin.map_or_else(String::new, |m| format!("; smallest margin {}", margin_at(m, joint)));
-    let windows = design.optimum.windows.iter().map(|w| {
-        format!("{} ({}) to {} ({})", number(w.min), bind_text(&w.low, joint), number(w.max), bind_text(&w.high, joint))
-    });
-    let feasible = match design.gear {
-        Some(_) => String::new(),
-        None => format!("; feasible from {}", windows.collect::<Vec<_>>().join(" and from ")),
-    };
+    let windows = windows_text(&design.optimum, joint).filter(|_| design.gear.is_none());
+    let feasible = windows.map_or_else(String::new, |windows| format!("; feasible from {windows}"));
     let prices: Vec<String> = design
         .optimum
         .shadow_prices
         .iter()
+        // The ends of a list are no limits that move.
+        .filter(|p| joint.ratio.listed().is_none() || !matches!(p.limit, "ratio_min" | "ratio_max"))
         .map(|p| format!("1 % more of {} changes the objective by {} %", p.limit, signed(p.elasticity)))
         .collect();
     let prices = if prices.is_empty() { String::new() } else { format!("; {}", prices.join(", ")) };

@@ -1,10 +1,10 @@
 //! Words for a choice that several of its readings share: what binds, how near a limit is, how sure it is.
 
-use super::{design_ratio, estimated};
+use super::{design_ratio, estimated, number_between};
 use crate::actuator::limits::LOW_SAFETY;
 use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
-use crate::design::program::{Bind, Certificate};
+use crate::design::program::{Bind, Certificate, Optimum};
 use crate::requirement::{Course, GearModel, Joint, Quantity};
 
 /// What is said of a joint before its designs, each a sentence. `short` leaves out what is only told to whoever asks for
@@ -66,6 +66,20 @@ pub fn proof(certificate: &Certificate) -> String {
 
 pub(super) fn margin_text(margin: &Margin) -> String {
     format!("{} {:.0} %", margin.limit, (100.0 * margin.margin).max(0.0))
+}
+
+/// The feasible ratios and what ends them, rounded inwards, so that they are feasible when they are typed again; `None`
+/// where only the best of a list is known to be feasible.
+pub(super) fn windows_text(optimum: &Optimum, joint: &Joint) -> Option<String> {
+    let is_one = matches!(optimum.windows.as_slice(), [only] if only.min == only.max);
+    if joint.ratio.listed().is_some() && is_one {
+        return None;
+    }
+    let windows = optimum.windows.iter().map(|w| {
+        let [low, high] = [w.min, w.max].map(|end| number_between(end, w.min, w.max));
+        format!("{low} ({}) to {high} ({})", bind_text(&w.low, joint), bind_text(&w.high, joint))
+    });
+    Some(windows.collect::<Vec<_>>().join(" and from "))
 }
 
 /// The same with the load case that it is in, where the joint has several.

@@ -559,7 +559,7 @@ pub fn draw(index: u64, convex: bool) -> Case {
     motor.pole_pairs = if chance(0.9) { Some(1 + below(22.0) as u32).filter(|pairs| *pairs < 22) } else { Some(0) };
     motor.conventions.commutation =
         if motor.pole_pairs == Some(0) { Commutation::Brushed } else { Commutation::Brushless };
-    (motor.rotor_inertia, motor.mass, robot.ambient) = (Some(rotor), Some(around(0.05, 2.0)), within(285.0, 315.0));
+    (motor.rotor_inertia, motor.mass, robot.ambient) = (Some(rotor), Some(around(0.05, 2.0)), within(285.0, 313.0));
     motor.viscous_friction = chance(0.4).then(|| rotor * around(0.1, 10.0));
     motor.coulomb_friction = rubs.then(|| torque / matched * around(0.01, 0.5));
     // Bus and joint.

@@ -47,10 +47,23 @@ impl Candidate<'_> {
                 ),
             });
         }
+        if self.derating() < 1.0 && self.motor.thermal_resistance.is_none() {
+            assumed.push((
+                "continuous_current",
+                "the surroundings are hotter than 40 degC: the continuous rating is reduced by the root of the temperature rise that is left",
+            ));
+        }
         if self.is_rated() {
             assumed.push((
                 "winding_temperature",
-                "estimated: the thermal resistance is computed from the continuous rating, as if the maker's highest temperature were 155 degC",
+                match self.motor.max_winding_temperature {
+                    Some(_) => {
+                        "estimated: the thermal resistance is computed from the continuous rating, at the row's own highest temperature"
+                    }
+                    None => {
+                        "estimated: the thermal resistance is computed from the continuous rating, as if the maker's highest temperature were 155 degC"
+                    }
+                },
             ));
         }
         let split = self.motor.sheet.thermal_resistance_winding_housing.is_some();

@@ -114,7 +114,8 @@ fn constant_heat_settles_where_the_steady_state_says() {
             (vec![0.0, 1.0, 1.0], 1.0),
         ] {
             let q = vec![heat; times.len()];
-            let temperature = settled(&MOTOR, &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] });
+            let temperature =
+                settled(&MOTOR, &Heat { times: &times, period_or_duration: period, heat: &q, settling: &[] });
             assert_relative_eq!(temperature.peak, expected, max_relative = 1e-9);
             for (winding, housing) in temperature.winding.iter().zip(&temperature.housing) {
                 assert_relative_eq!(*winding, expected, max_relative = 1e-9);
@@ -490,7 +491,8 @@ fn long_intervals_are_close_to_the_course_they_stand_for() {
             q[k] + (q[(k + 1) % 4] - q[k]) * (t - times[k]) / (until - times[k])
         })
         .collect();
-    let fine = settled(&MOTOR, &Heat { times: &fine_times, period_or_duration: 600.0, heat: &fine_heat, settling: &[] });
+    let fine =
+        settled(&MOTOR, &Heat { times: &fine_times, period_or_duration: 600.0, heat: &fine_heat, settling: &[] });
     assert!((coarse.winding[0] - fine.winding[0]).abs() < 0.02);
     assert!((coarse.winding[2] - fine.winding[3 * 11000]).abs() < 0.02);
     // The peak lies between samples and is seen.
@@ -533,7 +535,8 @@ fn no_heat_is_ambient() {
 #[test]
 fn a_motion_from_cold_counts_its_end() {
     // Samples up to the end, or the last held.
-    let to_the_end = MOTOR.from_cold(&Heat { times: &[0.0, 5.0], period_or_duration: 5.0, heat: &[50.0, 50.0], settling: &[] });
+    let to_the_end =
+        MOTOR.from_cold(&Heat { times: &[0.0, 5.0], period_or_duration: 5.0, heat: &[50.0, 50.0], settling: &[] });
     let held = MOTOR.from_cold(&Heat { times: &[0.0], period_or_duration: 5.0, heat: &[50.0], settling: &[] });
     assert_relative_eq!(to_the_end.peak, held.peak, max_relative = 1e-14);
     assert_eq!((to_the_end.peak, held.winding.len()), (to_the_end.winding[1], 1));

@@ -95,7 +95,7 @@ pub const LACKS: &[Lack] = &[
         is_lacking: |m| m.sheet.outer_diameter.is_none(),
         estimate: None,
         limits: &["outer_diameter"],
-        prevents: "a limit on it cannot be judged; rotor inertia is not estimated",
+        prevents: "a limit on it cannot be judged; a rotor inertia that is not known is not estimated",
     },
     Lack {
         name: "axial length",

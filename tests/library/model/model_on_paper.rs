@@ -830,7 +830,8 @@ fn cuts_of_the_windings_temperature_touch_and_stay_below() {
                 let times: Vec<f64> =
                     (0..periods).flat_map(|k| joint.motion.time.iter().map(move |t| t + k as f64 * duration)).collect();
                 let heat: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
-                let course = Heat { times: &times, period_or_duration: periods as f64 * duration, heat: &heat };
+                let course =
+                    Heat { times: &times, period_or_duration: periods as f64 * duration, heat: &heat, settling: &[] };
                 node.from_cold(&course).peak - node.ambient
             };
             let mut periods = 1;

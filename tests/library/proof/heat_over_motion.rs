@@ -595,10 +595,11 @@ fn a_rise_beyond_all_measure_is_cut_off_near_its_bound() {
         reference: 297.6,
     };
     let times = [0.0, 0.2, 0.4];
-    let rise =
-        |heat: &[f64]| node.from_cold(&Heat { times: &times, period_or_duration: 0.64, heat }).peak - node.ambient;
+    let rise = |heat: &[f64]| {
+        node.from_cold(&Heat { times: &times, period_or_duration: 0.64, heat, settling: &[] }).peak - node.ambient
+    };
     let far = [60.0, 30.0, 50.0];
-    let heat = Heat { times: &times, period_or_duration: 0.64, heat: &far };
+    let heat = Heat { times: &times, period_or_duration: 0.64, heat: &far, settling: &[] };
     let temperature = node.from_cold(&heat);
     let gradient = node.peak_gradient(&heat, Course::FromCold, &temperature);
     let (value, gradient) = node.far_beyond(temperature.peak - node.ambient, gradient, 80.0);

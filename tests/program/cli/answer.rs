@@ -106,6 +106,10 @@ fn why_says_what_the_json_says() {
         let text = collapsed(&folder.run(&words, Some(120)));
         let mut rest = text.as_str();
         for joint in all(&json["joints"]) {
+            // Nothing is explained where nothing was chosen.
+            if all(&joint["candidates"]).is_empty() {
+                continue;
+            }
             let first = &joint["candidates"][0];
             let why = format!(" Why {} at N = {}: ", first["motor"].as_str().unwrap(), ratio_of(first));
             rest = &rest[rest.find(&why).unwrap_or_else(|| panic!("{why} in\n{text}"))..];
