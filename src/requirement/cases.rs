@@ -9,7 +9,7 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::motions::{self, MotionReader, Scale};
-use super::robot::{Joint, Robot};
+use super::robot::{Joint, RobotCase, case_named};
 use crate::input::{Key, Problem, Range, Section, key};
 use crate::motion::{CarriedColumn, Case, Lasting, Motion, Often};
 use crate::units;
@@ -19,47 +19,6 @@ const MOST: usize = 100;
 
 /// What shares may miss one by.
 const SUMS_TO_ONE: f64 = 1e-6;
-
-/// What all joints of a robot do at the same time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RobotCase {
-    /// Name.
-    pub name: String,
-    /// For each joint which of its cases it is in; `None` where it has none, or may be in any of them.
-    pub cases: Vec<Option<usize>>,
-}
-
-impl Robot {
-    /// What the joints do together: name, and which of its cases each joint is in (`None` where it has none, or may be in
-    /// any). What `[[case]]` does not tell of, happens together by name.
-    pub fn scenarios(&self) -> Vec<(Option<String>, Vec<Option<usize>>)> {
-        let mut all: Vec<(Option<String>, Vec<Option<usize>>)> =
-            self.cases.iter().map(|case| (Some(case.name.clone()), case.cases.clone())).collect();
-        // What the robot's own cases leave out happens by its name.
-        let is_told = |joint: usize, case: usize| self.cases.iter().any(|told| told.cases[joint] == Some(case));
-        let is_left = |name: &str| {
-            let of = |(j, joint): (usize, &Joint)| case_named(joint, name).is_some_and(|case| !is_told(j, case));
-            self.joints.iter().enumerate().any(of)
-        };
-        let mut names: Vec<&str> = Vec::new();
-        for case in self.joints.iter().filter_map(|j| j.motion.cases.as_ref()).flat_map(|cases| &cases.list) {
-            if !names.contains(&case.name.as_str()) {
-                names.push(&case.name);
-            }
-        }
-        let together = |name: &str| self.joints.iter().map(|joint| case_named(joint, name)).collect();
-        let left = names.into_iter().filter(|name| is_left(name));
-        all.extend(left.map(|name| (Some(name.to_string()), together(name))));
-        if all.is_empty() {
-            return vec![(None, vec![None; self.joints.len()])];
-        }
-        all
-    }
-}
-
-fn case_named(joint: &Joint, name: &str) -> Option<usize> {
-    joint.motion.cases.as_ref()?.list.iter().position(|case| case.name == name)
-}
 
 const CASE: Key =
     key("case", "load cases in place of one motion: each with a motion or points of its own").or("motion");
@@ -338,26 +297,43 @@ fn joined(
     Some(all)
 }
 
-/// Reads `[[case]]` of the robot: which load cases of the joints happen together.
-pub(super) fn read_robot(root: &Section, joints: &[Joint]) -> Option<Vec<RobotCase>> {
+/// A `[[case]]` of the robot as it is written: its name, and which case each joint is in.
+pub(super) struct Told {
+    name: Option<Spanned<String>>,
+    joints: Vec<(Spanned<String>, Spanned<String>)>,
+}
+
+/// Reads `[[case]]` of the robot.
+pub(super) fn told(root: &Section) -> Vec<Told> {
+    let tables = root
+        .sections(key("case", "load cases of the joints that happen together; what no [[case]] has happens by name"));
+    let read = |table: Section| {
+        let name = table.required_text(key("name", "name of the robot's load case"), "\"trot\"");
+        let asked = key("joints", "for joints by name: which of their load cases it is").value("table of names");
+        let joints = table.entries(asked);
+        table.finish();
+        Told { name, joints }
+    };
+    tables.into_iter().map(read).collect()
+}
+
+/// Which load cases of the joints happen together.
+pub(super) fn resolve(root: &Section, told: Vec<Told>, joints: &[Joint]) -> Option<Vec<RobotCase>> {
     let mut cases = Vec::new();
     let mut good = true;
     let mut names = HashSet::new();
-    for table in root.sections(key("case", "load cases of the joints that happen together; else those of one name do"))
-    {
-        let name = table.required_text(key("name", "name of the robot's load case"), "\"trot\"");
+    for Told { name, joints: asked } in told {
         if let Some(twice) = name.as_ref().filter(|name| !names.insert(name.get_ref().clone())) {
             let message = format!("two load cases of the robot are called `{}`", twice.get_ref());
-            table.note(Problem::at(twice.span(), message, "second time"));
+            root.note(Problem::at(twice.span(), message, "second time"));
             good = false;
         }
         let mut chosen: Vec<Option<Option<usize>>> = vec![None; joints.len()];
-        let asked = key("joints", "for joints by name: which of their load cases it is").value("table of names");
-        for (joint, case) in table.entries(asked) {
+        for (joint, case) in asked {
             let Some(place) = joints.iter().position(|j| j.name == *joint.get_ref()) else {
                 let message = format!("`joints` names a joint `{}`, but there is none", joint.get_ref());
                 let names = joints.iter().map(|j| j.name.as_str());
-                table.note(Problem::at(joint.span(), message, "not a joint").suggest(joint.get_ref(), names));
+                root.note(Problem::at(joint.span(), message, "not a joint").suggest(joint.get_ref(), names));
                 good = false;
                 continue;
             };
@@ -366,11 +342,10 @@ pub(super) fn read_robot(root: &Section, joints: &[Joint]) -> Option<Vec<RobotCa
                 let message = format!("joint `{}` has no load case `{}`", joint.get_ref(), case.get_ref());
                 let of: &[Case] = joints[place].motion.cases.as_ref().map_or(&[], |cases| &cases.list);
                 let names = of.iter().map(|case| case.name.as_str());
-                table.note(Problem::at(case.span(), message, "not a case of it").suggest(case.get_ref(), names));
+                root.note(Problem::at(case.span(), message, "not a case of it").suggest(case.get_ref(), names));
                 good = false;
             }
         }
-        table.finish();
         let Some(name) = name.map(Spanned::into_inner) else {
             good = false;
             continue;

@@ -20,7 +20,6 @@ pub mod set;
 
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
 pub use bus::{Bus, Regeneration};
-pub use cases::RobotCase;
 pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, Reduction};
 pub use driven::Driven;
 pub use gear::{EfficiencyCovers, GearModel, RatioChoice, backdrive_efficiency, stages};
@@ -28,5 +27,5 @@ pub use limits::{LIMIT_NAMES, Limits, Spring, TorqueBandwidth};
 pub use motions::{FromDisk, Motions};
 pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use read::{describe, read, read_changed, read_source, read_without_springs};
-pub use robot::{Budget, Carried, Filter, Joint, Robot};
+pub use robot::{Budget, Carried, Filter, Joint, Robot, RobotCase};
 pub use set::Settings;

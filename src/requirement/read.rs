@@ -188,6 +188,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
             None => complete = false,
         }
     }
+    let told = cases::told(root);
     if !complete {
         return None;
     }
@@ -197,7 +198,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         mechanism::load(driven, &mut joints);
     }
     carried::resolve(root, &mut joints, carried, spans)?;
-    let cases = cases::read_robot(root, &joints)?;
+    let cases = cases::resolve(root, told, &joints)?;
     Some(Robot {
         name: name?,
         bus: bus?,

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::bus::Bus;
-use super::cases::RobotCase;
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
@@ -191,4 +190,46 @@ impl Joint {
             && *drive_current == other.drive_current
             && *motion == other.motion
     }
+}
+
+/// What all joints of a robot do at the same time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotCase {
+    /// Name.
+    pub name: String,
+    /// For each joint which of its cases it is in; `None` where it has none, or may be in any of them.
+    pub cases: Vec<Option<usize>>,
+}
+
+impl Robot {
+    /// What the joints do together: name, and which of its cases each joint is in (`None` where it has none, or may be in
+    /// any). What `[[case]]` does not tell of, happens together by name.
+    pub fn scenarios(&self) -> Vec<(Option<String>, Vec<Option<usize>>)> {
+        let mut all: Vec<(Option<String>, Vec<Option<usize>>)> =
+            self.cases.iter().map(|case| (Some(case.name.clone()), case.cases.clone())).collect();
+        // What the robot's own cases leave out happens by its name.
+        let is_told = |joint: usize, case: usize| self.cases.iter().any(|told| told.cases[joint] == Some(case));
+        let is_left = |name: &str| {
+            let of = |(j, joint): (usize, &Joint)| case_named(joint, name).is_some_and(|case| !is_told(j, case));
+            self.joints.iter().enumerate().any(of)
+        };
+        let mut names: Vec<&str> = Vec::new();
+        for case in self.joints.iter().filter_map(|j| j.motion.cases.as_ref()).flat_map(|cases| &cases.list) {
+            if !names.contains(&case.name.as_str()) {
+                names.push(&case.name);
+            }
+        }
+        let together = |name: &str| self.joints.iter().map(|joint| case_named(joint, name)).collect();
+        let left = names.into_iter().filter(|name| is_left(name));
+        all.extend(left.map(|name| (Some(name.to_string()), together(name))));
+        if all.is_empty() {
+            return vec![(None, vec![None; self.joints.len()])];
+        }
+        all
+    }
+}
+
+/// Which of a joint's load cases has a name.
+pub(super) fn case_named(joint: &Joint, name: &str) -> Option<usize> {
+    joint.motion.cases.as_ref()?.list.iter().position(|case| case.name == name)
 }
