@@ -51,6 +51,13 @@ pub struct FirstChoice {
 impl FirstChoice {
     /// No design.
     pub const NONE: FirstChoice = FirstChoice { loss: f64::NAN, motor: u32::MAX };
+
+    /// The robot could not be read: nothing is known of a design.
+    const UNREAD: FirstChoice = FirstChoice { loss: f64::NAN, motor: u32::MAX - 1 };
+
+    fn is_unread(&self) -> bool {
+        self.motor == FirstChoice::UNREAD.motor
+    }
 }
 
 /// Bytes of a first choice in the file.
@@ -114,7 +121,7 @@ impl Effects {
 
     fn write(&mut self, joints: &[(String, FirstChoice)]) -> Result<(), StudyError> {
         for k in 0..self.joints.len() {
-            let choice = joints.get(k).map_or(FirstChoice::NONE, |(_, c)| *c);
+            let choice = joints.get(k).map_or(FirstChoice::UNREAD, |(_, c)| *c);
             let written = self.file.write_all(&choice.loss.to_le_bytes());
             let written = written.and_then(|()| self.file.write_all(&choice.motor.to_le_bytes()));
             written.map_err(|e| StudyError::file("write", &self.path, &e))?;
@@ -155,6 +162,9 @@ impl Effects {
                 for value in 1..values {
                     let choices = read(first + value * stride)?;
                     for ((name, a), b) in self.joints.iter().zip(&reference).zip(&choices) {
+                        if a.is_unread() || b.is_unread() {
+                            continue;
+                        }
                         let tally = self.tallies.entry((name.clone(), parameter, value as usize)).or_default();
                         tally.add(a, b);
                     }

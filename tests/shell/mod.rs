@@ -33,6 +33,10 @@ impl Workspace {
     pub fn run(&self, words: &[String]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_gearwise"))
             .env_remove("COLUMNS")
+            // One's own catalogue is the reader's, not that of whoever runs the tests.
+            .env_remove("GEARWISE_CATALOG")
+            .env("HOME", self.folder.path())
+            .env("XDG_CONFIG_HOME", self.folder.path().join(".config"))
             .args(words)
             .current_dir(self.folder.path())
             .output()

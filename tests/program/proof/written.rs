@@ -78,9 +78,18 @@ fn what_is_written_passes_its_rules() {
             ),
             _ => String::new(),
         };
+        // Every fourth joint has the swing and a harder one as load cases.
+        let (motion, cases) = match round % 4 {
+            3 => (
+                "",
+                "[[joint.case]]\nname = \"swing\"\nmotion = \"motion.csv\"\nshare = 0.9\n[[joint.case]]\nname = \"hard\"\n\
+                 motion = \"motion.csv\"\nshare = 0.1\nscale = { torque = 1.6, speed = 1.2 }\n",
+            ),
+            _ => ("motion = \"motion.csv\"\nperiodic = true\n", ""),
+        };
         let text = format!(
             "name = \"robot\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"60 A\"\n[[joint]]\nname = \"joint\"\n{ratio}\n\
-             motion = \"motion.csv\"\nperiodic = true\n[joint.limits]\nsafety = 1.1\n{spring}"
+             {motion}[joint.limits]\nsafety = 1.1\n{spring}{cases}"
         );
         fs::write(at.join("robot.toml"), text).unwrap();
         fs::write(at.join("rules.toml"), RULES).unwrap();
