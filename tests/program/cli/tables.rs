@@ -341,7 +341,10 @@ fn assert_candidates(text: &str, joint: &Value, top: usize, what: &str) {
 fn assert_windows(row: &str, windows: &Value, what: &str) {
     for window in windows.as_array().unwrap() {
         for (end, limit) in [("min", "low"), ("max", "high")] {
-            let said = format!(" {} ({}", shown(&window[end]), window[limit].as_str().unwrap());
+            // Rounded inwards: what is printed is feasible.
+            let at = |end: &str| window[end].as_f64().unwrap();
+            let printed = number_between(at(end), at("min"), at("max"));
+            let said = format!(" {printed} ({}", window[limit].as_str().unwrap());
             assert!(row.contains(&said), "{what}: {said} in\n{row}");
         }
     }
