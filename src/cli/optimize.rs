@@ -253,7 +253,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let text = arguments.output.choose(
         || {
             let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
-            let costs: String = costs.iter().map(|line| table::paragraph(line, 2, 4)).collect();
+            let costs: String = costs.iter().map(|line| table::paragraph(line, 0, 2)).collect();
             super::told_set(robot) + &costs + &report::text(&result, &outlooks, shown) + &whole
         },
         || json::optimize::json(&result, &outlooks, choice.as_ref()),
