@@ -19,7 +19,7 @@ mod speed;
 pub use super::candidate::{ASSUMED, Candidate, hottest};
 pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, Of, Remark, Verdict};
 pub use needs::{NEEDS, Need};
-pub(crate) use remarks::LOW_SAFETY;
+pub use remarks::LOW_SAFETY;
 
 use crate::requirement::{Joint, Robot};
 

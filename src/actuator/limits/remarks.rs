@@ -6,7 +6,7 @@ use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
 use crate::catalog::estimate::Estimated;
 
 /// What a factor of safety below one means.
-pub(crate) const LOW_SAFETY: &str =
+pub const LOW_SAFETY: &str =
     "the requirement's factor is below 1: the limits that it multiplies allow less than the motion asks for";
 
 impl Candidate<'_> {

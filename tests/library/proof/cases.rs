@@ -329,8 +329,9 @@ fn heat_of_an_order_is_between_its_cases_and_an_order_of_blocks_is_hotter() {
     let order = |walk: f64, climb: f64| Often::Order(vec![(0, Lasting::Duration(walk)), (1, Lasting::Duration(climb))]);
     let (short, long) = (order(8.0, 2.0), order(40_000.0, 10_000.0));
     let (short, long) = (peak(Motion::from_cases(list(), short, false)), peak(Motion::from_cases(list(), long, false)));
-    // Mixed quickly it is the mean of both; in blocks of hours it is all of the hotter one.
-    assert!(cool < short && short < long && long <= hot * (1.0 + 1e-6), "{cool} {short} {long} {hot}");
+    // Mixed quickly it is the mean of both; in blocks of hours it is all of the hotter one, or above it by what is left of
+    // the mean that stands for most of its repetitions: less than 1 %, as the documentation says.
+    assert!(cool < short && short < long && long <= hot * (1.0 + 1e-2), "{cool} {short} {long} {hot}");
     assert!(long > 0.99 * hot, "{long} {hot}");
     let shares = peak(Motion::from_cases(list(), Often::Shares(vec![0.8, 0.2]), false));
     assert!((shares / short - 1.0).abs() < 0.05, "{shares} {short}");
