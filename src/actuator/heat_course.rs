@@ -68,8 +68,7 @@ impl HeatCourse {
         let mean = |case: &Case| {
             let weights = &motion.weight[case.samples.clone()];
             let all: f64 = weights.iter().sum();
-            let moving = if case.cycle() > 0.0 { case.lasts() / case.cycle() } else { 1.0 };
-            let share = if all > 0.0 { moving / all } else { 0.0 };
+            let share = if all > 0.0 { case.moving_share() / all } else { 0.0 };
             (case.samples.clone(), weights.iter().map(|w| w * share).collect())
         };
         let mut track = Track {

@@ -7,7 +7,7 @@ use super::Evaluation;
 use super::program::{Bind, Infeasible, Optimum, Refusal, Unsolved};
 use crate::actuator::limits::Remark;
 use crate::actuator::thermal::Winding;
-use crate::catalog::Motor;
+use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Joint, Robot};
 
 /// What was found for a robot.
@@ -133,6 +133,30 @@ pub struct Design<'a> {
     pub reversal_time: Option<f64>,
     /// The parallel spring, where the joint asks for one.
     pub spring: Option<SpringChoice>,
+}
+
+impl Design<'_> {
+    /// The same with a motor and a gear that outlive the joint or the catalogue it was found with.
+    pub(crate) fn with_parts<'a>(self, motor: &'a Motor, gear: Option<&'a str>) -> Design<'a> {
+        Design {
+            motor,
+            gear,
+            optimum: self.optimum,
+            evaluation: self.evaluation,
+            unchecked: self.unchecked,
+            assumed: self.assumed,
+            winding_temperature: self.winding_temperature,
+            reversal_time: self.reversal_time,
+            spring: self.spring,
+        }
+    }
+
+    /// The same with the motor and the gear of its names from the catalogue that it was found in.
+    pub(crate) fn of_catalog(self, catalog: &Catalog) -> Design<'_> {
+        let motor = catalog.motors.iter().find(|motor| motor.id == self.motor.id).expect("it is of this catalogue");
+        let gear = self.gear.and_then(|id| catalog.gears.iter().find(|gear| gear.id == id));
+        self.with_parts(motor, gear.map(|gear| gear.id.as_str()))
+    }
 }
 
 /// A spring that was chosen, and the same joint without it.

@@ -193,19 +193,7 @@ fn at_ratio<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, motor: &'a Moto
     let joint = Joint { ratio: RatioChoice::Continuous { min: ratio, max: ratio }, ..joint.clone() };
     let demand = JointDemand::new(&joint, catalog);
     let found: Result<Design, Refused> = best_design(Site::new(robot, &joint, &demand), motor, false);
-    let Design { optimum, evaluation, unchecked, assumed, winding_temperature, reversal_time, spring, .. } =
-        found.ok()?;
-    Some(Design {
-        motor,
-        gear: None,
-        optimum,
-        evaluation,
-        unchecked,
-        assumed,
-        winding_temperature,
-        reversal_time,
-        spring,
-    })
+    Some(found.ok()?.with_parts(motor, None))
 }
 
 #[cfg(test)]

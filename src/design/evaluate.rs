@@ -309,15 +309,12 @@ impl<'a> Prepared<'a> {
             actuator.torque_form(flow).polynomial(&features).at(ratio) + drag
         };
         // The sample before each change of direction, standstill in between included, in each case by itself.
-        let pairs = motion.courses().into_iter().flat_map(|(samples, course)| {
+        let in_time = motion.courses().into_iter().filter(|(_, course)| !matches!(course, Course::Points(_)));
+        let pairs = in_time.flat_map(|(samples, course)| {
             let moving: Vec<usize> = samples.filter(|k| motion.velocity[*k] != 0.0).collect();
             let closing = moving.last().copied().zip(moving.first().copied());
             let closing = closing.filter(|_| matches!(course, Course::Periodic(_)));
-            let mut pairs: Vec<(usize, usize)> = moving.windows(2).map(|w| (w[0], w[1])).chain(closing).collect();
-            if matches!(course, Course::Points(_)) {
-                pairs.clear();
-            }
-            pairs
+            moving.windows(2).map(|w| (w[0], w[1])).chain(closing).collect::<Vec<_>>()
         });
         let mut longest = 0.0_f64;
         for (before, after) in pairs {

@@ -145,10 +145,7 @@ pub fn explain<'a>(
         _ => None,
     };
     let found = chosen.as_ref().ok().map(|(spring, _)| (spring.stiffness, spring.rest_angle.unwrap_or(0.0)));
-    let moved = found.or(nearest_spring).and_then(|(stiffness, rest)| {
-        let motion = joint.motion.with_spring(stiffness, rest)?;
-        Some(Joint { motion: motion.into(), ..joint.clone() })
-    });
+    let moved = found.or(nearest_spring).and_then(|(stiffness, rest)| joint.with_spring(stiffness, rest));
     let story = explain_as_it_is(robot, moved.as_ref().unwrap_or(joint), motor, gear, ratio)?;
     let Explanation {
         evaluation,

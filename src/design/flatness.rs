@@ -61,8 +61,7 @@ pub fn at_design<T>(robot: &Robot, joint: &Joint, design: &Design, look: impl Fn
 /// The joint with the spring of a design taking its part of the load.
 pub(super) fn sprung(joint: &Joint, design: &Design) -> Option<Joint> {
     let Some(spring) = &design.spring else { return Some(joint.clone()) };
-    let motion = joint.motion.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))?;
-    Some(Joint { motion: motion.into(), ..joint.clone() })
+    joint.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))
 }
 
 /// Whether a share of an objective means something.

@@ -88,10 +88,12 @@ fn front<'a>(
     {
         let joint = alone(Objective::single(quantity));
         let demand = JointDemand::new(&joint, catalog);
-        let motor = catalog.motors.iter().find(|motor| motor.id == end.motor);
         let site = Site::new(robot, &joint, &demand);
-        let solved = motor.and_then(|motor| best_design(site, motor, options.only_checked).ok());
-        found.extend(solved.map(|design| FrontDesign { share, design: of_catalog(design, catalog) }));
+        let solved = catalog.motors.iter().find(|motor| motor.id == end.motor).and_then(|motor| {
+            let design = best_design(site, motor, options.only_checked).ok()?;
+            Some(design.of_catalog(catalog))
+        });
+        found.extend(solved.map(|design| FrontDesign { share, design }));
     }
     for share in SHARES {
         let (loss, mass) = (2.0 * share / balance.loss, 2.0 * (1.0 - share) / balance.mass);
@@ -99,7 +101,7 @@ fn front<'a>(
         let robot = Robot { joints: vec![joint], ..robot.clone() };
         let result = optimize_with(&robot, catalog, options)?;
         let first = result.joints.into_iter().next().and_then(|joint| joint.candidates.into_iter().next());
-        found.extend(first.map(|design| FrontDesign { share, design: of_catalog(design, catalog) }));
+        found.extend(first.map(|design| FrontDesign { share, design: design.of_catalog(catalog) }));
     }
     found.sort_by(|a, b| a.share.total_cmp(&b.share));
     let same = |a: &Design, b: &Design| {
@@ -112,21 +114,4 @@ fn front<'a>(
     found.retain(|f| is_named(f.share) || !named.iter().any(|design| same(design, &f.design)));
     found.dedup_by(|next, before| !is_named(next.share) && same(&next.design, &before.design));
     Ok(found)
-}
-
-/// A design with its motor and gear taken from the catalogue, whatever requirement it was found for.
-fn of_catalog<'a>(design: Design<'_>, catalog: &'a Catalog) -> Design<'a> {
-    let motor = catalog.motors.iter().find(|motor| motor.id == design.motor.id).expect("it is of this catalogue");
-    let gear = design.gear.and_then(|id| catalog.gears.iter().find(|gear| gear.id == id)).map(|gear| gear.id.as_str());
-    Design {
-        motor,
-        gear,
-        optimum: design.optimum,
-        evaluation: design.evaluation,
-        unchecked: design.unchecked,
-        assumed: design.assumed,
-        winding_temperature: design.winding_temperature,
-        reversal_time: design.reversal_time,
-        spring: design.spring,
-    }
 }

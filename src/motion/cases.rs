@@ -36,6 +36,11 @@ impl Case {
         }
     }
 
+    /// How much of its time is motion, not rest.
+    pub fn moving_share(&self) -> f64 {
+        if self.cycle() > 0.0 { self.lasts() / self.cycle() } else { 1.0 }
+    }
+
     /// One repetition with the rest after it \[s\].
     pub fn cycle(&self) -> f64 {
         self.repeat_every.map_or(self.lasts(), |every| every.max(self.lasts()))
@@ -115,7 +120,7 @@ impl Cases {
 
     /// The share of all time that is motion.
     pub(super) fn moving(&self) -> f64 {
-        self.list.iter().map(|case| case.share * moving_share(case)).sum()
+        self.list.iter().map(|case| case.share * case.moving_share()).sum()
     }
 
     /// In words, how often the cases happen in the sequence: `trot 17.6 times, jump once`.
@@ -129,11 +134,6 @@ impl Cases {
         };
         self.sequence.iter().map(times).collect::<Vec<_>>().join(", then ")
     }
-}
-
-/// How much of a case's time is motion, not rest.
-fn moving_share(case: &Case) -> f64 {
-    if case.cycle() > 0.0 { case.lasts() / case.cycle() } else { 1.0 }
 }
 
 /// Shares of the time, and the sequence, of what is stated.
@@ -205,7 +205,7 @@ impl Motion {
             let parts = motions.iter().zip(&cases.list);
             parts
                 .flat_map(|(m, case)| {
-                    let share = case.share * moving_share(case) / moving;
+                    let share = case.share * case.moving_share() / moving;
                     of(m).iter().map(move |w| share * w).collect::<Vec<_>>()
                 })
                 .collect()
@@ -244,8 +244,14 @@ impl Motion {
         cases.list.iter().map(|case| (case.samples.clone(), self.part(case))).collect()
     }
 
+    /// Largest load torque \[N·m\] and speed \[rad/s\] of one of its cases.
+    pub(crate) fn peaks(&self, case: &Case) -> (f64, f64) {
+        let most = |of: &[f64]| of[case.samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        (most(&self.torque), most(&self.velocity))
+    }
+
     /// One of its cases as a motion of its own.
-    fn part(&self, case: &Case) -> Motion {
+    pub(crate) fn part(&self, case: &Case) -> Motion {
         let of = |values: &[f64]| values[case.samples.clone()].to_vec();
         // What a case weighs by itself; one that never happens has lost it.
         let own = |values: &[f64]| {

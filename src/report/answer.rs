@@ -161,11 +161,12 @@ fn binding<'d>(design: &'d Design) -> Option<&'d Bind> {
     let stands_at = |end: f64| (ratio - end).abs() <= 1e-9 * ratio;
     let ends = [(window.max, &window.high), (window.min, &window.low)];
     let here = || ends.iter().filter(|(end, _)| stands_at(*end) && design.gear.is_none()).map(|(_, bind)| *bind);
-    here().find(|bind| !is_of_range(bind)).or_else(|| here().next())
+    here().find(|bind| !is_of_range(bind.limit)).or_else(|| here().next())
 }
 
-fn is_of_range(bind: &Bind) -> bool {
-    matches!(bind.limit, "ratio_min" | "ratio_max")
+/// Whether a limit is an end of the requirement's range of ratios.
+pub(super) fn is_of_range(limit: &str) -> bool {
+    matches!(limit, "ratio_min" | "ratio_max")
 }
 
 /// What keeps the ratio where it is.
@@ -173,8 +174,8 @@ pub(super) fn binds(design: &Design, joint: &Joint) -> String {
     match (binding(design), joint.ratio.listed()) {
         _ if design.gear.is_some() => "the best of the gears".into(),
         (None, _) => "no limit binds".into(),
-        (Some(bind), Some(_)) if is_of_range(bind) => "no limit binds".into(),
-        (Some(bind), None) if is_of_range(bind) => "at the end of the range of ratios".into(),
+        (Some(bind), Some(_)) if is_of_range(bind.limit) => "no limit binds".into(),
+        (Some(bind), None) if is_of_range(bind.limit) => "at the end of the range of ratios".into(),
         (Some(bind), Some(_)) => format!("the next listed ratio exceeds {}", bind_text(bind, joint)),
         (Some(bind), None) if bind.unjudged.is_some() => format!("beyond this ratio {} cannot be judged", bind.limit),
         (Some(bind), None) => format!("{} binds", bind_text(bind, joint)),

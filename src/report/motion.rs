@@ -51,8 +51,6 @@ fn sequence(joint: &Joint, cases: &Cases) -> String {
 }
 
 fn of_case(joint: &Joint, case: &Case) -> String {
-    let motion = &joint.motion;
-    let most = |of: &[f64]| of[case.samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let lasts = number(case.lasts());
     let course = match (case.course, case.repeat_every) {
         (Course::Periodic(_), _) => format!("repeats every {lasts} s"),
@@ -64,6 +62,7 @@ fn of_case(joint: &Joint, case: &Case) -> String {
         0.0 => "takes no time, so that its heat and loss do not count".into(),
         share => format!("{} % of the time", number(100.0 * share)),
     };
-    let (torque, speed) = (number(most(&motion.torque)), number(most(&motion.velocity)));
+    let (torque, speed) = joint.motion.peaks(case);
+    let (torque, speed) = (number(torque), number(speed));
     format!("Case {}: {share}; {course}; at most {torque} N·m, {speed} rad/s", case.name)
 }

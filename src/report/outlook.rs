@@ -1,6 +1,6 @@
 //! Why a first choice, and what is near it: what binds, how the number comes about, gears, the trade of mass and loss.
 
-use super::answer::{binds, checked, own_bound, per_cent};
+use super::answer::{binds, checked, is_of_range, own_bound, per_cent};
 use super::said::{margin_at, proof, windows_text};
 use super::table::{Column, Table, paragraph};
 use super::{balance, design_ratio, number, number_between, optional};
@@ -64,7 +64,7 @@ fn how(design: &Design, joint: &Joint) -> [String; 2] {
         .shadow_prices
         .iter()
         // The ends of a list are no limits that move.
-        .filter(|p| joint.ratio.listed().is_none() || !matches!(p.limit, "ratio_min" | "ratio_max"))
+        .filter(|p| joint.ratio.listed().is_none() || !is_of_range(p.limit))
         .map(|p| format!("1 % more of {} changes the objective by {} %", p.limit, signed(p.elasticity)))
         .collect();
     let prices = if prices.is_empty() { String::new() } else { format!("; {}", prices.join(", ")) };

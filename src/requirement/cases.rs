@@ -56,7 +56,7 @@ pub(super) fn read(
     }
     let read: Vec<Option<Read>> = tables.into_iter().map(|t| read_case(t, joints, name, scale, reader)).collect();
     let steps = section.has("order").then(|| read_order(section, &read));
-    let once = read_once(section, steps.is_some());
+    let end = read_end(section, steps.is_some());
     let read: Vec<Read> = read.into_iter().collect::<Option<_>>()?;
     let mut names = HashSet::new();
     if let Some(twice) = read.iter().find(|r| !names.insert(r.name.get_ref().clone())) {
@@ -81,7 +81,7 @@ pub(super) fn read(
         cases.push((name.into_inner(), Arc::unwrap_or_clone(motion)));
     }
     let columns = joined(section, &cases, columns, &spans)?;
-    let mut motion = Motion::from_cases(cases, often, once.is_some());
+    let mut motion = Motion::from_cases(cases, often, end != OrderEnd::Repeats);
     let cases = motion.cases.clone()?;
     if let Some(short) = cases.sequence.iter().find(|step| step.repetitions < 1.0 - 1e-9) {
         let case = &cases.list[short.case];
@@ -90,7 +90,7 @@ pub(super) fn read(
         section.note(Problem::at(section.span_of("order"), message, "shorter than one repetition"));
         return None;
     }
-    if let Some(Some(every)) = once {
+    if let OrderEnd::RepeatsEvery(every) = end {
         let lasts = cases.sequence_lasts().1;
         if every < lasts {
             let message = format!("the order lasts {lasts} s, but is to be made again after {every} s");
@@ -185,15 +185,26 @@ fn read_order(section: &Section, read: &[Option<Read>]) -> Option<Vec<(usize, La
     good.then_some(steps)
 }
 
-/// Whether the order is made once: `Some` with after what time it is made again, where that is asked.
-fn read_once(section: &Section, ordered: bool) -> Option<Option<f64>> {
+/// What comes after an order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum OrderEnd {
+    /// It begins again.
+    Repeats,
+    /// It is made once, from cold.
+    Once,
+    /// Rest, until it is made again after so long \[s\].
+    RepeatsEvery(f64),
+}
+
+/// What comes after the order.
+fn read_end(section: &Section, ordered: bool) -> OrderEnd {
     if !ordered {
         for other in ["periodic", "repeat_every"].into_iter().filter(|key| section.has(*key)) {
             let message = format!("`{other}` of a joint with load cases is about their `order`, and there is none");
             let help = format!("move `{other}` into the [[joint.case]] that it is about, or give `order`");
             section.note(Problem::at(section.span_of(other), message, "next to [[joint.case]]").help(help));
         }
-        return None;
+        return OrderEnd::Repeats;
     }
     let periodic = section.boolean(key("periodic", "whether the motion repeats").default("true")).unwrap_or(true);
     let every = section.quantity(motions::REPEAT_EVERY, &units::TIME, Range::Positive);
@@ -202,7 +213,11 @@ fn read_once(section: &Section, ordered: bool) -> Option<Option<f64>> {
         let problem = Problem::at(section.span_of("repeat_every"), message, "this one repeats without rest");
         section.note(problem.help("set `periodic = false`, or remove `repeat_every`"));
     }
-    (!periodic).then_some(every)
+    match (periodic, every) {
+        (true, _) => OrderEnd::Repeats,
+        (false, None) => OrderEnd::Once,
+        (false, Some(every)) => OrderEnd::RepeatsEvery(every),
+    }
 }
 
 /// Beside an order nothing else says how often a case happens, and every case has a step.
@@ -328,7 +343,9 @@ pub(super) fn resolve(root: &Section, told: Vec<Told>, joints: &[Joint]) -> Opti
             root.note(Problem::at(twice.span(), message, "second time"));
             good = false;
         }
-        let mut chosen: Vec<Option<Option<usize>>> = vec![None; joints.len()];
+        // Whom it does not name, is in the case of its name.
+        let own = name.as_ref().map_or("", |name| name.get_ref().as_str());
+        let mut chosen: Vec<Option<usize>> = joints.iter().map(|joint| case_named(joint, own)).collect();
         for (joint, case) in asked {
             let Some(place) = joints.iter().position(|j| j.name == *joint.get_ref()) else {
                 let message = format!("`joints` names a joint `{}`, but there is none", joint.get_ref());
@@ -337,8 +354,8 @@ pub(super) fn resolve(root: &Section, told: Vec<Told>, joints: &[Joint]) -> Opti
                 good = false;
                 continue;
             };
-            chosen[place] = Some(case_named(&joints[place], case.get_ref()));
-            if chosen[place] == Some(None) {
+            chosen[place] = case_named(&joints[place], case.get_ref());
+            if chosen[place].is_none() {
                 let message = format!("joint `{}` has no load case `{}`", joint.get_ref(), case.get_ref());
                 let of: &[Case] = joints[place].motion.cases.as_ref().map_or(&[], |cases| &cases.list);
                 let names = of.iter().map(|case| case.name.as_str());
@@ -346,14 +363,10 @@ pub(super) fn resolve(root: &Section, told: Vec<Told>, joints: &[Joint]) -> Opti
                 good = false;
             }
         }
-        let Some(name) = name.map(Spanned::into_inner) else {
-            good = false;
-            continue;
-        };
-        let or_named =
-            |(joint, chosen): (&Joint, Option<Option<usize>>)| chosen.unwrap_or_else(|| case_named(joint, &name));
-        let of_joints = joints.iter().zip(chosen).map(or_named).collect();
-        cases.push(RobotCase { name, cases: of_joints });
+        match name.map(Spanned::into_inner) {
+            Some(name) => cases.push(RobotCase { name, cases: chosen }),
+            None => good = false,
+        }
     }
     good.then_some(cases)
 }

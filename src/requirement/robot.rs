@@ -148,6 +148,13 @@ impl Filter {
 }
 
 impl Joint {
+    /// The same with a spring of a stiffness \[N·m/rad\] and a rest angle \[rad\] taking its part of the load; `None` where
+    /// the motion says no position.
+    pub fn with_spring(&self, stiffness: f64, rest_angle: f64) -> Option<Joint> {
+        let motion = self.motion.with_spring(stiffness, rest_angle)?;
+        Some(Joint { motion: motion.into(), ..self.clone() })
+    }
+
     /// What is minimised, in a word or a few: `balanced`, or the name of the objective.
     pub fn goal(&self) -> String {
         match self.balancing {

@@ -92,7 +92,7 @@ pub(super) const LIMITS: &[Limit] = &[
 /// Its own way to the housing has three times the winding's resistance and a third of its capacity, and twice the
 /// mean phase's heat: what it has more is a first order with the winding's resistance and time constant.
 fn rise_at_standstill(candidate: &Candidate, node: &TwoNode, hottest: f64, ratio: f64) -> f64 {
-    if candidate.standing_share() == 0.0 {
+    if candidate.standing_share() == 0.0 || candidate.load.dwell == 0.0 {
         return 0.0;
     }
     let heat = match candidate.load.standing_course(&candidate.actuator, ratio) {

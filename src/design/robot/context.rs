@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::answer::{Combination, Options};
 use super::carry::{self, Boxes};
 use super::convex::{Convex, add, under};
-use super::menu::{Item, Menu, Needs, menu, own};
+use super::menu::{Item, Menu, Needs, menu};
 use super::power::{Profile, Schedule};
 use super::search::{Completed, Found, Joints, Rules, Table};
 use super::shared::{self, Outcome, Part, Price};
@@ -336,10 +336,8 @@ impl<'a> Context<'a> {
         let items: Vec<&Item> = menus.iter().zip(&found.items).map(|(m, i)| &m.items[*i]).collect();
         let own_ratios: Vec<f64> = items.iter().map(|i| i.design.evaluation.ratio).collect();
         let ratios = found.ratios.clone().unwrap_or(own_ratios);
-        let (peak, peak_by_case) = self.with_parts(&items, &found.coordinates, |parts| {
-            let by_case = shared::power_by_case(parts, &self.schedule, &ratios);
-            (shared::power(parts, &self.schedule, &ratios), by_case)
-        });
+        let (peak, peak_by_case) =
+            self.with_parts(&items, &found.coordinates, |parts| shared::power(parts, &self.schedule, &ratios));
         let price = self.power.map(|limit| match self.solve(&items, &found.coordinates, limit) {
             Outcome::Solved(solved) => -solved.price.rows.iter().map(|r| r.1).sum::<f64>(),
             Outcome::TooMuch { .. } => 0.0,
@@ -358,7 +356,7 @@ impl<'a> Context<'a> {
                         ..design_of.optimum
                     };
                     let mount = self.mount(&mounts[j], items[j]);
-                    design_of = own(design(&mount, &prepared, optimum), self.catalog, items[j].motor);
+                    design_of = design(&mount, &prepared, optimum).of_catalog(self.catalog);
                 }
                 design_of
             })
@@ -418,8 +416,7 @@ fn reach(joint: &Joint, catalog: &Catalog, menu: Option<&Menu>) -> (f64, f64) {
 /// The joint with the spring that was chosen for it taking its part of the load; `None` where none was.
 fn sprung(joint: &Joint, item: &Item) -> Option<Joint> {
     let spring = item.design.spring.as_ref()?;
-    let motion = joint.motion.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))?;
-    Some(Joint { motion: motion.into(), ..joint.clone() })
+    joint.with_spring(spring.stiffness, spring.rest_angle.unwrap_or(0.0))
 }
 
 /// A lower bound of an item's objective and of the power it draws at prices, over the ratios it may have.

@@ -183,7 +183,7 @@ impl<'a> Made<'a> {
                 found.optimum.objective
             }
         };
-        let design = own(found, catalog, motor);
+        let design = found.of_catalog(catalog);
         self.items.push(Item { motor, design, mass: mass.unwrap_or(0.0), ratios, lower });
     }
 
@@ -196,21 +196,5 @@ impl<'a> Made<'a> {
                 self.unjudged.extend(new);
             }
         }
-    }
-}
-
-/// The design with the names that the catalogue has, so that it outlives the joint it was found for.
-pub(super) fn own<'a>(design: Design, catalog: &'a Catalog, motor: usize) -> Design<'a> {
-    let gear = design.gear.and_then(|id| catalog.gears.iter().find(|g| g.id == id)).map(|g| g.id.as_str());
-    Design {
-        motor: &catalog.motors[motor],
-        gear,
-        optimum: design.optimum,
-        evaluation: design.evaluation,
-        unchecked: design.unchecked,
-        assumed: design.assumed,
-        winding_temperature: design.winding_temperature,
-        reversal_time: design.reversal_time,
-        spring: design.spring,
     }
 }

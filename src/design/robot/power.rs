@@ -64,12 +64,15 @@ struct Doing {
 impl Schedule {
     pub(super) fn new(robot: &Robot) -> Schedule {
         let scenarios = robot.scenarios().into_iter().map(|(name, doing)| {
-            let doing = robot.joints.iter().zip(doing).enumerate().map(|(joint, (of, case))| match case {
-                Some(case) => {
-                    let (samples, motion) = of.motion.parts().swap_remove(case);
-                    Doing { joint, first: samples.start, motion, any: false }
+            let doing = robot.joints.iter().zip(doing).enumerate().map(|(joint, (of, case))| {
+                let motion = of.motion.as_ref();
+                match motion.cases.as_ref().zip(case) {
+                    Some((cases, case)) => {
+                        let case = &cases.list[case];
+                        Doing { joint, first: case.samples.start, motion: motion.part(case), any: false }
+                    }
+                    None => Doing { joint, first: 0, motion: motion.clone(), any: motion.cases.is_some() },
                 }
-                None => Doing { joint, first: 0, motion: of.motion.as_ref().clone(), any: of.motion.cases.is_some() },
             });
             Scenario { name, groups: groups(robot, doing.collect()) }
         });

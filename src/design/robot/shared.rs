@@ -180,14 +180,11 @@ fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
     program.best(own, &gentlest, limit)
 }
 
-/// What all joints draw at their worst instant at these ratios \[W\].
-pub(super) fn power(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> f64 {
-    Program { parts, schedule }.power(ratios).0
-}
-
-/// What all joints draw at their worst instant of each load case \[W\]; nothing where joints have no cases.
-pub(super) fn power_by_case(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> Vec<(String, f64)> {
-    by_case(schedule, &Program { parts, schedule }.courses(ratios))
+/// What all joints draw at their worst instant at these ratios \[W\], and at that of each load case; nothing there where
+/// joints have no cases.
+pub(super) fn power(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> (f64, Vec<(String, f64)>) {
+    let courses = Program { parts, schedule }.courses(ratios);
+    (largest(schedule, &courses).0, by_case(schedule, &courses))
 }
 
 impl Program<'_> {

@@ -73,14 +73,14 @@ impl<'a> Cases<'a> {
     pub fn new(joint: &'a requirement::Joint) -> Option<Cases<'a>> {
         let (motion, cases) = (&joint.motion, joint.motion.cases.as_deref()?);
         let case = |case: &'a crate::motion::Case| {
-            let most = |of: &[f64]| of[case.samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            let (peak_torque_nm, peak_speed_rad_s) = motion.peaks(case);
             Case {
                 name: &case.name,
                 share: case.share,
                 lasts_s: case.lasts(),
                 cycle_s: case.cycle(),
-                peak_torque_nm: most(&motion.torque),
-                peak_speed_rad_s: most(&motion.velocity),
+                peak_torque_nm,
+                peak_speed_rad_s,
             }
         };
         let step =

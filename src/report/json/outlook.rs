@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::design::answer::JointResult;
+use crate::design::evaluate::Evaluation;
 use crate::design::flatness;
 use crate::design::nearby;
 use crate::design::outlook;
@@ -68,11 +69,9 @@ pub struct NearGears<'a> {
     pub exceeds: Option<&'static str>,
 }
 
-/// A gear of the catalogue.
+/// What a ratio near the best one costs.
 #[derive(Debug, Serialize, JsonSchema)]
-pub struct NearGear<'a> {
-    /// Its id.
-    pub gear: &'a str,
+pub struct Nearly {
     /// Ratio N.
     pub ratio: f64,
     /// Mean copper loss with it.
@@ -85,21 +84,24 @@ pub struct NearGear<'a> {
     pub above: Option<f64>,
 }
 
+/// A gear of the catalogue.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct NearGear<'a> {
+    /// Its id.
+    pub gear: &'a str,
+    /// What it costs.
+    #[serde(flatten)]
+    pub at: Nearly,
+}
+
 /// A gear of simple planetary stages.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Planetary {
     /// Teeth of sun and ring of each stage, the motor's first.
     pub teeth: Vec<[u32; 2]>,
-    /// Ratio N.
-    pub ratio: f64,
-    /// Mean copper loss with it.
-    pub loss_w: f64,
-    /// Mass of motor and gear; `null` where it is not known.
-    pub mass_kg: Option<f64>,
-    /// The objective with it.
-    pub objective: f64,
-    /// By how much that is above that of the best ratio (relative).
-    pub above: Option<f64>,
+    /// What it costs.
+    #[serde(flatten)]
+    pub at: Nearly,
 }
 
 /// A design between the lightest and the least loss.
@@ -130,11 +132,7 @@ impl<'a> Outlook<'a> {
             let there = &built.design;
             Some(Planetary {
                 teeth: built.train.as_ref()?.stages.iter().map(|stage| [stage.sun, stage.ring]).collect(),
-                ratio: there.evaluation.ratio,
-                loss_w: there.evaluation.loss,
-                mass_kg: there.evaluation.mass,
-                objective: there.optimum.objective,
-                above: nearby.planetary_above(design),
+                at: Nearly::new(&there.evaluation, there.optimum.objective, nearby.planetary_above(design)),
             })
         });
         Outlook {
@@ -144,6 +142,12 @@ impl<'a> Outlook<'a> {
             near_planetary: planetary,
             front: of.front.iter().map(FrontDesign::from).collect(),
         }
+    }
+}
+
+impl Nearly {
+    fn new(there: &Evaluation, objective: f64, above: Option<f64>) -> Nearly {
+        Nearly { ratio: there.ratio, loss_w: there.loss, mass_kg: there.mass, objective, above }
     }
 }
 
@@ -164,11 +168,7 @@ impl<'a> From<&'a nearby::Nearby<'a>> for NearGears<'a> {
     fn from(of: &'a nearby::Nearby<'a>) -> NearGears<'a> {
         let gear = |near: &'a nearby::NearGear<'a>| NearGear {
             gear: &near.gear.id,
-            ratio: near.evaluation.ratio,
-            loss_w: near.evaluation.loss,
-            mass_kg: near.evaluation.mass,
-            objective: near.objective,
-            above: near.above,
+            at: Nearly::new(&near.evaluation, near.objective, near.above),
         };
         NearGears {
             looked_at: of.looked_at,

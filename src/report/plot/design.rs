@@ -29,8 +29,7 @@ fn with_prepared<T>(
 
 /// The joint with the spring that was chosen in its motion.
 fn with_spring(joint: &Joint, spring: Option<(f64, f64)>) -> Joint {
-    let moved = spring.and_then(|(stiffness, rest)| joint.motion.with_spring(stiffness, rest));
-    moved.map_or_else(|| joint.clone(), |motion| Joint { motion: motion.into(), ..joint.clone() })
+    spring.and_then(|(stiffness, rest)| joint.with_spring(stiffness, rest)).unwrap_or_else(|| joint.clone())
 }
 
 fn name(motor: &Motor, gear: Option<&str>, ratio: f64) -> String {

@@ -23,13 +23,7 @@ reflected_inertia = "0.02 kg*m^2"
 safety = 1.2
 "#;
 
-pub const MOTION: &str = "time [s], torque [N*m], velocity [rad/s]
-0,    1.0,  0.5
-0.1,  2.0,  1.5
-0.2,  1.5,  0.2
-0.3, -0.5, -1.0
-0.4,  1.0,  0.5
-";
+pub use super::mistakes::MOTION;
 
 pub const MOTORS: &str = "id,terminals,current,resistance [ohm],inductance [mH],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind
 alpha-1,line_to_line,dc,0.5,0.2,0.05,300,200,7,9,60,120,a sheet,datasheet

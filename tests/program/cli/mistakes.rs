@@ -32,7 +32,8 @@ motion = \"knee.csv\"
 
 [[joint]]";
 
-const MOTION: &str = "time [s], torque [N*m], velocity [rad/s]
+/// Its motion.
+pub const MOTION: &str = "time [s], torque [N*m], velocity [rad/s]
 0,    1.0,  0.5
 0.1,  2.0,  1.5
 0.2,  1.5,  0.2

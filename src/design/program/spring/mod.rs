@@ -57,7 +57,7 @@ impl Sprung {
     /// A joint with a spring; `covered` is the inertia at the output that the gear's efficiency covers
     /// \[kg·m²\]. `None` where the motion says no position.
     pub fn new(joint: &Joint, stiffness: f64, rest_angle: f64, covered: f64) -> Option<Sprung> {
-        let joint = Joint { motion: joint.motion.with_spring(stiffness, rest_angle)?.into(), ..joint.clone() };
+        let joint = joint.with_spring(stiffness, rest_angle)?;
         let load = Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, covered);
         Some(Sprung { joint, load })
     }
