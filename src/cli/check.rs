@@ -4,12 +4,14 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::{Call, CatalogChoice, Done, Failure, Html, Set};
+use crate::catalog::Catalog;
 use crate::input::{InputError, Problem, Source};
 use crate::output;
 use crate::report::check::{github, input, junit, sarif, text};
 use crate::report::html;
 use crate::report::json_text;
 use crate::requirement::DesignFile;
+use crate::rules::Report;
 use crate::rules::file::{RulesFile, read};
 use crate::rules::lock::{Lock, path_of};
 
@@ -55,7 +57,16 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
-    let result = checked(arguments, call);
+    let inputs = reported(arguments, Inputs::read(arguments))?;
+    let Inputs { design, catalog, rules, lock_path, lock, .. } = &inputs;
+    let report = crate::rules::check(design, catalog, rules, lock.as_ref(), lock_path).map_err(Failure::from);
+    let report = reported(arguments, report)?;
+    written(arguments, call, &inputs, &report)
+}
+
+/// The result; what is wrong with the input is reported in each form that was asked for. What cannot be written is no
+/// mistake of the input.
+fn reported<T>(arguments: &Arguments, result: Result<T, Failure>) -> Result<T, Failure> {
     match &result {
         Err(Failure::Input(errors)) => wrong_input(arguments, errors)?,
         // What is wrong with the input as a whole has no place in a file: it stands at the design.
@@ -87,50 +98,68 @@ fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failu
     super::print(&text).map_err(not_printed)
 }
 
-fn checked(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
-    let settings = arguments.set.settings()?;
-    if arguments.design.as_os_str() == Source::STDIN && (arguments.lock || arguments.update_lock) {
-        return Err(Failure::Argument("a lock is a file next to the design: give a file in place of `-`".into()));
+/// What is checked, and with what.
+struct Inputs {
+    design: DesignFile,
+    catalog: Catalog,
+    rules: RulesFile,
+    lock_path: PathBuf,
+    lock: Option<Arc<Source>>,
+    /// The text of a lock that is to be written.
+    new_lock: Option<String>,
+}
+
+impl Inputs {
+    fn read(arguments: &Arguments) -> Result<Inputs, Failure> {
+        let settings = arguments.set.settings()?;
+        if arguments.design.as_os_str() == Source::STDIN && (arguments.lock || arguments.update_lock) {
+            return Err(Failure::Argument("a lock is a file next to the design: give a file in place of `-`".into()));
+        }
+        let source = Source::argument(&arguments.design).map_err(|e| vec![e])?;
+        let mut design = DesignFile::read_set(&source, &settings)?;
+        let named = arguments.catalog.paths();
+        let paths = if named.is_empty() { &design.catalog } else { &named };
+        let catalog = arguments.catalog.prepared(super::catalog(paths)?);
+        design.robot = super::balanced(&design.robot, &catalog)?;
+        let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {
+            Some(path) => read(path).map_err(|e| vec![e])?,
+            None => RulesFile::default(),
+        };
+        let lock_path = path_of(&arguments.design);
+        let new_lock = write_lock(arguments, &lock_path, &design, &catalog)?;
+        let lock = match &new_lock {
+            Some(text) => Some(Arc::new(Source::new(lock_path.display().to_string(), text.clone()))),
+            None if !source.is_stdin() && lock_path.exists() => Some(Source::read(&lock_path).map_err(|e| vec![e])?),
+            None => None,
+        };
+        Ok(Inputs { design, catalog, rules, lock_path, lock, new_lock })
     }
-    let source = Source::argument(&arguments.design).map_err(|e| vec![e])?;
-    let mut design = DesignFile::read_set(&source, &settings)?;
-    let named = arguments.catalog.paths();
-    let paths = if named.is_empty() { &design.catalog } else { &named };
-    let catalog = arguments.catalog.prepared(super::catalog(paths)?);
-    design.robot = super::balanced(&design.robot, &catalog)?;
-    let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {
-        Some(path) => read(path).map_err(|e| vec![e])?,
-        None => RulesFile::default(),
-    };
-    let lock_path = path_of(&arguments.design);
-    let written = write_lock(arguments, &lock_path, &design, &catalog)?;
-    let lock = match &written {
-        Some(text) => Some(Arc::new(Source::new(lock_path.display().to_string(), text.clone()))),
-        None if !source.is_stdin() && lock_path.exists() => Some(Source::read(&lock_path).map_err(|e| vec![e])?),
-        None => None,
-    };
-    let report = crate::rules::check(&design, &catalog, &rules, lock.as_ref(), &lock_path)?;
+}
+
+/// Writes the report in each form that was asked for.
+fn written(arguments: &Arguments, call: &Call, inputs: &Inputs, report: &Report) -> Result<Done, Failure> {
+    let Inputs { design, catalog, rules, lock_path, lock, new_lock } = inputs;
     let root = std::env::current_dir().unwrap_or_default();
     let write = |path: &Option<PathBuf>, text: &dyn Fn() -> String| match path {
         Some(path) => output::write_whole(path, text().as_bytes()).map_err(Failure::Argument),
         None => Ok(()),
     };
-    write(&arguments.junit, &|| junit::text(&report, arguments.strict))?;
-    write(&arguments.sarif, &|| json_text(&sarif::json(&report, &root)))?;
-    let inputs = || {
+    write(&arguments.junit, &|| junit::text(report, arguments.strict))?;
+    write(&arguments.sarif, &|| json_text(&sarif::json(report, &root)))?;
+    let files = || {
         let files = [Some(&design.source), Some(&design.requirement), rules.source.as_ref(), lock.as_ref()];
         let files = files.into_iter().flatten().map(|source| source.file());
         files.chain(design.robot.files()).chain(catalog.files()).collect()
     };
-    arguments.html.write(call, inputs, || html::check::page(&report, arguments.strict))?;
-    if let Some(text) = written {
-        output::write_whole(&lock_path, text.as_bytes()).map_err(Failure::Argument)?;
+    arguments.html.write(call, files, || html::check::page(report, arguments.strict))?;
+    if let Some(text) = new_lock {
+        output::write_whole(lock_path, text.as_bytes()).map_err(Failure::Argument)?;
         tell!("wrote {}", lock_path.display());
     }
     let text = match (arguments.json, arguments.github) {
-        (true, _) => json_text(&crate::report::json::check::json(&report, arguments.strict)),
-        (_, true) => github::text(&report, &root),
-        _ => super::told_set(&design.robot) + &text::text(&report, arguments.strict),
+        (true, _) => json_text(&crate::report::json::check::json(report, arguments.strict)),
+        (_, true) => github::text(report, &root),
+        _ => super::told_set(&design.robot) + &text::text(report, arguments.strict),
     };
     Ok(Done { text, satisfied: report.passes(arguments.strict) })
 }
@@ -140,7 +169,7 @@ fn write_lock(
     arguments: &Arguments,
     path: &Path,
     design: &DesignFile,
-    catalog: &crate::catalog::Catalog,
+    catalog: &Catalog,
 ) -> Result<Option<String>, Failure> {
     let missing = arguments.lock && !path.exists();
     if !arguments.update_lock && !missing {
