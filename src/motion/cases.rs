@@ -245,7 +245,7 @@ impl Motion {
     }
 
     /// Largest load torque \[N·m\] and speed \[rad/s\] of one of its cases.
-    pub(crate) fn peaks(&self, case: &Case) -> (f64, f64) {
+    pub fn peaks(&self, case: &Case) -> (f64, f64) {
         let most = |of: &[f64]| of[case.samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         (most(&self.torque), most(&self.velocity))
     }
