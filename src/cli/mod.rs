@@ -46,7 +46,7 @@ use crate::design::robot::NoChoice;
 use crate::input::{InputError, InputFile, Source, tame};
 use crate::report::html;
 use crate::report::plot::{self, Figure};
-use crate::report::table;
+use crate::report::{table, tint};
 use crate::requirement::{Robot, Settings};
 use crate::units;
 
@@ -139,6 +139,9 @@ impl Output {
         json: impl FnOnce() -> serde_json::Value,
         csv: impl FnOnce() -> String,
     ) -> String {
+        if self.json || self.csv {
+            tint::set_on(false);
+        }
         if self.json {
             crate::report::json_text(&json())
         } else if self.csv {
@@ -481,6 +484,7 @@ fn stdin_twice(arguments: &[OsString]) -> Option<Failure> {
 /// Does what a command asks for.
 fn answer(command: &Command, call: &Call) -> Result<Done, Failure> {
     table::set_width(width());
+    tint::set_on(has_colour());
     match command {
         Command::Optimize(arguments) => optimize::run(arguments, call),
         Command::Explain(arguments) => explain::run(arguments, call),
@@ -538,6 +542,16 @@ fn width() -> usize {
     table::decide(std::env::var("COLUMNS").ok().as_deref(), terminal)
 }
 
+/// Whether results have colours: on a terminal that has them, unless `NO_COLOR` or `CLICOLOR=0` forbids it;
+/// `CLICOLOR_FORCE` brings them into a pipe, too.
+fn has_colour() -> bool {
+    let says = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    let is_zero = |name: &str| says(name).is_some_and(|value| value == "0");
+    let is_able = console::Term::stdout().is_term() && says("TERM").is_none_or(|term| term != "dumb");
+    let is_forced = says("CLICOLOR_FORCE").is_some() && !is_zero("CLICOLOR_FORCE");
+    says("NO_COLOR").is_none() && (is_forced || is_able && !is_zero("CLICOLOR"))
+}
+
 fn plural(count: usize, word: &str) -> String {
     if count == 1 { word.into() } else { format!("{word}s") }
 }
@@ -555,7 +569,7 @@ fn not_printed(error: &std::io::Error) -> u8 {
 /// Writes to stdout, names from files included, which may not drive the terminal; a reader that has seen enough and closed the pipe is no error.
 fn print(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(tame(text).as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(tint::printed(tame(text)).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
     }

@@ -3,6 +3,7 @@
 use super::balance;
 use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at};
 use super::table::{Column, Table, paragraph};
+use super::tint::Tint;
 use super::{design_ratio, estimated, number, number_between, optional};
 use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::flatness::OwnBound;
@@ -58,7 +59,8 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
         unjudged.push(format!("{count} at {}", of.joint.name));
     }
     if !unjudged.is_empty() {
-        notes.push(format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", ")));
+        let line = format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", "));
+        notes.push(Tint::Doubtful.on(&line));
     }
     for of in &result.joints {
         let unlimited = balance::is_unlimited(of.joint).then(|| balance::NO_LIMIT.to_string());
@@ -91,7 +93,7 @@ fn rows(of: &JointResult, outlook: Option<&Outlook>) -> Vec<Row> {
         (goal_words(of.joint), cells, details)
     });
     let none = || {
-        let cells = ["none".to_string(), "–".into(), "–".into(), "–".into(), "–".into()];
+        let cells = [Tint::Exceeded.on("none"), "–".into(), "–".into(), "–".into(), "–".into()];
         (goal_words(of.joint), cells, Vec::new())
     };
     let first = first.unwrap_or_else(none);
@@ -130,20 +132,22 @@ fn goal_words(joint: &Joint) -> String {
 /// What binds, the smallest margin, and what is not known or not measured.
 fn said(design: &Design, joint: &Joint) -> String {
     let margin = design.evaluation.tightest();
-    let margin = margin
-        .map_or_else(|| "nothing could be checked".into(), |m| format!("smallest margin {}", margin_at(m, joint)));
+    let margin = margin.map_or_else(
+        || Tint::Doubtful.on("nothing could be checked"),
+        |m| format!("smallest margin {}", Tint::of(m).on(&margin_at(m, joint))),
+    );
     let gear = design.gear.map(|gear| format!("with {gear}"));
     let spring = design.spring.and_then(|s| s.rest_angle.map(|_| format!("spring {} N*m/rad", number(s.stiffness))));
     let unchecked = match design.unchecked.len() {
         0 => None,
         _ => {
             let names: Vec<String> = design.unchecked.iter().map(|(name, _)| name.replace('_', " ")).collect();
-            Some(format!("not checked: {}", names.join(", ")))
+            Some(Tint::Doubtful.on(&format!("not checked: {}", names.join(", "))))
         }
     };
-    let assumed = (!design.assumed.is_empty()).then(|| format!("{} assumed", design.assumed.len()));
+    let assumed = (!design.assumed.is_empty()).then(|| Tint::Doubtful.on(&format!("{} assumed", design.assumed.len())));
     let is_certified = matches!(design.optimum.certificate, Certificate::Certified { .. });
-    let proof = (!is_certified).then(|| "not certified".to_string());
+    let proof = (!is_certified).then(|| Tint::Doubtful.on("not certified"));
     // What binds is mostly what has the smallest margin: said once.
     let is_same = binding(design).zip(design.evaluation.tightest()).is_some_and(|(bind, m)| bind.limit == m.limit);
     let (bind, margin) = match is_same && joint.ratio.listed().is_none() {
@@ -152,7 +156,8 @@ fn said(design: &Design, joint: &Joint) -> String {
     };
     let parts = [gear, bind, Some(margin), spring, unchecked, assumed, proof];
     let parts: Vec<String> = parts.into_iter().flatten().filter(|part| !part.is_empty()).collect();
-    parts.join("; ") + &estimated::text(design.motor)
+    let estimated = estimated::text(design.motor);
+    parts.join("; ") + &if estimated.is_empty() { estimated } else { Tint::Doubtful.on(&estimated) }
 }
 
 /// What forbids the ratios right beside the best one; of two ends a limit before the end of the requirement's range.

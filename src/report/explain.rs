@@ -2,6 +2,7 @@
 
 use super::optimize::{fitted_notes, proof, reason_text, windows_text};
 use super::table::{Column, Table, paragraph};
+use super::tint::Tint;
 use super::{currents, heat_or, number, number_between, optional};
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::audit::{audit_motor, conventions_line};
@@ -200,16 +201,24 @@ pub(super) fn limit_columns() -> Vec<Column> {
 }
 
 fn limits(story: &Explanation) -> String {
-    let rows = limit_rows(&story.evaluation.margins, story.joint);
+    let mut rows = limit_rows(&story.evaluation.margins, story.joint);
+    for (row, margin) in rows.iter_mut().zip(tightest_first(&story.evaluation.margins)) {
+        row[4] = Tint::of(margin).on(&row[4]);
+    }
     let table = Table::new(limit_columns()).also_in("`--json`").rows(rows).text();
     format!("{table}\n{}", paragraph(currents::Q_AXIS, 2, 2))
 }
 
-/// The limits of a design, tightest first.
-pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> {
+/// Margins, the tightest first.
+fn tightest_first(margins: &[Margin]) -> Vec<&Margin> {
     let mut margins: Vec<_> = margins.iter().collect();
     margins.sort_by(|a, b| a.margin.total_cmp(&b.margin).then(a.limit.cmp(b.limit)));
     margins
+}
+
+/// The limits of a design, tightest first.
+pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> {
+    tightest_first(margins)
         .iter()
         .map(|m| {
             let at = m.sample.map_or_else(String::new, |k| joint.motion.name_sample(k));

@@ -35,6 +35,7 @@ mod said;
 pub mod spring;
 pub mod sweep;
 pub mod table;
+pub mod tint;
 pub mod torques;
 pub mod unjudged;
 

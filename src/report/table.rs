@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use unicode_width::UnicodeWidthStr;
 
+use super::tint;
 use crate::input::tame;
 use crate::units::{RATIO, UnitError, unit_of};
 
@@ -377,6 +378,7 @@ fn parts(text: &str, room: usize) -> Vec<String> {
 
 /// Whether a line may not end between two words: at a sign that stands between numbers, and before a unit.
 fn held(before: &str, after: &str) -> bool {
+    let (before, after) = (&*tint::plain(before), &*tint::plain(after));
     const SIGNS: [&str; 5] = ["=", "±", "≤", "≥", "×"];
     let number = before.trim_start_matches(['(', '[', '+', '-', '−', '±']).parse::<f64>().is_ok();
     let unit = || {

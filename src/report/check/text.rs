@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::report::table::{Column, Table, paragraph};
+use crate::report::tint::Tint;
 use crate::report::{counted, number, optional};
 use crate::rules::lock::LockState;
 use crate::rules::{Finding, Location, Report, Severity, Test, rule};
@@ -61,10 +62,16 @@ pub fn text(report: &Report, strict: bool) -> String {
             "Not judged, because what they measure is not known, not asked for, or beyond its limit already: {}",
             skipped.join("; ")
         );
-        out.push_str(&format!("\n{}", paragraph(&line, 0, 2)));
+        out.push_str(&format!("\n{}", paragraph(&Tint::Doubtful.on(&line), 0, 2)));
     }
-    out.push_str(&format!("\n{}", paragraph(&summary(report, strict), 0, 2)));
+    out.push_str(&format!("\n{}", paragraph(&verdict(report, strict), 0, 2)));
     out
+}
+
+/// The summary with the colour of what it says.
+fn verdict(report: &Report, strict: bool) -> String {
+    let tint = if report.passes(strict) { Tint::Kept } else { Tint::Exceeded };
+    tint.on(&summary(report, strict))
 }
 
 /// Whether two findings say the same of two joints: of the row of a motor that both have.
@@ -92,8 +99,10 @@ fn joints(report: &Report) -> String {
                 let tightest = e.tightest();
                 row.extend([
                     tightest.map_or_else(|| "–".into(), |m| m.limit.to_string()),
-                    tightest
-                        .map_or_else(|| "–".into(), |m| format!("{} %", number((1000.0 * m.margin).round() / 10.0))),
+                    tightest.map_or_else(
+                        || "–".into(),
+                        |m| Tint::of(m).on(&format!("{} %", number((1000.0 * m.margin).round() / 10.0))),
+                    ),
                     number(e.loss),
                     optional(e.mass),
                 ]);
@@ -110,7 +119,7 @@ fn joints(report: &Report) -> String {
         Column::number("N", ""),
         Column::name("tightest"),
         Column::number("margin", ""),
-        Column::number("loss", "W").dropped(4),
+        Column::number("copper\nloss", "W").dropped(4),
         Column::number("mass", "kg").dropped(3),
     ];
     Table::new(columns).also_in("`--json`").rows(rows).text()
@@ -120,7 +129,9 @@ fn joints(report: &Report) -> String {
 fn story(report: &Report, finding: &Finding, joints: &str) -> String {
     let rule = report.rule_of(finding);
     let head = format!("{} {} {}", finding.severity.name(), rule.code, rule.name);
+    let severity = Tint::of_severity(finding.severity);
     let head = if rule.code == rule.name { format!("{} {}", finding.severity.name(), rule.name) } else { head };
+    let head = severity.map_or_else(|| head.clone(), |tint| tint.on(&head));
     let mut out = paragraph(&format!("{}: {head}", place(&finding.location)), 0, 2);
     let of = if joints.is_empty() { String::new() } else { format!("{joints}: ") };
     out.push_str(&paragraph(&format!("{of}{}", printable(&finding.message)), 2, 2));
