@@ -31,6 +31,6 @@ pub struct About {
     pub construction: Option<Construction>,
     /// The module that it is only sold in; empty where it can be bought alone.
     pub only_inside: String,
-    /// The id of a newer row of the same motor; empty where there is none.
+    /// The id of another row of the same motor, which counts where both have a value; empty where there is none.
     pub same_as: String,
 }

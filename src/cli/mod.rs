@@ -384,7 +384,7 @@ fn tolerance(text: Option<&str>) -> Result<Option<f64>, Failure> {
 fn find_motor<'c>(catalog: &'c Catalog, id: &str) -> Result<&'c Motor, Failure> {
     catalog.motor(id).map_err(|near| {
         let help = match (catalog.near(id).as_slice(), near) {
-            ([], None) => "`gearwise rank` lists them".to_string(),
+            ([], None) => "`gearwise catalog list` lists them, and `--also` adds a catalogue of your own".to_string(),
             ([], Some(near)) => format!("did you mean `{near}`?"),
             (some, _) => {
                 format!("did you mean {}?", some.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(" or "))

@@ -62,15 +62,21 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
         let line = format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", "));
         notes.push(Tint::Doubtful.on(&line));
     }
+    // What is true of several joints is said once.
+    let mut told: Vec<(String, Vec<&str>)> = Vec::new();
     for of in &result.joints {
         let unlimited = balance::is_unlimited(of.joint).then(|| balance::NO_LIMIT.to_string());
         for note in joint_notes(of.joint, true).into_iter().chain(unlimited) {
-            match result.joints.len() {
-                1 => notes.push(note),
-                _ => notes.push(format!("{}: {note}", of.joint.name)),
+            match told.iter_mut().find(|(other, _)| *other == note) {
+                Some((_, joints)) => joints.push(&of.joint.name),
+                None => told.push((note, vec![&of.joint.name])),
             }
         }
     }
+    notes.extend(told.into_iter().map(|(note, joints)| match joints.len() == result.joints.len() {
+        true => note,
+        false => format!("{}: {note}", joints.join(", ")),
+    }));
     let mut out = table.text();
     if result.robot.is_coupled() {
         out.push_str(&paragraph("Each joint by itself, and carrying nothing.", 2, 4));

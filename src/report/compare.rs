@@ -122,7 +122,11 @@ pub(super) fn faster(comparison: &Comparison) -> Option<String> {
         |p| format!("sure to {:.0} %", 100.0 * p.max(1.0 - p)),
     );
     let times = number(faster.2);
-    Some(format!("{} is {times} times as responsive as {} (ratio of S_M; {sure}).", faster.0.id, faster.1.id))
+    let line = format!("{} is {times} times as responsive as {} (ratio of S_M; {sure}).", faster.0.id, faster.1.id);
+    Some(match a.about.same_as == b.id || b.about.same_as == a.id {
+        true => format!("{} and {} are two rows of one motor: they differ by what was measured. {line}", a.id, b.id),
+        false => line,
+    })
 }
 
 /// For people.

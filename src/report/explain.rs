@@ -253,13 +253,24 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
     )
 }
 
+/// A lower bound in ten digits, rounded downwards.
+fn below(bound: f64) -> String {
+    if bound == 0.0 || !bound.is_finite() {
+        return bound.to_string();
+    }
+    let decimals = (9 - bound.abs().log10().floor() as i32).clamp(0, 300);
+    let step = 10.0_f64.powi(-decimals);
+    let text = format!("{:.*}", decimals as usize, (bound / step).floor() * step);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+}
+
 fn best(story: &Explanation, optimum: &Optimum) -> String {
     let joint = story.joint;
     let line = best_line(story, optimum);
     let mut out = format!("\n{}", paragraph(&line, 0, 0));
     if let Certificate::Certified { lower_bound, method, .. } = &optimum.certificate {
         let unit = if joint.objective.unit() == "1" { String::new() } else { format!(" {}", joint.objective.unit()) };
-        let line = format!("no ratio is better than {lower_bound:.9e}{unit} ({method})");
+        let line = format!("no ratio is better than {}{unit} ({method})", below(*lower_bound));
         out.push_str(&paragraph(&line, 2, 4));
     }
     if optimum.shadow_prices.is_empty() {

@@ -63,7 +63,7 @@ pub fn number(value: f64) -> String {
 /// assert_eq!(number_between(9.84376, 3.0, 20.0), "9.844");
 /// assert_eq!(number_between(9.84376, 3.0, 9.84376), "9.843");
 /// assert_eq!(number_between(9.84376, 9.84376, 20.0), "9.844");
-/// assert_eq!(number_between(9.84376, 9.84371, 9.84376), "9.84375");
+/// assert_eq!(number_between(9.843764, 9.84371, 9.843764), "9.84376");
 /// ```
 pub fn number_between(value: f64, min: f64, max: f64) -> String {
     let plain = number(value);

@@ -232,7 +232,7 @@ impl Row for MotorRow {
         },
         Column {
             name: "same_as",
-            about: "id of a newer row of the same motor: the two are one motor, the newer row counts where both have a value",
+            about: "id of another row of the same motor: the two are one motor, that row counts where both have a value",
             need: Need::May,
             holds: Holds::Text(|r| r.about.same_as.clone(), |r, text| r.about.same_as = text),
         },

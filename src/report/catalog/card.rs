@@ -190,8 +190,11 @@ pub fn motor_text(card: &Card) -> String {
         );
     }
     if !card.twins.is_empty() {
-        let newer = if about.same_as.is_empty() { "this row counts" } else { "the newer row counts" };
-        let text = format!("{}; {newer} where both have a value, the other fills what it lacks", card.twins.join(", "));
+        let counts = if about.same_as.is_empty() { "this row" } else { about.same_as.as_str() };
+        let text = format!(
+            "{}; {counts} counts where both have a value, the other fills what it lacks",
+            card.twins.join(", ")
+        );
         line(&mut out, "the same motor", &text);
     }
     titled(&mut out, &format!("In every convention (the row: {})", conventions_line(motor)));
