@@ -42,7 +42,7 @@ function hostileCatalogue() {
 // A design that breaks many rules, with paths that are long.
 function brokenDesign() {
   const shipped = path.join(root, "requirements/designs/quadruped_mini_cheetah/design.toml"), file = path.join(folder, "broken.toml");
-  const text = fs.readFileSync(shipped, "utf8").replace("../../", `${root}/requirements/`).replace(/^rules = .*$/m, "").replace("ratio = 9.33", "ratio = 3");
+  const text = fs.readFileSync(shipped, "utf8").replaceAll('"../../', `"${root}/requirements/`).replace(/^rules = .*$/m, "").replace("ratio = 9.33", "ratio = 3");
   fs.writeFileSync(file, text);
   return file;
 }
