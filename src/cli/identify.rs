@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Call, CatalogPaths, Done, Failure, Html, Output};
+use super::{Call, CatalogPaths, Done, Failure, Html, Output, Set};
 use crate::actuator::estimate::complete;
 use crate::catalog::fitted::Fitted;
 use crate::design::remake::remake;
@@ -11,7 +11,6 @@ use crate::measured::{identify, read, simulate};
 use crate::output;
 use crate::report::plot::{self, Format, residual};
 use crate::report::{fitted, forward as forward_report, html, identify as report, json, remake as remake_report};
-use crate::requirement;
 use crate::units;
 
 /// Arguments of the command.
@@ -35,6 +34,8 @@ pub struct Arguments {
     #[arg(long, value_name = "FITTED.toml")]
     write: Option<PathBuf>,
     #[command(flatten)]
+    set: Set,
+    #[command(flatten)]
     html: Html,
     #[command(flatten)]
     catalog: CatalogPaths,
@@ -52,8 +53,12 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         Format::of(path).map_err(Failure::Argument)?;
     }
     let robot = match &arguments.requirement {
-        Some(path) => Some(requirement::read_without_springs(path, "`--requirement`")?),
-        None => None,
+        Some(path) => Some(arguments.set.read(path, Some("`--requirement`"))?),
+        None if arguments.set.settings()?.is_empty() => None,
+        None => {
+            let why = "`--set` puts values in the place of a requirement's: `--requirement` names it";
+            return Err(Failure::Argument(why.into()));
+        }
     };
     let bench = match arguments.catalog.catalog.as_slice() {
         [] => read::read(&arguments.bench)?,
@@ -102,7 +107,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     }
     let text = arguments.output.choose(
         || {
-            let choice = remade.as_deref().map(remake_report::text);
+            let set = robot.as_ref().map_or_else(String::new, super::told_set);
+            let choice = remade.as_deref().map(|remade| set + &remake_report::text(remade));
             let simulated = forward.as_ref().map(forward_report::text);
             [Some(report::text(&bench, &reports, &written)), simulated, choice]
                 .into_iter()
