@@ -236,7 +236,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     match (text, target) {
         (Ok(Some(text)), Some(path)) => write_whole(path, text.as_bytes()).map_err(Failure::Argument)?,
         (Ok(None), Some(path)) => {
-            let without = report::without_choice(&result).join("; ").replace("NO ", "no ");
+            let without = report::without_choice(&result, "no").join("; ");
             tell!("no design written: {without}{}", stays(path));
             kept = false;
         }

@@ -159,9 +159,9 @@ impl Ruled {
         catalog: (&Catalog, &[PathBuf]),
         path: &Path,
     ) -> Result<String, String> {
-        let without = without_choice(result);
+        let without = without_choice(result, "no");
         if !without.is_empty() {
-            return Err(without.join("; ").replace("NO ", "no "));
+            return Err(without.join("; "));
         }
         let mut last = "no combination of motors keeps the robot's budgets".to_string();
         for combination in &whole.combinations {

@@ -456,19 +456,17 @@ fn totals(result: &RobotResult) -> Vec<String> {
         let line = "the bus's power and current are kept by each joint alone; `power` in [budget] limits all together";
         lines.push(line.into());
     }
-    lines.extend(without_choice(result));
+    lines.extend(without_choice(result, "NO"));
     lines
 }
 
 /// What is said of joints that have no choice.
-pub fn without_choice(result: &RobotResult) -> Vec<String> {
+pub fn without_choice(result: &RobotResult, no: &str) -> Vec<String> {
     let without = result.joints.iter().filter(|j| j.candidates.is_empty());
     let told = |j: &'_ JointResult<'_>| unjudged::left_out(j.rejected.iter().map(|r| &r.reason));
-    unjudged::without_choice(without.map(|j| unjudged::Without {
-        joint: &j.joint.name,
-        unjudged: j.unjudged.len(),
-        unchecked: told(j),
-    }))
+    let without =
+        without.map(|j| unjudged::Without { joint: &j.joint.name, unjudged: j.unjudged.len(), unchecked: told(j) });
+    unjudged::without_choice(without, no)
 }
 
 /// As rows: every motor at every joint, feasible or not.

@@ -170,8 +170,9 @@ pub struct Without<'j> {
     pub unchecked: usize,
 }
 
-/// What is said of joints without a choice: that nothing can do them, or that nothing judged or checked can.
-pub fn without_choice<'j>(joints: impl Iterator<Item = Without<'j>>) -> Vec<String> {
+/// What is said of joints without a choice: that nothing can do them, or that nothing judged or checked can; behind
+/// the word *no* as each reading writes it.
+pub fn without_choice<'j>(joints: impl Iterator<Item = Without<'j>>, no: &str) -> Vec<String> {
     let [mut none, mut unjudged, mut unchecked] = [const { Vec::new() }; 3];
     for Without { joint, unjudged: apart, unchecked: left_out } in joints {
         match (apart, left_out) {
@@ -181,12 +182,12 @@ pub fn without_choice<'j>(joints: impl Iterator<Item = Without<'j>>) -> Vec<Stri
         }
     }
     let lines = [
-        ("NO motor of the catalogue can do", none),
-        ("NO motor that can be judged can do", unjudged),
-        ("NO motor that can be checked in full can do", unchecked),
+        ("motor of the catalogue can do", none),
+        ("motor that can be judged can do", unjudged),
+        ("motor that can be checked in full can do", unchecked),
     ];
     let told = lines.into_iter().filter(|(_, joints)| !joints.is_empty());
-    told.map(|(what, joints)| format!("{what}: {}", joints.join(", "))).collect()
+    told.map(|(what, joints)| format!("{no} {what}: {}", joints.join(", "))).collect()
 }
 
 /// How many were left out because a limit of them cannot be checked.

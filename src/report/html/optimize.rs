@@ -36,7 +36,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
                 format!("{all} can be built, with {motors}{but}.")
             }
         }
-        _ => without_choice(result).join(". ").replace("NO ", "No ") + ".",
+        _ => without_choice(result, "No").join(". ") + ".",
     };
     let headline = match whole.map(|whole| whole.combinations.first()) {
         None => headline,

@@ -21,7 +21,7 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
                 unjudged: f.unjudged.len(),
                 unchecked: unjudged::left_out(f.rejected.iter().map(|(_, why)| why)),
             });
-            unjudged::without_choice(told).join(". ").replace("NO ", "No ") + "."
+            unjudged::without_choice(told, "No").join(". ") + "."
         }
     };
     let warnings = fronts
