@@ -112,7 +112,7 @@ impl Actuator {
             let mut voltage = ShaftForm::default()
                 .plus(motor.resistance * current, &torque)
                 .plus(inductance * current, &torque.rate());
-            voltage[Feature::Velocity] += motor.back_emf_constant;
+            voltage[Feature::Velocity] += motor.emf_constant();
             (torque, voltage)
         };
         let forms = [1.0 / gear.efficiency, gear.backdrive_efficiency, 1.0].map(form);
@@ -120,7 +120,7 @@ impl Actuator {
             resistance: motor.resistance,
             hot_resistance: motor.resistance,
             torque_constant,
-            back_emf_constant: motor.back_emf_constant,
+            back_emf_constant: motor.emf_constant(),
             inertia,
             cross_coupling: pole_pairs * inductance / torque_constant,
             shortfall: Shortfall::new(motor, torque_constant, fitted_gear),

@@ -122,6 +122,12 @@ pub enum Incomplete {
 }
 
 impl Motor {
+    /// Back-EMF constant that the voltage and the power of a joint are computed with \[V·s/rad\]: no less than the torque
+    /// constant, or the motor would make energy from nothing. Metrics take the row's own.
+    pub fn emf_constant(&self) -> f64 {
+        self.back_emf_constant.max(self.torque_constant)
+    }
+
     /// The values of an effect that the row declares, where it does.
     pub fn declared(&self, effect: &dyn Effect) -> Option<Vec<f64>> {
         let value = match effect.column()? {
@@ -209,6 +215,11 @@ impl Motor {
             }
             torque_constant
         });
+        if back_emf_constant < torque_constant {
+            assumptions.push(
+                "a back-EMF constant below the torque constant would make energy: for voltage and power of a joint the torque constant is taken for both",
+            );
+        }
         if sheet.reference_temperature.is_none() {
             assumptions.push("resistance taken at 25 degC");
         }

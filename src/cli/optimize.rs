@@ -54,7 +54,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot"])]
     robust: bool,
     /// Tolerance (±, 95 %) of every number whose row states none, e.g. 5%, with --robust; temperatures have none
-    #[arg(long, value_name = "PERCENT", requires = "robust")]
+    #[arg(long, value_name = "PERCENT", requires = "robust", allow_hyphen_values = true)]
     tolerance: Option<String>,
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
@@ -234,7 +234,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     let mut kept = true;
     match (text, target) {
-        (Ok(Some(text)), Some(path)) => write_whole(path, text.as_bytes()).map_err(Failure::Argument)?,
+        (Ok(Some(text)), Some(path)) => {
+            write_whole(path, text.toml.as_bytes()).map_err(Failure::Argument)?;
+            text.costs.iter().for_each(|cost| tell!("{cost}"));
+        }
         (Ok(None), Some(path)) => {
             let without = report::without_choice(&result, "no").join("; ");
             tell!("no design written: {without}{}", stays(path));

@@ -13,8 +13,8 @@ use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::robot::Choice;
 use crate::input::Source;
-use crate::report::design_file::{self, Made, Written, way};
-use crate::report::{number, optimize::without_choice};
+use crate::report::design_file::{self, Made, Written, building_costs, way};
+use crate::report::{design_ratio, number, optimize::without_choice};
 use crate::requirement::{DesignFile, Joint, Robot};
 use crate::rules::bounded::{Kept, bounded};
 use crate::rules::lock::path_of;
@@ -124,7 +124,7 @@ impl Ruled {
         requirement: &Path,
         catalog: (&Catalog, &[PathBuf]),
         path: Option<&Path>,
-    ) -> Result<Option<String>, String> {
+    ) -> Result<Option<DesignText>, String> {
         loop {
             if result.joints.iter().any(|joint| joint.candidates.is_empty()) {
                 return Ok(None);
@@ -137,7 +137,7 @@ impl Ruled {
             let at = path.unwrap_or(Path::new("design.toml"));
             let text = self.text(result, "First choices", designs, made, requirement, catalog.1, at);
             let Some(rules) = &self.rules else { return Ok(Some(text)) };
-            let broken = broken(&text, at, catalog.0, rules, &self.robot)?;
+            let broken = broken(&text.toml, at, catalog.0, rules, &self.robot)?;
             let Some((joint, why)) = broken.into_iter().next() else { return Ok(Some(text)) };
             let place = joint.and_then(|name| result.joints.iter().position(|j| j.joint.name == name));
             let Some(place) = place else { return Err(format!("the rules are not kept: {why}")) };
@@ -158,7 +158,7 @@ impl Ruled {
         requirement: &Path,
         catalog: (&Catalog, &[PathBuf]),
         path: &Path,
-    ) -> Result<String, String> {
+    ) -> Result<DesignText, String> {
         let without = without_choice(result, "no");
         if !without.is_empty() {
             return Err(without.join("; "));
@@ -177,7 +177,7 @@ impl Ruled {
                 .collect();
             let text = self.text(result, "Best combination", designs, made, requirement, catalog.1, path);
             let Some(rules) = &self.rules else { return Ok(text) };
-            match broken(&text, path, catalog.0, rules, &self.robot)?.into_iter().next() {
+            match broken(&text.toml, path, catalog.0, rules, &self.robot)?.into_iter().next() {
                 None => return Ok(text),
                 Some((joint, why)) => {
                     last = format!(
@@ -200,29 +200,46 @@ impl Ruled {
         requirement: &Path,
         catalog: &[PathBuf],
         path: &Path,
-    ) -> String {
+    ) -> DesignText {
         let folder = path.parent().unwrap_or(Path::new(""));
         let catalog: Vec<PathBuf> = catalog.iter().map(|p| way(folder, p)).collect();
         let rules = self.path.as_ref().map(|p| way(folder, p));
-        design_file::toml(&Written {
+        let designs: Vec<_> = designs.into_iter().zip(made).collect();
+        let costs = building_costs(result, &designs);
+        let toml = design_file::toml(&Written {
             result,
             what,
-            designs: designs.into_iter().zip(made).collect(),
+            designs,
             requirement: &way(folder, requirement),
             catalog: &catalog,
             rules: rules.as_deref(),
-        })
+        });
+        DesignText { toml, costs }
     }
+}
+
+/// A design file, and what ratios that can be built cost.
+#[derive(Debug)]
+pub struct DesignText {
+    /// Its text.
+    pub toml: String,
+    /// Sentences.
+    pub costs: Vec<String>,
 }
 
 fn named(design: &Design) -> String {
     let gear = design.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
-    format!("{}{gear} at N = {}", design.motor.id, number(design.evaluation.ratio))
+    format!("{}{gear} at N = {}", design.motor.id, design_ratio(design))
 }
 
 /// A design as it is built: with its train of gears, its ratio and its spring; `None` as for [`built`].
 fn made_again(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Design) -> Option<Made> {
-    built(robot, joint, catalog, design).map(|b| (b.train, b.design.optimum.ratio, b.design.spring))
+    built(robot, joint, catalog, design).map(|b| Made {
+        train: b.train,
+        ratio: b.design.optimum.ratio,
+        spring: b.design.spring,
+        objective: b.design.optimum.objective,
+    })
 }
 
 /// Gives each joint the objective of the same joint of another robot, with what it is balanced from.

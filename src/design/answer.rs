@@ -91,7 +91,7 @@ pub struct JointResult<'a> {
     /// Designs that keep all that could be judged, and of which a limit that the requirement states could not: in the
     /// order that they would have. None of them is a choice.
     pub unjudged: Vec<Unjudged<'a>>,
-    /// Motors that cannot do it, by id, with the reason.
+    /// Motors that cannot do it, and those of which nothing can be worked out, by id, with the reason.
     pub rejected: Vec<Rejected<'a>>,
     /// Rank correlation between each metric's ranking and the task's; empty where not all motors were solved.
     pub agreement: Vec<Agreement>,
@@ -103,6 +103,26 @@ impl JointResult<'_> {
     /// The designs that keep all that could be judged: those that are a choice, then those that cannot be judged.
     pub fn designs(&self) -> impl Iterator<Item = &Design<'_>> {
         self.candidates.iter().chain(self.unjudged.iter().map(|u| &u.design))
+    }
+
+    /// Motors that cannot be judged: those of which a design is known, and those of which nothing can be worked out.
+    pub fn apart(&self) -> impl Iterator<Item = Undecided<'_>> {
+        let known = self.unjudged.iter().map(|u| Undecided {
+            motor: u.design.motor,
+            gear: u.design.gear,
+            because: u.because.clone(),
+            design: Some(&u.design),
+        });
+        let nothing = self.rejected.iter().filter_map(|r| {
+            let because = vec![r.reason.unknown()?];
+            Some(Undecided { motor: r.motor, gear: r.gear, because, design: None })
+        });
+        known.chain(nothing)
+    }
+
+    /// Motors that are known not to do it.
+    pub fn cannot(&self) -> impl Iterator<Item = &Rejected<'_>> {
+        self.rejected.iter().filter(|r| r.reason.unknown().is_none())
     }
 
     /// Number of motors of the catalogue, solved or not.
@@ -204,7 +224,20 @@ pub struct Unjudged<'a> {
     pub because: Vec<Remark>,
 }
 
-/// A motor that cannot do it.
+/// A motor that cannot be judged.
+#[derive(Debug, Clone)]
+pub struct Undecided<'r> {
+    /// The motor.
+    pub motor: &'r Motor,
+    /// Id of the gear, where it is one of the catalogue.
+    pub gear: Option<&'r str>,
+    /// What cannot be judged, and why; never empty.
+    pub because: Vec<Remark>,
+    /// The best design as far as is known, where one can be worked out.
+    pub design: Option<&'r Design<'r>>,
+}
+
+/// A motor that is no choice: it cannot do it, or nothing of it can be worked out ([`Reason::unknown`]).
 #[derive(Debug, Clone)]
 pub struct Rejected<'a> {
     /// The motor.
@@ -269,6 +302,20 @@ pub enum Reason {
     NotSolved(Unsolved),
 }
 
+impl Reason {
+    /// The number that is missing, where that alone is why: then whether it could do it is not known.
+    pub fn unknown(&self) -> Option<Remark> {
+        let what = match self {
+            Reason::Unusable(Unusable::RotorInertia) => "rotor_inertia",
+            Reason::Unusable(Unusable::GearEfficiency) => "gear_efficiency",
+            Reason::Unusable(Unusable::Mass) => "mass",
+            _ => return None,
+        };
+        let Reason::Unusable(why) = self else { return None };
+        Some((what, why.reason()))
+    }
+}
+
 /// Why a motor, or a motor with a gear, is not a candidate at all.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Unusable {
@@ -282,7 +329,7 @@ pub enum Unusable {
     GearEfficiency,
     /// The objective needs a mass that is not known.
     Mass,
-    /// Energy per cycle needs durations.
+    /// Energy per cycle needs a cycle: durations of points, numbers of cycles of load cases.
     Durations,
 }
 
@@ -295,7 +342,9 @@ impl Unusable {
             Unusable::NoGearFits => "no allowed gear of the catalogue fits it",
             Unusable::GearEfficiency => "the gear's efficiency is not known",
             Unusable::Mass => "the objective needs a mass that is not known",
-            Unusable::Durations => "energy needs operating points with durations",
+            Unusable::Durations => {
+                "energy is that of a cycle: points need durations, load cases `cycles` or an `order`"
+            }
         }
     }
 }

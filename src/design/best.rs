@@ -55,7 +55,7 @@ fn without_mass<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) ->
 fn best_known<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
     let Site { robot, joint, demand, .. } = site;
     let refuse = |reason| Refused::rejected(Rejected { motor, gear: None, reason });
-    if let Some(why) = lacking(motor, demand.load.has_durations, |q| joint.objective.weight(q) > 0.0) {
+    if let Some(why) = lacking(motor, demand.load.duration.is_some(), |q| joint.objective.weight(q) > 0.0) {
         return Err(refuse(Reason::Unusable(why)));
     }
     let found = match joint.limits.spring {
@@ -67,9 +67,9 @@ fn best_known<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> R
 }
 
 /// What a motor or a motion lacks for a quantity that is asked for.
-pub(super) fn lacking(motor: &Motor, has_durations: bool, counts: impl Fn(Quantity) -> bool) -> Option<Unusable> {
+pub(super) fn lacking(motor: &Motor, has_cycle: bool, counts: impl Fn(Quantity) -> bool) -> Option<Unusable> {
     let mass = counts(Quantity::Mass) && motor.mass.is_none();
-    let durations = counts(Quantity::Energy) && !has_durations;
+    let durations = counts(Quantity::Energy) && !has_cycle;
     mass.then_some(Unusable::Mass).or(durations.then_some(Unusable::Durations))
 }
 

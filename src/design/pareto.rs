@@ -90,7 +90,10 @@ pub fn fronts<'a>(
                     front.points.extend(points);
                 }
                 Err(Reason::Unjudged(because)) => front.unjudged.push((motor, because)),
-                Err(why) => front.rejected.push((motor, why)),
+                Err(why) => match why.unknown() {
+                    Some(remark) => front.unjudged.push((motor, vec![remark])),
+                    None => front.rejected.push((motor, why)),
+                },
             }
         }
         front.points = not_dominated(front.points);
@@ -118,7 +121,7 @@ struct Asked<'a, 'd> {
 impl<'a> Asked<'a, '_> {
     /// The points of one motor.
     fn curve(&self, motor: &'a Motor) -> Curve<'a> {
-        let durations = self.site.demand.load.has_durations;
+        let durations = self.site.demand.load.duration.is_some();
         if let Some(why) = lacking(motor, durations, |quantity| self.quantities.contains(&quantity)) {
             return Err(Reason::Unusable(why));
         }

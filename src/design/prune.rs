@@ -93,7 +93,7 @@ fn lower_bound(site: Site, motor: &Motor) -> Option<f64> {
     let Site { joint, demand, .. } = site;
     // A spring takes load off: a bound without it is none.
     let counts = |quantity| joint.objective.weight(quantity) > 0.0;
-    if joint.limits.spring.is_some() || lacking(motor, demand.load.has_durations, counts).is_some() {
+    if joint.limits.spring.is_some() || lacking(motor, demand.load.duration.is_some(), counts).is_some() {
         return None;
     }
     let bound = |mount: Mount| {

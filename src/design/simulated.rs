@@ -175,7 +175,7 @@ impl SimulatedJoint {
             "torque that falls with speed",
             format!(
                 "the voltage ends all torque at {} rad/s{peak}",
-                number(candidate.voltage() / motor.back_emf_constant / self.ratio)
+                number(candidate.voltage() / motor.emf_constant() / self.ratio)
             ),
         );
         match motor.inductance {
@@ -240,7 +240,7 @@ fn continuous_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
 /// Largest speed at the output: the voltage's without load, the motor's, the gear's.
 fn largest_speed(candidate: &Candidate, ratio: f64) -> Bound {
     let voltage =
-        Bound { value: candidate.voltage() / candidate.motor.back_emf_constant / ratio, owner: "voltage without load" };
+        Bound { value: candidate.voltage() / candidate.motor.emf_constant() / ratio, owner: "voltage without load" };
     let motor = candidate.motor.max_speed.map(|s| Bound { value: s / ratio, owner: "motor" });
     let gear = candidate.gear.max_input_speed.map(|s| Bound { value: s / ratio, owner: "gear" });
     least([motor, gear]).filter(|b| b.value < voltage.value).unwrap_or(voltage)
@@ -253,8 +253,8 @@ fn speed_at_torque(candidate: &Candidate, torque: f64) -> f64 {
     let motor = candidate.motor;
     let drop = motor.resistance * current;
     let (inductance, pole_pairs) = motor.inductance_and_poles().unwrap_or((0.0, 0.0));
-    let a = motor.back_emf_constant.powi(2) + (pole_pairs * inductance * current).powi(2);
-    let half_b = motor.back_emf_constant * drop;
+    let a = motor.emf_constant().powi(2) + (pole_pairs * inductance * current).powi(2);
+    let half_b = motor.emf_constant() * drop;
     let c = drop * drop - candidate.voltage().powi(2);
     if c >= 0.0 { 0.0 } else { -c / (half_b + (half_b * half_b - a * c).sqrt()) }
 }

@@ -1,7 +1,7 @@
 //! The answer first: what to take at each joint, on one screen.
 
 use super::balance;
-use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at};
+use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at, per_cent};
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{design_ratio, estimated, number, number_between, optional};
@@ -54,8 +54,12 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
         }
     }
     let mut unjudged = Vec::new();
-    for of in result.joints.iter().filter(|of| !of.unjudged.is_empty() && !of.candidates.is_empty()) {
-        let count = crate::words::counted(of.unjudged.len(), "motor");
+    for of in result.joints.iter().filter(|of| !of.candidates.is_empty()) {
+        let count = of.apart().count();
+        if count == 0 {
+            continue;
+        }
+        let count = crate::words::counted(count, "motor");
         unjudged.push(format!("{count} at {}", of.joint.name));
     }
     if !unjudged.is_empty() {
@@ -195,7 +199,8 @@ pub(super) fn binds(design: &Design, joint: &Joint) -> String {
 
 /// That the requirement's own range of ratios decided, and what it costs.
 pub(super) fn own_bound(bound: &OwnBound, joint: &Joint) -> String {
-    let range = if joint.ratio.listed().is_some() { "list of ratios" } else { "bound on the ratio" };
+    let is_list = joint.ratio.listed().is_some() && !joint.ratio.is_grid();
+    let range = if is_list { "list of ratios" } else { "bound on the ratio" };
     let (low, high) = if bound.is_largest { (bound.ratio, bound.beyond) } else { (bound.beyond, bound.ratio) };
     format!(
         "your own {range} decides: N = {}; N = {} would save {} ({})",
@@ -204,12 +209,6 @@ pub(super) fn own_bound(bound: &OwnBound, joint: &Joint) -> String {
         per_cent(bound.saves),
         joint.goal(),
     )
-}
-
-/// A share in per cent.
-pub(super) fn per_cent(share: f64) -> String {
-    let rounded = (1000.0 * share).round() / 10.0;
-    if rounded == 0.0 && share != 0.0 { "less than 0.1 %".into() } else { format!("{} %", number(rounded)) }
 }
 
 /// The best design with every limit checked, where the first has not.

@@ -2,9 +2,10 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::number;
+use super::said::per_cent;
+use super::{design_ratio, number, number_between};
 use crate::catalog::is_word;
-use crate::design::answer::{Design, RobotResult, SpringChoice};
+use crate::design::answer::{Design, JointResult, RobotResult, SpringChoice};
 use crate::design::buildable::{Stage, Train};
 
 /// The way from a folder to a file, both as they are on disk; the file's own path where one of them is not there.
@@ -29,8 +30,35 @@ fn quoted(path: &Path) -> String {
     toml::Value::String(if cfg!(windows) { text.replace('\\', "/") } else { text }).to_string()
 }
 
-/// A ratio that can be built: its gear where one was found, the ratio, and the spring there.
-pub type Made = (Option<Train>, f64, Option<SpringChoice>);
+/// A ratio that can be built.
+#[derive(Debug, Clone)]
+pub struct Made {
+    /// Its gear, where one was found.
+    pub train: Option<Train>,
+    /// The ratio.
+    pub ratio: f64,
+    /// The spring there.
+    pub spring: Option<SpringChoice>,
+    /// The objective there.
+    pub objective: f64,
+}
+
+/// What the ratios that can be built cost, a sentence for each joint that has one.
+pub fn building_costs(result: &RobotResult, designs: &[(&Design, Option<Made>)]) -> Vec<String> {
+    let of = |(joint, (design, made)): (&JointResult, &(&Design, Option<Made>))| {
+        let made = made.as_ref()?;
+        let (now, least) = (made.objective, design.optimum.objective);
+        let (name, ratio, best) = (&joint.joint.name, number(made.ratio), design_ratio(design));
+        let cost = match now / least - 1.0 {
+            more if least > 0.0 && more > 0.0 => {
+                format!("{} more {} than at N* = {best}", per_cent(more), joint.joint.goal())
+            }
+            _ => format!("{} {}, and {} at N* = {best}", joint.joint.goal(), number(now), number(least)),
+        };
+        Some(format!("{name}: written with N = {ratio}, which can be built: {cost}"))
+    };
+    result.joints.iter().zip(designs).filter_map(of).collect()
+}
 
 /// What a design file is made of.
 #[derive(Debug)]
@@ -73,20 +101,30 @@ pub fn toml(written: &Written) -> String {
     }
     for (joint, (optimal, built)) in result.joints.iter().zip(designs) {
         let objective = &joint.joint.objective;
-        let (ratio, spring) = match built {
-            Some((_, ratio, spring)) => (*ratio, *spring),
-            None => (optimal.optimum.ratio, optimal.spring),
+        let (ratio, spring, value) = match built {
+            Some(made) => (made.ratio, made.spring, made.objective),
+            None => (optimal.optimum.ratio, optimal.spring, optimal.optimum.objective),
         };
         let design = optimal;
         let window = optimal.optimum.window();
+        let least = match built {
+            Some(_) => {
+                format!(" ({} at `optimal_ratio`)", super::with_unit(design.optimum.objective, objective.unit()))
+            }
+            None => String::new(),
+        };
         out.push_str(&format!(
-            "\n# {} {}; {} can do it alone",
+            "\n# {} {}{least}; {} can do it alone",
             joint.joint.goal(),
-            super::with_unit(design.optimum.objective, objective.unit()),
+            super::with_unit(value, objective.unit()),
             crate::words::counted(joint.candidates.len(), "motor")
         ));
         if design.gear.is_none() {
-            out.push_str(&format!("; feasible from {} to {}", number(window.min), number(window.max)));
+            out.push_str(&format!(
+                "; feasible from {} to {}",
+                number_between(window.min, window.min, window.max),
+                number_between(window.max, window.min, window.max)
+            ));
         }
         out.push_str(&format!("\n[[joint]]\nname = {}\nmotor = {}\n", text(&joint.joint.name), text(&design.motor.id)));
         match design.gear {
@@ -107,7 +145,7 @@ pub fn toml(written: &Written) -> String {
 
 /// How a ratio can be built, as a comment behind it.
 fn built_text(built: Option<&Made>) -> String {
-    let Some((Some(train), ..)) = built else { return String::new() };
+    let Some(Made { train: Some(train), .. }) = built else { return String::new() };
     let stage = |stage: &Stage| format!("sun {}, ring {}", stage.sun, stage.ring);
     let stages: Vec<String> = train.stages.iter().map(stage).collect();
     format!("  # for example planetary: {}", stages.join("; "))

@@ -69,7 +69,7 @@ pub fn text(story: &Explanation) -> String {
         None => {}
     }
     if !story.remedies.is_empty() {
-        let heading = if story.best.is_some() { "Any one of these would make it feasible" } else { "What is exceeded" };
+        let heading = if story.best.is_some() { would_do(story) } else { "What is exceeded" };
         out.push_str(&format!("\n{heading}:\n"));
         for remedy in &story.remedies {
             out.push_str(&paragraph(&remedy_text(remedy), 2, 4));
@@ -169,6 +169,14 @@ pub(super) fn quantities(story: &Explanation) -> Vec<(&'static str, Option<f64>,
     figures.chain(metrics).collect()
 }
 
+/// What widening one limit would bring: no more than what can be judged is promised.
+pub(super) fn would_do(story: &Explanation) -> &'static str {
+    match story.unchecked.is_empty() {
+        true => "Any one of these would make it feasible",
+        false => "With any one of these it would keep every limit that can be judged, not those that are not checked",
+    }
+}
+
 pub(super) fn remedy_text(remedy: &Remedy) -> String {
     // Of a limit of zero there are no shares.
     let more = match remedy.bound == 0.0 {
@@ -232,7 +240,12 @@ pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> 
                 number(m.bound),
                 m.unit.into(),
                 percent(m.margin),
-                m.owner.into(),
+                match joint.limits.reserve(m.limit) {
+                    share if share > 0.0 => {
+                        format!("{}, less {} reserve", m.owner, percent(share).trim_start_matches('+'))
+                    }
+                    _ => m.owner.into(),
+                },
                 at,
             ]
         })

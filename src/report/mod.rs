@@ -47,6 +47,8 @@ use serde_json::Value;
 
 use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
+use crate::design::pareto::{Front, FrontPoint};
+use crate::design::program::Optimum;
 
 /// How many different motors there are, in words.
 ///
@@ -71,6 +73,26 @@ pub(crate) fn demand_of(margin: &Margin) -> String {
 pub fn design_ratio(design: &Design) -> String {
     let (ratio, window) = (design.evaluation.ratio, design.optimum.window());
     if design.gear.is_some() { number(ratio) } else { number_between(ratio, window.min, window.max) }
+}
+
+/// The ratio of an optimum, rounded into its window.
+pub fn optimum_ratio(optimum: &Optimum) -> String {
+    let window = optimum.window();
+    number_between(optimum.ratio, window.min, window.max)
+}
+
+/// The ratio of a point on a front, rounded to lie between those of its motor.
+pub fn point_ratio(point: &FrontPoint, front: &Front) -> String {
+    let ratio = point.evaluation.ratio;
+    if point.gear.is_some() {
+        return number(ratio);
+    }
+    let same = || front.points.iter().filter(|p| p.motor.id == point.motor.id).map(|p| p.evaluation.ratio);
+    match (same().fold(ratio, f64::min), same().fold(ratio, f64::max)) {
+        // One point alone tells nothing of the ratios beside it.
+        (min, max) if min == max => number(ratio),
+        (min, max) => number_between(ratio, min, max),
+    }
 }
 
 /// JSON text, two spaces deep, with a final newline.

@@ -1,7 +1,7 @@
 //! Why a first choice, and what is near it: what binds, how the number comes about, gears, the trade of mass and loss.
 
-use super::answer::{binds, checked, is_of_range, own_bound, per_cent};
-use super::said::{margin_at, proof, windows_text};
+use super::answer::{binds, checked, is_of_range, own_bound};
+use super::said::{margin_at, per_cent, proof, windows_text};
 use super::table::{Column, Table, paragraph};
 use super::{balance, design_ratio, number, number_between, optional};
 use crate::design::answer::{Design, JointResult};
@@ -28,10 +28,11 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     if let Some(bound) = &outlook.own_bound {
         let key = if bound.is_largest { ("a larger", "max") } else { ("a smaller", "min") };
         let what = match joint.ratio.listed() {
-            Some(_) => format!("list {} ratio", key.0),
-            None => format!("give `ratio` {} `{}`", key.0, key.1),
+            Some(_) if !joint.ratio.is_grid() => format!("list {} ratio", key.0),
+            _ => format!("give `ratio` {} `{}`", key.0, key.1),
         };
-        say(&format!("{}; every limit is kept there: {what}, if it can be built", own_bound(bound, joint)));
+        let kept = if design.unchecked.is_empty() { "every limit" } else { "every checked limit" };
+        say(&format!("{}; {kept} is kept there: {what}, if it can be built", own_bound(bound, joint)));
     }
     if let Some(flat) = &outlook.flatness {
         say(&flatness(flat, joint, design));
@@ -89,8 +90,9 @@ pub(super) fn flatness(flat: &Flatness, joint: &Joint, design: &Design) -> Strin
     let [from, to] = [flat.from, flat.to].map(|end| number_between(end, flat.from, flat.to));
     let spring = if design.spring.is_some() { ", with this spring" } else { "" };
     let sure = if flat.proved { "" } else { "; evaluated, not proved" };
+    let kept = if design.unchecked.is_empty() { "all limits" } else { "all checked limits" };
     format!(
-        "{} within {} of its least from N = {from} to {to}, all limits kept{spring}{sure}",
+        "{} within {} of its least from N = {from} to {to}, {kept} kept{spring}{sure}",
         joint.goal(),
         per_cent(flat.within)
     )

@@ -3,7 +3,7 @@
 use super::columns::{self, Entry, State};
 use super::optimize::reason_text;
 use super::table::{Column, Table, paragraph, wrap};
-use super::{number, optional, unjudged};
+use super::{number, optional, point_ratio, unjudged};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::requirement::Quantity;
 
@@ -50,7 +50,7 @@ pub fn text(fronts: &[Front]) -> String {
                 if geared {
                     row.push(p.gear.unwrap_or("").into());
                 }
-                row.extend([number(p.evaluation.ratio), number(p.values[0]), number(p.values[1])]);
+                row.extend([point_ratio(p, front), number(p.values[0]), number(p.values[1])]);
                 row.extend(with_mass.then(|| optional(p.evaluation.mass)));
                 row.push(if p.certified { "exact".into() } else { "not certified".into() });
                 row

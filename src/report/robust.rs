@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::columns::{self, Entry, State};
 use super::optimize::{bind_text, proof, reason_text};
 use super::table::{Column, Table, paragraph};
-use super::{csv_number, number};
+use super::{csv_number, number, optimum_ratio};
 use crate::design::answer::{Design, JointResult};
 use crate::design::program::Certificate;
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES, Toleranced, standard_error};
@@ -57,7 +57,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         joint.count,
         joint.aim(),
         crate::words::counted(candidates.len(), "motor"),
-        super::unjudged::counted(result.nominal.unjudged.len()),
+        super::unjudged::counted(result.nominal.apart().count()),
         result.lost.len()
     );
     let mut out = paragraph(&heading, 0, 2);
@@ -73,7 +73,8 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let mut table = Table::new(columns).indented(2).also_in("`--csv`, `--json`");
     for (place, d) in result.designs.iter().take(top).enumerate() {
         let mut row = vec![(place + 1).to_string(), d.nominal.motor.id.clone()];
-        row.extend([d.nominal.optimum.ratio, d.optimum.ratio, d.optimum.objective].map(number));
+        row.extend([&d.nominal.optimum, &d.optimum].map(optimum_ratio));
+        row.push(number(d.optimum.objective));
         row.push(if d.toleranced.is_empty() { "–".into() } else { number(d.worst_objective) });
         row.push(proof(&d.optimum.certificate));
         table.push(row, vec![details(d, result)]);
@@ -93,7 +94,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         let sentence = format!(
             "lost to its tolerances: {} (N* = {} by its printed numbers): {}",
             lost.nominal.motor.id,
-            number(lost.nominal.optimum.ratio),
+            optimum_ratio(&lost.nominal.optimum),
             reason_text(&lost.reason, joint).1
         );
         out.push_str(&paragraph(&sentence, 2, 4));

@@ -1,6 +1,6 @@
 //! Words for a choice that several of its readings share: what binds, how near a limit is, how sure it is.
 
-use super::{design_ratio, estimated, number_between};
+use super::{design_ratio, estimated, number, number_between};
 use crate::actuator::limits::LOW_SAFETY;
 use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
@@ -82,10 +82,26 @@ pub(super) fn windows_text(optimum: &Optimum, joint: &Joint) -> Option<String> {
     Some(windows.collect::<Vec<_>>().join(" and from "))
 }
 
+/// A share in per cent.
+pub(super) fn per_cent(share: f64) -> String {
+    let rounded = (1000.0 * share).round() / 10.0;
+    if rounded == 0.0 && share != 0.0 { "less than 0.1 %".into() } else { format!("{} %", number(rounded)) }
+}
+
+/// That a margin is beyond a reserve that is kept; nothing where none is.
+pub(super) fn beyond_reserve(margin: &Margin, joint: &Joint) -> String {
+    match joint.limits.reserve(margin.limit) {
+        share if share > 0.0 => format!(" beyond its reserve of {}", per_cent(share)),
+        _ => String::new(),
+    }
+}
+
 /// The same with the load case that it is in, where the joint has several.
 pub(super) fn margin_at(margin: &Margin, joint: &Joint) -> String {
     let case = margin.sample.and_then(|k| joint.motion.case_of(k));
-    margin_text(margin) + &case.map_or_else(String::new, |case| format!(" ({})", case.name))
+    margin_text(margin)
+        + &beyond_reserve(margin, joint)
+        + &case.map_or_else(String::new, |case| format!(" ({})", case.name))
 }
 
 pub(super) fn choice_text(design: &Design) -> String {

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::number;
 use super::table::wrap;
 use crate::actuator::limits::Remark;
-use crate::design::answer::{JointResult, JointSweep, Reason, Unjudged};
+use crate::design::answer::{JointResult, JointSweep, Reason, Undecided};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::design::robot::{Apart, Choice};
 
@@ -81,7 +81,8 @@ fn block(heading: &str, lines: Vec<String>) -> String {
 
 /// The block of a joint by reasons; `more` is said of them.
 pub fn reasons(result: &JointResult, more: &str) -> String {
-    let reasons = result.unjudged.iter().map(|u| (u.design.motor.id.as_str(), u.because.as_slice()));
+    let apart: Vec<Undecided> = result.apart().collect();
+    let reasons = apart.iter().map(|a| (a.motor.id.as_str(), a.because.as_slice()));
     block(&format!("{HEADING}{more}"), lines(reasons))
 }
 
@@ -91,19 +92,20 @@ pub fn text(result: &JointResult, each: bool) -> String {
         return reasons(result, " (`--rejected` lists each)");
     }
     let goal = &result.joint.objective;
-    let line = |u: &Unjudged| {
-        let gear = u.design.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
-        let at = number(u.design.evaluation.ratio);
-        let known = match u.design.optimum.objective {
+    let line = |u: Undecided| {
+        let gear = u.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
+        let Some(design) = u.design else { return format!("{}{gear}: {}", u.motor.id, causes(&u.because)) };
+        let at = number(design.evaluation.ratio);
+        let known = match design.optimum.objective {
             value if value.is_finite() => {
                 format!("as far as is known {} {} at N = {at}", goal.name(), super::with_unit(value, goal.unit()))
             }
-            _ => format!("as far as is known loss {} W at N = {at}", number(u.design.evaluation.loss)),
+            _ => format!("as far as is known loss {} W at N = {at}", number(design.evaluation.loss)),
         };
-        let estimated = super::estimated::text(u.design.motor);
-        format!("{}{gear}: {}; {known}{estimated}", u.design.motor.id, causes(&u.because))
+        let estimated = super::estimated::text(u.motor);
+        format!("{}{gear}: {}; {known}{estimated}", u.motor.id, causes(&u.because))
     };
-    block(HEADING, result.unjudged.iter().map(line).collect())
+    block(HEADING, result.apart().map(line).collect())
 }
 
 /// The block of a sweep.

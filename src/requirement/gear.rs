@@ -52,6 +52,11 @@ impl RatioChoice {
         }
     }
 
+    /// Whether the ratios are a grid with a step.
+    pub fn is_grid(&self) -> bool {
+        matches!(self, RatioChoice::Listed { step: Some(_), .. })
+    }
+
     /// Whether the ratios are those of gears of the catalogue.
     pub fn is_catalog(&self) -> bool {
         matches!(self, RatioChoice::Catalog { .. })

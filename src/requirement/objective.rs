@@ -55,8 +55,10 @@ impl Quantity {
             Quantity::ReflectedInertia => "N² (J_m + J_g) [kg*m^2]",
             Quantity::PeakCurrent => "largest q-axis current [A], as limits on currents compare it",
             Quantity::Mass => "of motor and gear [kg]",
-            Quantity::Energy => "drawn from the bus per cycle [J]",
-            Quantity::PeakPower => "largest drawn from the bus [W]",
+            Quantity::Energy => {
+                "drawn from the bus per cycle [J]: what is drawn over the drive's efficiency, less what comes back times it"
+            }
+            Quantity::PeakPower => "largest drawn from the bus [W], over the drive's efficiency",
         }
     }
 

@@ -34,22 +34,17 @@ pub fn bounded(robot: &Robot, file: &RulesFile) -> (Robot, Vec<Kept>) {
         };
         for rule in RULES {
             let Test::Bounds { measures, min, max } = rule.test else { continue };
-            let here = || file.tunings.iter().filter(|t| t.rule.code == rule.code && t.joints.has(&name));
-            let severity = here().fold(rule.severity, |severity, t| t.severity.unwrap_or(severity));
-            let min = here().fold(min, |min, t| t.min.or(min));
-            let max = here().fold(max, |max, t| t.max.or(max));
+            let (severity, _) = file.severity(rule, Some(&name));
+            let [min, max] = file.bounds(rule, &name, [min, max]);
             for found in measures.iter().filter_map(|name| measure(name)) {
-                let allowed = file.allows.iter().any(|allow| {
-                    let subject = allow.subject.as_ref().is_none_or(|s| *s == found.name);
-                    allow.code == rule.code && allow.joints.has(&name) && subject
-                });
+                let allowed = file.allows.iter().any(|allow| allow.is_of(rule.code, Some(&name), &found.name));
                 if severity >= Severity::Warning && !allowed {
                     keep(joint, rule.name, found, min, max);
                 }
             }
         }
         for own in file.own.iter().filter(|own| own.joints.has(&name) && own.severity >= Severity::Warning) {
-            let allowed = file.allows.iter().any(|allow| allow.code == own.name && allow.joints.has(&name));
+            let allowed = file.allows.iter().any(|allow| allow.is_of(&own.name, Some(&name), &own.measure.name));
             if !allowed {
                 keep(joint, &own.name, own.measure, own.min, own.max);
             }

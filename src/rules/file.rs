@@ -41,6 +41,11 @@ impl Selection {
     pub fn is_some(&self) -> bool {
         !self.patterns.is_empty()
     }
+
+    /// Whether it is of a joint, or, without one, of what is no joint's.
+    pub fn is_of(&self, joint: Option<&str>) -> bool {
+        joint.map_or(!self.is_some(), |name| self.has(name))
+    }
 }
 
 /// Another bound or severity for a rule.
@@ -98,6 +103,30 @@ pub struct Allow {
     pub reason: String,
     /// Where it stands.
     pub span: Span<usize>,
+}
+
+impl Allow {
+    /// Whether it is of what a rule finds at a joint, or at none.
+    pub(super) fn is_of(&self, code: &str, joint: Option<&str>, subject: &str) -> bool {
+        self.code == code && self.joints.is_of(joint) && self.subject.as_ref().is_none_or(|own| own == subject)
+    }
+}
+
+impl RulesFile {
+    fn tunings(&self, rule: &Rule, joint: Option<&str>) -> impl Iterator<Item = &Tuning> {
+        self.tunings.iter().filter(move |t| t.rule.code == rule.code && t.joints.is_of(joint))
+    }
+
+    /// Severity of a rule at a joint, or at none, and why it is another than the rule's own.
+    pub(super) fn severity(&self, rule: &Rule, joint: Option<&str>) -> (Severity, Option<&str>) {
+        self.tunings(rule, joint)
+            .fold((rule.severity, None), |(own, _), t| (t.severity.unwrap_or(own), Some(t.reason.as_str())))
+    }
+
+    /// The bounds of a rule at a joint, in place of its own.
+    pub(super) fn bounds(&self, rule: &Rule, joint: &str, own: [Option<f64>; 2]) -> [Option<f64>; 2] {
+        self.tunings(rule, Some(joint)).fold(own, |[min, max], t| [t.min.or(min), t.max.or(max)])
+    }
 }
 
 /// Reads a rules file; `-` is standard input.

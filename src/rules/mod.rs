@@ -229,9 +229,9 @@ impl Checker<'_> {
         }
         for (index, rule) in RULES.iter().enumerate() {
             if let Test::Robot(look) = rule.test {
-                let (severity, reason) = self.severity(rule, None);
+                let (severity, reason) = self.file.severity(rule, None);
                 if severity != Severity::Off {
-                    self.add(index, severity, None, Ok(look(facts)), reason.as_deref());
+                    self.add(index, severity, None, Ok(look(facts)), reason);
                 }
             }
         }
@@ -244,7 +244,7 @@ impl Checker<'_> {
     }
 
     fn joint_rule(&mut self, index: usize, rule: &'static Rule, joint: &JointFacts) {
-        let (severity, reason) = self.severity(rule, Some(&joint.choice.joint.name));
+        let (severity, reason) = self.file.severity(rule, Some(&joint.choice.joint.name));
         if severity == Severity::Off {
             return;
         }
@@ -252,29 +252,15 @@ impl Checker<'_> {
             Test::Limit(limit) => limit_remarks(limit, joint),
             Test::Bounds { measures, min, max } => {
                 let named: Vec<&Measure> = measures.iter().filter_map(|name| measure(name)).collect();
-                let mut bounds = Bounds { min: *min, max: *max };
-                for tuning in self.tunings(rule, &joint.choice.joint.name) {
-                    bounds.min = tuning.min.or(bounds.min);
-                    bounds.max = tuning.max.or(bounds.max);
-                }
+                let [min, max] = self.file.bounds(rule, &joint.choice.joint.name, [*min, *max]);
+                let bounds = Bounds { min, max };
                 // A limit that is exceeded is an error already; its reserve has nothing to add.
                 within(&named, &bounds, |m| m.at(joint).filter(|_| !m.is_exceeded(joint)))
             }
             Test::Joint(look) => Ok(look(joint)),
             Test::Robot(_) | Test::RulesFile => return,
         };
-        self.add(index, severity, Some(joint), judged, reason.as_deref());
-    }
-
-    fn tunings(&self, rule: &Rule, joint: &str) -> impl Iterator<Item = &file::Tuning> {
-        self.file.tunings.iter().filter(move |t| t.rule.code == rule.code && t.joints.has(joint))
-    }
-
-    /// Severity of a rule at a joint, and why it is another than the rule's own.
-    fn severity(&self, rule: &Rule, joint: Option<&str>) -> (Severity, Option<String>) {
-        let tunings = self.file.tunings.iter().filter(|t| t.rule.code == rule.code);
-        let here = tunings.filter(|t| joint.map_or(!t.joints.is_some(), |name| t.joints.has(name)));
-        here.fold((rule.severity, None), |(severity, _), t| (t.severity.unwrap_or(severity), Some(t.reason.clone())))
+        self.add(index, severity, Some(joint), judged, reason);
     }
 
     fn add(
@@ -315,12 +301,7 @@ impl Checker<'_> {
         let design = joint.map(|j| j.choice.design).or(of_joint);
         let code = &self.rules[rule].code;
         let allowed = self.file.allows.iter().zip(&mut self.used).find_map(|(allow, used)| {
-            let here = match &name {
-                Some(name) => allow.joints.has(name),
-                None => !allow.joints.is_some(),
-            };
-            let subject = allow.subject.as_ref().is_none_or(|s| *s == remark.subject);
-            (allow.code == *code && here && subject).then(|| {
+            allow.is_of(code, name.as_deref(), &remark.subject).then(|| {
                 *used = true;
                 allow.reason.clone()
             })
@@ -376,8 +357,8 @@ impl Checker<'_> {
         }
         for (wanted, remarks) in [(registry::UNUSED_ALLOW, nothing), (registry::SELECTS_NOTHING, selects)] {
             let Some(index) = RULES.iter().position(|r| r.code == wanted.code) else { continue };
-            let (severity, reason) = self.severity(&wanted, None);
-            self.add(index, severity, None, Ok(remarks), reason.as_deref());
+            let (severity, reason) = self.file.severity(&wanted, None);
+            self.add(index, severity, None, Ok(remarks), reason);
         }
     }
 }

@@ -93,10 +93,10 @@ impl Case {
         // Voltage and power taken see the winding at its hottest, all else at the reference of its resistance.
         let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
         let r_hot = r * hottest_factor(motor, asked.winding_temperature);
-        let work = |p: &Point| motor.back_emf_constant * n * p.velocity * most(p) / k_t;
+        let work = |p: &Point| motor.emf_constant() * n * p.velocity * most(p) / k_t;
         let power = |p: &Point| r_hot * (most(p) / k_t).powi(2) + work(p);
         let cold_power = |p: &Point| r * (most(p) / k_t).powi(2) + work(p);
-        let v_q = |p: &Point| r_hot * most(p) / k_t + l * rate(p) / k_t + motor.back_emf_constant * n * p.velocity;
+        let v_q = |p: &Point| r_hot * most(p) / k_t + l * rate(p) / k_t + motor.emf_constant() * n * p.velocity;
         let v_d = |p: &Point| -f64::from(poles) * n * p.velocity * l * most(p) / k_t;
         let voltage = |p: &Point| v_q(p).hypot(v_d(p));
         let torque = |p: &Point| most(p).abs();
@@ -164,7 +164,7 @@ impl Case {
             ("ratio_max", n, Some(max)),
         ];
         let drawn = |p: &Point| {
-            let watt = r * (usual(p) / k_t).powi(2) + motor.back_emf_constant * n * p.velocity * usual(p) / k_t;
+            let watt = r * (usual(p) / k_t).powi(2) + motor.emf_constant() * n * p.velocity * usual(p) / k_t;
             (watt / bus.drive_efficiency).max(watt * bus.drive_efficiency)
         };
         let duration = match joint.motion.course {

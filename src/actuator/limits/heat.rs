@@ -59,7 +59,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: STANDSTILL,
         unit: "A",
-        formula: "√(mean(T²) + R_wh/R_th · mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat",
+        formula: "√(mean(T²) + R_wh/R_th · mean over standstill(T²))/K_T ≤ I_continuous, I_thermal: the worst phase carries 2/3 of the heat; asked where the motion is at rest for a share of its time",
         safety: false,
         of: Of::QAxis,
         class: Class::Convex,

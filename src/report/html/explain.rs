@@ -7,7 +7,7 @@ use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
 use crate::report::currents::Q_AXIS;
 use crate::report::explain::{
-    RUNAWAY, best_line, limit_columns, limit_rows, no_spring, percent, quantities, remedy_text, verdict,
+    RUNAWAY, best_line, limit_columns, limit_rows, no_spring, percent, quantities, remedy_text, verdict, would_do,
 };
 use crate::report::optimize::{fitted_notes, reason_text};
 use crate::report::plot::design as plot;
@@ -42,9 +42,8 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         None => {}
     }
     if !story.remedies.is_empty() {
-        let heading =
-            if story.best.is_some() { "Any one of these would make it feasible:" } else { "What is exceeded:" };
-        summary.push(Part::Text(heading.into()));
+        let heading = if story.best.is_some() { would_do(story) } else { "What is exceeded" };
+        summary.push(Part::Text(format!("{heading}:")));
         summary.push(Part::List(story.remedies.iter().map(remedy_text).collect()));
     }
     let mut sections = vec![

@@ -3,7 +3,7 @@
 use super::{Page, Part, Section, Table, Verdict};
 use crate::design::pareto::Front;
 use crate::report::plot::{Figure, pareto as plot};
-use crate::report::{number, optional, unjudged};
+use crate::report::{number, optional, point_ratio, unjudged};
 use crate::requirement::{Quantity, Robot};
 
 /// The page.
@@ -59,7 +59,7 @@ fn ends(fronts: &[Front]) -> Table {
                 front.joint.name.clone(),
                 front.quantities[which].name().into(),
                 point.motor.id.clone(),
-                number(point.evaluation.ratio),
+                point_ratio(point, front),
                 shown(0),
                 shown(1),
                 motors.len().to_string(),
@@ -92,7 +92,8 @@ fn section(front: &Front, figure: &Figure, k: usize) -> Section {
     for p in &front.points {
         let proof = if p.certified { "exact" } else { "not certified" };
         let mut cells = vec![p.motor.id.clone(), p.gear.unwrap_or("").into()];
-        cells.extend([p.evaluation.ratio, p.values[0], p.values[1]].map(number));
+        cells.push(point_ratio(p, front));
+        cells.extend(p.values.map(number));
         cells.extend([optional(p.evaluation.mass), proof.into(), p.unchecked.len().to_string()]);
         table.push(&p.motor.id, cells);
     }

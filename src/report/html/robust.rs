@@ -4,7 +4,7 @@ use super::{Page, Part, Section, Table, Verdict, asked, folded, unjudged as apar
 use crate::design::robust::{RobustJoint, SAMPLES};
 use crate::report::optimize::{bind_text, proof, ratio_text, reason_text};
 use crate::report::robust::{notes, percent, tolerances_text};
-use crate::report::{counted, number, unjudged};
+use crate::report::{counted, number, optimum_ratio, unjudged};
 use crate::requirement::Robot;
 
 /// The page.
@@ -59,9 +59,9 @@ fn choices(joints: &[RobustJoint]) -> Table {
         let first = joint.designs.first();
         let mut cells = vec![joint.nominal.joint.name.clone(), joint.nominal.joint.count.to_string()];
         cells.push(nominal.map_or_else(|| "none".into(), |d| d.motor.id.clone()));
-        cells.push(nominal.map_or_else(String::new, |d| number(d.optimum.ratio)));
+        cells.push(nominal.map_or_else(String::new, |d| optimum_ratio(&d.optimum)));
         cells.push(first.map_or_else(|| "none".into(), |d| d.nominal.motor.id.clone()));
-        cells.push(first.map_or_else(String::new, |d| number(d.optimum.ratio)));
+        cells.push(first.map_or_else(String::new, |d| optimum_ratio(&d.optimum)));
         cells.push(first.map_or_else(String::new, |d| tolerances_text(&d.toleranced)));
         cells.push(joint.lost.len().to_string());
         table.push(first.map_or("", |d| d.nominal.motor.id.as_str()), cells);
@@ -77,14 +77,14 @@ fn section(result: &RobustJoint) -> Section {
         ratio_text(joint),
         joint.aim(),
         counted(result.nominal.candidates.len(), "motor"),
-        unjudged::counted(result.nominal.unjudged.len()),
+        unjudged::counted(result.nominal.apart().count()),
         result.lost.len()
     ))];
     parts.extend(designs(result).part());
     let mut lost = Table::new(format!("{}: lost to their tolerances", joint.name), &["motor", ">N*", "because"]);
     for of in &result.lost {
         let motor = &of.nominal.motor.id;
-        let cells = vec![motor.clone(), number(of.nominal.optimum.ratio), reason_text(&of.reason, joint).1];
+        let cells = vec![motor.clone(), optimum_ratio(&of.nominal.optimum), reason_text(&of.reason, joint).1];
         lost.push(motor, cells);
     }
     let count = lost.rows.len();
@@ -104,8 +104,8 @@ fn section(result: &RobustJoint) -> Section {
         chances.push(&c.motor.id, cells);
     }
     parts.extend(chances.part());
-    let all = &result.nominal.unjudged;
-    let all = all.iter().map(|u| (u.design.motor.id.as_str(), u.design.gear, u.because.as_slice()));
+    let all: Vec<_> = result.nominal.apart().collect();
+    let all = all.iter().map(|a| (a.motor.id.as_str(), a.gear, a.because.as_slice()));
     parts.extend(apart::folded(&joint.name, all));
     Section::new(joint.name.clone(), parts)
 }
@@ -137,7 +137,8 @@ fn designs(result: &RobustJoint) -> Table {
     for (place, d) in result.designs.iter().enumerate() {
         let bare = d.toleranced.is_empty();
         let mut cells = vec![(place + 1).to_string(), d.nominal.motor.id.clone(), d.gear.unwrap_or("").into()];
-        cells.extend([d.nominal.optimum.ratio, d.optimum.ratio, d.optimum.objective].map(number));
+        cells.extend([&d.nominal.optimum, &d.optimum].map(optimum_ratio));
+        cells.push(number(d.optimum.objective));
         cells.push(if bare { "–".into() } else { number(d.worst_objective) });
         cells.push(tolerances_text(&d.toleranced));
         let tightest = d.tightest.as_ref().filter(|_| !bare);

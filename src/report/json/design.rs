@@ -309,12 +309,7 @@ pub struct Unjudged<'a> {
 
 impl<'a> Unjudged<'a> {
     /// A motor, and what cannot be judged of it.
-    pub fn new(
-        motor: &'a str,
-        gear: Option<&'a str>,
-        because: &'a [Remark],
-        design: Option<Design<'a>>,
-    ) -> Unjudged<'a> {
+    pub fn new(motor: &'a str, gear: Option<&'a str>, because: &[Remark], design: Option<Design<'a>>) -> Unjudged<'a> {
         Unjudged { motor, gear, because: unjudged::sentence(because), limits: not_checked(because), design }
     }
 }
@@ -455,8 +450,8 @@ fn case_of(joint: &Joint, sample: usize) -> Option<&str> {
 }
 
 /// Limits that could not be checked.
-pub fn not_checked(of: &[Remark]) -> Vec<NotChecked<'_>> {
-    of.iter().map(|(limit, because)| NotChecked { limit, because }).collect()
+pub fn not_checked<'a>(of: &[Remark]) -> Vec<NotChecked<'a>> {
+    of.iter().map(|&(limit, because)| NotChecked { limit, because }).collect()
 }
 
 /// Limits that count as kept.

@@ -679,7 +679,7 @@ fn mean_power_is_heat_and_work() {
                 let torque = phi * p.torque / n + n * (j * p.acceleration + b * p.velocity) + rubs;
                 let current = torque / case.motor.torque_constant;
                 let heat = case.motor.resistance * current * current;
-                let work = case.motor.back_emf_constant * n * p.velocity * current;
+                let work = case.motor.emf_constant() * n * p.velocity * current;
                 power += share[0] * (heat + work);
                 size += share[0] * (heat + work.abs());
             }
@@ -762,7 +762,7 @@ fn cuts_of_heat_and_energy_touch_and_stay_below() {
         let energy = |n: f64| {
             let of = |p: &Point| {
                 let heat = motor.resistance * squared(p, n);
-                let power = heat + motor.back_emf_constant * n * p.velocity * torque(p, n) / motor.torque_constant;
+                let power = heat + motor.emf_constant() * n * p.velocity * torque(p, n) / motor.torque_constant;
                 if power > 0.0 { power / drive } else { power * drive }
             };
             duration * case.raw.iter().zip(&case.shares).map(|(p, s)| s[0] * of(p)).sum::<f64>()
@@ -880,9 +880,9 @@ fn the_envelope_is_where_its_functional_meets_the_bound() {
                 let poles = motor.inductance_and_poles().map_or(0.0, |(l, p)| l * p);
                 let asked = joint.limits.winding_temperature;
                 let hot = motor.resistance * raw::hottest_factor(motor, asked);
-                let v_q = hot * current + motor.back_emf_constant * n * speed;
+                let v_q = hot * current + motor.emf_constant() * n * speed;
                 let v_d = poles * n * speed * current;
-                let work = motor.back_emf_constant * n * speed * current;
+                let work = motor.emf_constant() * n * speed * current;
                 match functional {
                     Functional::TorqueSquared => (current * motor.torque_constant).powi(2),
                     Functional::VoltageSquared => v_q * v_q + v_d * v_d,

@@ -118,7 +118,7 @@ fn own(case: &Case, n: f64) -> Own {
     let hot = [motor.max_winding_temperature, joint.limits.winding_temperature].into_iter().flatten().reduce(f64::min);
     let rise = hot.map_or(0.0, |t| (t - motor.reference_temperature).max(0.0));
     let (r, k) = (motor.resistance, motor.torque_constant - sum("torque_constant_temperature") * rise);
-    let k_b = motor.back_emf_constant;
+    let k_b = motor.emf_constant();
     // The gear: its friction in proportion to torque is its loss.
     let gamma = sum("load_dependent_friction");
     let (driving, braking) = if gamma > 0.0 {

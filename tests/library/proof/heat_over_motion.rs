@@ -443,7 +443,7 @@ fn no_design_breaks_its_voltage_at_its_own_temperature() {
             let r = motor.resistance * (1.0 + alpha * (kelvin - motor.reference_temperature));
             let c = motor.coulomb_friction.unwrap_or(0.0) + motor.viscous_friction.unwrap_or(0.0) * n * speed;
             let i = (torque / n + c) / motor.torque_constant;
-            let v_q = r * i + motor.back_emf_constant * n * speed;
+            let v_q = r * i + motor.emf_constant() * n * speed;
             let poles = f64::from(motor.pole_pairs.unwrap_or(0));
             let v_d = poles * n * speed * motor.inductance.unwrap_or(0.0) * i;
             assert!(

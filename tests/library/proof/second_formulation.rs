@@ -138,7 +138,7 @@ impl<'a> Problem<'a> {
             let torque = [phi * p.torque, j * p.acceleration + b * p.velocity, rubs];
             let rate = [phi * p.torque_rate, j * p.jerk + b * p.acceleration, 0.0];
             let mut voltage = add(torque.map(|x| x * r_hot / k_t), rate, l / k_t);
-            voltage[1] += motor.back_emf_constant * p.velocity;
+            voltage[1] += motor.emf_constant() * p.velocity;
             Sample { torque, voltage, speed: p.velocity, share }
         };
         let ways = |p: &Point| match p.velocity {
@@ -213,7 +213,7 @@ impl<'a> Problem<'a> {
             rippled: every(&case.rippled),
             copper: r / (k_t * k_t),
             hot_copper: r_hot / (k_t * k_t),
-            emf: motor.back_emf_constant / k_t,
+            emf: motor.emf_constant() / k_t,
             cross: poles * l / k_t,
             inertia: j,
             bounds,

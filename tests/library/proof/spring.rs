@@ -68,9 +68,9 @@ impl Case {
             let t = phi * tau / n + n * (j * alpha + b * omega) + c * omega.signum();
             let t_rate = phi * rate / n + n * (j * jerk + b * alpha);
             let i = t / k_t;
-            let v_q = r_hot * i + l * t_rate / k_t + motor.back_emf_constant * n * omega;
+            let v_q = r_hot * i + l * t_rate / k_t + motor.emf_constant() * n * omega;
             let v_d = poles * n * omega * l * i;
-            let work = motor.back_emf_constant * n * omega * i;
+            let work = motor.emf_constant() * n * omega * i;
             let (power, taken) = (r * i * i + work, r_hot * i * i + work);
             // The trapezoid rule, periodic.
             let before =

@@ -61,7 +61,7 @@ impl Actuator<'_> {
     /// Power from the bus at a sample.
     fn power(&self, k: usize) -> f64 {
         let (i, speed) = (self.current(k), self.shaft(k).1);
-        let terminal = self.motor.resistance * i * i + self.motor.back_emf_constant * speed * i;
+        let terminal = self.motor.resistance * i * i + self.motor.emf_constant() * speed * i;
         let eta = self.robot.bus.drive_efficiency;
         if terminal > 0.0 { terminal / eta } else { terminal * eta }
     }
@@ -79,7 +79,7 @@ impl Actuator<'_> {
         let samples = 0..SAMPLES;
         let volt = self.robot.bus.voltage * 0.5_f64.sqrt();
         let over = |k: usize| {
-            let voltage = self.motor.resistance * self.current(k) + self.motor.back_emf_constant * self.shaft(k).1;
+            let voltage = self.motor.resistance * self.current(k) + self.motor.emf_constant() * self.shaft(k).1;
             (self.current(k).abs() / self.motor.peak_current.unwrap()).max(voltage.abs() / volt) - 1.0
         };
         samples.map(over).fold(f64::NEG_INFINITY, f64::max)

@@ -283,6 +283,9 @@ fn a_joint_that_no_motor_can_do_is_status_one() {
     std::fs::write(&file, text).unwrap();
     let output = gearwise(&["optimize", file.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(1));
+    // Of some nothing can be said: no rotor inertia.
+    assert!(stdout(&output).contains("NO motor that can be judged can do: j"));
+    let output = gearwise(&["optimize", file.to_str().unwrap(), "--catalog", "catalogs/motors/faulhaber.csv"]);
     assert!(stdout(&output).contains("NO motor of the catalogue can do: j"));
     assert_eq!(gearwise(&["sweep", file.to_str().unwrap()]).status.code(), Some(1));
     assert_eq!(gearwise(&["audit", "tests/fixtures/paper_motors.csv"]).status.code(), Some(1));

@@ -12,6 +12,7 @@ mod colour;
 mod export;
 mod folder;
 mod help;
+mod honest;
 mod html;
 mod identify_cli;
 mod import_mgdb;

@@ -210,7 +210,7 @@ fn the_voltage_boundary_meets_the_circle() {
                         };
                         // Of the hottest winding: tests/raw looks at how hot that is.
                         let hot = prepared.candidate.actuator.hot_resistance / motor.resistance;
-                        let v_q = motor.resistance * hot * current + motor.back_emf_constant * n * speed;
+                        let v_q = motor.resistance * hot * current + motor.emf_constant() * n * speed;
                         let v_d = -poles * n * speed * current;
                         let reached = v_q.hypot(v_d);
                         assert!(

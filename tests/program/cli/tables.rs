@@ -463,7 +463,7 @@ fn a_sweep_and_a_robust_choice_keep_rows_and_reasons_together() {
             .map(|(k, d)| vec![("#", (k + 1).to_string()), ("motor", text_of(&d["motor"]))])
             .collect();
         for (row, d) in rows_of(&text, &keys, &what).iter().zip(&robust_designs) {
-            assert!(row.contains(&format!(" {} ", shown(&d["ratio"]))), "{what}: {row}");
+            assert!(row.contains(&format!(" {} ", ratio_of(d))), "{what}: {row}");
             assert!(row.contains(&format!(" {} ", shown(&d["objective"]))), "{what}: {row}");
             let tolerances = d["tolerances"].as_array().unwrap();
             assert_eq!(row.contains("no tolerances in the catalogue"), tolerances.is_empty(), "{what}: {row}");
@@ -543,9 +543,18 @@ fn ranks_fronts_checks_and_whole_robots_are_in_their_order() {
             let points = all(&joint["candidates"]);
             let at = front.find(&format!("{}: loss", joint["joint"].as_str().unwrap())).unwrap();
             let (_, front) = left_out(&front[at..]);
-            let key = |p: &Value| {
-                vec![("motor", text_of(&p["motor"])), ("N", shown(&p["ratio"])), ("loss", shown(&p["values"][0]))]
+            // Rounded to lie between the ratios of its motor.
+            let ratio = |p: &Value| {
+                let same = points.iter().filter(|o| o["motor"] == p["motor"]).map(|o| o["ratio"].as_f64().unwrap());
+                let ratios: Vec<f64> = same.collect();
+                let ends = [f64::min, f64::max].map(|f| ratios.iter().copied().reduce(f).unwrap());
+                match ends[0] == ends[1] {
+                    true => shown(&p["ratio"]),
+                    false => number_between(p["ratio"].as_f64().unwrap(), ends[0], ends[1]),
+                }
             };
+            let key =
+                |p: &Value| vec![("motor", text_of(&p["motor"])), ("N", ratio(p)), ("loss", shown(&p["values"][0]))];
             starts(&front, &[key(points.first().unwrap()), key(points.last().unwrap())][..points.len().min(2)], &what);
         }
     }

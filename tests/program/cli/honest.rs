@@ -1,0 +1,136 @@
+//! Sentences that must not be said: each with a case where the tool knows less, or something else.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::folder::{MOTORS, REQUIREMENT, Ran, folder, run};
+use super::tables::collapsed;
+
+fn json(ran: &Ran) -> Value {
+    serde_json::from_str(&ran.out).unwrap_or_else(|e| panic!("{e}: {}{}", ran.out, ran.err))
+}
+
+/// Text that stands in lines of any width.
+fn says(ran: &Ran, what: &str) -> bool {
+    collapsed(&ran.out).contains(what)
+}
+
+const POINTS: &str = "points = [{ torque = \"1 N*m\", speed = \"4 rad/s\", duration = \"1 s\" }]";
+
+/// A motor whose sheet has K_B below K_T gives no more than the shaft takes.
+#[test]
+fn no_motor_makes_energy() {
+    let folder = folder();
+    let head = "id,terminals,current,back_emf_convention,resistance [ohm],inductance [mH],torque_constant [N*m/A],back_emf_constant [V*s/rad],rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind";
+    let row = "less,q_axis,q_axis,q_axis,0.1,0.05,0.05,0.04,300,200,7,9,60,120,a sheet,datasheet";
+    fs::write(folder.path().join("less.csv"), format!("{head}\n{row}\n")).unwrap();
+    let robot = REQUIREMENT.replace("motion = \"knee.csv\"", POINTS);
+    for (objective, least) in [("energy", "energy_per_cycle_j"), ("peak_power", "peak_electrical_power_w")] {
+        fs::write(folder.path().join("other.toml"), robot.replace("\"loss\"", &format!("\"{objective}\""))).unwrap();
+        let ran = run(&folder, &["optimize", "other.toml", "--catalog", "less.csv", "--json"]);
+        let first = &json(&ran)["joints"][0]["candidates"][0];
+        // 1 N·m at 4 rad/s for 1 s through a gear of 95 %: 4.21 W and 4.21 J, and heat.
+        assert!(first[least].as_f64().unwrap() > 4.0 / 0.95, "{objective}: {first}");
+    }
+    let shown = run(&folder, &["catalog", "show", "less", "--catalog", "less.csv"]);
+    assert!(says(&shown, "would make energy"), "{}", shown.out);
+}
+
+/// Shares of the time say of no cycle how long it is: energy per cycle is refused, not every motor.
+#[test]
+fn energy_of_no_cycle_is_refused_where_it_is_asked() {
+    let folder = folder();
+    let timeless = REQUIREMENT.replace("motion = \"knee.csv\"", &POINTS.replace(", duration = \"1 s\"", ""));
+    let share = |often: [&str; 2]| {
+        let case = |name: &str, often: &str| format!("[[joint.case]]\nname = \"{name}\"\n{POINTS}\n{often}\n");
+        let cases = case("walk", often[0]) + &case("stand", often[1]);
+        REQUIREMENT.replace("motion = \"knee.csv\"\n", "") + &cases
+    };
+    let (shares, cycles) = (share(["share = 0.5", "share = 0.5"]), share(["cycles = 3", "cycles = 1"]));
+    for (text, why) in [(&timeless, "operating points without durations"), (&shares, "the `share` of a load case")] {
+        fs::write(folder.path().join("other.toml"), text).unwrap();
+        let words = ["optimize", "other.toml", "--catalog", "motors.csv"];
+        assert_eq!(run(&folder, &words).status, 0, "loss has an answer");
+        let ran = run(&folder, &[&words[..], &["--set", "joint.knee.objective=energy"]].concat());
+        assert_eq!((ran.status, ran.out.as_str()), (2, ""));
+        assert!(ran.err.contains("is that of a cycle") && ran.err.contains(why), "{}", ran.err);
+    }
+    fs::write(folder.path().join("other.toml"), cycles.replace("\"loss\"", "\"energy\"")).unwrap();
+    let ran = run(&folder, &["optimize", "other.toml", "--catalog", "motors.csv", "--json"]);
+    let energy = json(&ran)["joints"][0]["candidates"][0]["energy_per_cycle_j"].as_f64().unwrap();
+    assert!(energy > 16.0 / 0.95 && energy < 40.0, "four cycles of 4 J: {energy}");
+}
+
+/// A motor whose rotor inertia nobody knows is not one that cannot do it.
+#[test]
+fn unknown_is_not_cannot() {
+    let folder = folder();
+    let rows: Vec<String> = MOTORS.lines().map(|row| row.replace(",300,200,", ",,200,")).collect();
+    fs::write(folder.path().join("less.csv"), rows.join("\n")).unwrap();
+    let words = ["optimize", "robot.toml", "--no-estimates", "--full", "--catalog", "less.csv"];
+    let text = run(&folder, &words);
+    assert!(says(&text, "0 cannot, 1 cannot be judged"), "{}", text.out);
+    let answer = json(&run(&folder, &[&words[..], &["--json"]].concat()));
+    let joint = &answer["joints"][0];
+    assert_eq!(joint["unjudged"][0]["motor"], "alpha-1");
+    assert_eq!(joint["rejected"].as_array().unwrap().len(), 0);
+    // With none left that is known, that no motor can do it is not known.
+    fs::write(folder.path().join("less.csv"), rows[..2].join("\n")).unwrap();
+    let none = run(&folder, &words);
+    assert_eq!(none.status, 1);
+    assert!(says(&none, "NO motor that can be judged can do"), "{}", none.out);
+    assert!(!says(&none, "NO motor of the catalogue can do"), "{}", none.out);
+    let front = run(
+        &folder,
+        &["optimize", "robot.toml", "--no-estimates", "--pareto", "loss,mass", "--catalog", "less.csv", "--json"],
+    );
+    assert_eq!(json(&front)["joints"][0]["unjudged"][0]["motor"], "alpha-1");
+}
+
+/// That something would be feasible is not promised where a limit is not known.
+#[test]
+fn what_cannot_be_judged_is_not_promised() {
+    let folder = folder();
+    let rows: Vec<String> = MOTORS.lines().map(|row| row.replace(",0.5,0.2,0.05,", ",0.5,,0.05,")).collect();
+    fs::write(folder.path().join("less.csv"), rows.join("\n")).unwrap();
+    let explain = |catalog: &str| {
+        run(
+            &folder,
+            &["explain", "alpha-1", "robot.toml", "--no-estimates", "--set", "bus.voltage=1 V", "--catalog", catalog],
+        )
+    };
+    let (known, unknown) = (explain("motors.csv"), explain("less.csv"));
+    assert!(says(&known, "Any one of these would make it feasible"), "{}", known.out);
+    assert!(!says(&unknown, "would make it feasible"), "{}", unknown.out);
+    assert!(says(&unknown, "every limit that can be judged"), "{}", unknown.out);
+    let why =
+        |catalog: &str| run(&folder, &["optimize", "robot.toml", "--no-estimates", "--why", "--catalog", catalog]);
+    fs::write(folder.path().join("less.csv"), rows[..2].join("\n")).unwrap();
+    assert!(says(&why("motors.csv"), "all limits kept"));
+    assert!(!says(&why("less.csv"), "all limits kept") && says(&why("less.csv"), "all checked limits kept"));
+}
+
+/// What stands in a design file is true of the design in it.
+#[test]
+fn a_written_design_tells_its_own_numbers() {
+    let folder = folder();
+    let ran = run(&folder, &["optimize", "robot.toml", "--catalog", "motors.csv", "--write-design", "made.toml"]);
+    assert_eq!(ran.status, 0, "{}", ran.err);
+    let made = fs::read_to_string(folder.path().join("made.toml")).unwrap();
+    assert!(made.contains("optimal_ratio"), "{made}");
+    let checked = json(&run(&folder, &["check", "made.toml", "--json"]));
+    let loss = checked["joints"][0]["design"]["loss_w"].as_f64().unwrap_or_else(|| panic!("{checked}"));
+    assert!(made.contains(&format!("# loss {} W (", gearwise::report::number(loss))), "{loss} in {made}");
+    assert!(ran.err.contains("which can be built"), "{}", ran.err);
+}
+
+/// A margin of what a reserve leaves is told as such.
+#[test]
+fn a_reserve_is_not_taken_for_the_limit() {
+    let folder = folder();
+    let words = ["explain", "alpha-1@9", "robot.toml", "--catalog", "motors.csv"];
+    let set = ["--set", "joint.knee.limits.reserve={ voltage = 0.15 }"];
+    assert!(!says(&run(&folder, &words), "reserve"));
+    assert!(says(&run(&folder, &[&words[..], &set].concat()), "bus, less 15 % reserve"));
+}
