@@ -88,10 +88,10 @@ pub struct JointResult<'a> {
     pub joint: &'a Joint,
     /// Feasible designs of which every limit that the requirement states could be judged, best first: one for each motor.
     pub candidates: Vec<Design<'a>>,
-    /// Designs that keep all that could be judged, and of which a limit that the requirement states could not: in the
-    /// order that they would have. None of them is a choice.
+    /// Motors that keep all that could be judged, and of which a limit that the requirement states could not: in the
+    /// order that their designs would have; then those of which no design can be worked out. None of them is a choice.
     pub unjudged: Vec<Unjudged<'a>>,
-    /// Motors that cannot do it, and those of which nothing can be worked out, by id, with the reason.
+    /// Motors that cannot do it, by id, with the reason.
     pub rejected: Vec<Rejected<'a>>,
     /// Rank correlation between each metric's ranking and the task's; empty where not all motors were solved.
     pub agreement: Vec<Agreement>,
@@ -102,27 +102,7 @@ pub struct JointResult<'a> {
 impl JointResult<'_> {
     /// The designs that keep all that could be judged: those that are a choice, then those that cannot be judged.
     pub fn designs(&self) -> impl Iterator<Item = &Design<'_>> {
-        self.candidates.iter().chain(self.unjudged.iter().map(|u| &u.design))
-    }
-
-    /// Motors that cannot be judged: those of which a design is known, and those of which nothing can be worked out.
-    pub fn apart(&self) -> impl Iterator<Item = Undecided<'_>> {
-        let known = self.unjudged.iter().map(|u| Undecided {
-            motor: u.design.motor,
-            gear: u.design.gear,
-            because: u.because.clone(),
-            design: Some(&u.design),
-        });
-        let nothing = self.rejected.iter().filter_map(|r| {
-            let because = vec![r.reason.unknown()?];
-            Some(Undecided { motor: r.motor, gear: r.gear, because, design: None })
-        });
-        known.chain(nothing)
-    }
-
-    /// Motors that are known not to do it.
-    pub fn cannot(&self) -> impl Iterator<Item = &Rejected<'_>> {
-        self.rejected.iter().filter(|r| r.reason.unknown().is_none())
+        self.candidates.iter().chain(self.unjudged.iter().filter_map(|u| u.design.as_ref()))
     }
 
     /// Number of motors of the catalogue, solved or not.
@@ -215,29 +195,27 @@ impl SpringChoice {
     }
 }
 
-/// A design that keeps every limit that could be judged, and of which a stated one could not.
+/// A motor of which is not known whether it can do it.
 #[derive(Debug, Clone)]
 pub struct Unjudged<'a> {
-    /// The best design as far as is known.
-    pub design: Design<'a>,
-    /// What the requirement states and cannot be judged, and why; never empty.
-    pub because: Vec<Remark>,
-}
-
-/// A motor that cannot be judged.
-#[derive(Debug, Clone)]
-pub struct Undecided<'r> {
     /// The motor.
-    pub motor: &'r Motor,
+    pub motor: &'a Motor,
     /// Id of the gear, where it is one of the catalogue.
-    pub gear: Option<&'r str>,
-    /// What cannot be judged, and why; never empty.
+    pub gear: Option<&'a str>,
+    /// What the requirement states or the model needs and is not known, and why; never empty.
     pub because: Vec<Remark>,
-    /// The best design as far as is known, where one can be worked out.
-    pub design: Option<&'r Design<'r>>,
+    /// The best design as far as is known: it keeps every limit that could be judged. `None` where none can be worked out.
+    pub design: Option<Design<'a>>,
 }
 
-/// A motor that is no choice: it cannot do it, or nothing of it can be worked out ([`Reason::unknown`]).
+impl<'a> Unjudged<'a> {
+    /// Of a design.
+    pub fn of(design: Design<'a>, because: Vec<Remark>) -> Unjudged<'a> {
+        Unjudged { motor: design.motor, gear: design.gear, because, design: Some(design) }
+    }
+}
+
+/// A motor that cannot do it.
 #[derive(Debug, Clone)]
 pub struct Rejected<'a> {
     /// The motor.
@@ -261,6 +239,18 @@ impl<'a> Refused<'a> {
     /// A motor that cannot do it.
     pub fn rejected(rejected: Rejected<'a>) -> Refused<'a> {
         Refused::Rejected(Box::new(rejected))
+    }
+
+    /// The same, where a number that is missing is no reason to say that the motor cannot.
+    #[must_use]
+    pub fn told_apart(self) -> Refused<'a> {
+        match self {
+            Refused::Rejected(why) if let Some(what) = why.reason.unknown() => {
+                let Rejected { motor, gear, .. } = *why;
+                Refused::Unjudged(Box::new(Unjudged { motor, gear, because: vec![what], design: None }))
+            }
+            other => other,
+        }
     }
 
     /// Why.
@@ -303,16 +293,12 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// The number that is missing, where that alone is why: then whether it could do it is not known.
+    /// The number that is missing, where that alone is why: then whether the motor could do it is not known.
     pub fn unknown(&self) -> Option<Remark> {
-        let what = match self {
-            Reason::Unusable(Unusable::RotorInertia) => "rotor_inertia",
-            Reason::Unusable(Unusable::GearEfficiency) => "gear_efficiency",
-            Reason::Unusable(Unusable::Mass) => "mass",
-            _ => return None,
-        };
-        let Reason::Unusable(why) = self else { return None };
-        Some((what, why.reason()))
+        match self {
+            Reason::Unusable(why) => why.unknown(),
+            _ => None,
+        }
     }
 }
 
@@ -334,6 +320,17 @@ pub enum Unusable {
 }
 
 impl Unusable {
+    /// The number that is missing, where that is why.
+    pub fn unknown(&self) -> Option<Remark> {
+        let what = match self {
+            Unusable::RotorInertia => "rotor_inertia",
+            Unusable::GearEfficiency => "gear_efficiency",
+            Unusable::Mass => "mass",
+            Unusable::NotAllowed | Unusable::NoGearFits | Unusable::Durations => return None,
+        };
+        Some((what, self.reason()))
+    }
+
     /// In words.
     pub fn reason(&self) -> &'static str {
         match self {
@@ -442,7 +439,10 @@ impl<'a> Sorted<'a> {
             }
         }
         sorted.candidates.sort_by(order);
-        sorted.unjudged.sort_by(|a, b| order(&a.design, &b.design));
+        sorted.unjudged.sort_by(|a, b| match (&a.design, &b.design) {
+            (Some(a), Some(b)) => order(a, b),
+            (a, b) => a.is_none().cmp(&b.is_none()),
+        });
         sorted
     }
 }

@@ -15,14 +15,12 @@ use crate::requirement::{Joint, Quantity};
 /// # Errors
 /// Why the motor is no choice: it cannot do it, or that it can is not known.
 pub fn best_design<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
-    let found = best_known(site, motor, only_checked);
-    match &found {
-        Err(Refused::Rejected(why)) if site.joint.objective.weight(Quantity::Mass) > 0.0 => {
-            let lacks_mass = why.reason == Reason::Unusable(Unusable::Mass);
-            if lacks_mass { Err(without_mass(site, motor, only_checked)) } else { found }
+    best_known(site, motor, only_checked).map_err(|why| match why {
+        Refused::Rejected(why) if why.reason == Reason::Unusable(Unusable::Mass) => {
+            without_mass(site, motor, only_checked)
         }
-        _ => found,
-    }
+        why => why.told_apart(),
+    })
 }
 
 /// What the objective is of a design whose mass is not known.
@@ -40,15 +38,21 @@ fn without_mass<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) ->
     let because = |known: Vec<Remark>| [vec![OBJECTIVE], known].concat();
     let (design, known) = match best_known(lighter, motor, only_checked) {
         Ok(design) => (design, Vec::new()),
-        Err(Refused::Unjudged(unjudged)) => (unjudged.design, unjudged.because),
+        Err(Refused::Unjudged(apart)) => match *apart {
+            Unjudged { design: Some(design), because, .. } => (design, because),
+            Unjudged { gear: id, because, .. } => {
+                return Refused::Unjudged(Box::new(Unjudged { motor, gear: gear(id), because, design: None }));
+            }
+        },
         Err(Refused::Rejected(why)) => {
-            return Refused::rejected(Rejected { motor, gear: gear(why.gear), reason: why.reason });
+            let rejected = Rejected { motor, gear: gear(why.gear), reason: why.reason };
+            return Refused::rejected(rejected).told_apart();
         }
     };
     let certificate = Certificate::NotCertified("the objective is not known without the mass".into());
     let optimum = Optimum { objective: f64::NAN, certificate, shadow_prices: Vec::new(), ..design.optimum };
     let design = Design { motor, gear: gear(design.gear), optimum, ..design };
-    Refused::Unjudged(Box::new(Unjudged { design, because: because(known) }))
+    Refused::Unjudged(Box::new(Unjudged::of(design, because(known))))
 }
 
 /// The best design by an objective whose numbers are known.

@@ -41,7 +41,7 @@ pub fn judged<'a>(
     }
     match unjudged(robot, joint, &design.unchecked) {
         because if because.is_empty() => Ok(design),
-        because => Err(Refused::Unjudged(Box::new(Unjudged { design, because }))),
+        because => Err(Refused::Unjudged(Box::new(Unjudged::of(design, because)))),
     }
 }
 

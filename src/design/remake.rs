@@ -131,7 +131,7 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
         };
         let own = before.candidates.iter().find(|d| d.motor.id == declared_id);
         let rejected = before.rejected.iter().find(|r| r.motor.id == declared_id).map(|r| r.reason.clone());
-        let apart = before.unjudged.iter().find(|u| u.design.motor.id == declared_id);
+        let apart = before.unjudged.iter().find(|u| u.motor.id == declared_id);
         let refused = rejected.or(apart.map(|u| Reason::Unjudged(u.because.clone())));
         let own_before = match own {
             Some(design) => Some(Choice { outcome: Ok(Chosen::new(design)), rank: Some(rank(design)) }),

@@ -54,12 +54,8 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
         }
     }
     let mut unjudged = Vec::new();
-    for of in result.joints.iter().filter(|of| !of.candidates.is_empty()) {
-        let count = of.apart().count();
-        if count == 0 {
-            continue;
-        }
-        let count = crate::words::counted(count, "motor");
+    for of in result.joints.iter().filter(|of| !of.unjudged.is_empty() && !of.candidates.is_empty()) {
+        let count = crate::words::counted(of.unjudged.len(), "motor");
         unjudged.push(format!("{count} at {}", of.joint.name));
     }
     if !unjudged.is_empty() {
@@ -166,8 +162,7 @@ fn said(design: &Design, joint: &Joint) -> String {
     };
     let parts = [gear, bind, Some(margin), spring, unchecked, assumed, proof];
     let parts: Vec<String> = parts.into_iter().flatten().filter(|part| !part.is_empty()).collect();
-    let estimated = estimated::text(design.motor);
-    parts.join("; ") + &if estimated.is_empty() { estimated } else { Tint::Doubtful.on(&estimated) }
+    parts.join("; ") + &Tint::Doubtful.on(&estimated::text(design.motor))
 }
 
 /// What forbids the ratios right beside the best one; of two ends a limit before the end of the requirement's range.
@@ -199,8 +194,7 @@ pub(super) fn binds(design: &Design, joint: &Joint) -> String {
 
 /// That the requirement's own range of ratios decided, and what it costs.
 pub(super) fn own_bound(bound: &OwnBound, joint: &Joint) -> String {
-    let is_list = joint.ratio.listed().is_some() && !joint.ratio.is_grid();
-    let range = if is_list { "list of ratios" } else { "bound on the ratio" };
+    let range = if joint.ratio.is_list() { "list of ratios" } else { "bound on the ratio" };
     let (low, high) = if bound.is_largest { (bound.ratio, bound.beyond) } else { (bound.beyond, bound.ratio) };
     format!(
         "your own {range} decides: N = {}; N = {} would save {} ({})",

@@ -3,10 +3,11 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::said::per_cent;
-use super::{design_ratio, number, number_between};
+use super::{design_ratio, number};
 use crate::catalog::is_word;
 use crate::design::answer::{Design, JointResult, RobotResult, SpringChoice};
 use crate::design::buildable::{Stage, Train};
+use crate::words::range_inwards;
 
 /// The way from a folder to a file, both as they are on disk; the file's own path where one of them is not there.
 pub fn way(folder: &Path, file: &Path) -> PathBuf {
@@ -120,11 +121,8 @@ pub fn toml(written: &Written) -> String {
             crate::words::counted(joint.candidates.len(), "motor")
         ));
         if design.gear.is_none() {
-            out.push_str(&format!(
-                "; feasible from {} to {}",
-                number_between(window.min, window.min, window.max),
-                number_between(window.max, window.min, window.max)
-            ));
+            let [from, to] = range_inwards(window.min, window.max);
+            out.push_str(&format!("; feasible from {from} to {to}"));
         }
         out.push_str(&format!("\n[[joint]]\nname = {}\nmotor = {}\n", text(&joint.joint.name), text(&design.motor.id)));
         match design.gear {

@@ -1,9 +1,10 @@
 //! The whole story of one motor at a joint.
 
 use super::optimize::{fitted_notes, proof, reason_text, windows_text};
+use super::said::per_cent;
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
-use super::{currents, heat_or, number, number_between, optional};
+use super::{currents, heat_or, number, optimum_ratio, optional};
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::answer::Reason;
@@ -12,6 +13,7 @@ use crate::design::explain::{Explanation, Forbidden, Remedy};
 use crate::design::figures::{FIGURES, figure};
 use crate::design::program::{Certificate, Optimum};
 use crate::requirement::Joint;
+use crate::words::number_below;
 
 pub(super) fn percent(fraction: f64) -> String {
     format!("{}{} %", if fraction > 0.0 { "+" } else { "" }, number((1e4 * fraction).round() / 100.0))
@@ -24,7 +26,7 @@ pub fn text(story: &Explanation) -> String {
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
     let verdict = verdict(story);
     let at = match &story.best {
-        Some(Ok(best)) if best.ratio == e.ratio => number_between(e.ratio, best.window().min, best.window().max),
+        Some(Ok(best)) if best.ratio == e.ratio => optimum_ratio(best),
         _ => number(e.ratio),
     };
     let heading = format!("{}: {} at N = {at}{gear} {verdict}", joint.name, story.motor.id);
@@ -241,9 +243,7 @@ pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> 
                 m.unit.into(),
                 percent(m.margin),
                 match joint.limits.reserve(m.limit) {
-                    share if share > 0.0 => {
-                        format!("{}, less {} reserve", m.owner, percent(share).trim_start_matches('+'))
-                    }
+                    share if share > 0.0 => format!("{}, less {} reserve", m.owner, per_cent(share)),
                     _ => m.owner.into(),
                 },
                 at,
@@ -259,22 +259,11 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
     format!(
         "Best ratio for {}: N* = {} with {} ({}){}.",
         joint.aim(),
-        number_between(optimum.ratio, optimum.window().min, optimum.window().max),
+        optimum_ratio(optimum),
         super::with_unit(optimum.objective, joint.objective.unit()),
         proof(&optimum.certificate),
         windows.map_or_else(String::new, |windows| format!("; feasible from {windows}"))
     )
-}
-
-/// A lower bound in ten digits, rounded downwards.
-fn below(bound: f64) -> String {
-    if bound == 0.0 || !bound.is_finite() {
-        return bound.to_string();
-    }
-    let decimals = (9 - bound.abs().log10().floor() as i32).clamp(0, 300);
-    let step = 10.0_f64.powi(-decimals);
-    let text = format!("{:.*}", decimals as usize, (bound / step).floor() * step);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
 }
 
 fn best(story: &Explanation, optimum: &Optimum) -> String {
@@ -283,7 +272,7 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
     let mut out = format!("\n{}", paragraph(&line, 0, 0));
     if let Certificate::Certified { lower_bound, method, .. } = &optimum.certificate {
         let unit = if joint.objective.unit() == "1" { String::new() } else { format!(" {}", joint.objective.unit()) };
-        let line = format!("no ratio is better than {}{unit} ({method})", below(*lower_bound));
+        let line = format!("no ratio is better than {}{unit} ({method})", number_below(*lower_bound));
         out.push_str(&paragraph(&line, 2, 4));
     }
     if optimum.shadow_prices.is_empty() {

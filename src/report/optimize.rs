@@ -168,13 +168,13 @@ pub(super) fn verdict(result: &JointResult) -> String {
             let can = result.candidates.len();
             // What the requirement leaves out has not been looked at.
             let is_left_out = |r: &&Rejected| matches!(r.reason, Reason::Unusable(Unusable::NotAllowed));
-            let left_out = result.cannot().filter(is_left_out).count();
-            let cannot = result.cannot().count() - left_out;
+            let left_out = result.rejected.iter().filter(is_left_out).count();
+            let cannot = result.rejected.len() - left_out;
             let left_out = if left_out > 0 { format!(", {left_out} not allowed") } else { String::new() };
             format!(
                 "{} can do it, {cannot} cannot{}{left_out}",
                 crate::words::counted(can, "motor"),
-                unjudged::counted(result.apart().count())
+                unjudged::counted(result.unjudged.len())
             )
         }
         Some(pruned) => prune::verdict(result, pruned),
@@ -353,13 +353,13 @@ pub(super) fn contradictions(motor: &Motor) -> Vec<String> {
 }
 
 fn rejected_text(result: &JointResult, shown: Shown) -> String {
-    if result.cannot().next().is_none() {
+    if result.rejected.is_empty() {
         return String::new();
     }
     let mut out = String::new();
     if shown.rejected {
         out.push_str("\n  Rejected:\n");
-        for Rejected { motor, reason, .. } in result.cannot() {
+        for Rejected { motor, reason, .. } in &result.rejected {
             out.push_str(&format!(
                 "    {}\n",
                 wrap(&format!("{}: {}{}", motor.id, reason_text(reason, result.joint).1, estimated::text(motor)), 6)
@@ -368,7 +368,7 @@ fn rejected_text(result: &JointResult, shown: Shown) -> String {
         return out;
     }
     let mut classes: BTreeMap<String, Vec<&Rejected>> = BTreeMap::new();
-    for rejected in result.cannot() {
+    for rejected in &result.rejected {
         classes.entry(reason_text(&rejected.reason, result.joint).0).or_default().push(rejected);
     }
     let mut classes: Vec<_> = classes.into_iter().collect();
@@ -465,7 +465,7 @@ pub fn without_choice(result: &RobotResult, no: &str) -> Vec<String> {
     let without = result.joints.iter().filter(|j| j.candidates.is_empty());
     let told = |j: &'_ JointResult<'_>| unjudged::left_out(j.rejected.iter().map(|r| &r.reason));
     let without =
-        without.map(|j| unjudged::Without { joint: &j.joint.name, unjudged: j.apart().count(), unchecked: told(j) });
+        without.map(|j| unjudged::Without { joint: &j.joint.name, unjudged: j.unjudged.len(), unchecked: told(j) });
     unjudged::without_choice(without, no)
 }
 
@@ -480,15 +480,16 @@ fn entries<'a>(result: &'a JointResult<'a>) -> Vec<Entry<'a>> {
     let joint = result.joint;
     let mut all = designs(result);
     all.extend(result.unjudged.iter().map(|u| {
-        Entry::design(joint, State::Unjudged, None, u.design.facts()).because(unjudged::sentence(&u.because))
+        let because = unjudged::sentence(&u.because);
+        match &u.design {
+            Some(design) => Entry::design(joint, State::Unjudged, None, design.facts()).because(because),
+            None => Entry::without(joint, State::Unjudged, u.motor, u.gear, because),
+        }
     }));
-    let nothing = result.rejected.iter().filter_map(|r| Some((r, r.reason.unknown()?)));
-    all.extend(
-        nothing.map(|(r, why)| Entry::without(joint, State::Unjudged, r.motor, r.gear, unjudged::sentence(&[why]))),
-    );
     all.extend(
         result
-            .cannot()
+            .rejected
+            .iter()
             .map(|r| Entry::without(joint, State::Rejected, r.motor, r.gear, reason_text(&r.reason, joint).1)),
     );
     if let Some(pruned) = &result.pruned {

@@ -3,7 +3,7 @@
 use super::answer::{binds, checked, is_of_range, own_bound};
 use super::said::{margin_at, per_cent, proof, windows_text};
 use super::table::{Column, Table, paragraph};
-use super::{balance, design_ratio, number, number_between, optional};
+use super::{balance, design_ratio, number, optional};
 use crate::design::answer::{Design, JointResult};
 use crate::design::buildable::Train;
 use crate::design::flatness::Flatness;
@@ -11,6 +11,7 @@ use crate::design::nearby::Nearby;
 use crate::design::outlook::{FrontDesign, Outlook};
 use crate::design::program::Certificate;
 use crate::requirement::{Balancing, Joint};
+use crate::words::range_inwards;
 
 /// Why the first choice of a joint; empty where there is none.
 pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
@@ -27,9 +28,9 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     }
     if let Some(bound) = &outlook.own_bound {
         let key = if bound.is_largest { ("a larger", "max") } else { ("a smaller", "min") };
-        let what = match joint.ratio.listed() {
-            Some(_) if !joint.ratio.is_grid() => format!("list {} ratio", key.0),
-            _ => format!("give `ratio` {} `{}`", key.0, key.1),
+        let what = match joint.ratio.is_list() {
+            true => format!("list {} ratio", key.0),
+            false => format!("give `ratio` {} `{}`", key.0, key.1),
         };
         let kept = if design.unchecked.is_empty() { "every limit" } else { "every checked limit" };
         say(&format!("{}; {kept} is kept there: {what}, if it can be built", own_bound(bound, joint)));
@@ -87,7 +88,7 @@ fn how(design: &Design, joint: &Joint) -> [String; 2] {
 
 /// The ratios that are nearly as good, rounded inwards.
 pub(super) fn flatness(flat: &Flatness, joint: &Joint, design: &Design) -> String {
-    let [from, to] = [flat.from, flat.to].map(|end| number_between(end, flat.from, flat.to));
+    let [from, to] = range_inwards(flat.from, flat.to);
     let spring = if design.spring.is_some() { ", with this spring" } else { "" };
     let sure = if flat.proved { "" } else { "; evaluated, not proved" };
     let kept = if design.unchecked.is_empty() { "all limits" } else { "all checked limits" };

@@ -8,8 +8,8 @@ use crate::requirement::Joint;
 /// How many can, cannot, and were not solved.
 pub(super) fn verdict(result: &JointResult, pruned: &Pruned) -> String {
     let solved = result.candidates.len() + pruned.behind;
-    let cannot = result.cannot().count() + pruned.impossible.len();
-    let apart = super::unjudged::counted(result.apart().count());
+    let cannot = result.rejected.len() + pruned.impossible.len();
+    let apart = super::unjudged::counted(result.unjudged.len());
     match pruned.not_solved.len() {
         0 => format!("{} can do it, {cannot} cannot{apart}", crate::words::counted(solved, "motor")),
         left => format!(

@@ -57,7 +57,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         joint.count,
         joint.aim(),
         crate::words::counted(candidates.len(), "motor"),
-        super::unjudged::counted(result.nominal.apart().count()),
+        super::unjudged::counted(result.nominal.unjudged.len()),
         result.lost.len()
     );
     let mut out = paragraph(&heading, 0, 2);

@@ -1,11 +1,12 @@
 //! Words for a choice that several of its readings share: what binds, how near a limit is, how sure it is.
 
-use super::{design_ratio, estimated, number, number_between};
+use super::{design_ratio, estimated, number};
 use crate::actuator::limits::LOW_SAFETY;
 use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
 use crate::design::program::{Bind, Certificate, Optimum};
 use crate::requirement::{Course, GearModel, Joint, Quantity};
+use crate::words::range_inwards;
 
 /// What is said of a joint before its designs, each a sentence. `short` leaves out what is only told to whoever asks for
 /// more.
@@ -76,7 +77,7 @@ pub(super) fn windows_text(optimum: &Optimum, joint: &Joint) -> Option<String> {
         return None;
     }
     let windows = optimum.windows.iter().map(|w| {
-        let [low, high] = [w.min, w.max].map(|end| number_between(end, w.min, w.max));
+        let [low, high] = range_inwards(w.min, w.max);
         format!("{low} ({}) to {high} ({})", bind_text(&w.low, joint), bind_text(&w.high, joint))
     });
     Some(windows.collect::<Vec<_>>().join(" and from "))

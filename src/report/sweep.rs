@@ -232,10 +232,10 @@ pub fn csv(sweeps: &[JointSweep], order: Order) -> String {
             };
             Entry::design(joint, state, None, design.facts(joint)).because(because(design, joint))
         });
-        let left_out = sweep
-            .unusable
-            .iter()
-            .map(move |(motor, gear, why)| Entry::without(joint, State::Rejected, motor, *gear, why.reason().into()));
+        let left_out = sweep.unusable.iter().map(move |(motor, gear, why)| match why.unknown() {
+            Some(what) => Entry::without(joint, State::Unjudged, motor, *gear, unjudged::sentence(&[what])),
+            None => Entry::without(joint, State::Rejected, motor, *gear, why.reason().into()),
+        });
         designs.chain(left_out).collect::<Vec<_>>()
     });
     columns::csv(rows, false)

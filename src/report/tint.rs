@@ -54,8 +54,8 @@ impl Tint {
     /// The text with this tint.
     pub fn on(self, text: &str) -> String {
         match IS_ON.load(Ordering::Relaxed) {
-            true => self.marked(text),
-            false => text.to_string(),
+            true if !text.is_empty() => self.marked(text),
+            _ => text.to_string(),
         }
     }
 
@@ -85,9 +85,16 @@ impl Tint {
 /// Where a tint ends.
 const END: char = '\u{2064}';
 
+fn is_mark(c: char) -> bool {
+    c == END || Tint::ALL.iter().any(|tint| tint.mark() == c)
+}
+
 /// The text without marks.
-pub fn plain(text: &str) -> String {
-    text.chars().filter(|c| *c != END && Tint::ALL.iter().all(|tint| tint.mark() != *c)).collect()
+pub fn plain(text: &str) -> Cow<'_, str> {
+    match text.contains(is_mark) {
+        true => text.chars().filter(|c| !is_mark(*c)).collect(),
+        false => text.into(),
+    }
 }
 
 /// The text as it is printed: with colours where marks are, if there are colours.

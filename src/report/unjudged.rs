@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::number;
 use super::table::wrap;
 use crate::actuator::limits::Remark;
-use crate::design::answer::{JointResult, JointSweep, Reason, Undecided};
+use crate::design::answer::{JointResult, JointSweep, Reason, Unjudged};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::design::robot::{Apart, Choice};
 
@@ -81,8 +81,7 @@ fn block(heading: &str, lines: Vec<String>) -> String {
 
 /// The block of a joint by reasons; `more` is said of them.
 pub fn reasons(result: &JointResult, more: &str) -> String {
-    let apart: Vec<Undecided> = result.apart().collect();
-    let reasons = apart.iter().map(|a| (a.motor.id.as_str(), a.because.as_slice()));
+    let reasons = result.unjudged.iter().map(|u| (u.motor.id.as_str(), u.because.as_slice()));
     block(&format!("{HEADING}{more}"), lines(reasons))
 }
 
@@ -92,9 +91,9 @@ pub fn text(result: &JointResult, each: bool) -> String {
         return reasons(result, " (`--rejected` lists each)");
     }
     let goal = &result.joint.objective;
-    let line = |u: Undecided| {
+    let line = |u: &Unjudged| {
         let gear = u.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
-        let Some(design) = u.design else { return format!("{}{gear}: {}", u.motor.id, causes(&u.because)) };
+        let Some(design) = &u.design else { return format!("{}{gear}: {}", u.motor.id, causes(&u.because)) };
         let at = number(design.evaluation.ratio);
         let known = match design.optimum.objective {
             value if value.is_finite() => {
@@ -105,7 +104,7 @@ pub fn text(result: &JointResult, each: bool) -> String {
         let estimated = super::estimated::text(u.motor);
         format!("{}{gear}: {}; {known}{estimated}", u.motor.id, causes(&u.because))
     };
-    block(HEADING, result.apart().map(line).collect())
+    block(HEADING, result.unjudged.iter().map(line).collect())
 }
 
 /// The block of a sweep.

@@ -52,9 +52,9 @@ impl RatioChoice {
         }
     }
 
-    /// Whether the ratios are a grid with a step.
-    pub fn is_grid(&self) -> bool {
-        matches!(self, RatioChoice::Listed { step: Some(_), .. })
+    /// Whether the ratios were listed one by one, not as a range or grid.
+    pub fn is_list(&self) -> bool {
+        matches!(self, RatioChoice::Listed { step: None, .. })
     }
 
     /// Whether the ratios are those of gears of the catalogue.

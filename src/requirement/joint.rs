@@ -8,7 +8,7 @@ use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
-use super::{Quantity, cases, gear, objective};
+use super::{Objective, Quantity, cases, gear, objective};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
@@ -83,21 +83,8 @@ pub(super) fn read(
         excluded: names("motors that may not be chosen, by id or maker", "exclude"),
     };
     let phases = read_phases(&section, count, motion.as_deref());
-    if let (Some(objective), Some(motion)) = (&objective, &motion)
-        && objective.weight(Quantity::Energy) > 0.0
-        && motion.duration().is_none()
-    {
-        let (message, help) = match motion.cases.is_some() {
-            true => (
-                "`energy` is that of a cycle, and the `share` of a load case says of none how long it is",
-                "give the cases `cycles` or the joint an `order`, or ask for `loss`",
-            ),
-            false => (
-                "`energy` is that of a cycle, and operating points without durations have none",
-                "give every point a `duration`, or ask for `loss`",
-            ),
-        };
-        section.note(Problem::at(section.span_of("objective"), message, "asked for here").help(help));
+    if let (Some(objective), Some(motion)) = (&objective, &motion) {
+        check_cycle(&section, objective, motion);
     }
     section.finish();
     let joint = Joint {
@@ -115,6 +102,24 @@ pub(super) fn read(
         carries: Vec::new(),
     };
     Some((joint, taken, carries))
+}
+
+/// Energy per cycle needs a cycle.
+fn check_cycle(section: &Section, objective: &Objective, motion: &Motion) {
+    if objective.weight(Quantity::Energy) == 0.0 || motion.duration().is_some() {
+        return;
+    }
+    let (message, help) = match motion.cases.is_some() {
+        true => (
+            "`energy` is that of a cycle, and the `share` of a load case says of none how long it is",
+            "give the cases `cycles` or the joint an `order`, or ask for `loss`",
+        ),
+        false => (
+            "`energy` is that of a cycle, and operating points without durations have none",
+            "give every point a `duration`, or ask for `loss`",
+        ),
+    };
+    section.note(Problem::at(section.span_of("objective"), message, "asked for here").help(help));
 }
 
 /// The limits of a joint, with the spring that stands in them or beside them.

@@ -282,7 +282,7 @@ fn standings(joint: &JointResult, catalog: &Catalog) -> String {
         standing.insert(&rejected.motor.id, Standing::Cannot);
     }
     for unjudged in &joint.unjudged {
-        standing.insert(&unjudged.design.motor.id, Standing::Unjudged);
+        standing.insert(&unjudged.motor.id, Standing::Unjudged);
     }
     for motor in joint.pruned.iter().flat_map(|p| &p.impossible) {
         standing.insert(&motor.id, Standing::Cannot);

@@ -51,8 +51,28 @@ pub fn number(value: f64) -> String {
         return format!("{value:.3e}");
     }
     let digits = (3 - magnitude).max(0) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
+    trimmed(&format!("{value:.digits$}"))
+}
+
+/// A number without the zeros that its decimals end with.
+fn trimmed(text: &str) -> String {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }.to_string()
+}
+
+/// A number in ten digits, rounded downwards and without an exponent: for what a value is nowhere below.
+///
+/// ```
+/// use gearwise::words::number_below;
+/// assert_eq!(number_below(0.123456789999), "0.1234567899");
+/// assert_eq!((number_below(3.31).as_str(), number_below(-1.5).as_str(), number_below(0.0).as_str()), ("3.31", "-1.5", "0"));
+/// ```
+pub fn number_below(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return number(value);
+    }
+    let decimals = (9 - value.abs().log10().floor() as i32).clamp(0, 300);
+    let step = 10.0_f64.powi(-decimals);
+    trimmed(&format!("{:.*}", decimals as usize, (value / step).floor() * step))
 }
 
 /// A number between two others, with as few digits as [`number`] or as many more as it takes to stay between them when it is
@@ -77,12 +97,14 @@ pub fn number_between(value: f64, min: f64, max: f64) -> String {
         let step = 10.0_f64.powi(-decimals);
         let near = value / step;
         let decimals = decimals as usize;
-        [near.round(), near.floor(), near.ceil()].map(|n| {
-            let text = format!("{:.decimals$}", n * step);
-            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_string() } else { text }
-        })
+        [near.round(), near.floor(), near.ceil()].map(|n| trimmed(&format!("{:.decimals$}", n * step)))
     });
     rounded.into_iter().find(is_between).unwrap_or_else(|| value.to_string())
+}
+
+/// The ends of a range, rounded inwards.
+pub fn range_inwards(min: f64, max: f64) -> [String; 2] {
+    [min, max].map(|end| number_between(end, min, max))
 }
 
 /// `number`, or a dash where the value is unknown.

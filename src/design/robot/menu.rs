@@ -149,7 +149,14 @@ fn geared<'a>(site: Site, catalog: &'a Catalog, motor: usize, needs: Needs) -> M
         return made;
     }
     for mount in site.mounts(&catalog.motors[motor]) {
-        let (Some(gear), Ok(prepared)) = (mount.gear, mount.prepared()) else { continue };
+        let Some(gear) = mount.gear else { continue };
+        let prepared = match mount.prepared() {
+            Ok(prepared) => prepared,
+            Err(why) => {
+                made.doubt(why.unknown());
+                continue;
+            }
+        };
         let evaluation = prepared.at(gear.ratio);
         let Some(objective) = evaluation.objective(&joint.objective).filter(|_| evaluation.feasible) else { continue };
         let found = design(&mount, &prepared, one_gear(gear.ratio, objective));
@@ -191,9 +198,15 @@ impl<'a> Made<'a> {
     fn refuse(&mut self, why: Refused) {
         match why {
             Refused::Rejected(why) => self.unproved |= matches!(why.reason, Reason::NotSolved(_)),
-            Refused::Unjudged(why) => {
-                let new: Vec<Remark> = why.because.into_iter().filter(|u| !self.unjudged.contains(u)).collect();
-                self.unjudged.extend(new);
+            Refused::Unjudged(why) => self.doubt(why.because),
+        }
+    }
+
+    /// Notes what is not known, each once.
+    fn doubt(&mut self, because: impl IntoIterator<Item = Remark>) {
+        for what in because {
+            if !self.unjudged.contains(&what) {
+                self.unjudged.push(what);
             }
         }
     }

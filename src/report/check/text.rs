@@ -129,9 +129,11 @@ fn joints(report: &Report) -> String {
 fn story(report: &Report, finding: &Finding, joints: &str) -> String {
     let rule = report.rule_of(finding);
     let head = format!("{} {} {}", finding.severity.name(), rule.code, rule.name);
-    let severity = Tint::of_severity(finding.severity);
     let head = if rule.code == rule.name { format!("{} {}", finding.severity.name(), rule.name) } else { head };
-    let head = severity.map_or_else(|| head.clone(), |tint| tint.on(&head));
+    let head = match Tint::of_severity(finding.severity) {
+        Some(tint) => tint.on(&head),
+        None => head,
+    };
     let mut out = paragraph(&format!("{}: {head}", place(&finding.location)), 0, 2);
     let of = if joints.is_empty() { String::new() } else { format!("{joints}: ") };
     out.push_str(&paragraph(&format!("{of}{}", printable(&finding.message)), 2, 2));

@@ -141,7 +141,7 @@ fn choices(result: &RobotResult, whole: Option<&Choice>) -> Table {
 
 /// What stands in place of a choice.
 fn none_text(joint: &JointResult) -> String {
-    match joint.apart().count() {
+    match joint.unjudged.len() {
         0 => "none can do it".into(),
         count => format!("none that can be judged can do it ({count} cannot be judged)"),
     }
@@ -186,11 +186,9 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
         let prices = Table::new(format!("{names}: what one per cent more of a limit changes"), &["limit", &change]);
         parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
     }
-    let apart: Vec<_> = result.apart().collect();
-    let apart = apart.iter().map(|a| (a.motor.id.as_str(), a.gear, a.because.as_slice()));
-    parts.extend(super::unjudged::folded(names, apart));
+    parts.extend(super::unjudged::of_joint(names, result));
     let mut rejected = Table::new(format!("{names}: why not the others"), &["motor", "gear", "because", "in short"]);
-    for r in result.cannot() {
+    for r in &result.rejected {
         let (class, sentence) = reason_text(&r.reason, joint);
         rejected.push(&r.motor.id, vec![r.motor.id.clone(), r.gear.unwrap_or("").into(), sentence, class]);
     }

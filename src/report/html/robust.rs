@@ -77,7 +77,7 @@ fn section(result: &RobustJoint) -> Section {
         ratio_text(joint),
         joint.aim(),
         counted(result.nominal.candidates.len(), "motor"),
-        unjudged::counted(result.nominal.apart().count()),
+        unjudged::counted(result.nominal.unjudged.len()),
         result.lost.len()
     ))];
     parts.extend(designs(result).part());
@@ -104,9 +104,7 @@ fn section(result: &RobustJoint) -> Section {
         chances.push(&c.motor.id, cells);
     }
     parts.extend(chances.part());
-    let all: Vec<_> = result.nominal.apart().collect();
-    let all = all.iter().map(|a| (a.motor.id.as_str(), a.gear, a.because.as_slice()));
-    parts.extend(apart::folded(&joint.name, all));
+    parts.extend(apart::of_joint(&joint.name, &result.nominal));
     Section::new(joint.name.clone(), parts)
 }
 

@@ -2,7 +2,13 @@
 
 use super::{Part, Table};
 use crate::actuator::limits::Remark;
+use crate::design::answer::JointResult;
 use crate::report::unjudged::{class, sentence};
+
+/// The motors of a joint that cannot be judged, folded.
+pub(super) fn of_joint(names: &str, result: &JointResult) -> Option<Part> {
+    folded(names, result.unjudged.iter().map(|u| (u.motor.id.as_str(), u.gear, u.because.as_slice())))
+}
 
 /// Motors (with their gears) that cannot be judged, folded; nothing where there are none.
 pub(super) fn folded<'m>(

@@ -450,7 +450,7 @@ fn case_of(joint: &Joint, sample: usize) -> Option<&str> {
 }
 
 /// Limits that could not be checked.
-pub fn not_checked<'a>(of: &[Remark]) -> Vec<NotChecked<'a>> {
+pub fn not_checked(of: &[Remark]) -> Vec<NotChecked<'static>> {
     of.iter().map(|&(limit, because)| NotChecked { limit, because }).collect()
 }
 

@@ -9,7 +9,7 @@ use super::outlook::Outlook;
 use super::robot::Choice;
 use super::torques::Mechanism;
 use super::{Design, OfRobot, Setting, design, document};
-use crate::design::answer::{JointResult, RobotResult, Undecided};
+use crate::design::answer::{self, JointResult, RobotResult};
 use crate::design::{outlook, robot};
 use crate::report::optimize::reason_text;
 
@@ -47,7 +47,7 @@ pub struct OfJoint<'a> {
     pub choices: Option<Choices<'a>>,
     /// Designs of which every limit that the requirement states could be judged, the best first.
     pub candidates: Vec<Design<'a>>,
-    /// Designs of which such a limit could not be judged: none of them is a choice.
+    /// Designs of which such a limit could not be judged: none of them is a choice; after them motors of which no design can be worked out.
     pub unjudged: Vec<design::Unjudged<'a>>,
     /// Motors that cannot do it.
     pub rejected: Vec<design::Rejected<'a>>,
@@ -69,7 +69,7 @@ impl<'a> OfJoint<'a> {
             choices: Choices::new(result),
             candidates: result.candidates.iter().map(|d| Design::new(d.facts(), joint)).collect(),
             unjudged: unjudged(result),
-            rejected: result.cannot().map(|r| rejected(r.motor, r.gear, &r.reason, joint)).collect(),
+            rejected: result.rejected.iter().map(|r| rejected(r.motor, r.gear, &r.reason, joint)).collect(),
             outlook: Outlook::new(result, outlook),
             metric_agreement: result.agreement.iter().map(Agreement::from).collect(),
             pruned: result.pruned.as_ref().map(Pruned::from),
@@ -79,11 +79,11 @@ impl<'a> OfJoint<'a> {
 
 /// Motors of a joint that cannot be judged.
 pub(super) fn unjudged<'a>(result: &'a JointResult<'a>) -> Vec<design::Unjudged<'a>> {
-    let one = |u: Undecided<'a>| {
-        let known = u.design.map(|design| Design::new(design.facts(), result.joint));
+    let one = |u: &'a answer::Unjudged<'a>| {
+        let known = u.design.as_ref().map(|design| Design::new(design.facts(), result.joint));
         design::Unjudged::new(&u.motor.id, u.gear, &u.because, known)
     };
-    result.apart().map(one).collect()
+    result.unjudged.iter().map(one).collect()
 }
 
 /// A motor that a reason rules out.

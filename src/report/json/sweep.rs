@@ -21,7 +21,7 @@ pub struct OfJoint<'a> {
     joint: Joint<'a>,
     /// Designs that keep every limit, and of which every limit that the requirement states could be judged.
     pub candidates: Vec<Design<'a>>,
-    /// Designs that keep all that can be judged.
+    /// Designs that keep all that can be judged; after them motors, or motors with a gear, of which nothing can be worked out.
     pub unjudged: Vec<Unjudged<'a>>,
     /// Designs that do not keep a limit; after them motors, or motors with a gear, that are no candidates at all.
     pub rejected: Vec<Rejected<'a>>,
@@ -41,10 +41,16 @@ impl<'a> OfJoint<'a> {
                 _ => rejected.push(exceeded(design, joint, object)),
             }
         }
-        rejected.extend(sweep.unusable.iter().map(|(motor, gear, why)| {
-            let reason = why.reason().to_string();
-            Rejected { motor: &motor.id, gear: *gear, because: reason.clone(), class: reason, design: None }
-        }));
+        for (motor, gear, why) in &sweep.unusable {
+            match why.unknown() {
+                Some(what) => unjudged.push(Unjudged::new(&motor.id, *gear, &[what], None)),
+                None => {
+                    let reason = why.reason().to_string();
+                    let (because, class) = (reason.clone(), reason);
+                    rejected.push(Rejected { motor: &motor.id, gear: *gear, because, class, design: None });
+                }
+            }
+        }
         OfJoint { joint: Joint::new(joint), candidates, unjudged, rejected }
     }
 }

@@ -90,7 +90,7 @@ pub fn optimized(result: &RobotResult, catalog: &Catalog) -> Figure {
 
 fn group(robot: &Robot, result: &JointResult, catalog: &Catalog, names: &str) -> Group {
     let Some(first) = result.candidates.first() else {
-        let which = if result.apart().next().is_none() { "of the catalogue" } else { "that can be judged" };
+        let which = if result.unjudged.is_empty() { "of the catalogue" } else { "that can be judged" };
         let empty = Panel { x: "".into(), empty: format!("no motor {which} is feasible"), ..Panel::default() };
         return Group { title: names.into(), panels: vec![empty], ..Group::default() };
     };

@@ -105,8 +105,10 @@ fn sweep_gives_every_design_with_its_verdict() {
     for joint in result["joints"].as_array().unwrap() {
         let list = |name: &str| joint[name].as_array().unwrap();
         let told = |of: &&Value| of["design"].is_object();
-        let left_out = list("rejected").iter().filter(|r| !told(r)).count();
-        let designs = list("candidates").len() + list("unjudged").len() + list("rejected").iter().filter(told).count();
+        // Of some motors nothing can be worked out: they are told once, by what is not known or why they are no candidates.
+        let others = || list("unjudged").iter().chain(list("rejected"));
+        let left_out = others().filter(|r| !told(r)).count();
+        let designs = list("candidates").len() + others().filter(told).count();
         assert_eq!(designs + 7 * left_out, 7 * 115);
         let keeps = |design: &Value| {
             let margins = design["margins"].as_object().unwrap().values();
@@ -115,7 +117,8 @@ fn sweep_gives_every_design_with_its_verdict() {
             worst >= -1e-9
         };
         assert!(list("candidates").iter().all(keeps));
-        assert!(list("unjudged").iter().all(|u| keeps(&u["design"]) && !u["limits"].as_array().unwrap().is_empty()));
+        assert!(list("unjudged").iter().all(|u| !u["limits"].as_array().unwrap().is_empty()));
+        assert!(list("unjudged").iter().filter(told).all(|u| keeps(&u["design"])));
         assert!(list("rejected").iter().filter(told).all(|r| !keeps(&r["design"]) && r["because"].is_string()));
     }
     let csv = stdout(&gearwise(&["sweep", "requirements/quadruped_mini_cheetah.toml", "--ratios", "7", "--csv"]));

@@ -75,6 +75,27 @@ fn unknown_is_not_cannot() {
     let joint = &answer["joints"][0];
     assert_eq!(joint["unjudged"][0]["motor"], "alpha-1");
     assert_eq!(joint["rejected"].as_array().unwrap().len(), 0);
+    // Every other reading of the same catalogue says the same.
+    let set = |command: &str, more: &[&str]| {
+        let words = [&[command, "robot.toml", "--no-estimates", "--catalog", "less.csv", "--json"][..], more].concat();
+        json(&run(&folder, &words))
+    };
+    let swept = set("sweep", &[]);
+    let of_motor = |list: &str| {
+        let all = swept["joints"][0][list].as_array().unwrap();
+        all.iter().filter(|d| d["motor"] == "alpha-1").count()
+    };
+    assert_eq!((of_motor("candidates"), of_motor("unjudged"), of_motor("rejected")), (0, 1, 0));
+    let whole = set("optimize", &["--robot"]);
+    assert_eq!(whole["robot"]["choice"]["unjudged"][0]["motor"], "alpha-1", "{whole}");
+    let study = "requirement = \"robot.toml\"\ncatalog = [\"less.csv\"]\n[grid]\n\"bus.voltage\" = [\"48 V\"]\n";
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    let ran = run(&folder, &["study", "study.toml", "--no-estimates", "--out", "results"]);
+    assert_eq!(ran.status, 0, "{}", ran.err);
+    let results = fs::read_to_string(folder.path().join("results/results.csv")).unwrap();
+    let cells: Vec<Vec<&str>> = results.lines().map(|row| row.split(',').collect()).collect();
+    let column = cells[0].iter().position(|name| *name == "unjudged_motors").unwrap();
+    assert_eq!(cells[1][column], "1", "{results}");
     // With none left that is known, that no motor can do it is not known.
     fs::write(folder.path().join("less.csv"), rows[..2].join("\n")).unwrap();
     let none = run(&folder, &words);
