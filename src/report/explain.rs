@@ -26,7 +26,7 @@ pub fn text(story: &Explanation) -> String {
     let gear = story.gear.map_or_else(String::new, |g| format!(" with {}", g.id));
     let verdict = verdict(story);
     let at = match &story.best {
-        Some(Ok(best)) if best.ratio == e.ratio => optimum_ratio(best),
+        Some(Ok(best)) if best.ratio == e.ratio => optimum_ratio(best, None),
         _ => number(e.ratio),
     };
     let heading = format!("{}: {} at N = {at}{gear} {verdict}", joint.name, story.motor.id);
@@ -259,7 +259,7 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
     format!(
         "Best ratio for {}: N* = {} with {} ({}){}.",
         joint.aim(),
-        optimum_ratio(optimum),
+        optimum_ratio(optimum, None),
         super::with_unit(optimum.objective, joint.objective.unit()),
         proof(&optimum.certificate),
         windows.map_or_else(String::new, |windows| format!("; feasible from {windows}"))

@@ -71,14 +71,17 @@ pub(crate) fn demand_of(margin: &Margin) -> String {
 
 /// The ratio of a design, so that it keeps its limits when it is typed again: inside the ratios that do.
 pub fn design_ratio(design: &Design) -> String {
-    let (ratio, window) = (design.evaluation.ratio, design.optimum.window());
-    if design.gear.is_some() { number(ratio) } else { number_between(ratio, window.min, window.max) }
+    ratio_within(design.evaluation.ratio, &design.optimum, design.gear)
 }
 
-/// The ratio of an optimum, rounded into its window.
-pub fn optimum_ratio(optimum: &Optimum) -> String {
+/// The ratio of an optimum, rounded into its window; that of a gear is the gear's.
+pub fn optimum_ratio(optimum: &Optimum, gear: Option<&str>) -> String {
+    ratio_within(optimum.ratio, optimum, gear)
+}
+
+fn ratio_within(ratio: f64, optimum: &Optimum, gear: Option<&str>) -> String {
     let window = optimum.window();
-    number_between(optimum.ratio, window.min, window.max)
+    if gear.is_some() { number(ratio) } else { number_between(ratio, window.min, window.max) }
 }
 
 /// The ratio of a point on a front, rounded to lie between those of its motor.

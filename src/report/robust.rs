@@ -5,11 +5,12 @@ use std::collections::BTreeMap;
 use super::columns::{self, Entry, State};
 use super::optimize::{bind_text, proof, reason_text};
 use super::table::{Column, Table, paragraph};
-use super::{csv_number, number, optimum_ratio};
+use super::{csv_number, design_ratio, number, optimum_ratio};
 use crate::design::answer::{Design, JointResult};
 use crate::design::program::Certificate;
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES, Toleranced, standard_error};
 use crate::requirement::Robot;
+use crate::words::range_inwards;
 
 /// What stands beside a motor whose row has no tolerance.
 const NOMINAL: &str = "no tolerances in the catalogue: nominal";
@@ -73,7 +74,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
     let mut table = Table::new(columns).indented(2).also_in("`--csv`, `--json`");
     for (place, d) in result.designs.iter().take(top).enumerate() {
         let mut row = vec![(place + 1).to_string(), d.nominal.motor.id.clone()];
-        row.extend([&d.nominal.optimum, &d.optimum].map(optimum_ratio));
+        row.extend([design_ratio(&d.nominal), optimum_ratio(&d.optimum, d.gear)]);
         row.push(number(d.optimum.objective));
         row.push(if d.toleranced.is_empty() { "–".into() } else { number(d.worst_objective) });
         row.push(proof(&d.optimum.certificate));
@@ -94,7 +95,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         let sentence = format!(
             "lost to its tolerances: {} (N* = {} by its printed numbers): {}",
             lost.nominal.motor.id,
-            optimum_ratio(&lost.nominal.optimum),
+            design_ratio(&lost.nominal),
             reason_text(&lost.reason, joint).1
         );
         out.push_str(&paragraph(&sentence, 2, 4));
@@ -160,7 +161,8 @@ fn details(design: &RobustDesign, result: &RobustJoint) -> String {
         None => {
             let windows = design.optimum.windows.iter().map(|w| {
                 let (low, high) = (bind_text(&w.low, joint), bind_text(&w.high, joint));
-                format!("{} ({low}) to {} ({high})", number(w.min), number(w.max))
+                let [from, to] = range_inwards(w.min, w.max);
+                format!("{from} ({low}) to {to} ({high})")
             });
             out.push_str(&format!("; feasible at worst from {}", windows.collect::<Vec<_>>().join(" and from ")));
         }

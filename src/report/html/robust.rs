@@ -1,11 +1,12 @@
 //! The page of designs that keep their limits over all tolerances.
 
 use super::{Page, Part, Section, Table, Verdict, asked, folded, unjudged as apart};
-use crate::design::robust::{RobustJoint, SAMPLES};
+use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES};
 use crate::report::optimize::{bind_text, proof, ratio_text, reason_text};
 use crate::report::robust::{notes, percent, tolerances_text};
-use crate::report::{counted, number, optimum_ratio, unjudged};
+use crate::report::{counted, design_ratio, number, optimum_ratio, unjudged};
 use crate::requirement::Robot;
+use crate::words::range_inwards;
 
 /// The page.
 pub fn page(robot: &Robot, joints: &[RobustJoint]) -> Page {
@@ -59,10 +60,10 @@ fn choices(joints: &[RobustJoint]) -> Table {
         let first = joint.designs.first();
         let mut cells = vec![joint.nominal.joint.name.clone(), joint.nominal.joint.count.to_string()];
         cells.push(nominal.map_or_else(|| "none".into(), |d| d.motor.id.clone()));
-        cells.push(nominal.map_or_else(String::new, |d| optimum_ratio(&d.optimum)));
+        cells.push(nominal.map_or_else(String::new, design_ratio));
         cells.push(first.map_or_else(|| "none".into(), |d| d.nominal.motor.id.clone()));
-        cells.push(first.map_or_else(String::new, |d| optimum_ratio(&d.optimum)));
-        cells.push(first.map_or_else(String::new, |d| tolerances_text(&d.toleranced)));
+        cells.push(first.map_or_else(String::new, |d| optimum_ratio(&d.optimum, d.gear)));
+        cells.push(first.map_or_else(String::new, tolerances));
         cells.push(joint.lost.len().to_string());
         table.push(first.map_or("", |d| d.nominal.motor.id.as_str()), cells);
     }
@@ -84,7 +85,7 @@ fn section(result: &RobustJoint) -> Section {
     let mut lost = Table::new(format!("{}: lost to their tolerances", joint.name), &["motor", ">N*", "because"]);
     for of in &result.lost {
         let motor = &of.nominal.motor.id;
-        let cells = vec![motor.clone(), optimum_ratio(&of.nominal.optimum), reason_text(&of.reason, joint).1];
+        let cells = vec![motor.clone(), design_ratio(&of.nominal), reason_text(&of.reason, joint).1];
         lost.push(motor, cells);
     }
     let count = lost.rows.len();
@@ -108,6 +109,11 @@ fn section(result: &RobustJoint) -> Section {
     Section::new(joint.name.clone(), parts)
 }
 
+/// The tolerances of a design, in a column that says that they are.
+fn tolerances(design: &RobustDesign) -> String {
+    if design.toleranced.is_empty() { "none in the catalogue".into() } else { tolerances_text(&design.toleranced) }
+}
+
 fn designs(result: &RobustJoint) -> Table {
     let joint = result.nominal.joint;
     let unit = match joint.objective.unit() {
@@ -119,7 +125,7 @@ fn designs(result: &RobustJoint) -> Table {
         ">#",
         "motor",
         "gear",
-        ">N* nominal",
+        ">N*",
         ">N robust",
         &goal,
         &worst,
@@ -135,10 +141,10 @@ fn designs(result: &RobustJoint) -> Table {
     for (place, d) in result.designs.iter().enumerate() {
         let bare = d.toleranced.is_empty();
         let mut cells = vec![(place + 1).to_string(), d.nominal.motor.id.clone(), d.gear.unwrap_or("").into()];
-        cells.extend([&d.nominal.optimum, &d.optimum].map(optimum_ratio));
+        cells.extend([design_ratio(&d.nominal), optimum_ratio(&d.optimum, d.gear)]);
         cells.push(number(d.optimum.objective));
         cells.push(if bare { "–".into() } else { number(d.worst_objective) });
-        cells.push(tolerances_text(&d.toleranced));
+        cells.push(tolerances(d));
         let tightest = d.tightest.as_ref().filter(|_| !bare);
         cells.push(tightest.map_or_else(|| "–".into(), |m| m.limit.into()));
         cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)));
@@ -146,7 +152,8 @@ fn designs(result: &RobustJoint) -> Table {
         cells.push(proof(&d.optimum.certificate));
         let ends = d.optimum.windows.iter().map(|w| {
             let (low, high) = (bind_text(&w.low, joint), bind_text(&w.high, joint));
-            format!("{} ({low}) to {} ({high})", number(w.min), number(w.max))
+            let [from, to] = range_inwards(w.min, w.max);
+            format!("{from} ({low}) to {to} ({high})")
         });
         cells.push(if bare || d.gear.is_some() { String::new() } else { ends.collect::<Vec<_>>().join("; ") });
         table.push(&d.nominal.motor.id, cells);
