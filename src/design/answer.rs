@@ -292,7 +292,28 @@ pub enum Reason {
     NotSolved(Unsolved),
 }
 
+/// What a reason says of a motor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Says {
+    /// That it cannot do it.
+    Cannot,
+    /// That it was not asked: the requirement does not allow it.
+    NotAllowed,
+    /// That it cannot be checked in full, or not be judged.
+    NotKnown,
+}
+
 impl Reason {
+    /// What it says of a motor: one that could not be checked may well do it.
+    pub fn says(&self) -> Says {
+        match self {
+            Reason::Unusable(Unusable::NotAllowed) => Says::NotAllowed,
+            Reason::Unchecked(..) | Reason::Unjudged(_) => Says::NotKnown,
+            reason if reason.unknown().is_some() => Says::NotKnown,
+            _ => Says::Cannot,
+        }
+    }
+
     /// The number that is missing, where that alone is why: then whether the motor could do it is not known.
     pub fn unknown(&self) -> Option<Remark> {
         match self {

@@ -186,7 +186,7 @@ pub(super) fn binds(design: &Design, joint: &Joint) -> String {
         (None, _) => "no limit binds".into(),
         (Some(bind), Some(_)) if is_of_range(bind.limit) => "no limit binds".into(),
         (Some(bind), None) if is_of_range(bind.limit) => "at the end of the range of ratios".into(),
-        (Some(bind), Some(_)) => format!("the next listed ratio exceeds {}", bind_text(bind, joint)),
+        (Some(bind), Some(_)) => format!("the next allowed ratio exceeds {}", bind_text(bind, joint)),
         (Some(bind), None) if bind.unjudged.is_some() => format!("beyond this ratio {} cannot be judged", bind.limit),
         (Some(bind), None) => format!("{} binds", bind_text(bind, joint)),
     }

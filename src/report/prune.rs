@@ -8,12 +8,11 @@ use crate::requirement::Joint;
 /// How many can, cannot, and were not solved.
 pub(super) fn verdict(result: &JointResult, pruned: &Pruned) -> String {
     let solved = result.candidates.len() + pruned.behind;
-    let cannot = result.rejected.len() + pruned.impossible.len();
-    let apart = super::unjudged::counted(result.unjudged.len());
+    let refused = super::optimize::refusals(result);
     match pruned.not_solved.len() {
-        0 => format!("{} can do it, {cannot} cannot{apart}", crate::words::counted(solved, "motor")),
+        0 => format!("{} can do it, {refused}", crate::words::counted(solved, "motor")),
         left => format!(
-            "of the motors solved {solved} can do it and {cannot} cannot{apart}; {left} not solved, none of them is among the first {}",
+            "of the motors solved {solved} can do it, {refused}; {left} not solved, none of them is among the first {}",
             pruned.keep
         ),
     }

@@ -66,7 +66,7 @@ pub struct MotorSummary {
     pub can: u64,
     /// Where it cannot.
     pub cannot: u64,
-    /// Where a limit that the requirement states cannot be judged of it.
+    /// Where a limit that it must be judged by cannot be; with `--only-checked` any limit.
     pub unjudged: u64,
     /// Where it was not asked, because it cannot be among the designs asked for.
     pub not_asked: u64,

@@ -10,7 +10,7 @@ use super::columns;
 use super::grid::Grid;
 use super::plan::Settings;
 use crate::catalog::Catalog;
-use crate::design::answer::JointResult;
+use crate::design::answer::{JointResult, Says};
 use crate::design::balance::balanced;
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
@@ -279,7 +279,8 @@ fn standings(joint: &JointResult, catalog: &Catalog) -> String {
         standing.insert(&design.motor.id, if place == 0 { Standing::First } else { Standing::Among });
     }
     for rejected in &joint.rejected {
-        standing.insert(&rejected.motor.id, Standing::Cannot);
+        let known = rejected.reason.says() != Says::NotKnown;
+        standing.insert(&rejected.motor.id, if known { Standing::Cannot } else { Standing::Unjudged });
     }
     for unjudged in &joint.unjudged {
         standing.insert(&unjudged.motor.id, Standing::Unjudged);

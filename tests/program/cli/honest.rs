@@ -155,3 +155,28 @@ fn a_reserve_is_not_taken_for_the_limit() {
     assert!(!says(&run(&folder, &words), "reserve"));
     assert!(says(&run(&folder, &[&words[..], &set].concat()), "bus, less 15 % reserve"));
 }
+
+/// A motor that `--only-checked` leaves out was not found to be unable.
+#[test]
+fn what_is_left_out_as_unchecked_is_not_said_to_be_unable() {
+    let folder = folder();
+    let mut rows: Vec<String> = MOTORS.lines().map(Into::into).collect();
+    let at = rows[0].split(',').position(|c| c.starts_with("inductance")).unwrap();
+    for row in &mut rows[1..] {
+        let mut cells: Vec<&str> = row.split(',').collect();
+        cells[at] = "";
+        *row = cells.join(",");
+    }
+    fs::write(folder.path().join("bare.csv"), rows.join("\n")).unwrap();
+    let words = ["optimize", "robot.toml", "--catalog", "bare.csv", "--no-estimates"];
+    let able = json(&run(&folder, &[&words[..], &["--json"]].concat()))["joints"][0]["candidates"].clone();
+    let able = able.as_array().unwrap().len();
+    assert!(able > 0, "without the option they can do it");
+    for more in [&["--only-checked"][..], &["--only-checked", "--top", "1"]] {
+        let ran = run(&folder, &[&words[..], more].concat());
+        assert!(says(&ran, &format!(", {able} cannot be checked in full")), "{more:?}: {}", ran.out);
+        let told = collapsed(&ran.out);
+        let cannot = told.split(" can do it, ").nth(1).and_then(|t| t.split(" cannot").next()).unwrap();
+        assert_eq!(cannot.parse(), Ok(rows.len() - 1 - able), "{}", ran.out);
+    }
+}
