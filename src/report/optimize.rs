@@ -14,7 +14,7 @@ use crate::actuator::limits::hottest;
 use crate::actuator::metrics::{METRICS, Metric, metric};
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
-use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult, Says};
+use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult};
 use crate::design::outlook::Outlook;
 use crate::design::program::{Certificate, Infeasible, Optimum};
 use crate::requirement::{Joint, Quantity, RatioChoice};
@@ -160,26 +160,12 @@ pub(super) fn ratio_text(joint: &Joint) -> String {
     }
 }
 
-/// How many motors cannot do a joint, and of how many it is not known.
-pub(super) fn refusals(result: &JointResult) -> String {
-    let said = |what: Says| result.rejected.iter().filter(|r| r.reason.says() == what).count();
-    let cannot = said(Says::Cannot) + result.pruned.as_ref().map_or(0, |p| p.impossible.len());
-    let mut out = format!("{cannot} cannot{}", unjudged::counted(result.unjudged.len()));
-    for (count, what) in [(said(Says::NotKnown), "cannot be checked in full"), (said(Says::NotAllowed), "not allowed")]
-    {
-        if count > 0 {
-            out.push_str(&format!(", {count} {what}"));
-        }
-    }
-    out
-}
-
 /// How many motors can do a joint.
 pub(super) fn verdict(result: &JointResult) -> String {
     match &result.pruned {
         None => {
             let can = result.candidates.len();
-            format!("{} can do it, {}", crate::words::counted(can, "motor"), refusals(result))
+            format!("{} can do it, {}", crate::words::counted(can, "motor"), prune::refusals(result))
         }
         Some(pruned) => prune::verdict(result, pruned),
     }

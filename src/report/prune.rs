@@ -2,13 +2,28 @@
 
 use super::number;
 use super::table::paragraph;
-use crate::design::answer::{JointResult, Pruned};
+use super::unjudged;
+use crate::design::answer::{JointResult, Pruned, Says};
 use crate::requirement::Joint;
+
+/// How many motors cannot do a joint, and of how many it is not known.
+pub(super) fn refusals(result: &JointResult) -> String {
+    let said = |what: Says| result.rejected.iter().filter(|r| r.reason.says() == what).count();
+    let cannot = said(Says::Cannot) + result.pruned.as_ref().map_or(0, |p| p.impossible.len());
+    let mut out = format!("{cannot} cannot{}", unjudged::counted(result.unjudged.len()));
+    for (count, what) in [(said(Says::NotKnown), "cannot be checked in full"), (said(Says::NotAllowed), "not allowed")]
+    {
+        if count > 0 {
+            out.push_str(&format!(", {count} {what}"));
+        }
+    }
+    out
+}
 
 /// How many can, cannot, and were not solved.
 pub(super) fn verdict(result: &JointResult, pruned: &Pruned) -> String {
     let solved = result.candidates.len() + pruned.behind;
-    let refused = super::optimize::refusals(result);
+    let refused = refusals(result);
     match pruned.not_solved.len() {
         0 => format!("{} can do it, {refused}", crate::words::counted(solved, "motor")),
         left => format!(
