@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::columns::{self, Entry, State};
-use super::optimize::{bind_text, proof, reason_text};
+use super::optimize::{proof, reason_text};
+use super::said::window_texts;
 use super::table::{Column, Table, paragraph};
 use super::{csv_number, design_ratio, number, optimum_ratio};
 use crate::design::answer::{Design, JointResult};
 use crate::design::program::Certificate;
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES, Toleranced, standard_error};
 use crate::requirement::Robot;
-use crate::words::range_inwards;
 
 /// What stands beside a motor whose row has no tolerance.
 const NOMINAL: &str = "no tolerances in the catalogue: nominal";
@@ -159,12 +159,8 @@ fn details(design: &RobustDesign, result: &RobustJoint) -> String {
     match design.gear {
         Some(gear) => out.push_str(&format!("; with {gear}")),
         None => {
-            let windows = design.optimum.windows.iter().map(|w| {
-                let (low, high) = (bind_text(&w.low, joint), bind_text(&w.high, joint));
-                let [from, to] = range_inwards(w.min, w.max);
-                format!("{from} ({low}) to {to} ({high})")
-            });
-            out.push_str(&format!("; feasible at worst from {}", windows.collect::<Vec<_>>().join(" and from ")));
+            let windows = window_texts(&design.optimum, joint).join(" and from ");
+            out.push_str(&format!("; feasible at worst from {windows}"));
         }
     }
     if let Some(m) = &design.tightest {

@@ -76,11 +76,16 @@ pub(super) fn windows_text(optimum: &Optimum, joint: &Joint) -> Option<String> {
     if joint.ratio.listed().is_some() && is_one {
         return None;
     }
-    let windows = optimum.windows.iter().map(|w| {
+    Some(window_texts(optimum, joint).join(" and from "))
+}
+
+/// Each interval of feasible ratios and what ends it, rounded inwards.
+pub(super) fn window_texts(optimum: &Optimum, joint: &Joint) -> Vec<String> {
+    let told = optimum.windows.iter().map(|w| {
         let [low, high] = range_inwards(w.min, w.max);
         format!("{low} ({}) to {high} ({})", bind_text(&w.low, joint), bind_text(&w.high, joint))
     });
-    Some(windows.collect::<Vec<_>>().join(" and from "))
+    told.collect()
 }
 
 /// A share in per cent.

@@ -2,11 +2,11 @@
 
 use super::{Page, Part, Section, Table, Verdict, asked, folded, unjudged as apart};
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES};
-use crate::report::optimize::{bind_text, proof, ratio_text, reason_text};
+use crate::report::optimize::{proof, ratio_text, reason_text};
 use crate::report::robust::{notes, percent, tolerances_text};
+use crate::report::said::window_texts;
 use crate::report::{counted, design_ratio, number, optimum_ratio, unjudged};
 use crate::requirement::Robot;
-use crate::words::range_inwards;
 
 /// The page.
 pub fn page(robot: &Robot, joints: &[RobustJoint]) -> Page {
@@ -150,12 +150,8 @@ fn designs(result: &RobustJoint) -> Table {
         cells.push(tightest.map_or_else(|| "–".into(), |m| number((1000.0 * m.margin.max(0.0)).round() / 10.0)));
         cells.extend([super::estimated(d.nominal.motor), d.unchecked.len().to_string()]);
         cells.push(proof(&d.optimum.certificate));
-        let ends = d.optimum.windows.iter().map(|w| {
-            let (low, high) = (bind_text(&w.low, joint), bind_text(&w.high, joint));
-            let [from, to] = range_inwards(w.min, w.max);
-            format!("{from} ({low}) to {to} ({high})")
-        });
-        cells.push(if bare || d.gear.is_some() { String::new() } else { ends.collect::<Vec<_>>().join("; ") });
+        let is_told = !bare && d.gear.is_none();
+        cells.push(if is_told { window_texts(&d.optimum, joint).join("; ") } else { String::new() });
         table.push(&d.nominal.motor.id, cells);
     }
     table.mainly(13)
