@@ -181,11 +181,21 @@ pub(super) fn is_of_range(limit: &str) -> bool {
 
 /// What keeps the ratio where it is.
 pub(super) fn binds(design: &Design, joint: &Joint) -> String {
-    match (binding(design), joint.ratio.listed()) {
-        _ if design.gear.is_some() => "the best of the gears".into(),
+    match design.gear {
+        Some(_) => "the best of the gears".into(),
+        None => bound_by(binding(design), joint),
+    }
+}
+
+/// What keeps a ratio that is free or of a list.
+fn bound_by(bind: Option<&Bind>, joint: &Joint) -> String {
+    match (bind, joint.ratio.listed()) {
         (None, _) => "no limit binds".into(),
         (Some(bind), Some(_)) if is_of_range(bind.limit) => "no limit binds".into(),
         (Some(bind), None) if is_of_range(bind.limit) => "at the end of the range of ratios".into(),
+        (Some(bind), Some(_)) if bind.unjudged.is_some() => {
+            format!("with the next allowed ratio {} cannot be judged", bind.limit)
+        }
         (Some(bind), Some(_)) => format!("the next allowed ratio exceeds {}", bind_text(bind, joint)),
         (Some(bind), None) if bind.unjudged.is_some() => format!("beyond this ratio {} cannot be judged", bind.limit),
         (Some(bind), None) => format!("{} binds", bind_text(bind, joint)),
@@ -225,5 +235,34 @@ pub(super) fn further(shown: Shown) -> &'static str {
         (true, false) => "More: `--rejected` why not the others; `--full` all tables.",
         (false, true) => "More: `--why` what binds, what is near and how sure it is; `--full` all tables.",
         (true, true) => "More: `--full` all tables.",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::{Bind, bound_by};
+    use crate::input::Source;
+    use crate::requirement::read_source;
+
+    /// A limit that cannot be judged beyond a ratio is not said to be exceeded there, and the other way round.
+    #[test]
+    fn what_cannot_be_judged_is_not_exceeded() {
+        let told = |ratio: &str, unjudged| {
+            let points = "points = [{ torque = '1 N*m', speed = '1 rad/s' }]";
+            let text =
+                format!("name = 'r'\nbus = {{ voltage = '1 V' }}\n[[joint]]\nname = 'j'\nratio = {ratio}\n{points}");
+            let robot = read_source(&Arc::new(Source::new("robot.toml", text))).unwrap();
+            bound_by(Some(&Bind { unjudged, ..Bind::of("winding_temperature", None) }), &robot.joints[0])
+        };
+        for ratio in ["{ min = 1, max = 9 }", "{ min = 1, max = 9, step = 2 }", "{ values = [3, 5] }"] {
+            let (open, known) = (told(ratio, Some("why")), told(ratio, None));
+            assert!(
+                open.contains("cannot be judged") && !open.contains("exceeds") && !open.contains("binds"),
+                "{open}"
+            );
+            assert!(!known.contains("judged") && (known.contains("exceeds") || known.contains("binds")), "{known}");
+        }
     }
 }
