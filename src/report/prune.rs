@@ -11,8 +11,8 @@ pub(super) fn refusals(result: &JointResult) -> String {
     let said = |what: Says| result.rejected.iter().filter(|r| r.reason.says() == what).count();
     let cannot = said(Says::Cannot) + result.pruned.as_ref().map_or(0, |p| p.impossible.len());
     let mut out = format!("{cannot} cannot{}", unjudged::counted(result.unjudged.len()));
-    for (count, what) in [(said(Says::NotKnown), "cannot be checked in full"), (said(Says::NotAllowed), "not allowed")]
-    {
+    let left_out = unjudged::left_out(result.rejected.iter().map(|r| &r.reason));
+    for (count, what) in [(left_out, "cannot be checked in full"), (said(Says::NotAllowed), "not allowed")] {
         if count > 0 {
             out.push_str(&format!(", {count} {what}"));
         }

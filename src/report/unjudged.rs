@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::number;
 use super::table::wrap;
 use crate::actuator::limits::Remark;
-use crate::design::answer::{JointResult, JointSweep, Reason, Unjudged};
+use crate::design::answer::{JointResult, JointSweep, Reason, Says, Unjudged};
 use crate::design::pareto::{Front, FrontPoint};
 use crate::design::robot::{Apart, Choice};
 
@@ -193,5 +193,5 @@ pub fn without_choice<'j>(joints: impl Iterator<Item = Without<'j>>, no: &str) -
 
 /// How many were left out because a limit of them cannot be checked.
 pub fn left_out<'r>(reasons: impl Iterator<Item = &'r Reason>) -> usize {
-    reasons.filter(|reason| matches!(reason, Reason::Unchecked(..))).count()
+    reasons.filter(|reason| reason.says() == Says::NotKnown).count()
 }
