@@ -143,6 +143,11 @@ impl Kind {
         format!("{article} {}", self.name)
     }
 
+    /// The power of the ampere in its unit: what another unit of current makes of a number.
+    pub fn powers_of_ampere(&self) -> f64 {
+        self.dims[3]
+    }
+
     /// Whether the quantity has a dimension, so that a bare number is not enough.
     pub fn needs_unit(&self) -> bool {
         *self != RATIO

@@ -44,6 +44,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
             ..Limits::default()
         },
         drive_current: None,
+        turns: gearwise::requirement::Turns::AsWound,
         phases: Vec::new(),
         carries: Vec::new(),
     };

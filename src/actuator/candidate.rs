@@ -8,7 +8,7 @@ use super::thermal;
 use super::thermal_motion::TwoNode;
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Gear, Motor};
-use crate::requirement::{GearModel, Joint, Robot};
+use crate::requirement::{GearModel, Joint, Robot, Turns};
 
 /// A motor and a gear for a joint, before the ratio is chosen.
 #[derive(Debug, Clone, Copy)]
@@ -42,19 +42,25 @@ impl Candidate<'_> {
         self.motor.mass.unwrap_or(0.0) + self.gear.mass_at(ratio).unwrap_or(0.0)
     }
 
-    /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is.
+    /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is. Where the winding is open,
+    /// the drive's is no limit.
     pub fn peak_current(&self) -> Option<(f64, &'static str)> {
-        let amplitude = match self.motor.conventions.commutation {
-            Commutation::Brushless => CurrentConvention::PhaseAmplitude,
-            Commutation::Brushed => CurrentConvention::Dc,
-        };
-        let per_ampere = amplitude.torque_current(self.motor.conventions.commutation);
-        let drive = self.joint.drive_current.or(self.robot.bus.drive_current).map(|i| (i * per_ampere, "drive"));
+        let drive = self.drive_current().filter(|_| self.joint.turns == Turns::AsWound).map(|i| (i, "drive"));
         let motor = self.motor.peak_current.map(|i| (i, "motor"));
         match (motor, drive) {
             (Some(m), Some(d)) => Some(if d.0 < m.0 { d } else { m }),
             (m, d) => m.or(d),
         }
+    }
+
+    /// The drive's largest current, q axis \[A\].
+    pub fn drive_current(&self) -> Option<f64> {
+        let amplitude = match self.motor.conventions.commutation {
+            Commutation::Brushless => CurrentConvention::PhaseAmplitude,
+            Commutation::Brushed => CurrentConvention::Dc,
+        };
+        let per_ampere = amplitude.torque_current(self.motor.conventions.commutation);
+        self.joint.drive_current.or(self.robot.bus.drive_current).map(|i| i * per_ampere)
     }
 
     /// Voltage that the drive can apply, radius of the q-axis circle \[V\].

@@ -2,6 +2,7 @@
 
 use super::about::Construction;
 use super::convention::{has_words, word};
+use crate::units::{self, Kind};
 
 /// What may be estimated of a motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,13 +37,18 @@ impl Estimated {
         }
     }
 
+    /// What it measures.
+    pub fn kind(self) -> &'static Kind {
+        match self {
+            Estimated::ThermalResistance => &units::THERMAL_RESISTANCE,
+            Estimated::RotorInertia => &units::INERTIA,
+            Estimated::Inductance => &units::INDUCTANCE,
+        }
+    }
+
     /// Its SI unit.
     pub fn unit(self) -> &'static str {
-        match self {
-            Estimated::ThermalResistance => "K/W",
-            Estimated::RotorInertia => "kg*m^2",
-            Estimated::Inductance => "H",
-        }
+        self.kind().si
     }
 }
 

@@ -19,6 +19,7 @@ pub mod import;
 mod motor;
 pub mod outlier;
 mod read;
+pub mod rewound;
 pub mod row;
 mod said;
 mod sheet;

@@ -222,7 +222,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.write(
         call,
         || [robot.files(), catalog.files()].concat(),
-        || html::optimize::page(&result, choice.as_ref(), &catalog),
+        || html::optimize::page(&result, &outlooks, choice.as_ref(), &catalog),
     )?;
     let text = match (&choice, target) {
         (Some(whole), Some(path)) => ruled.whole(&result, whole, &arguments.requirement, files, path).map(Some),

@@ -8,6 +8,7 @@ use super::mount::{Mount, load_through};
 use super::program::{Infeasible, Optimum, RatioProgram};
 use super::solved::solve;
 use super::spring::{choose, nearest};
+use super::turns::TurnsRange;
 use super::{Evaluation, Prepared, Unusable};
 use crate::actuator::limits::{Asked, Remark};
 use crate::actuator::thermal::Winding;
@@ -36,6 +37,8 @@ pub struct Explanation<'a> {
     pub sensitivities: Vec<Sensitivity>,
     /// Single changes that would make the motor feasible.
     pub remedies: Vec<Remedy>,
+    /// The numbers of turns with which voltage and the drive's current are kept there; `None` where it has no other number.
+    pub turns: Option<TurnsRange>,
     /// Limits that could not be checked, and why.
     pub unchecked: Vec<Remark>,
     /// Of those, what the requirement itself states: with any of them the design is no choice.
@@ -150,6 +153,7 @@ pub fn explain<'a>(
     let Explanation {
         evaluation,
         winding_temperature,
+        turns,
         reversal_time,
         mut best,
         sensitivities,
@@ -170,6 +174,7 @@ pub fn explain<'a>(
         gear,
         evaluation,
         winding_temperature,
+        turns,
         reversal_time,
         best,
         sensitivities,
@@ -217,6 +222,7 @@ fn explain_as_it_is<'a>(
         Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
     let winding_temperature = prepared.winding_temperature(here);
     let reversal_time = prepared.reversal_time(here);
+    let turns = motor.can_be_rewound().is_ok().then(|| TurnsRange::at(&prepared, here));
     let Judged { unchecked, assumed } = prepared.judged(here);
     let unjudged = unjudged(robot, joint, &unchecked);
     Ok(Explanation {
@@ -225,6 +231,7 @@ fn explain_as_it_is<'a>(
         gear,
         evaluation,
         winding_temperature,
+        turns,
         reversal_time,
         best,
         sensitivities,

@@ -31,6 +31,7 @@ pub mod simulated;
 mod solved;
 pub mod spring;
 pub mod sweep;
+pub mod turns;
 
 pub use crate::actuator::limits::Candidate;
 pub use crate::numerics::grid::grid;

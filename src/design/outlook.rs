@@ -12,7 +12,8 @@ use super::mount::{JointDemand, Site};
 use super::nearby::{Nearby, nearby};
 use super::optimize::optimize_with;
 use super::options::{Options, Stopped};
-use crate::catalog::Catalog;
+use super::turns::{Rewinding, first_rewound, rewindings};
+use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Balancing, Joint, Objective, Quantity, Robot};
 
 /// What is said of the first choice of a joint beside the choice itself.
@@ -26,6 +27,17 @@ pub struct Outlook<'a> {
     pub nearby: Option<Nearby<'a>>,
     /// Designs between the lightest and the least loss, by mass; empty unless it was asked for and the objective is balanced.
     pub front: Vec<FrontDesign<'a>>,
+    /// What another number of turns would do for the motors that cannot do it, in their order.
+    pub rewindings: Vec<(&'a Motor, Rewinding<'a>)>,
+    /// The same for the first choice, where voltage or the drive's current holds its ratio back.
+    pub rewound: Option<Rewinding<'a>>,
+}
+
+impl<'a> Outlook<'a> {
+    /// What another number of turns would do for a motor that cannot do it; `None` where it was not asked.
+    pub fn rewinding(&self, motor: &Motor) -> Option<&Rewinding<'a>> {
+        self.rewindings.iter().find(|(of, _)| of.id == motor.id).map(|(_, how)| how)
+    }
 }
 
 /// A design that is the best for a weight between mass and loss.
@@ -40,7 +52,7 @@ pub struct FrontDesign<'a> {
 /// Shares of the loss between the ends.
 const SHARES: [f64; 4] = [0.1, 0.25, 0.75, 0.9];
 
-/// The outlook of every joint of a result, in its order; of a joint without a choice an empty one.
+/// The outlook of every joint of a result, in its order; of a joint without a choice that of its motors' windings alone.
 ///
 /// # Errors
 /// It was stopped.
@@ -52,15 +64,24 @@ pub fn outlooks<'a>(
 ) -> Result<Vec<Outlook<'a>>, Stopped> {
     let robot = result.robot;
     let one = |(place, of): (usize, &JointResult<'a>)| {
-        let Some(design) = of.candidates.first() else { return Ok((place, Outlook::default())) };
         let joint = of.joint;
+        let demand = JointDemand::new(joint, catalog);
+        let site = Site::new(robot, joint, &demand);
+        let rewindings = rewindings(site, of, catalog, options.only_checked);
+        let rewound = first_rewound(site, of, catalog, options.only_checked);
+        let Some(design) = of.candidates.first() else {
+            return Ok((place, Outlook { rewindings, ..Outlook::default() }));
+        };
         let optimum = &design.optimum;
         let seen = at_design(robot, joint, design, |prepared| {
             (flatness(prepared, joint, optimum), own_bound(prepared, joint, optimum))
         });
         let (flatness, own_bound) = seen.unwrap_or_default();
         let front = if with_front { front(robot, of, catalog, options)? } else { Vec::new() };
-        Ok((place, Outlook { flatness, own_bound, nearby: nearby(robot, joint, catalog, design), front }))
+        Ok((
+            place,
+            Outlook { flatness, own_bound, nearby: nearby(robot, joint, catalog, design), front, rewindings, rewound },
+        ))
     };
     // Joints that ask the same have the same answer: it is found once.
     let alike = |j: usize| (0..j).find(|i| robot.joints[*i].asks_the_same(&robot.joints[j]));

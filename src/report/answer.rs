@@ -4,7 +4,7 @@ use super::balance;
 use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at, per_cent};
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
-use super::{design_ratio, estimated, number, number_between, optional};
+use super::{design_ratio, estimated, number, number_between, optional, turns};
 use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::flatness::OwnBound;
 use crate::design::outlook::Outlook;
@@ -62,6 +62,7 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
         let line = format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", "));
         notes.push(Tint::Doubtful.on(&line));
     }
+    notes.extend(turns::summaries(result, outlooks));
     // What is true of several joints is said once.
     let mut told: Vec<(String, Vec<&str>)> = Vec::new();
     for of in &result.joints {

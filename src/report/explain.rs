@@ -1,6 +1,7 @@
 //! The whole story of one motor at a joint.
 
-use super::optimize::{fitted_notes, proof, reason_text, windows_text};
+use super::optimize::{fitted_notes, proof, windows_text};
+use super::reason::reason_text;
 use super::said::per_cent;
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
@@ -79,6 +80,9 @@ pub fn text(story: &Explanation) -> String {
     } else if matches!(story.best, Some(Err(_))) {
         let line = "No single limit, widened alone, would make it feasible.";
         out.push_str(&format!("\n{}", paragraph(line, 0, 2)));
+    }
+    if let Some(line) = story.turns.and_then(|turns| super::turns::here(&turns, story.motor)) {
+        out.push_str(&format!("\n{}", paragraph(&line, 0, 2)));
     }
     let fitted = fitted_notes(story.motor, joint);
     if !fitted.is_empty() {

@@ -27,6 +27,7 @@ pub mod pareto;
 pub mod plot;
 mod prune;
 pub mod rank;
+pub mod reason;
 pub mod remake;
 pub mod robot;
 pub mod robust;
@@ -37,6 +38,7 @@ pub mod sweep;
 pub mod table;
 pub mod tint;
 pub mod torques;
+pub(crate) mod turns;
 pub mod unjudged;
 
 pub use crate::words::csv::{csv_number, csv_row, csv_text, guarded};

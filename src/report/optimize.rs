@@ -7,96 +7,18 @@ pub(super) use super::said::{choice_text, margin_at};
 pub(super) use super::said::{joint_notes, windows_text};
 
 use super::columns::{self, Entry, State};
+use super::reason::reason_text;
 use super::table::{Column, Table, paragraph, wrap};
-use super::{answer, design_ratio, different_motors, estimated, number, outlook, prune, unjudged};
+use super::{answer, design_ratio, different_motors, estimated, number, outlook, prune, turns, unjudged};
 use crate::actuator::fitted::{self, Note};
 use crate::actuator::limits::hottest;
 use crate::actuator::metrics::{METRICS, Metric, metric};
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
-use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult};
+use crate::design::answer::{Budgeted, Design, JointResult, Rejected, RobotResult};
 use crate::design::outlook::Outlook;
-use crate::design::program::{Certificate, Infeasible, Optimum};
+use crate::design::program::{Certificate, Optimum};
 use crate::requirement::{Joint, Quantity, RatioChoice};
-
-/// Why a motor was rejected: a short class for counting, and the sentence.
-pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
-    // By how much a limit is exceeded, after the verb.
-    let by = |over: f64, allowed: f64| match (over.is_finite(), allowed == 0.0) {
-        (_, true) => "more than nothing, and nothing is allowed".to_string(),
-        (true, _) => format!("{} times the limit", number(over)),
-        (false, _) => "without end".into(),
-    };
-    match reason {
-        Reason::Unusable(unusable) => (unusable.reason().into(), unusable.reason().into()),
-        Reason::Infeasible(Infeasible::Never { bind, least, allowed, ratio }) => (
-            format!("{} is exceeded at every ratio", bind.limit),
-            format!(
-                "{} is exceeded at every ratio: at best it is {}, at N = {}",
-                bind_text(bind, joint),
-                by(*least, *allowed),
-                number(*ratio)
-            ),
-        ),
-        Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) if low.limit == "ratio_min" => (
-            format!("{} allows only ratios below the range", high.limit),
-            format!(
-                "{} allows only N ≤ {}, below the range from {}",
-                bind_text(high, joint),
-                number(*at_most),
-                number(*at_least)
-            ),
-        ),
-        Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) if high.limit == "ratio_max" => {
-            (
-                format!("{} needs ratios above the range", low.limit),
-                format!(
-                    "{} needs N ≥ {}, above the range up to {}",
-                    bind_text(low, joint),
-                    number(*at_least),
-                    number(*at_most)
-                ),
-            )
-        }
-        Reason::Infeasible(Infeasible::Contradiction { low, at_least, high, at_most }) => (
-            match low.limit == high.limit {
-                true => format!("{} is exceeded at every ratio, at one instant or another", low.limit),
-                false => format!("{} needs a larger ratio than {} allows", low.limit, high.limit),
-            },
-            format!(
-                "{} needs N ≥ {}, {} allows N ≤ {}",
-                bind_text(low, joint),
-                number(*at_least),
-                bind_text(high, joint),
-                number(*at_most)
-            ),
-        ),
-        Reason::Infeasible(Infeasible::Nowhere { bind, least, allowed, ratio }) => (
-            format!("{} is exceeded at every ratio", bind.limit),
-            format!(
-                "{} is {} at the ratio that comes nearest, N = {}",
-                bind_text(bind, joint),
-                by(*least, *allowed),
-                number(*ratio)
-            ),
-        ),
-        Reason::Gears { bind, over, allowed, tried } => (
-            format!("no gear will do; with the nearest, {} is exceeded", bind.limit),
-            format!(
-                "none of {tried} gears will do; with the nearest, {} is {}",
-                bind_text(bind, joint),
-                by(*over, *allowed)
-            ),
-        ),
-        Reason::Unchecked(limit, why) => {
-            (format!("{limit} cannot be checked"), format!("{limit} cannot be checked: {why}"))
-        }
-        Reason::Unjudged(because) => (unjudged::class(because), unjudged::sentence(because)),
-        Reason::Rule(why) => ("a rule is broken".into(), format!("a rule is broken: {why}")),
-        Reason::Unbounded => ("the objective has no lower bound".into(), "the objective has no lower bound".into()),
-        Reason::NotSolved(why) => ("not solved".into(), format!("not solved: {why}")),
-    }
-}
 
 /// For people: the answer, and as much of the rest as is asked for. `outlooks` are those of the joints, in their order.
 pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String {
@@ -124,7 +46,7 @@ pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String 
         for (joint, outlook) in with_outlooks() {
             let why = if shown.why { outlook::text(joint, outlook) } else { String::new() };
             let rejected = if shown.rejected || joint.candidates.is_empty() {
-                unjudged::text(joint, shown.rejected) + &rejected_text(joint, shown)
+                unjudged::text(joint, shown.rejected) + &rejected_text(joint, outlook, shown)
             } else {
                 String::new()
             };
@@ -190,7 +112,7 @@ fn joint_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) -> 
         }
     }
     out.push_str(&unjudged::text(result, shown.rejected));
-    out.push_str(&rejected_text(result, shown));
+    out.push_str(&rejected_text(result, outlook, shown));
     if let Some(pruned) = &result.pruned {
         out.push_str(&prune::text(joint, pruned));
     } else if result.candidates.len() >= 3 {
@@ -342,17 +264,29 @@ pub(super) fn contradictions(motor: &Motor) -> Vec<String> {
     audit_motor(motor).into_iter().filter(wrong).map(|f| f.message).collect()
 }
 
-fn rejected_text(result: &JointResult, shown: Shown) -> String {
+/// What another number of turns would do for a motor that is rejected; empty where nothing is to be said.
+pub fn rewound_text(result: &JointResult, outlook: Option<&Outlook>, rejected: &Rejected) -> String {
+    let how = outlook.and_then(|outlook| outlook.rewinding(rejected.motor));
+    how.map_or_else(String::new, |how| turns::refused(how, Some(&rejected.reason), rejected.motor, result.joint))
+}
+
+fn rejected_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) -> String {
     if result.rejected.is_empty() {
         return String::new();
     }
     let mut out = String::new();
     if shown.rejected {
         out.push_str("\n  Rejected:\n");
-        for Rejected { motor, reason, .. } in &result.rejected {
+        for rejected in &result.rejected {
+            let Rejected { motor, reason, .. } = rejected;
+            let why = reason_text(reason, result.joint).1;
+            let turns = match rewound_text(result, outlook, rejected) {
+                none if none.is_empty() => none,
+                sentence => format!("; {sentence}"),
+            };
             out.push_str(&format!(
                 "    {}\n",
-                wrap(&format!("{}: {}{}", motor.id, reason_text(reason, result.joint).1, estimated::text(motor)), 6)
+                wrap(&format!("{}: {why}{turns}{}", motor.id, estimated::text(motor)), 6)
             ));
         }
         return out;

@@ -3,7 +3,7 @@
 use super::answer::{binds, checked, is_of_range, own_bound};
 use super::said::{margin_at, per_cent, proof, windows_text};
 use super::table::{Column, Table, paragraph};
-use super::{balance, design_ratio, number, optional};
+use super::{balance, design_ratio, number, optional, turns};
 use crate::design::answer::{Design, JointResult};
 use crate::design::buildable::Train;
 use crate::design::flatness::Flatness;
@@ -37,6 +37,10 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     }
     if let Some(flat) = &outlook.flatness {
         say(&flatness(flat, joint, design));
+    }
+    let rewound = outlook.rewound.as_ref();
+    if let Some(line) = rewound.and_then(|how| turns::first(how, design.motor, design.optimum.objective)) {
+        say(&line);
     }
     design.unchecked.iter().for_each(|(what, why)| say(&format!("not checked: {what}: {why}")));
     design.assumed.iter().for_each(|(what, holds)| say(&format!("assumed: {what}: {holds}")));

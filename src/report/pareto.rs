@@ -1,7 +1,7 @@
 //! Fronts of two quantities.
 
 use super::columns::{self, Entry, State};
-use super::optimize::reason_text;
+use super::reason::reason_text;
 use super::table::{Column, Table, paragraph, wrap};
 use super::{number, optional, point_ratio, unjudged};
 use crate::design::pareto::{Front, FrontPoint};

@@ -1,7 +1,8 @@
 //! What a measurement changes in the choice of motor and ratio.
 
 use super::number;
-use super::optimize::{bind_text, proof, reason_text};
+use super::optimize::{bind_text, proof};
+use super::reason::reason_text;
 use super::table::{Column, Table, paragraph_at};
 use crate::design::remake::{Choice, Chosen, Regret, Remade};
 use crate::requirement::{Joint, RatioChoice};

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::columns::{self, Entry, State};
-use super::optimize::{proof, reason_text};
+use super::optimize::proof;
+use super::reason::reason_text;
 use super::said::window_texts;
 use super::table::{Column, Table, paragraph};
 use super::{csv_number, design_ratio, number, optimum_ratio};

@@ -8,7 +8,7 @@ use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
-use super::{Objective, Quantity, cases, gear, objective};
+use super::{Objective, Quantity, Turns, cases, gear, objective};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
@@ -98,6 +98,7 @@ pub(super) fn read(
         balancing: balancing?,
         limits,
         drive_current,
+        turns: Turns::AsWound,
         phases,
         carries: Vec::new(),
     };

@@ -17,6 +17,7 @@ mod objective;
 mod read;
 mod robot;
 pub mod set;
+mod turns;
 
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
 pub use bus::{Bus, Regeneration};
@@ -29,3 +30,4 @@ pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use read::{describe, read, read_changed, read_source, read_without_springs};
 pub use robot::{Budget, Carried, Filter, Joint, Robot, RobotCase};
 pub use set::Settings;
+pub use turns::Turns;

@@ -8,6 +8,7 @@ use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
 use super::objective::{Balancing, Objective};
+use super::turns::Turns;
 use crate::catalog::{Motor, matches_pattern};
 use crate::input::{InputFile, Source};
 use crate::motion::Motion;
@@ -113,6 +114,8 @@ pub struct Joint {
     pub limits: Limits,
     /// Largest drive current of this joint, in place of the bus's \[A\].
     pub drive_current: Option<f64>,
+    /// How many turns the winding of its motor may have.
+    pub turns: Turns,
     /// By how much of the period each of the `count` joints is late; empty where all move alike.
     pub phases: Vec<f64>,
     /// Whose actuators this joint carries.
@@ -185,6 +188,7 @@ impl Joint {
             balancing,
             limits,
             drive_current,
+            turns,
             phases: _,
             carries: _,
         } = self;
@@ -195,6 +199,7 @@ impl Joint {
             && *balancing == other.balancing
             && *limits == other.limits
             && *drive_current == other.drive_current
+            && *turns == other.turns
             && *motion == other.motion
     }
 }

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use super::plan::Plan;
 use crate::design::answer::JointResult;
 use crate::report::columns::{self, Entry};
-use crate::report::optimize::{designs, reason_text};
+use crate::report::optimize::designs;
+use crate::report::reason::reason_text;
 use crate::report::unjudged;
 
 pub use crate::report::columns::Kind;

@@ -59,6 +59,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         balancing: gearwise::requirement::Balancing::No,
         limits: Limits::default(),
         drive_current: None,
+        turns: gearwise::requirement::Turns::AsWound,
         phases: Vec::new(),
         carries: Vec::new(),
     };

@@ -3,6 +3,7 @@
 use super::limit::*;
 use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;
+use crate::requirement::Turns;
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -35,6 +36,7 @@ pub(super) const LIMITS: &[Limit] = &[
         key: |owner| by_drive(owner).or(Some(Key::Joint(&["limits", "torque_bandwidth"]))),
         prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
             (None, _) => Prepared::NotAsked,
+            (_, None) if c.joint.turns == Turns::Any => Prepared::NotAsked,
             (Some(_), Some((bound, owner))) => peak(c, Demand::Bandwidth(Functional::TorqueSquared), bound, owner),
             (Some(_), None) => Prepared::Unknown("neither motor nor drive says a largest current"),
         },
@@ -51,6 +53,7 @@ pub(super) const LIMITS: &[Limit] = &[
         key: |_| Some(Key::Joint(&["limits", "torque_bandwidth"])),
         prepare: |c| match (&c.load.bandwidth, c.motor.inductance) {
             (None, _) => Prepared::NotAsked,
+            _ if c.joint.turns == Turns::Any => Prepared::NotAsked,
             (Some(_), Some(_)) => torque(Demand::Bandwidth(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
             (Some(_), None) => Prepared::Unknown("the motor's inductance is not known"),
         },

@@ -197,6 +197,11 @@ impl Limit {
         self.of == Of::QAxis
     }
 
+    /// Whether a drive's current may be what it is of.
+    pub fn is_of_drive(&self) -> bool {
+        self.depends == Depends::Current && (self.key)("drive") == by_drive("drive")
+    }
+
     /// Whether the limit applies to a candidate, and how.
     pub fn check(&'static self, candidate: &Candidate) -> Check {
         let kept = 1.0 - candidate.joint.limits.reserve(self.name);

@@ -17,6 +17,7 @@ pub(super) const LIMITS: &[Limit] = &[
         key: by_drive,
         prepare: |c| match c.peak_current() {
             Some((bound, owner)) => peak(c, Demand::Samples(Functional::TorqueSquared), bound, owner),
+            None if c.drive_current().is_some() => Prepared::NotAsked,
             None => Prepared::Unknown("neither motor nor drive says a largest current"),
         },
     },

@@ -3,6 +3,7 @@
 use super::limit::*;
 use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;
+use crate::requirement::Turns;
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -16,7 +17,10 @@ pub(super) const LIMITS: &[Limit] = &[
         depends: Depends::Voltage,
         stated: the_supply,
         key: |_| Some(Key::Robot(&["bus", "voltage"])),
-        prepare: |c| torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
+        prepare: |c| match c.joint.turns {
+            Turns::AsWound => torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
+            Turns::Any => Prepared::NotAsked,
+        },
     },
     Limit {
         name: "max_speed",

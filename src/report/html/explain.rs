@@ -9,8 +9,9 @@ use crate::report::currents::Q_AXIS;
 use crate::report::explain::{
     RUNAWAY, best_line, limit_columns, limit_rows, no_spring, percent, quantities, remedy_text, verdict, would_do,
 };
-use crate::report::optimize::{fitted_notes, reason_text};
+use crate::report::optimize::fitted_notes;
 use crate::report::plot::design as plot;
+use crate::report::reason::reason_text;
 use crate::report::{number, optional, spring};
 use crate::requirement::Robot;
 

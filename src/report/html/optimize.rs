@@ -4,17 +4,19 @@ use super::{Page, Part, Section, Table, Verdict, asked, estimated, group_of, rob
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Catalog;
 use crate::design::answer::{Design, JointResult, RobotResult};
+use crate::design::outlook::Outlook;
 use crate::design::robot::Choice;
 use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
-    bind_text, budget_lines, choice_text, joint_notes, notes, proof, ratio_text, reason_text, verdict, without_choice,
+    bind_text, budget_lines, choice_text, joint_notes, notes, proof, ratio_text, rewound_text, verdict, without_choice,
 };
 use crate::report::plot::design as plot;
+use crate::report::reason::reason_text;
 use crate::report::{columns, different_motors, number, optional, spring};
 use crate::requirement::{Joint, RatioChoice};
 
-/// The page.
-pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> Page {
+/// The page; `outlooks` are those of the joints, in their order.
+pub fn page(result: &RobotResult, outlooks: &[Outlook], whole: Option<&Choice>, catalog: &Catalog) -> Page {
     let robot = result.robot;
     let without: Vec<&str> =
         result.joints.iter().filter(|j| j.candidates.is_empty()).map(|j| j.joint.name.as_str()).collect();
@@ -68,7 +70,7 @@ pub fn page(result: &RobotResult, whole: Option<&Choice>, catalog: &Catalog) -> 
         let names: Vec<&str> = result.joints[k..].iter().filter(same).map(|j| j.joint.name.as_str()).collect();
         let names = names.join(", ");
         warnings.extend(warned(joint).into_iter().map(|line| format!("{names}: {line}")));
-        sections.push(section(joint, &names, group_of(&figure, sections.len())));
+        sections.push(section(joint, outlooks.get(k), &names, group_of(&figure, sections.len())));
     }
     Page {
         command: "optimize",
@@ -169,7 +171,7 @@ fn warned(result: &JointResult) -> Vec<String> {
     lines
 }
 
-fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
+fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure: Option<Part>) -> Section {
     let joint = result.joint;
     let (ratio, verdict) = (ratio_text(joint), verdict(result));
     let mut parts = vec![Part::Text(format!("{ratio}, {}: {verdict}.", joint.aim()))];
@@ -187,10 +189,14 @@ fn section(result: &JointResult, names: &str, figure: Option<Part>) -> Section {
         parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
     }
     parts.extend(super::unjudged::of_joint(names, result));
-    let mut rejected = Table::new(format!("{names}: why not the others"), &["motor", "gear", "because", "in short"]);
+    let mut rejected = Table::new(
+        format!("{names}: why not the others"),
+        &["motor", "gear", "because", "another number of turns", "in short"],
+    );
     for r in &result.rejected {
         let (class, sentence) = reason_text(&r.reason, joint);
-        rejected.push(&r.motor.id, vec![r.motor.id.clone(), r.gear.unwrap_or("").into(), sentence, class]);
+        let turns = rewound_text(result, outlook, r);
+        rejected.push(&r.motor.id, vec![r.motor.id.clone(), r.gear.unwrap_or("").into(), sentence, turns, class]);
     }
     let count = rejected.rows.len();
     parts.extend(rejected.part().map(|part| folded(&format!("Why not the others ({count})"), part)));

@@ -2,7 +2,8 @@
 
 use super::{Page, Part, Section, Table, Verdict, asked, folded, unjudged as apart};
 use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES};
-use crate::report::optimize::{proof, ratio_text, reason_text};
+use crate::report::optimize::{proof, ratio_text};
+use crate::report::reason::reason_text;
 use crate::report::robust::{notes, percent, tolerances_text};
 use crate::report::said::window_texts;
 use crate::report::{counted, design_ratio, number, optimum_ratio, unjudged};

@@ -7,6 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
+use super::turns::OtherTurns;
 use super::{finite, number_or_null};
 use crate::actuator::fitted::Note;
 use crate::actuator::limits::Remark;
@@ -325,6 +326,9 @@ pub struct Rejected<'a> {
     pub because: String,
     /// The same in short, the same text for all motors that fail alike.
     pub class: String,
+    /// What another number of turns would do (`optimize`); left out where it was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turns: Option<OtherTurns<'a>>,
     /// The design, where one was worked out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub design: Option<Design<'a>>,

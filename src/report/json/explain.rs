@@ -9,7 +9,7 @@ use super::joint::Joint;
 use super::{Design, Named, OfRobot, document};
 use crate::design::answer::Reason;
 use crate::design::explain::{self, Explanation};
-use crate::report::optimize::reason_text;
+use crate::report::reason::reason_text;
 use crate::requirement;
 
 /// What `explain` prints: the robot with the one joint that was asked about.

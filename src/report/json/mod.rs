@@ -23,6 +23,7 @@ pub mod robust;
 pub mod rule;
 pub mod sweep;
 pub mod torques;
+mod turns;
 
 use std::borrow::Cow;
 

@@ -8,10 +8,11 @@ use super::joint::{Agreement, Choices, Joint, Pruned};
 use super::outlook::Outlook;
 use super::robot::Choice;
 use super::torques::Mechanism;
+use super::turns::OtherTurns;
 use super::{Design, OfRobot, Setting, design, document};
 use crate::design::answer::{self, JointResult, RobotResult};
 use crate::design::{outlook, robot};
-use crate::report::optimize::reason_text;
+use crate::report::reason::reason_text;
 
 /// What `optimize` prints.
 pub type Answer<'a> = OfRobot<'a, Robot<'a>, OfJoint<'a>>;
@@ -64,12 +65,17 @@ pub struct OfJoint<'a> {
 impl<'a> OfJoint<'a> {
     fn new(result: &'a JointResult<'a>, outlook: Option<&'a outlook::Outlook<'a>>) -> OfJoint<'a> {
         let joint = result.joint;
+        let ruled_out = |r: &'a answer::Rejected<'a>| {
+            let how = outlook.and_then(|outlook| outlook.rewinding(r.motor));
+            let turns = how.map(|how| OtherTurns::new(how, r.motor, Some(&r.reason), joint));
+            design::Rejected { turns, ..rejected(r.motor, r.gear, &r.reason, joint) }
+        };
         OfJoint {
             joint: Joint::new(joint),
             choices: Choices::new(result),
             candidates: result.candidates.iter().map(|d| Design::new(d.facts(), joint)).collect(),
             unjudged: unjudged(result),
-            rejected: result.rejected.iter().map(|r| rejected(r.motor, r.gear, &r.reason, joint)).collect(),
+            rejected: result.rejected.iter().map(ruled_out).collect(),
             outlook: Outlook::new(result, outlook),
             metric_agreement: result.agreement.iter().map(Agreement::from).collect(),
             pruned: result.pruned.as_ref().map(Pruned::from),
@@ -94,7 +100,7 @@ pub(super) fn rejected<'a>(
     joint: &crate::requirement::Joint,
 ) -> design::Rejected<'a> {
     let (class, because) = reason_text(reason, joint);
-    design::Rejected { motor: &motor.id, gear, because, class, design: None }
+    design::Rejected { motor: &motor.id, gear, because, class, turns: None, design: None }
 }
 
 /// The result, with the choice for the whole robot where there is one, and with the outlooks of the joints, in their order.

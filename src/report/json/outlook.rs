@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::turns::OtherTurns;
 use crate::design::answer::JointResult;
 use crate::design::evaluate::Evaluation;
 use crate::design::flatness;
@@ -25,6 +26,9 @@ pub struct Outlook<'a> {
     /// A simple planetary gear near the best ratio.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_planetary: Option<Planetary>,
+    /// What another number of turns would do, where voltage or the drive's current holds the ratio back.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turns: Option<OtherTurns<'a>>,
     /// Designs from the lightest to the least loss (with `--why` or `--full`, where the objective is balanced).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub front: Vec<FrontDesign<'a>>,
@@ -140,6 +144,7 @@ impl<'a> Outlook<'a> {
             own_bound: of.own_bound.as_ref().map(OwnBound::from),
             near_gears: of.nearby.as_ref().map(NearGears::from),
             near_planetary: planetary,
+            turns: of.rewound.as_ref().map(|how| OtherTurns::new(how, design.motor, None, result.joint)),
             front: of.front.iter().map(FrontDesign::from).collect(),
         }
     }

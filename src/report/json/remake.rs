@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::design::{Binds, Certificate, Fitted, Pairs, margins};
 use super::finite;
 use crate::design::remake::{self, Chosen as ChosenFact, Regret as RegretFact};
-use crate::report::optimize::reason_text;
+use crate::report::reason::reason_text;
 use crate::requirement::Joint;
 
 /// The choice made again.

@@ -47,7 +47,14 @@ impl<'a> OfJoint<'a> {
                 None => {
                     let reason = why.reason().to_string();
                     let (because, class) = (reason.clone(), reason);
-                    rejected.push(Rejected { motor: &motor.id, gear: *gear, because, class, design: None });
+                    rejected.push(Rejected {
+                        motor: &motor.id,
+                        gear: *gear,
+                        because,
+                        class,
+                        turns: None,
+                        design: None,
+                    });
                 }
             }
         }
@@ -62,6 +69,7 @@ fn exceeded<'a>(design: &'a SweptDesign<'a>, joint: &requirement::Joint, object:
         gear: design.gear,
         because: because(design, joint),
         class: class(design),
+        turns: None,
         design: Some(object),
     }
 }

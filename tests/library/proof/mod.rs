@@ -17,3 +17,4 @@ mod robust;
 mod second_formulation;
 mod spring;
 mod stopped;
+mod turns;

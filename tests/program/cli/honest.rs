@@ -180,3 +180,42 @@ fn what_is_left_out_as_unchecked_is_not_said_to_be_unable() {
         assert_eq!(cannot.parse(), Ok(rows.len() - 1 - able), "{}", ran.out);
     }
 }
+
+/// One motor wound for too high a voltage, one too small for any winding, one that a fit describes: of each only what holds.
+#[test]
+fn other_turns_help_only_where_they_do() {
+    let folder = folder();
+    let head = "id,terminals,current,resistance [ohm],inductance [mH],speed_constant [rpm/V],speed_constant_convention,rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind";
+    let rows = [
+        "fine,line_to_line,dc,8,3.2,47.75,dc,300,200,7,9,15,120,a sheet,datasheet",
+        "weak,line_to_line,dc,0.5,0.2,191,dc,300,200,7,0.01,60,120,a sheet,datasheet",
+    ];
+    fs::write(folder.path().join("wound.csv"), format!("{head}\n{}\n", rows.join("\n"))).unwrap();
+    // So low a voltage that only the fourth of the turns reaches the speed at a ratio that carries the heat.
+    let robot = REQUIREMENT.replace("motion = \"knee.csv\"", &POINTS.replace("4 rad/s", "30 rad/s"));
+    fs::write(folder.path().join("other.toml"), robot.replace("48 V", "6 V").replace("min = 3", "min = 8")).unwrap();
+    let ran = run(&folder, &["optimize", "other.toml", "--catalog", "wound.csv", "--json"]);
+    let answer = json(&ran);
+    let rejected = answer["joints"][0]["rejected"].as_array().unwrap();
+    let of =
+        |id: &str| &rejected.iter().find(|r| r["motor"] == id).unwrap_or_else(|| panic!("{id}: {answer:#}"))["turns"];
+    let (fine, weak) = (of("fine"), of("weak"));
+    assert_eq!(
+        (fine["verdict"].as_str(), weak["verdict"].as_str()),
+        (Some("possible"), Some("impossible")),
+        "{answer:#}"
+    );
+    let best = &fine["best"];
+    let [min, max] = ["min", "max"].map(|key| best[key].as_f64().unwrap());
+    let [least, most] = ["min", "max"].map(|key| best["constant"][key].as_f64().unwrap());
+    assert!(min < max && max < 1.0 && best["max_by"] == "voltage", "{fine:#}");
+    assert!(best["constant"]["symbol"] == "Kv", "{fine:#}");
+    assert!((least * max / 47.75 - 1.0).abs() < 1e-9 && (most * min / 47.75 - 1.0).abs() < 1e-9, "{fine:#}");
+    let text = run(&folder, &["optimize", "other.toml", "--catalog", "wound.csv", "--rejected"]);
+    assert!(says(&text, "possible with") && says(&text, "no number of turns helps"), "{}", text.out);
+    assert!(says(&text, "could do it with another number of turns"), "{}", text.out);
+    // At the voltage that it is wound for nothing is said of its turns.
+    let text =
+        run(&folder, &["optimize", "other.toml", "--catalog", "wound.csv", "--set", "bus.voltage=200 V", "--why"]);
+    assert!(!says(&text, "could do it with another number of turns"), "{}", text.out);
+}
