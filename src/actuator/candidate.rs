@@ -7,8 +7,9 @@ use super::shaft::{Actuator, Flow};
 use super::thermal;
 use super::thermal_motion::TwoNode;
 use crate::catalog::convention::{Commutation, CurrentConvention};
+use crate::catalog::drag::Drag;
 use crate::catalog::{Gear, Motor};
-use crate::requirement::{GearModel, Joint, Robot, Turns};
+use crate::requirement::{GearModel, Joint, MotorDrag, Robot, Turns};
 
 /// A motor and a gear for a joint, before the ratio is chosen.
 #[derive(Debug, Clone, Copy)]
@@ -25,10 +26,62 @@ pub struct Candidate<'a> {
     pub catalog_gear: Option<&'a Gear>,
     /// The gear's numbers.
     pub gear: GearModel,
-    /// The equations of motor and gear together.
+    /// The equations of motor and gear together: with the motor's drag at one end of what is known of it.
     pub actuator: Actuator,
+    /// The same at the other end, where only a range is known.
+    pub other: Option<Actuator>,
     /// Whether load and actuator are those of one ratio, with the evaluated effects in them.
     pub folded: bool,
+}
+
+impl<'a> Candidate<'a> {
+    /// The equations at each end of what is known of the motor's drag: one, or two.
+    pub fn ends(&self) -> impl Iterator<Item = &Actuator> {
+        std::iter::once(&self.actuator).chain(&self.other)
+    }
+
+    /// Coulomb friction or a constant torque: what makes odd powers of N.
+    pub fn has_odd_powers(&self) -> bool {
+        self.ends().any(Actuator::has_odd_powers)
+    }
+
+    /// The equations at an end.
+    pub fn end(&self, end: End) -> &Actuator {
+        match (end, &self.other) {
+            (End::Other, Some(other)) => other,
+            _ => &self.actuator,
+        }
+    }
+
+    /// The candidate with the drag at its other end alone, where there is one.
+    pub(crate) fn at_other_end(&self) -> Option<Candidate<'a>> {
+        self.other.map(|actuator| Candidate { actuator, other: None, ..*self })
+    }
+
+    /// Whether the requirement leaves out what is known of the motor's drag beyond its declared friction.
+    pub fn drag_is_off(&self) -> bool {
+        self.joint.motor_drag == MotorDrag::Off && self.motor.drag() != Drag::Declared
+    }
+
+    /// Whether nothing is known of the motor's drag.
+    pub fn drag_is_unknown(&self) -> bool {
+        self.motor.drag() == Drag::Unknown
+    }
+
+    /// What the drive takes whatever the motor does \[W\].
+    pub fn standby_power(&self) -> f64 {
+        self.joint.drive.or(self.robot.bus.drive).standby_power.unwrap_or(0.0)
+    }
+}
+
+/// An end of what is known of a motor's drag.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum End {
+    /// All of it Coulomb friction; the only one where it is known.
+    #[default]
+    First,
+    /// All of it viscous friction, or none of it where it is estimated.
+    Other,
 }
 
 impl Candidate<'_> {
@@ -81,7 +134,8 @@ impl Candidate<'_> {
         let load = self.load.folded(|velocity, towards, acceleration| {
             fitted::folded(self.motor, form, ratio, velocity, towards, acceleration)
         });
-        look(&Candidate { load: &load, actuator: self.actuator.folded(), folded: true, ..*self })
+        let other = self.other.map(|other| other.folded());
+        look(&Candidate { load: &load, actuator: self.actuator.folded(), other, folded: true, ..*self })
     }
 
     /// What part of the thermal resistance to ambient lies between winding and housing; `None` where it is not known.

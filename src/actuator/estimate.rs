@@ -4,13 +4,16 @@
 //! diameter) closely enough for a first choice. A [`Law`] is a regression over the rows that have the number, one point
 //! for each motor (windings of one motor are one). It gives a prediction interval, of which the pessimistic end is used.
 //! A law is shipped only if it predicts the rows of motors that it was not made from: at most 10 % of them may be off by
-//! more than a factor of two (leave one motor out).
+//! more than a factor of two (leave one motor out). Where no row of a construction has the number, the law of all others
+//! stands in, if each construction is told by the others as well; its end is then that factor of two.
 
 use std::sync::OnceLock;
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::thermal;
+use crate::catalog::convention::Commutation;
+use crate::catalog::drag::Drag;
 use crate::catalog::estimate::{Estimate, Estimated};
 use crate::catalog::{Catalog, Construction, Motor};
 
@@ -53,8 +56,11 @@ pub struct Law {
     pub motors: usize,
     /// Rows that it is made from.
     pub rows: usize,
-    /// Of these, rows that the law of all other motors misses by more than a factor of [`MISS`].
+    /// Of these, rows that the law of all other motors misses by more than a factor of [`MISS`]; of a law of other
+    /// constructions, those that the law of all constructions but their own misses.
     pub misses: usize,
+    /// Whether it is made from motors of other constructions, because too few of this one say the number.
+    pub of_others: bool,
 }
 
 /// A straight line through points, with what its scatter says of the next one.
@@ -111,6 +117,12 @@ fn reduced(of: Estimated, motor: &Motor) -> Option<(Option<f64>, f64)> {
             Some((motor.rotor_inertia.map(|j| j / factor), factor))
         }
         Estimated::Inductance => Some((motor.inductance.map(|l| l / motor.resistance), motor.resistance)),
+        Estimated::Drag => {
+            // Iron that makes torque makes hysteresis. Brushes rub otherwise.
+            let constant = motor.torque_constant / motor.resistance.sqrt();
+            let is_brushless = motor.conventions.commutation == Commutation::Brushless;
+            is_brushless.then(|| (motor.no_load_torque.map(|t| t / constant), constant))
+        }
     }
 }
 
@@ -162,14 +174,8 @@ fn per_motor(points: &[Point]) -> Vec<(f64, f64)> {
 impl Law {
     /// The law of a quantity over the motors of a construction; `None` where too few have it.
     pub fn over(of: Estimated, construction: Construction, motors: &[Motor]) -> Option<Law> {
-        let mut points: Vec<Point> = Vec::new();
-        for motor in motors.iter().filter(|m| is_alone(m) && m.about.construction == Some(construction)) {
-            let Some((Some(y), mass)) = reduced(of, motor).map(|r| r.0).zip(motor.mass) else { continue };
-            let diameter = motor.sheet.outer_diameter.map(|p| p.value.to_bits());
-            points.push(((motor.manufacturer.as_str(), mass.to_bits(), diameter), mass.ln(), y.ln()));
-        }
-        points.sort_by(|a, b| a.0.cmp(&b.0));
-        let sloped = of != Estimated::RotorInertia;
+        let points = points(of, motors, |c| c == construction);
+        let sloped = is_sloped(of);
         let all = per_motor(&points);
         if all.len() < FEWEST {
             return None;
@@ -187,6 +193,42 @@ impl Law {
             motors: all.len(),
             rows: points.len(),
             misses: points.iter().filter(missed).count(),
+            of_others: false,
+        })
+    }
+
+    /// The law of a quantity for a construction over the motors of all others, where it has no size in it; `None` where
+    /// fewer than two others have enough motors.
+    pub fn over_others(of: Estimated, construction: Construction, motors: &[Motor]) -> Option<Law> {
+        if is_sloped(of) {
+            return None;
+        }
+        let groups: Vec<Vec<Point>> = Construction::NAMES
+            .iter()
+            .filter(|(_, other)| *other != construction)
+            .map(|(_, other)| points(of, motors, |c| c == *other))
+            .filter(|points| per_motor(points).len() >= FEWEST)
+            .collect();
+        if groups.len() < 2 {
+            return None;
+        }
+        let missed_of = |k: usize| {
+            let others: Vec<Point> =
+                groups.iter().enumerate().filter(|(j, _)| *j != k).flat_map(|g| g.1).copied().collect();
+            let line = Line::through(&per_motor(&others), false);
+            groups[k].iter().filter(|point| (point.2 - line.at(point.1)).abs() > MISS.ln()).count()
+        };
+        let misses = (0..groups.len()).map(missed_of).sum();
+        let all = per_motor(&groups.concat());
+        Some(Law {
+            of,
+            construction,
+            line: Line::through(&all, false),
+            masses: (0.0, f64::INFINITY),
+            motors: all.len(),
+            rows: groups.iter().map(Vec::len).sum(),
+            misses,
+            of_others: true,
         })
     }
 
@@ -208,6 +250,7 @@ impl Law {
             Estimated::ThermalResistance => format!("R_th = {a} K/W · (m/kg)^{b}"),
             Estimated::RotorInertia => format!("J_m = {a} · m D²"),
             Estimated::Inductance => format!("L/R = {a} s · (m/kg)^{b}"),
+            Estimated::Drag => format!("T_0 = {a} √W · K_M"),
         }
     }
 
@@ -226,10 +269,27 @@ impl Law {
         let (_, factor) = reduced(self.of, motor)?;
         let x = mass.ln();
         let middle = self.line.at(x).exp() * factor;
-        // More of each is worse: hotter, slower, less voltage left.
-        let value = middle * self.line.reach(x).exp();
+        // More of each is worse: hotter, slower, less voltage left. Of motors built otherwise the scatter says too little.
+        let value = middle * if self.of_others { MISS } else { self.line.reach(x).exp() };
         Some(Estimate { of: self.of, value, middle, rows: self.rows, construction: self.construction })
     }
+}
+
+/// Whether a law goes with a power of the mass.
+fn is_sloped(of: Estimated) -> bool {
+    matches!(of, Estimated::ThermalResistance | Estimated::Inductance)
+}
+
+/// The points of the motors of some constructions, sorted by motor.
+fn points<'m>(of: Estimated, motors: &'m [Motor], is_of: impl Fn(Construction) -> bool) -> Vec<Point<'m>> {
+    let mut points: Vec<Point> = Vec::new();
+    for motor in motors.iter().filter(|m| is_alone(m) && m.about.construction.is_some_and(&is_of)) {
+        let Some((Some(y), mass)) = reduced(of, motor).map(|r| r.0).zip(motor.mass) else { continue };
+        let diameter = motor.sheet.outer_diameter.map(|p| p.value.to_bits());
+        points.push(((motor.manufacturer.as_str(), mass.to_bits(), diameter), mass.ln(), y.ln()));
+    }
+    points.sort_by(|a, b| a.0.cmp(&b.0));
+    points
 }
 
 /// Whether the numbers of a row are those of the motor alone, and no other row counts for it.
@@ -240,7 +300,10 @@ fn is_alone(motor: &Motor) -> bool {
 /// Every law over some motors, shipped or not.
 pub fn laws(motors: &[Motor]) -> Vec<Law> {
     let all = Estimated::NAMES.iter().flat_map(|of| Construction::NAMES.iter().map(move |c| (of.1, c.1)));
-    all.filter_map(|(of, construction)| Law::over(of, construction, motors)).collect()
+    all.filter_map(|(of, construction)| {
+        Law::over(of, construction, motors).or_else(|| Law::over_others(of, construction, motors))
+    })
+    .collect()
 }
 
 /// The laws over the rows of the built-in catalogue: those that every catalogue is completed by, so that a row of one's own
@@ -263,13 +326,15 @@ pub fn completed(motor: Motor) -> Motor {
     let heat = (!tells_heat(&motor)).then(|| law(Estimated::ThermalResistance)).flatten();
     let inertia = motor.rotor_inertia.is_none().then(|| law(Estimated::RotorInertia)).flatten();
     let inductance = motor.inductance.is_none().then(|| law(Estimated::Inductance)).flatten();
+    let drag = (motor.drag() == Drag::Unknown).then(|| law(Estimated::Drag)).flatten();
     let rated = motor.thermal_resistance.is_none().then(|| witnessed_resistance(&motor, HIGHEST_RATED_TEMPERATURE));
     Motor {
         thermal_resistance: motor.thermal_resistance.or(heat.map(|e| e.value)),
         rated_thermal_resistance: rated.flatten(),
         rotor_inertia: motor.rotor_inertia.or(inertia.map(|e| e.value)),
         inductance: motor.inductance.or(inductance.map(|e| e.value)),
-        estimates: [heat, inertia, inductance].into_iter().flatten().collect(),
+        no_load_torque: motor.no_load_torque.or(drag.map(|e| e.value)),
+        estimates: [heat, inertia, inductance, drag].into_iter().flatten().collect(),
         ..motor
     }
 }
@@ -300,6 +365,9 @@ mod tests {
             (Estimated::RotorInertia, Frameless),
             (Estimated::RotorInertia, Housed),
             (Estimated::Inductance, Outrunner),
+            (Estimated::Drag, Frameless),
+            (Estimated::Drag, Housed),
+            (Estimated::Drag, Outrunner),
         ];
         assert_eq!(shipped, expected);
         // A law that does not predict gives no number, whatever the row lacks.

@@ -225,15 +225,15 @@ impl Load {
         self.has_durations && !self.has_steady_heat
     }
 
-    /// Energy drawn from the bus per cycle \[J\] as a cut: the polynomial that equals it at `ratio` and is
-    /// nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_d P`; which
-    /// samples do what is taken at `ratio`, and any other choice costs more. `None` without durations.
-    pub fn energy_cut(&self, actuator: &Actuator, drive_efficiency: f64, ratio: f64) -> Option<Laurent> {
-        let duration = self.duration?;
+    /// Mean power drawn from the bus \[W\], without the drive's standby power, as a cut: the polynomial that equals it at
+    /// `ratio` and is nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_d P`; which
+    /// samples do what is taken at `ratio`, and any other choice costs more.
+    pub fn drawn_cut(&self, actuator: &Actuator, drive_efficiency: f64, ratio: f64) -> Laurent {
         let emf = actuator.back_emf_constant / actuator.torque_constant;
         let shortfall = &actuator.shortfall;
-        let linear =
-            (!shortfall.saturates()).then(|| (actuator.heating(), actuator.heating() * shortfall.mean_square()));
+        let leads = actuator.with_leads();
+        let heating = actuator.heating() * leads;
+        let linear = (!shortfall.saturates()).then(|| (heating, heating * shortfall.mean_square()));
         let (up, down) = (ratio, 1.0 / ratio);
         let mut sum = [0.0; 5];
         for (sample, weight) in self.samples.iter().zip(&self.weight) {
@@ -245,7 +245,7 @@ impl Load {
                 None => {
                     let squared = (a / ratio + c + b * ratio).powi(2);
                     let (heat, slope) = actuator.heat(squared);
-                    (slope, heat - slope * squared)
+                    (slope * leads, (heat - slope * squared) * leads)
                 }
             };
             let power = [
@@ -261,8 +261,8 @@ impl Load {
                 *s += factor * p;
             }
         }
-        let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(c * duration, power));
-        Some(terms.fold(Laurent::default(), |a, b| a + b))
+        let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(*c, power));
+        terms.fold(Laurent::default(), |a, b| a + b)
     }
 
     /// Whether the winding's temperature can be followed over the motion.
@@ -517,6 +517,32 @@ impl Load {
         let mechanical = quadratic(&self.mean, |flow| (actuator.torque_form(flow), &speed));
         self.mean_torque_squared(actuator) * actuator.heating()
             + mechanical * (actuator.back_emf_constant / actuator.torque_constant)
+    }
+
+    /// Mean power of a torque at the motor's shaft \[W\], by which way power flows through the gear.
+    pub fn mean_shaft_power(&self, form: impl Fn(Flow) -> ShaftForm) -> Laurent {
+        let speed = Feature::Velocity as usize;
+        let mut sum = Laurent::default();
+        for flow in Flow::ALL {
+            let form = form(flow);
+            for f in (0..FEATURES).filter(|f| form.0[*f] != 0.0) {
+                let coefficient = form.0[f] * self.mean[flow as usize][f][speed];
+                sum = sum + Laurent::monomial(coefficient, FEATURE_POWER[f] + FEATURE_POWER[speed]);
+            }
+        }
+        sum
+    }
+
+    /// Mean of the square of a torque at the motor's shaft \[N²·m²\], by which way power flows through the gear.
+    pub fn mean_squared_difference(&self, form: impl Fn(Flow) -> ShaftForm) -> Laurent {
+        let forms = Flow::ALL.map(form);
+        quadratic(&self.mean, |flow| (&forms[flow as usize], &forms[flow as usize]))
+    }
+
+    /// Mean power at the output \[W\]: what the load, with all that the gear's efficiency covers, takes.
+    pub fn mean_output(&self) -> f64 {
+        let (torque, speed) = (Feature::Load as usize, Feature::Velocity as usize);
+        Flow::ALL.iter().map(|flow| self.mean[*flow as usize][torque][speed]).sum()
     }
 }
 

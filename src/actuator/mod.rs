@@ -12,6 +12,7 @@ pub mod fitted;
 mod heat_course;
 pub mod limits;
 pub mod load;
+pub mod losses;
 pub mod metrics;
 pub mod shaft;
 pub mod step_response;

@@ -23,6 +23,7 @@ pub use crate::effects::features::{FEATURE_POWER, FEATURES, Feature, ShaftForm, 
 use super::fitted::{self, Shortfall};
 use super::thermal;
 use crate::catalog::Motor;
+use crate::catalog::drag::Friction;
 use crate::numerics::laurent::Laurent;
 use crate::requirement::GearModel;
 
@@ -77,6 +78,12 @@ pub struct Actuator {
     pub cross_coupling: f64,
     /// What fitted effects take of currents and voltages.
     pub shortfall: Shortfall,
+    /// Torque of the motor's own drag at its shaft: what of the torque is neither load nor inertia.
+    drag: ShaftForm,
+    /// The same of the gear at its input.
+    gear_drag: ShaftForm,
+    /// Resistance of drive and leads per phase \[Ω\].
+    drive_resistance: f64,
     /// Inductance over torque constant \[H·A/(N·m)\]; zero where unknown.
     rate: f64,
     torque: [ShaftForm; FLOWS],
@@ -116,6 +123,8 @@ impl Actuator {
             (torque, voltage)
         };
         let forms = [1.0 / gear.efficiency, gear.backdrive_efficiency, 1.0].map(form);
+        let mut drag = ShaftForm::default();
+        fitted::add_features(motor, &mut drag);
         Actuator {
             resistance: motor.resistance,
             hot_resistance: motor.resistance,
@@ -124,6 +133,9 @@ impl Actuator {
             inertia,
             cross_coupling: pole_pairs * inductance / torque_constant,
             shortfall: Shortfall::new(motor, torque_constant, fitted_gear),
+            drag,
+            gear_drag: ShaftForm::default(),
+            drive_resistance: 0.0,
             rate: inductance / torque_constant,
             torque: forms.map(|form| form.0),
             voltage: forms.map(|form| form.1),
@@ -141,6 +153,54 @@ impl Actuator {
         }
         self.hot_resistance = hot;
         self
+    }
+
+    /// The same with more friction of the motor at its shaft.
+    #[must_use]
+    pub fn with_friction(mut self, friction: Friction) -> Actuator {
+        let own = friction_form(friction);
+        self.add_torque(&own);
+        self.drag = self.drag.plus(1.0, &own);
+        self
+    }
+
+    /// The same with friction of the gear at its input.
+    #[must_use]
+    pub fn with_gear_friction(mut self, friction: Friction) -> Actuator {
+        let own = friction_form(friction);
+        self.add_torque(&own);
+        self.gear_drag = self.gear_drag.plus(1.0, &own);
+        self
+    }
+
+    /// The same with a resistance of drive and leads per phase \[Ω\]: it counts for voltage and power, not for the
+    /// winding's heat.
+    #[must_use]
+    pub fn with_drive_resistance(mut self, resistance: f64) -> Actuator {
+        let more = resistance / self.torque_constant;
+        for (voltage, torque) in self.voltage.iter_mut().zip(&self.torque) {
+            *voltage = voltage.plus(more, torque);
+        }
+        self.drive_resistance += resistance;
+        self
+    }
+
+    fn add_torque(&mut self, own: &ShaftForm) {
+        let per_torque = (self.hot_resistance + self.drive_resistance) / self.torque_constant;
+        for (torque, voltage) in self.torque.iter_mut().zip(&mut self.voltage) {
+            *torque = torque.plus(1.0, own);
+            *voltage = voltage.plus(per_torque, own).plus(self.rate, &own.rate());
+        }
+    }
+
+    /// Torque of the motor's own drag as a linear form.
+    pub fn drag_form(&self) -> &ShaftForm {
+        &self.drag
+    }
+
+    /// Torque of the gear without load, at its input, as a linear form.
+    pub fn gear_drag_form(&self) -> &ShaftForm {
+        &self.gear_drag
     }
 
     /// Torque at the motor shaft as a linear form.
@@ -170,8 +230,8 @@ impl Actuator {
         self.voltage_form(flow).polynomial(features).squared() + direct.squared()
     }
 
-    /// Terminal power of a sample \[W\], with so much copper loss per squared torque \[W/(N·m)²\]: [`Actuator::hot_copper`]
-    /// for what is taken.
+    /// Power of a sample at the drive's output stage \[W\], with so much resistive loss per squared torque
+    /// \[W/(N·m)²\]: [`Actuator::loss_taken`] for what is taken.
     pub fn power(&self, copper: f64, flow: Flow, features: &[f64; FEATURES]) -> Laurent {
         let torque = self.torque_form(flow).polynomial(features);
         let speed = Laurent::monomial(features[Feature::Velocity as usize], 1);
@@ -203,13 +263,18 @@ impl Actuator {
         for flow in 0..FLOWS {
             for (form, per_torque, per_rate) in [
                 (&mut actuator.torque[flow], 1.0, 0.0),
-                (&mut actuator.voltage[flow], self.hot_resistance / self.torque_constant, self.rate),
+                (
+                    &mut actuator.voltage[flow],
+                    (self.hot_resistance + self.drive_resistance) / self.torque_constant,
+                    self.rate,
+                ),
             ] {
                 form[Feature::Speed] = 0.0;
                 form[Feature::One] = per_torque;
                 form[Feature::SpeedRate] = per_rate;
             }
         }
+        (actuator.drag[Feature::Speed], actuator.drag[Feature::One]) = (0.0, 1.0);
         actuator
     }
 
@@ -232,6 +297,30 @@ impl Actuator {
         (self.resistance * squared, self.resistance * slope)
     }
 
+    /// Loss in drive and leads per squared torque in the mean \[W/(N·m)²\].
+    pub fn conduction(&self) -> f64 {
+        self.per_square(self.drive_resistance) * self.shortfall.heat_factor()
+    }
+
+    /// Loss in copper, drive and leads per squared torque \[W/(N·m)²\] of power that is taken: with the hottest winding.
+    pub fn loss_taken(&self) -> f64 {
+        self.per_square(self.hot_resistance + self.drive_resistance)
+    }
+
+    /// The same of power that comes back: with the winding at the reference temperature.
+    pub fn loss_given(&self) -> f64 {
+        self.per_square(self.resistance + self.drive_resistance)
+    }
+
+    /// What of a loss in copper a loss with drive and leads is.
+    pub fn with_leads(&self) -> f64 {
+        1.0 + self.drive_resistance / self.resistance
+    }
+
+    fn per_square(&self, resistance: f64) -> f64 {
+        resistance / (self.torque_constant * self.torque_constant)
+    }
+
     /// Copper loss per squared torque of the hottest winding \[W/(N·m)²\].
     pub fn hot_copper(&self) -> f64 {
         self.hot_resistance / (self.torque_constant * self.torque_constant)
@@ -241,4 +330,11 @@ impl Actuator {
     pub fn copper(&self) -> f64 {
         self.resistance / (self.torque_constant * self.torque_constant)
     }
+}
+
+fn friction_form(friction: Friction) -> ShaftForm {
+    let mut form = ShaftForm::default();
+    form[Feature::Sign] = friction.coulomb;
+    form[Feature::Velocity] = friction.viscous;
+    form
 }

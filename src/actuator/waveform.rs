@@ -33,8 +33,8 @@ impl Functional {
         match self {
             Functional::TorqueSquared => actuator.torque_squared(flow, features),
             Functional::VoltageSquared => actuator.voltage_squared(flow, features),
-            Functional::Power => actuator.power(actuator.hot_copper(), flow, features),
-            Functional::PowerBack => actuator.power(actuator.copper(), flow, features) * -1.0,
+            Functional::Power => actuator.power(actuator.loss_taken(), flow, features),
+            Functional::PowerBack => actuator.power(actuator.loss_given(), flow, features) * -1.0,
         }
     }
 }
@@ -295,8 +295,8 @@ impl Weights {
             torque: actuator.torque_form(flow).weights(ratio),
             voltage: actuator.voltage_form(flow).weights(ratio),
             direct: actuator.cross_coupling * ratio,
-            copper: actuator.hot_copper(),
-            cold_copper: actuator.copper(),
+            copper: actuator.loss_taken(),
+            cold_copper: actuator.loss_given(),
             emf: actuator.back_emf_constant / actuator.torque_constant * ratio,
         }
     }

@@ -13,6 +13,8 @@ pub enum Estimated {
     RotorInertia,
     /// Inductance on the q axis \[H\].
     Inductance,
+    /// Torque that the rotor's drag takes without load \[N·m\].
+    Drag,
 }
 
 impl Estimated {
@@ -21,6 +23,7 @@ impl Estimated {
         ("thermal_resistance", Estimated::ThermalResistance),
         ("rotor_inertia", Estimated::RotorInertia),
         ("inductance", Estimated::Inductance),
+        ("no_load_torque", Estimated::Drag),
     ];
 
     /// Its name.
@@ -34,6 +37,7 @@ impl Estimated {
             Estimated::ThermalResistance => "thermal resistance",
             Estimated::RotorInertia => "rotor inertia",
             Estimated::Inductance => "inductance",
+            Estimated::Drag => "drag",
         }
     }
 
@@ -43,6 +47,7 @@ impl Estimated {
             Estimated::ThermalResistance => &units::THERMAL_RESISTANCE,
             Estimated::RotorInertia => &units::INERTIA,
             Estimated::Inductance => &units::INDUCTANCE,
+            Estimated::Drag => &units::TORQUE,
         }
     }
 

@@ -82,6 +82,7 @@ impl Motor {
             max_winding_temperature: self.max_winding_temperature.or(other.max_winding_temperature),
             coulomb_friction: self.coulomb_friction.or(other.coulomb_friction),
             viscous_friction: self.viscous_friction.or(other.viscous_friction),
+            no_load_torque: self.no_load_torque.or(other.no_load_torque),
             estimates: if self.estimates.is_empty() { other.estimates.clone() } else { self.estimates },
             ..self
         }

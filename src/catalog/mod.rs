@@ -9,6 +9,7 @@ pub mod add;
 pub mod audit;
 pub mod convention;
 pub mod difference;
+pub mod drag;
 pub mod estimate;
 pub mod filter;
 mod fit;

@@ -70,6 +70,8 @@ pub struct Motor {
     pub coulomb_friction: Option<f64>,
     /// Viscous friction \[N·m·s/rad\], b; `None` is unknown.
     pub viscous_friction: Option<f64>,
+    /// Torque of the drag without load \[N·m\], T_0: K_T I_0 of the row, or estimated. See [`Motor::drag`].
+    pub no_load_torque: Option<f64>,
     /// Effects that were found in logs of this actuator, beyond friction of its row; empty for a data sheet.
     pub effects: Vec<FittedEffect>,
     /// Numbers of the gear that it was fitted with.
@@ -247,6 +249,9 @@ impl Motor {
             reference_temperature: value(sheet.reference_temperature).unwrap_or(REFERENCE_TEMPERATURE),
             coulomb_friction: value(sheet.coulomb_friction),
             viscous_friction: value(sheet.viscous_friction),
+            no_load_torque: value(sheet.no_load_current)
+                .map(|i| i * conventions.current.torque_current(commutation) * torque_constant)
+                .filter(|torque| *torque > 0.0),
             id: identity.id,
             manufacturer: identity.manufacturer,
             model: identity.model,

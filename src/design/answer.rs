@@ -183,7 +183,7 @@ pub struct WithoutSpring {
     pub ratio: f64,
     /// Objective.
     pub objective: f64,
-    /// Mean copper loss \[W\].
+    /// Mean loss \[W\].
     pub loss: f64,
 }
 

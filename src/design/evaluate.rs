@@ -1,11 +1,13 @@
 //! One design, looked at closely: every limit with its margin, and the figures people choose by.
 
 use super::options::Stop;
-use crate::actuator::fitted;
+use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
+use crate::actuator::losses::{LossTerms, Losses, UnknownLoss};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::thermal::{self, Winding};
 use crate::actuator::waveform::Functional;
+use crate::actuator::{Actuator, Laurent, fitted};
 use crate::requirement::{Course, Objective, Quantity};
 
 /// A margin below this is a violation: what rounding leaves of a limit that binds exactly.
@@ -24,9 +26,25 @@ pub struct Prepared<'a> {
     assumed: Vec<Remark>,
     /// The limits that no ratio is rejected by.
     at_ratio: Vec<(&'static str, Judge)>,
-    mean_torque_squared: crate::actuator::Laurent,
+    /// Means over the motion, at each end of the motor's drag.
+    means: [Means; 2],
     /// Whether a search over it is to stop.
     pub(super) stop: Stop<'a>,
+}
+
+/// Means over the motion as polynomials in the ratio.
+#[derive(Debug, Clone, Copy, Default)]
+struct Means {
+    torque_squared: Laurent,
+    losses: LossTerms,
+}
+
+impl Means {
+    fn new(candidate: &Candidate, actuator: &Actuator) -> Means {
+        let torque_squared = candidate.load.mean_torque_squared(actuator);
+        let losses = LossTerms::new(candidate.load, actuator, torque_squared, candidate.standby_power());
+        Means { torque_squared, losses }
+    }
 }
 
 /// What is to be said of a design beside its margins.
@@ -81,8 +99,16 @@ pub struct Evaluation {
     pub feasible: bool,
     /// Every limit that applies.
     pub margins: Vec<Margin>,
-    /// Mean copper loss at the reference temperature \[W\].
+    /// Mean of all losses that are known \[W\]: the larger at the ends of what is known of the motor's drag.
     pub loss: f64,
+    /// The least that it may be \[W\].
+    pub loss_low: f64,
+    /// Where it is, at the end where it is larger.
+    pub losses: Losses,
+    /// What of it nobody knows.
+    pub unknown_losses: Vec<UnknownLoss>,
+    /// Mean copper loss at the reference temperature \[W\].
+    pub copper_loss: f64,
     /// Largest q-axis current \[A\].
     pub peak_current: f64,
     /// Root mean square of the q-axis current \[A\].
@@ -115,8 +141,16 @@ impl<'a> Prepared<'a> {
         unchecked.extend(candidate.lacking());
         at_ratio.extend(candidate.told_at_a_ratio());
         let assumed = candidate.assumptions(&asked);
-        let mean_torque_squared = candidate.load.mean_torque_squared(&candidate.actuator);
-        Prepared { candidate, asked, unchecked, assumed, at_ratio, mean_torque_squared, stop: Stop::NEVER }
+        let mut means = [Means::new(&candidate, &candidate.actuator); 2];
+        if let Some(other) = candidate.at_other_end() {
+            means[1] = Means::new(&candidate, &other.actuator);
+            // What the drag has no part in is the same at both ends.
+            asked.extend(other.checks().filter_map(|(limit, check)| match check {
+                Check::Asked(asked) if limit.depends.is_of_drag() => Some(Asked { end: End::Other, ..asked }),
+                _ => None,
+            }));
+        }
+        Prepared { candidate, asked, unchecked, assumed, at_ratio, means, stop: Stop::NEVER }
     }
 
     /// The same for searches that may be stopped.
@@ -127,8 +161,10 @@ impl<'a> Prepared<'a> {
     /// What could not be checked at a ratio, and what was assumed there.
     pub fn judged(&self, ratio: f64) -> Judged {
         let mut judged = Judged { unchecked: self.unchecked.clone(), assumed: self.assumed.clone() };
+        let other = self.candidate.at_other_end();
         for (limit, judge) in &self.at_ratio {
-            match judge(&self.candidate, ratio) {
+            let verdicts = std::iter::once(&self.candidate).chain(&other).map(|end| judge(end, ratio));
+            match verdicts.max().unwrap_or(Verdict::Kept) {
                 Verdict::Kept => {}
                 Verdict::Assumed(what) => judged.assumed.push((limit, what)),
                 Verdict::Unknown(why) => judged.unchecked.push((limit, why)),
@@ -154,6 +190,12 @@ impl<'a> Prepared<'a> {
         other
     }
 
+    /// The functional's value of a limit at a ratio, at the end of the motor's drag where it is larger.
+    pub(super) fn raw_demand(&self, of: &Asked, ratio: f64) -> f64 {
+        let same = self.asked.iter().filter(|asked| asked.limit.name == of.limit.name);
+        same.map(|asked| asked.raw_demand(&self.candidate, ratio).0).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// The same limits for another load of the same motor and gear. A limit that was left out stays out.
     pub fn with_candidate<'b>(&self, candidate: Candidate<'b>) -> Prepared<'b>
     where
@@ -169,9 +211,84 @@ impl<'a> Prepared<'a> {
         Evaluation { energy: self.energy(ratio), peak_power: Some(self.peak_power(ratio)), ..self.at(ratio) }
     }
 
-    /// Mean copper loss as a polynomial in N \[W\]; where the iron saturates, as if it did not.
-    pub fn loss(&self) -> crate::actuator::Laurent {
-        self.mean_torque_squared * self.candidate.actuator.heating()
+    /// The ends of what is known of the motor's drag, each with its equations and means.
+    fn ends(&self) -> impl Iterator<Item = (&Actuator, &Means)> {
+        self.candidate.ends().zip(&self.means)
+    }
+
+    /// Mean copper loss as a polynomial in N \[W\], that at the first end of the motor's drag; where the iron saturates, as if
+    /// it did not.
+    pub fn copper_loss(&self) -> Laurent {
+        self.means[0].torque_squared * self.candidate.actuator.heating()
+    }
+
+    /// The polynomial that equals the mean copper loss at a ratio \[W\] and is nowhere above it.
+    pub(super) fn copper_cut(&self, ratio: f64) -> Laurent {
+        self.larger(ratio, |actuator, means| self.copper_of(actuator, means, ratio))
+    }
+
+    /// The polynomial that equals the mean of all losses at a ratio \[W\] and is nowhere above it.
+    pub(super) fn loss_cut(&self, ratio: f64) -> Laurent {
+        self.larger(ratio, |actuator, means| self.loss_of(actuator, means, ratio))
+    }
+
+    /// Of the polynomials of both ends that which is larger at a ratio.
+    fn larger(&self, ratio: f64, of: impl Fn(&Actuator, &Means) -> Laurent) -> Laurent {
+        let cuts = self.ends().map(|(actuator, means)| of(actuator, means));
+        let larger = cuts.map(|cut| (cut.at(ratio), cut)).reduce(|a, b| if b.0 > a.0 { b } else { a });
+        larger.map_or_else(Laurent::default, |(_, cut)| cut)
+    }
+
+    fn copper_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
+        match actuator.shortfall.saturates() {
+            true => self.candidate.load.mean_current_squared_cut(actuator, 0.0, ratio) * actuator.resistance,
+            false => means.torque_squared * actuator.heating(),
+        }
+    }
+
+    fn loss_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
+        let plain = self.copper_of(actuator, means, ratio) + means.losses.sum();
+        match self.by_efficiency(actuator, means, ratio) {
+            Some(drive) => plain + drive,
+            None => plain,
+        }
+    }
+
+    /// What the drive's efficiency takes, as a cut of what is drawn less what goes on to motor and leads; `None` where it
+    /// takes nothing.
+    fn by_efficiency(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Option<Laurent> {
+        let Candidate { robot, load, .. } = self.candidate;
+        let efficiency = robot.bus.drive_efficiency;
+        if efficiency == 1.0 {
+            return None;
+        }
+        let drawn = load.drawn_cut(actuator, efficiency, ratio);
+        // The mean power has the heat as if the iron did not saturate.
+        let leads = actuator.with_leads();
+        let heat = self.copper_of(actuator, means, ratio) + means.torque_squared * -actuator.heating();
+        let behind = load.mean_power(actuator) + heat * leads + means.torque_squared * actuator.conduction();
+        Some(drawn + behind * -1.0)
+    }
+
+    /// Where the losses are at a ratio, at one end of the motor's drag.
+    fn losses_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Losses {
+        let at = |polynomial: &Laurent| polynomial.at(ratio);
+        let terms = &means.losses;
+        let drive = self.by_efficiency(actuator, means, ratio).map_or(0.0, |drive| drive.at(ratio));
+        Losses {
+            copper: self.copper_at(actuator, means, ratio),
+            motor_drag: at(&terms.motor_drag),
+            gear_load: at(&terms.gear_load),
+            gear_no_load: at(&terms.gear_no_load),
+            drive: at(&terms.drive) + drive,
+        }
+    }
+
+    fn copper_at(&self, actuator: &Actuator, means: &Means, ratio: f64) -> f64 {
+        if actuator.shortfall.saturates() {
+            return actuator.resistance * self.candidate.load.mean_current_squared(actuator, 0.0, ratio);
+        }
+        means.torque_squared.at(ratio).max(0.0) * actuator.heating()
     }
 
     /// Looks at the candidate with its evaluated effects at one ratio, and the same limits.
@@ -184,21 +301,41 @@ impl<'a> Prepared<'a> {
     }
 
     /// Mean copper loss at a ratio \[W\].
-    fn loss_at(&self, ratio: f64) -> f64 {
-        let actuator = &self.candidate.actuator;
-        if actuator.shortfall.saturates() {
-            return actuator.resistance * self.candidate.load.mean_current_squared(actuator, 0.0, ratio);
-        }
-        self.mean_torque_squared.at(ratio).max(0.0) * actuator.heating()
+    fn copper_loss_at(&self, ratio: f64) -> f64 {
+        self.ends().map(|(actuator, means)| self.copper_at(actuator, means, ratio)).fold(0.0, f64::max)
+    }
+
+    /// Where the losses are at a ratio, at the end of the motor's drag where they are larger, and the least that they come
+    /// to along what is known of it.
+    fn losses(&self, ratio: f64) -> (Losses, f64) {
+        let ends: Vec<Losses> = self.ends().map(|(actuator, means)| self.losses_of(actuator, means, ratio)).collect();
+        let first = ends[0];
+        let larger = ends.iter().copied().reduce(|a, b| if b.total() > a.total() { b } else { a }).unwrap_or(first);
+        let Some(other) = ends.get(1) else { return (larger, larger.total()) };
+        // Along the segment the torque is linear, so that the loss is a parabola through its ends; its bend is the heat of the
+        // difference.
+        let form = |actuator: &Actuator, flow| *actuator.torque_form(flow);
+        let difference = self.candidate.other.map(|other| {
+            let squared = self
+                .candidate
+                .load
+                .mean_squared_difference(|flow| form(&other, flow).plus(-1.0, &form(&self.candidate.actuator, flow)));
+            squared.at(ratio).max(0.0) * (other.heating() + other.conduction())
+        });
+        let bend = difference.unwrap_or(0.0);
+        let (a, b) = (first.total(), other.total());
+        let least = |s: f64| a + (b - a - bend) * s + bend * s * s;
+        let vertex = if bend > 0.0 { ((a + bend - b) / (2.0 * bend)).clamp(0.0, 1.0) } else { 0.0 };
+        (larger, a.min(b).min(least(vertex)))
     }
 
     /// Root mean square current at a ratio \[A\].
     fn rms_current(&self, ratio: f64) -> f64 {
-        let actuator = &self.candidate.actuator;
-        if actuator.shortfall.is_nothing() {
-            return self.mean_torque_squared.at(ratio).max(0.0).sqrt() / actuator.torque_constant;
-        }
-        (self.loss_at(ratio) / actuator.resistance).sqrt()
+        let of = |(actuator, means): (&Actuator, &Means)| match actuator.shortfall.is_nothing() {
+            true => means.torque_squared.at(ratio).max(0.0).sqrt() / actuator.torque_constant,
+            false => (self.copper_at(actuator, means, ratio) / actuator.resistance).sqrt(),
+        };
+        self.ends().map(of).fold(0.0, f64::max)
     }
 
     /// Evaluates the design at a ratio.
@@ -207,35 +344,52 @@ impl<'a> Prepared<'a> {
             return self.at_ratio(ratio, |here| here.at(ratio));
         }
         let candidate = &self.candidate;
-        let actuator = &candidate.actuator;
-        let peak = candidate.load.waveform.largest(Functional::TorqueSquared, actuator, ratio);
-        let mut margins = Vec::with_capacity(self.asked.len());
+        let waveform = &candidate.load.waveform;
+        let of_end = |actuator| waveform.largest(Functional::TorqueSquared, actuator, ratio);
+        let first = of_end(&candidate.actuator);
+        let peaks = [first, candidate.other.as_ref().map_or(first, of_end)];
+        let mut margins: Vec<Margin> = Vec::with_capacity(self.asked.len());
         let mut feasible = true;
         for asked in &self.asked {
             let (raw, sample) = match asked.demand {
                 // Current and torque limits share the search that has been made already.
                 Demand::Samples(Functional::TorqueSquared) => {
-                    (peak.value, Some(candidate.load.waveform.origin(peak.index)))
+                    let peak = peaks[asked.end as usize];
+                    (peak.value, Some(waveform.origin(peak.index)))
                 }
                 _ => asked.raw_demand(candidate, ratio),
             };
             let margin = Margin::new(asked, candidate, ratio, (raw, sample));
             feasible &= margin.margin >= -FEASIBILITY_TOLERANCE;
-            margins.push(margin);
+            let same = |m: &&mut Margin| asked.end == End::Other && m.limit == margin.limit;
+            match margins.iter_mut().find(same) {
+                // Of both ends of the drag the worse one.
+                Some(of_first) if margin.margin < of_first.margin => *of_first = margin,
+                Some(_) => {}
+                None => margins.push(margin),
+            }
         }
-        let loss = self.loss_at(ratio);
+        let actuator = &candidate.actuator;
+        let (losses, loss_low) = self.losses(ratio);
+        let copper_loss = self.copper_loss_at(ratio);
         // The polynomial of the mean power has the heat as if the iron did not saturate.
-        let saturated = if actuator.shortfall.saturates() { loss - self.loss().at(ratio) } else { 0.0 };
+        let saturated = if actuator.shortfall.saturates() { copper_loss - self.copper_loss().at(ratio) } else { 0.0 };
+        let peak = peaks[0].value.max(peaks[1].value).max(0.0).sqrt();
+        let mean_power = candidate.ends().map(|end| candidate.load.mean_power(end).at(ratio)).fold(f64::MIN, f64::max);
         Evaluation {
             ratio,
             feasible,
             margins,
-            loss,
-            peak_current: actuator.shortfall.peak_current(peak.value.max(0.0).sqrt()),
+            loss: losses.total(),
+            loss_low,
+            losses,
+            unknown_losses: candidate.unknown_losses(),
+            copper_loss,
+            peak_current: actuator.shortfall.peak_current(peak),
             rms_current: self.rms_current(ratio),
             reflected_inertia: ratio * ratio * actuator.inertia,
             mass: candidate.mass_at(ratio),
-            mean_power: candidate.load.mean_power(actuator).at(ratio) + saturated,
+            mean_power: mean_power + saturated,
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
         }
@@ -250,9 +404,16 @@ impl<'a> Prepared<'a> {
         if self.candidate.is_evaluated() {
             return self.at_ratio(ratio, |here| here.energy(ratio));
         }
-        let candidate = &self.candidate;
-        let cut = candidate.load.energy_cut(&candidate.actuator, candidate.robot.bus.drive_efficiency, ratio);
-        cut.map(|cut| cut.at(ratio))
+        Some(self.energy_cut(ratio)?.at(ratio))
+    }
+
+    /// The polynomial that equals the energy drawn per cycle at a ratio \[J\] and is nowhere above it; `None` without
+    /// durations.
+    pub(super) fn energy_cut(&self, ratio: f64) -> Option<Laurent> {
+        let Candidate { load, robot, .. } = self.candidate;
+        let drawn = self.larger(ratio, |actuator, _| load.drawn_cut(actuator, robot.bus.drive_efficiency, ratio));
+        let standby = Laurent::constant(self.candidate.standby_power());
+        load.duration.map(|duration| (drawn + standby) * duration)
     }
 
     /// Largest power drawn from the bus at a ratio \[W\].
@@ -261,8 +422,9 @@ impl<'a> Prepared<'a> {
             return self.at_ratio(ratio, |here| here.peak_power(ratio));
         }
         let candidate = &self.candidate;
-        let peak = candidate.load.waveform.largest(Functional::Power, &candidate.actuator, ratio).value;
-        peak.max(0.0) / candidate.robot.bus.drive_efficiency
+        let of_end = |actuator| candidate.load.waveform.largest(Functional::Power, actuator, ratio).value;
+        let peak = candidate.ends().map(of_end).fold(0.0, f64::max);
+        peak / candidate.robot.bus.drive_efficiency + candidate.standby_power()
     }
 
     /// Winding temperature in steady state at a ratio.
@@ -274,11 +436,11 @@ impl<'a> Prepared<'a> {
         if self.candidate.is_evaluated() {
             return self.at_ratio(ratio, |here| here.winding_temperature(ratio));
         }
-        let actuator = &self.candidate.actuator;
-        let mean = match actuator.shortfall.is_nothing() {
-            true => self.mean_torque_squared.at(ratio).max(0.0) / actuator.torque_constant.powi(2),
+        let of_end = |(actuator, means): (&Actuator, &Means)| match actuator.shortfall.is_nothing() {
+            true => means.torque_squared.at(ratio).max(0.0) / actuator.torque_constant.powi(2),
             false => self.rms_current(ratio).powi(2),
         };
+        let mean = self.ends().map(of_end).fold(0.0, f64::max);
         let settles = thermal::winding_temperature(
             mean * self.candidate.load.share_of_time,
             motor.resistance,
@@ -296,8 +458,7 @@ impl<'a> Prepared<'a> {
         let candidate = &self.candidate;
         let inductance = candidate.motor.inductance?;
         let motion = &candidate.joint.motion;
-        let actuator = &candidate.actuator;
-        let torque = |flow, k: usize, sign: f64| {
+        let torque = |actuator: &Actuator, flow, k: usize, sign: f64| {
             let mut features = [0.0; FEATURES];
             features[Feature::Load as usize] = motion.torque[k];
             features[Feature::Acceleration as usize] = motion.acceleration[k];
@@ -322,9 +483,9 @@ impl<'a> Prepared<'a> {
             if was == is {
                 continue;
             }
-            for k in [before, after] {
-                let sides =
-                    [was, is].map(|sign| torque(Flow::of(motion.torque[k], sign), k, sign) / actuator.torque_constant);
+            for (actuator, k) in candidate.ends().flat_map(|actuator| [(actuator, before), (actuator, after)]) {
+                let at = |sign| torque(actuator, Flow::of(motion.torque[k], sign), k, sign);
+                let sides = [was, is].map(|sign| at(sign) / actuator.torque_constant);
                 let jump = (sides[0] - sides[1]).abs();
                 let left = candidate.voltage() - actuator.hot_resistance * sides[0].abs().max(sides[1].abs());
                 longest = longest.max(match () {
@@ -354,6 +515,7 @@ impl Evaluation {
     pub fn quantity(&self, quantity: Quantity) -> Option<f64> {
         match quantity {
             Quantity::Loss => Some(self.loss),
+            Quantity::CopperLoss => Some(self.copper_loss),
             Quantity::ReflectedInertia => Some(self.reflected_inertia),
             Quantity::PeakCurrent => Some(self.peak_current),
             Quantity::Mass => self.mass,

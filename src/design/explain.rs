@@ -10,6 +10,7 @@ use super::solved::solve;
 use super::spring::{choose, nearest};
 use super::turns::TurnsRange;
 use super::{Evaluation, Prepared, Unusable};
+use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Remark};
 use crate::actuator::thermal::Winding;
 use crate::catalog::{Gear, Motor, matches_pattern};
@@ -284,12 +285,12 @@ impl Remedy {
 /// For each limit: what it would have to be if it were widened alone.
 fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<Remedy> {
     let mut found = Vec::new();
-    for asked in &prepared.asked {
+    for asked in prepared.asked.iter().filter(|asked| asked.end == End::First) {
         let without = prepared.without(asked.limit.name);
         let Ok(optimum) = RatioProgram::new(&without, &joint.objective, min, max).solve() else {
             continue;
         };
-        let demand = |n: f64| asked.raw_demand(&prepared.candidate, n).0;
+        let demand = |n: f64| prepared.raw_demand(asked, n);
         let mut least: Option<(f64, f64)> = None;
         for window in &optimum.windows {
             let inside = golden_section(&demand, window.min, window.max, FULLY);
@@ -312,8 +313,9 @@ fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<R
 
 /// The limits that a fixed ratio exceeds, each with what it would have to be.
 fn remedies_at(prepared: &Prepared, ratio: f64) -> Vec<Remedy> {
-    let broken = prepared.asked.iter().filter_map(|asked| {
-        let (raw, _) = asked.raw_demand(&prepared.candidate, ratio);
+    let firsts = prepared.asked.iter().filter(|asked| asked.end == End::First);
+    let broken = firsts.filter_map(|asked| {
+        let raw = prepared.raw_demand(asked, ratio);
         let needed = asked.natural(raw);
         let exceeded = asked.margin(&prepared.candidate, ratio, raw) < -super::evaluate::FEASIBILITY_TOLERANCE;
         exceeded.then_some(Remedy::new(asked, needed, ratio))

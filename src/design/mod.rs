@@ -8,6 +8,7 @@ pub mod agreement;
 pub mod answer;
 pub mod balance;
 pub mod best;
+pub mod break_even;
 pub mod buildable;
 pub mod evaluate;
 pub mod examine;

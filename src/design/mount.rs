@@ -10,8 +10,9 @@ use super::options::Stop;
 use crate::actuator::fitted::gear_with_fit;
 use crate::actuator::limits::{Candidate, hottest};
 use crate::actuator::{Actuator, Load};
+use crate::catalog::drag::Friction;
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
-use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
+use crate::requirement::{EfficiencyCovers, GearModel, Joint, MotorDrag, RatioChoice, Robot, backdrive_efficiency};
 
 /// A motor at a joint, with a gear of the catalogue or with a ratio that is still free.
 #[derive(Debug, Clone, Copy)]
@@ -82,7 +83,17 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
                 (gear, actuator)
             }
         };
-        Ok(Candidate { robot, joint, load, motor, catalog_gear, gear, actuator, folded: false })
+        let drive = joint.drive.or(robot.bus.drive);
+        let actuator =
+            actuator.with_gear_friction(gear.no_load).with_drive_resistance(drive.phase_resistance.unwrap_or(0.0));
+        let (first, second) = match joint.motor_drag {
+            MotorDrag::Counted => motor.drag().ends(),
+            MotorDrag::Off => (Friction::default(), None),
+        };
+        let actuators = [first, second.unwrap_or(first)].map(|friction| actuator.with_friction(friction));
+        let [actuator, other] = actuators;
+        let other = second.map(|_| other);
+        Ok(Candidate { robot, joint, load, motor, catalog_gear, gear, actuator, other, folded: false })
     }
 
     /// The candidate with its limits gathered.
@@ -107,6 +118,8 @@ fn gear_model(gear: &Gear) -> Option<GearModel> {
         peak_torque: gear.peak_torque,
         continuous_torque: gear.continuous_torque,
         max_input_speed: gear.max_input_speed,
+        no_load: Friction::default(),
+        says_loss: true,
     })
 }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::answer::{Design, JointResult, RobotResult};
 use super::best::best_design;
+use super::break_even::{BreakEven, break_even};
 use super::flatness::{Flatness, OwnBound, at_design, flatness, own_bound};
 use super::mount::{JointDemand, Site};
 use super::nearby::{Nearby, nearby};
@@ -29,15 +30,36 @@ pub struct Outlook<'a> {
     pub front: Vec<FrontDesign<'a>>,
     /// What another number of turns would do for the motors that cannot do it, in their order.
     pub rewindings: Vec<(&'a Motor, Rewinding<'a>)>,
+    /// Up to what drag motors lead whose drag nobody says, or is estimated: the first choice the next one, the others the
+    /// first choice.
+    pub break_evens: Vec<(&'a Motor, BreakEven)>,
     /// The same for the first choice, where voltage or the drive's current holds its ratio back.
     pub rewound: Option<Rewinding<'a>>,
 }
 
 impl<'a> Outlook<'a> {
+    /// Up to what drag a motor leads; `None` where that is known or was not asked.
+    pub fn break_even(&self, motor: &Motor) -> Option<&BreakEven> {
+        self.break_evens.iter().find(|(of, _)| of.id == motor.id).map(|(_, found)| found)
+    }
+
     /// What another number of turns would do for a motor that cannot do it; `None` where it was not asked.
     pub fn rewinding(&self, motor: &Motor) -> Option<&Rewinding<'a>> {
         self.rewindings.iter().find(|(of, _)| of.id == motor.id).map(|(_, how)| how)
     }
+}
+
+/// Up to what drag motors of a joint lead of which it is not known.
+fn break_evens<'a>(site: Site<'a, '_>, of: &JointResult<'a>) -> Vec<(&'a Motor, BreakEven)> {
+    let Some(first) = of.candidates.first() else { return Vec::new() };
+    let next = of.candidates.get(1).map(|next| (first.motor, next));
+    let apart = of.unjudged.iter().map(|apart| (apart.motor, first));
+    let all = next.into_iter().chain(apart);
+    let ahead = |(motor, other): (&'a Motor, &Design<'a>)| {
+        let found = break_even(site, motor, &other.motor.id, other.optimum.objective)?;
+        Some((motor, found))
+    };
+    all.filter_map(ahead).collect()
 }
 
 /// A design that is the best for a weight between mass and loss.
@@ -78,10 +100,9 @@ pub fn outlooks<'a>(
         });
         let (flatness, own_bound) = seen.unwrap_or_default();
         let front = if with_front { front(robot, of, catalog, options)? } else { Vec::new() };
-        Ok((
-            place,
-            Outlook { flatness, own_bound, nearby: nearby(robot, joint, catalog, design), front, rewindings, rewound },
-        ))
+        let break_evens = break_evens(site, of);
+        let nearby = nearby(robot, joint, catalog, design);
+        Ok((place, Outlook { flatness, own_bound, nearby, front, rewindings, rewound, break_evens }))
     };
     // Joints that ask the same have the same answer: it is found once.
     let alike = |j: usize| (0..j).find(|i| robot.joints[*i].asks_the_same(&robot.joints[j]));

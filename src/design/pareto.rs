@@ -172,8 +172,7 @@ impl<'a> Asked<'a, '_> {
         let [a, b] = best;
         let (a, b) = (a?, b?);
         let certified = [&a, &b].iter().all(|o| matches!(o.certificate, Certificate::Certified { .. }));
-        let convex =
-            a.windows.len() == 1 && !prepared.candidate.actuator.has_odd_powers() && !prepared.candidate.is_evaluated();
+        let convex = a.windows.len() == 1 && !prepared.candidate.has_odd_powers() && !prepared.candidate.is_evaluated();
         let (from, to) = (a.ratio.min(b.ratio), a.ratio.max(b.ratio));
         let count = if to > from * (1.0 + 1e-12) { self.points.max(2) } else { 1 };
         let listed = mount.joint.ratio.listed();

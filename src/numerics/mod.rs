@@ -4,5 +4,6 @@ pub mod grid;
 pub mod laurent;
 pub mod least_squares;
 pub mod line_search;
+pub mod roots;
 pub mod spline;
 pub mod sums;

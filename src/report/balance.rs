@@ -8,7 +8,7 @@ use crate::requirement::{Balance, Balancing, Extreme, Joint, Quantity};
 /// How the objective came about, in a sentence.
 pub fn sentence(balance: &Balance) -> String {
     format!(
-        "Balanced: the least copper loss/{} W + mass/{} kg, the geometric means of the lightest design and of that with the least loss.",
+        "Balanced: the least loss/{} W + mass/{} kg, the geometric means of the lightest design and of that with the least loss.",
         number(balance.loss),
         number(balance.mass)
     )

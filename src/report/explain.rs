@@ -49,6 +49,7 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&paragraph(RUNAWAY, 2, 4));
         }
     }
+    out.push_str(&format!("\n{}", paragraph(&format!("Of the {}.", super::losses::sentence(e)), 0, 2)));
     match &story.spring {
         Some(Ok(spring)) => {
             let line = format!("With a {}", super::spring::text(spring, e.loss));

@@ -20,6 +20,7 @@ pub mod html;
 pub mod identify;
 pub mod import;
 pub mod json;
+pub mod losses;
 mod motion;
 pub mod optimize;
 mod outlook;

@@ -46,7 +46,7 @@ pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String 
         for (joint, outlook) in with_outlooks() {
             let why = if shown.why { outlook::text(joint, outlook) } else { String::new() };
             let rejected = if shown.rejected || joint.candidates.is_empty() {
-                unjudged::text(joint, shown.rejected) + &rejected_text(joint, outlook, shown)
+                unjudged::text(joint, outlook, shown.rejected) + &rejected_text(joint, outlook, shown)
             } else {
                 String::new()
             };
@@ -111,7 +111,7 @@ fn joint_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) -> 
             out.push_str(&outlook::text(result, outlook));
         }
     }
-    out.push_str(&unjudged::text(result, shown.rejected));
+    out.push_str(&unjudged::text(result, outlook, shown.rejected));
     out.push_str(&rejected_text(result, outlook, shown));
     if let Some(pruned) = &result.pruned {
         out.push_str(&prune::text(joint, pruned));

@@ -3,7 +3,7 @@
 use super::answer::{binds, checked, is_of_range, own_bound};
 use super::said::{margin_at, per_cent, proof, windows_text};
 use super::table::{Column, Table, paragraph};
-use super::{balance, design_ratio, number, optional, turns};
+use super::{balance, design_ratio, losses, number, optional, turns};
 use crate::design::answer::{Design, JointResult};
 use crate::design::buildable::Train;
 use crate::design::flatness::Flatness;
@@ -23,6 +23,10 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     let [what, sure] = how(design, joint);
     say(&what);
     say(&sure);
+    say(&losses::sentence(&design.evaluation));
+    if let Some(found) = outlook.break_even(design.motor) {
+        say(&losses::break_even(found, design.motor));
+    }
     if let Balancing::Made(balance) = &joint.balancing {
         say(&balance::sentence(balance));
     }
@@ -141,7 +145,7 @@ fn planetary(nearby: &Nearby, design: &Design, joint: &Joint) -> Option<String> 
     let built = nearby.planetary.as_ref()?;
     let there = &built.design.evaluation;
     Some(format!(
-        "simple planetary near by: {} teeth, N = {}: copper loss {} W, {} kg, {} {}",
+        "simple planetary near by: {} teeth, N = {}: loss {} W, {} kg, {} {}",
         teeth(built.train.as_ref()?),
         number(there.ratio),
         number(there.loss),

@@ -101,7 +101,7 @@ fn found(other: &OtherTurns, motor: &Motor) -> String {
         some => format!("; not checked: {}", super::unjudged::names(some).replace(' ', ", ")),
     };
     let (turns, loss) = (range_text(&other.turns, motor), number(other.loss));
-    format!("{turns}, then at best N = {ratio}{gear} with a copper loss of {loss} W{sure}{unchecked}{rows}")
+    format!("{turns}, then at best N = {ratio}{gear} with a loss of {loss} W{sure}{unchecked}{rows}")
 }
 
 /// What another number of turns would do for a motor; `refusal` is why it cannot do it as it is wound.

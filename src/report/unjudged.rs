@@ -3,10 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use super::number;
 use super::table::wrap;
+use super::{losses, number};
 use crate::actuator::limits::Remark;
 use crate::design::answer::{JointResult, JointSweep, Reason, Says, Unjudged};
+use crate::design::outlook::Outlook;
 use crate::design::pareto::{Front, FrontPoint};
 use crate::design::robot::{Apart, Choice};
 
@@ -86,13 +87,15 @@ pub fn reasons(result: &JointResult, more: &str) -> String {
 }
 
 /// The block of a joint; `each` lists every motor, with what is known of its best design.
-pub fn text(result: &JointResult, each: bool) -> String {
+pub fn text(result: &JointResult, outlook: Option<&Outlook>, each: bool) -> String {
     if !each {
         return reasons(result, " (`--rejected` lists each)");
     }
     let goal = &result.joint.objective;
     let line = |u: &Unjudged| {
         let gear = u.gear.map_or_else(String::new, |gear| format!(" with {gear}"));
+        let even = outlook.and_then(|outlook| outlook.break_even(u.motor));
+        let even = even.map_or_else(String::new, |even| format!("; {}", losses::break_even(even, u.motor)));
         let Some(design) = &u.design else { return format!("{}{gear}: {}", u.motor.id, causes(&u.because)) };
         let at = number(design.evaluation.ratio);
         let known = match design.optimum.objective {
@@ -102,7 +105,7 @@ pub fn text(result: &JointResult, each: bool) -> String {
             _ => format!("as far as is known loss {} W at N = {at}", number(design.evaluation.loss)),
         };
         let estimated = super::estimated::text(u.motor);
-        format!("{}{gear}: {}; {known}{estimated}", u.motor.id, causes(&u.because))
+        format!("{}{gear}: {}; {known}{even}{estimated}", u.motor.id, causes(&u.because))
     };
     block(HEADING, result.unjudged.iter().map(line).collect())
 }

@@ -1,5 +1,6 @@
 //! The electrical supply that all joints share: `[bus]`.
 
+use super::drive::{self, DriveLosses};
 use crate::catalog::convention::Modulation;
 use crate::input::{Key, Problem, Range, Section, key};
 use crate::units;
@@ -23,6 +24,10 @@ pub struct Bus {
     pub regeneration: Regeneration,
     /// Efficiency of the drive, η_d.
     pub drive_efficiency: f64,
+    /// What each drive loses beside.
+    pub drive: DriveLosses,
+    /// Whether anything is said of what the drives lose.
+    pub says_drive_loss: bool,
 }
 
 /// What the bus does with power that comes back.
@@ -59,6 +64,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
             }
         },
     });
+    let drive = drive::read(&section, ["drive_phase_resistance", "drive_standby_power"]);
     let bus = Bus {
         voltage: voltage.unwrap_or(f64::NAN),
         modulation: section
@@ -93,6 +99,8 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         drive_efficiency: section
             .number(key("drive_efficiency", "efficiency of the drive, η_d").default("1"), Range::Fraction)
             .unwrap_or(1.0),
+        drive,
+        says_drive_loss: section.has("drive_efficiency") || !drive.says_nothing(),
     };
     section.finish();
     voltage.map(|_| bus)

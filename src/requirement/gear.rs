@@ -1,5 +1,6 @@
 //! Which ratios a joint may have, and the gear that goes with a free one: `ratio`, `gears`, `gear`.
 
+use crate::catalog::drag::Friction;
 use crate::input::{Problem, Range, Section, key};
 use crate::units;
 
@@ -107,6 +108,10 @@ pub struct GearModel {
     pub continuous_torque: Option<f64>,
     /// Largest input speed \[rad/s\].
     pub max_input_speed: Option<f64>,
+    /// What it takes without load, at its input.
+    pub no_load: Friction,
+    /// Whether anything is said of what it loses.
+    pub says_loss: bool,
 }
 
 impl GearModel {
@@ -120,6 +125,8 @@ impl GearModel {
         peak_torque: None,
         continuous_torque: None,
         max_input_speed: None,
+        no_load: Friction { coulomb: 0.0, viscous: 0.0 },
+        says_loss: false,
     };
 
     /// Mass at a ratio \[kg\]: the fixed one, or as many stages as the ratio takes.
@@ -348,6 +355,24 @@ pub(super) fn read_gear(section: Section) -> GearModel {
             &units::SPEED,
             Range::Positive,
         ),
+        no_load: Friction {
+            coulomb: section
+                .quantity(
+                    key("no_load_torque", "that it takes at its input without load, at any speed; `efficiency` is then that of the load alone")
+                        .default("none"),
+                    &units::TORQUE,
+                    Range::NonNegative,
+                )
+                .unwrap_or(0.0),
+            viscous: section
+                .quantity(
+                    key("no_load_viscous", "the same per speed of the input").default("none"),
+                    &units::VISCOUS_FRICTION,
+                    Range::NonNegative,
+                )
+                .unwrap_or(0.0),
+        },
+        says_loss: section.has("efficiency") || section.has("no_load_torque") || section.has("no_load_viscous"),
     };
     let covers =
         key("efficiency_covers", "only `load` here: `load_and_gear` needs gears of the catalogue").default("`load`");

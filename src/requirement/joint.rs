@@ -8,7 +8,7 @@ use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
-use super::{Objective, Quantity, Turns, cases, gear, objective};
+use super::{MotorDrag, Objective, Quantity, Turns, cases, drive, gear, objective};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
@@ -55,16 +55,24 @@ pub(super) fn read(
     let (objective, balancing) = objective::read(&section).unzip();
     let limits = read_limits(&section, ambient, no_springs, motion.as_deref());
     let limits = Limits { mount_resistance: read_mount(&section), ..limits };
-    let drive_current =
-        section.section(key("drive", "the drive of this joint, in place of the bus's")).and_then(|drive| {
-            let current = drive.required_quantity(
-                key("current", "largest drive current, phase amplitude"),
-                &units::CURRENT,
-                Range::Positive,
-            );
-            drive.finish();
-            current
-        });
+    let own_drive = section.section(key("drive", "the drive of this joint, in place of the bus's")).map(|table| {
+        let current =
+            table.quantity(key("current", "largest drive current, phase amplitude"), &units::CURRENT, Range::Positive);
+        let losses = drive::read(&table, ["phase_resistance", "standby_power"]);
+        if current.is_none() && losses.says_nothing() && !table.has("current") {
+            table.missing("current", "\"40 A\"");
+        }
+        table.finish();
+        (current, losses)
+    });
+    let (drive_current, drive) = own_drive.unwrap_or_default();
+    let motor_drag = section
+        .choice(
+            key("motor_drag", "`off` leaves out what no-load currents and estimates say of a motor's drag")
+                .default("`counted`"),
+            MotorDrag::NAMES,
+        )
+        .unwrap_or_default();
     if section.has(key("actuator", "refused by this version").value("–")) {
         let span = section.span_of("actuator");
         section.note(Problem::at(span, "`actuator` is not supported by this version", "remove it"));
@@ -98,6 +106,8 @@ pub(super) fn read(
         balancing: balancing?,
         limits,
         drive_current,
+        drive,
+        motor_drag,
         turns: Turns::AsWound,
         phases,
         carries: Vec::new(),

@@ -6,8 +6,10 @@ use crate::units::{self, Kind};
 /// What an objective can be made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
-    /// Mean copper loss \[W\].
+    /// Mean of all losses that are known \[W\].
     Loss,
+    /// Mean copper loss \[W\].
+    CopperLoss,
     /// Inertia at the output \[kg·m²\], N²(J_m + J_g).
     ReflectedInertia,
     /// Largest q-axis current \[A\].
@@ -25,6 +27,7 @@ impl Quantity {
     /// Every quantity with its name.
     pub const NAMES: &[(&str, Quantity)] = &[
         ("loss", Quantity::Loss),
+        ("copper_loss", Quantity::CopperLoss),
         ("reflected_inertia", Quantity::ReflectedInertia),
         ("peak_current", Quantity::PeakCurrent),
         ("mass", Quantity::Mass),
@@ -40,7 +43,7 @@ impl Quantity {
     /// What it measures.
     pub fn kind(self) -> &'static Kind {
         match self {
-            Quantity::Loss | Quantity::PeakPower => &units::POWER,
+            Quantity::Loss | Quantity::CopperLoss | Quantity::PeakPower => &units::POWER,
             Quantity::ReflectedInertia => &units::INERTIA,
             Quantity::PeakCurrent => &units::CURRENT,
             Quantity::Mass => &units::MASS,
@@ -51,7 +54,8 @@ impl Quantity {
     /// What it is, in a few words with its unit.
     pub fn about(self) -> &'static str {
         match self {
-            Quantity::Loss => "mean copper loss [W]",
+            Quantity::Loss => "mean of all losses that are known [W]: copper, motor drag, gear, drive",
+            Quantity::CopperLoss => "mean copper loss [W]",
             Quantity::ReflectedInertia => "N² (J_m + J_g) [kg*m^2]",
             Quantity::PeakCurrent => "largest q-axis current [A], as limits on currents compare it",
             Quantity::Mass => "of motor and gear [kg]",
@@ -142,7 +146,7 @@ pub struct Extreme {
     pub ratio: f64,
     /// The feasible ratios about it.
     pub window: (f64, f64),
-    /// Mean copper loss \[W\].
+    /// Mean loss \[W\].
     pub loss: f64,
     /// Mass of motor and gear \[kg\].
     pub mass: f64,

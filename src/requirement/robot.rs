@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::bus::Bus;
+use super::drive::{DriveLosses, MotorDrag};
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
@@ -114,6 +115,10 @@ pub struct Joint {
     pub limits: Limits,
     /// Largest drive current of this joint, in place of the bus's \[A\].
     pub drive_current: Option<f64>,
+    /// What its drive loses, in place of what the bus says.
+    pub drive: DriveLosses,
+    /// Whether what no-load currents and estimates say of a motor's drag counts.
+    pub motor_drag: MotorDrag,
     /// How many turns the winding of its motor may have.
     pub turns: Turns,
     /// By how much of the period each of the `count` joints is late; empty where all move alike.
@@ -188,6 +193,8 @@ impl Joint {
             balancing,
             limits,
             drive_current,
+            drive,
+            motor_drag,
             turns,
             phases: _,
             carries: _,
@@ -199,6 +206,8 @@ impl Joint {
             && *balancing == other.balancing
             && *limits == other.limits
             && *drive_current == other.drive_current
+            && *drive == other.drive
+            && *motor_drag == other.motor_drag
             && *turns == other.turns
             && *motion == other.motion
     }

@@ -157,7 +157,7 @@ const OWN: &[Own] = &[
         "robot_loss",
         Some(&units::POWER),
         "W",
-        "mean copper loss of all actuators together",
+        "mean loss of all actuators together",
         Value::Robot(|facts| facts.total(|e| Some(e.evaluation.loss))),
     ),
     (

@@ -23,13 +23,15 @@ impl Asked {
     /// The functional's value at a ratio, and the sample of the motion that has it.
     pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
         if candidate.is_evaluated() {
+            // What has effects that are evaluated has its friction declared: one end.
             return candidate.at_ratio(ratio, |here| match self.limit.check(here) {
                 Check::Asked(asked) => asked.raw_demand(here, ratio),
                 _ => (0.0, None),
             });
         }
+        let actuator = candidate.end(self.end);
         let over = |waveform: &Waveform, functional| {
-            let largest = waveform.largest(functional, &candidate.actuator, ratio);
+            let largest = waveform.largest(functional, actuator, ratio);
             (largest.value, Some(waveform.origin(largest.index)))
         };
         match self.demand {
@@ -41,9 +43,9 @@ impl Asked {
                 None => (0.0, None),
             },
             Demand::Mass => (candidate.known_mass_at(ratio), None),
-            Demand::WindingPeak(node) => candidate.load.winding_peak(&candidate.actuator, &node, ratio),
+            Demand::WindingPeak(node) => candidate.load.winding_peak(actuator, &node, ratio),
             Demand::MeanCurrentSquared(standing) => {
-                let Candidate { load, actuator, .. } = candidate;
+                let load = candidate.load;
                 (load.share_of_time * load.mean_current_squared(actuator, standing, ratio), None)
             }
         }
@@ -53,7 +55,7 @@ impl Asked {
     pub fn is_certainly_kept(&self, candidate: &Candidate, ratio: f64) -> bool {
         match self.demand {
             Demand::WindingPeak(node) if !candidate.is_evaluated() => {
-                candidate.load.winding_peak_is_within(&candidate.actuator, &node, ratio, self.bound)
+                candidate.load.winding_peak_is_within(candidate.end(self.end), &node, ratio, self.bound)
             }
             _ => false,
         }
@@ -63,21 +65,22 @@ impl Asked {
     /// sample that has it), and its sample. It is nowhere above the functional. `None` for limits that are no
     /// polynomial, or certainly kept.
     pub fn polynomial_at(&self, candidate: &Candidate, ratio: f64) -> Option<(Laurent, Option<usize>)> {
+        let actuator = candidate.end(self.end);
         match self.demand {
             Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
             Demand::Samples(functional) | Demand::Bandwidth(functional) => {
                 let bandwidth = matches!(self.demand, Demand::Bandwidth(_));
                 let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
-                let point = waveform.point(waveform.largest(functional, &candidate.actuator, ratio).index);
-                Some((functional.polynomial(&candidate.actuator, point.flow, &point.features), Some(point.origin)))
+                let point = waveform.point(waveform.largest(functional, actuator, ratio).index);
+                Some((functional.polynomial(actuator, point.flow, &point.features), Some(point.origin)))
             }
             Demand::WindingPeak(_) if self.is_certainly_kept(candidate, ratio) => None,
             Demand::WindingPeak(node) => {
-                let cut = candidate.load.winding_peak_cut(&candidate.actuator, &node, ratio, self.raw_bound());
+                let cut = candidate.load.winding_peak_cut(actuator, &node, ratio, self.raw_bound());
                 Some((cut, self.raw_demand(candidate, ratio).1))
             }
             Demand::MeanCurrentSquared(standing) => {
-                let Candidate { load, actuator, .. } = candidate;
+                let load = candidate.load;
                 Some((load.mean_current_squared_cut(actuator, standing, ratio) * load.share_of_time, None))
             }
             Demand::Fixed(..) | Demand::Mass => None,

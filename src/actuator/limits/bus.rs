@@ -9,7 +9,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "bus_power",
         unit: "W",
-        formula: "max (R i² + K_B N ω i)/η_d ≤ P, with R of the hottest winding",
+        formula: "max (R i² + K_B N ω i)/η_d ≤ P − P_standby, with R of the hottest winding and that of drive and leads",
         safety: false,
         of: Of::Other,
         class: Class::Convex,
@@ -17,14 +17,14 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: |robot, _| robot.bus.power.is_some(),
         key: |_| Some(Key::Robot(&["bus", "power"])),
         prepare: |c| match c.robot.bus.power {
-            Some(bound) => plain(Demand::Samples(Functional::Power), 1.0 / c.robot.bus.drive_efficiency, bound, "bus"),
+            Some(bound) => power(1.0 / c.robot.bus.drive_efficiency, bound - c.standby_power()),
             None => Prepared::NotAsked,
         },
     },
     Limit {
         name: "bus_current",
         unit: "A",
-        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus, with R of the hottest winding",
+        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus − P_standby/V_bus, with R of the hottest winding and that of drive and leads",
         safety: false,
         of: Of::Other,
         class: Class::Convex,
@@ -33,8 +33,8 @@ pub(super) const LIMITS: &[Limit] = &[
         key: |_| Some(Key::Robot(&["bus", "current"])),
         prepare: |c| match c.robot.bus.current {
             Some(bound) => {
-                let factor = 1.0 / (c.robot.bus.drive_efficiency * c.robot.bus.voltage);
-                plain(Demand::Samples(Functional::Power), factor, bound, "bus")
+                let voltage = c.robot.bus.voltage;
+                power(1.0 / (c.robot.bus.drive_efficiency * voltage), bound - c.standby_power() / voltage)
             }
             None => Prepared::NotAsked,
         },
@@ -57,3 +57,8 @@ pub(super) const LIMITS: &[Limit] = &[
         },
     },
 ];
+
+/// The largest power that a joint draws, by a factor to the unit of the bound.
+fn power(factor: f64, bound: f64) -> Prepared {
+    plain(Demand::Samples(Functional::Power), factor, bound, "bus")
+}

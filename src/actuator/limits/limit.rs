@@ -1,6 +1,6 @@
 //! What a limit is: what is demanded, what may be had, and what kind of set of ratios that leaves.
 
-use crate::actuator::candidate::Candidate;
+use crate::actuator::candidate::{Candidate, End};
 use crate::actuator::thermal_motion::TwoNode;
 use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;
@@ -78,6 +78,8 @@ pub struct Asked {
     pub owner: &'static str,
     /// Of heat: the share of that at standstill that counts once more.
     pub standing: f64,
+    /// At which end of what is known of the motor's drag the demand is.
+    pub end: End,
 }
 
 /// Whether a limit applies.
@@ -96,8 +98,8 @@ pub enum Check {
 /// What can be said of a limit at a ratio that was chosen.
 pub type Judge = fn(&Candidate, f64) -> Verdict;
 
-/// How a design stands against a limit that no ratio is rejected by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How a design stands against a limit that no ratio is rejected by, the best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// It is certainly kept.
     Kept,
@@ -142,6 +144,22 @@ pub enum Depends {
     Rating,
     /// In some other way: every corner of the tolerances counts.
     Anyhow,
+}
+
+impl Depends {
+    /// Whether the motor's drag is part of what is demanded.
+    pub fn is_of_drag(self) -> bool {
+        match self {
+            Depends::Current
+            | Depends::Temperature
+            | Depends::Torque
+            | Depends::Voltage
+            | Depends::Power
+            | Depends::PowerBack
+            | Depends::Anyhow => true,
+            Depends::Inertia | Depends::Rating => false,
+        }
+    }
 }
 
 /// Where a requirement asks for something: the keys on the way to it.
@@ -209,7 +227,8 @@ impl Limit {
             Prepared::NotAsked => Check::NotAsked,
             Prepared::Unknown(what) => Check::Unknown(what),
             Prepared::Asked { demand, squared, factor, bound, owner, standing } => {
-                Check::Asked(Asked { limit: self, demand, squared, factor, bound: bound * kept, owner, standing })
+                let bound = bound * kept;
+                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner, standing, end: End::First })
             }
             Prepared::AtRatio(judge) => Check::AtRatio(judge),
         }

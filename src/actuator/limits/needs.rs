@@ -5,7 +5,7 @@ use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::catalog::Motor;
 use crate::catalog::convention::Commutation;
-use crate::requirement::{Joint, Robot};
+use crate::requirement::{Joint, MotorDrag, Quantity, Robot};
 
 /// Something that is asked of a candidate and that no limit of the model asks for: a number without which a limit
 /// says less, or one that the whole robot needs.
@@ -47,6 +47,17 @@ pub const NEEDS: &[Need] = &[
             (Some(_), None) => Some(
                 "the motor's pole pairs are not known: voltage is checked with L di/dt, but without p N ω L i across it",
             ),
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "losses",
+        of: Of::Other,
+        stated: |_, joint| [Quantity::Loss, Quantity::Energy].iter().any(|q| joint.objective.weight(*q) > 0.0),
+        key: |_| Some(Key::Joint(&["objective"])),
+        missing: |c| {
+            let counts = c.joint.motor_drag == MotorDrag::Counted && c.drag_is_unknown();
+            counts.then_some("the motor's drag is not known: no no-load current, no friction, and no estimate")
         },
         at_ratio: |_| None,
     },

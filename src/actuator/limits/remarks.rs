@@ -45,6 +45,11 @@ impl Candidate<'_> {
                     "voltage",
                     "estimated: the inductance is that of motors built alike and as heavy, the large end of its 90 % interval",
                 ),
+                Estimated::Drag if self.drag_is_off() => continue,
+                Estimated::Drag => (
+                    "motor_drag",
+                    "estimated: no-load current of motors of like motor constant, from above; limits hold with it and without any",
+                ),
             });
         }
         if self.derating() < 1.0 && self.motor.thermal_resistance.is_none() {

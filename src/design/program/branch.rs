@@ -162,7 +162,7 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
         windows.push(scan::point(program, ratio));
         windows.sort_by(|a, b| a.min.total_cmp(&b.min));
     }
-    let gap = ((value - bound) / search.reference(ratio, value)).max(0.0);
+    let gap = ((value - bound) / search.goal.reference(ratio, value)).max(0.0);
     let certificate = if is_proof(finished, gap) {
         Certificate::Certified { lower_bound: search.goal.natural(bound.min(value)), gap, method: "branch and bound" }
     } else {
@@ -218,14 +218,10 @@ impl Search<'_> {
         (settled.min(left), false)
     }
 
-    /// What a gap is measured by: the value, or where its terms cancel, a millionth of their size.
-    fn reference(&self, ratio: f64, value: f64) -> f64 {
-        value.abs().max(1e-6 * self.goal.cut(ratio).size(ratio)).max(f64::MIN_POSITIVE)
-    }
-
     /// The value below which an interval is still of interest.
     fn target(&self) -> f64 {
-        self.best.map_or(f64::INFINITY, |(ratio, value)| value - 0.25 * GAP_TOLERANCE * self.reference(ratio, value))
+        self.best
+            .map_or(f64::INFINITY, |(ratio, value)| value - 0.25 * GAP_TOLERANCE * self.goal.reference(ratio, value))
     }
 
     fn offer(&mut self, ratio: f64) {

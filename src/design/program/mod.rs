@@ -14,6 +14,7 @@ mod branch;
 mod certificate;
 mod conic;
 mod evaluated;
+mod line;
 mod objective;
 mod prices;
 mod refusal;
@@ -165,7 +166,7 @@ impl<'a> RatioProgram<'a> {
         }
         match self.why_not_convex() {
             None => self.solve_convex(),
-            Some(why) => branch::solve(self, why),
+            Some(why) => line::solve(self).unwrap_or_else(|| branch::solve(self, why)),
         }
     }
 
@@ -202,7 +203,7 @@ impl<'a> RatioProgram<'a> {
     /// The reason why the program is not the convex one, if there is one.
     fn why_not_convex(&self) -> Option<&'static str> {
         let candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);
-        if candidates.into_iter().any(|c| c.actuator.has_odd_powers()) {
+        if candidates.into_iter().any(Candidate::has_odd_powers) {
             return Some("motor Coulomb friction makes the limits non-convex in N²");
         }
         if self.limits.iter().any(|l| l.asked.limit.class == Class::ReverseConvex) {

@@ -3,8 +3,9 @@
 //! cut for each ratio. The conic program and the branch and bound both work on cuts alone.
 
 use super::RatioProgram;
-use crate::actuator::Laurent;
-use crate::actuator::waveform::Functional;
+use crate::actuator::waveform::{Functional, Largest};
+use crate::actuator::{Actuator, Laurent};
+use crate::design::evaluate::Prepared;
 use crate::requirement::{Objective, Quantity};
 
 /// Why a quantity of an objective makes it bend the wrong way in N², where one does: its cuts have odd powers of N.
@@ -13,9 +14,22 @@ pub(super) fn why_not_convex(objective: &Objective) -> Option<&'static str> {
     let why = |quantity: Quantity| match quantity {
         // Alone it is minimised by its square.
         Quantity::PeakCurrent => (!sole).then_some("a weighted sum with the peak current is not convex in N²"),
-        Quantity::Loss | Quantity::Energy | Quantity::PeakPower | Quantity::Mass | Quantity::ReflectedInertia => None,
+        Quantity::Loss
+        | Quantity::CopperLoss
+        | Quantity::Energy
+        | Quantity::PeakPower
+        | Quantity::Mass
+        | Quantity::ReflectedInertia => None,
     };
     objective.terms.iter().filter(|(_, weight)| *weight > 0.0).find_map(|(quantity, _)| why(*quantity))
+}
+
+/// Whether all losses are polynomials in the ratio: one end of the motor's drag, no saturation, no drive whose efficiency
+/// makes them depend on which samples draw.
+fn has_plain_losses(prepared: &Prepared) -> bool {
+    let candidate = &prepared.candidate;
+    let saturates = candidate.actuator.shortfall.saturates();
+    candidate.other.is_none() && !saturates && candidate.robot.bus.drive_efficiency == 1.0
 }
 
 /// The objective of a program, without the mass that steps by stages.
@@ -23,6 +37,8 @@ pub(super) fn why_not_convex(objective: &Objective) -> Option<&'static str> {
 pub(super) struct Goal<'a> {
     program: &'a RatioProgram<'a>,
     smooth: Laurent,
+    /// Whether the losses are polynomials, and in `smooth`.
+    is_plain: bool,
     /// The sole objective is the peak current: minimised, and bounded, by its square.
     squared_peak: bool,
 }
@@ -31,14 +47,18 @@ impl<'a> Goal<'a> {
     pub(super) fn new(program: &'a RatioProgram<'a>) -> Goal<'a> {
         let (objective, prepared) = (program.objective, program.prepared);
         let inertia = objective.weight(Quantity::ReflectedInertia) * prepared.candidate.actuator.inertia;
-        let saturated = prepared.candidate.actuator.shortfall.saturates();
-        let loss = if saturated { Laurent::default() } else { prepared.loss() };
-        let mut smooth = loss * objective.weight(Quantity::Loss) + Laurent::monomial(inertia, 2);
+        let is_plain = has_plain_losses(prepared);
+        let [copper, loss] = match is_plain {
+            true => [prepared.copper_cut(1.0), prepared.loss_cut(1.0)],
+            false => [Laurent::default(); 2],
+        };
+        let losses = copper * objective.weight(Quantity::CopperLoss) + loss * objective.weight(Quantity::Loss);
+        let mut smooth = losses + Laurent::monomial(inertia, 2);
         let mass = objective.weight(Quantity::Mass);
         if mass > 0.0 && prepared.candidate.gear.mass_per_stage.is_none() {
             smooth = smooth + Laurent::constant(mass * prepared.candidate.mass_at(1.0).unwrap_or(f64::NAN));
         }
-        Goal { program, smooth, squared_peak: objective.sole() == Some(Quantity::PeakCurrent) }
+        Goal { program, smooth, is_plain, squared_peak: objective.sole() == Some(Quantity::PeakCurrent) }
     }
 
     /// As [`Goal::new`], in the objective's own unit even where that is the peak current: for sums over joints.
@@ -50,10 +70,12 @@ impl<'a> Goal<'a> {
     pub(super) fn cut(&self, ratio: f64) -> Laurent {
         let weight = |quantity| self.program.objective.weight(quantity);
         let mut cut = self.smooth;
-        let actuator = &self.program.prepared.candidate.actuator;
-        if weight(Quantity::Loss) > 0.0 && actuator.shortfall.saturates() {
-            let mean = self.program.prepared.candidate.load.mean_current_squared_cut(actuator, 0.0, ratio);
-            cut = cut + mean * (weight(Quantity::Loss) * actuator.resistance);
+        let prepared = self.program.prepared;
+        if weight(Quantity::Loss) > 0.0 && !self.is_plain {
+            cut = cut + prepared.loss_cut(ratio) * weight(Quantity::Loss);
+        }
+        if weight(Quantity::CopperLoss) > 0.0 && !self.is_plain {
+            cut = cut + prepared.copper_cut(ratio) * weight(Quantity::CopperLoss);
         }
         if weight(Quantity::PeakCurrent) > 0.0 {
             cut = cut + self.peak_current(ratio, weight(Quantity::PeakCurrent));
@@ -69,16 +91,16 @@ impl<'a> Goal<'a> {
 
     fn peak_current(&self, ratio: f64, weight: f64) -> Laurent {
         let candidate = &self.program.prepared.candidate;
-        let waveform = &candidate.load.waveform;
-        let point = waveform.point(waveform.largest(Functional::TorqueSquared, &candidate.actuator, ratio).index);
-        let torque = candidate.actuator.torque_form(point.flow).polynomial(&point.features);
+        let (largest, actuator) = self.largest(Functional::TorqueSquared, ratio);
+        let point = candidate.load.waveform.point(largest.index);
+        let torque = actuator.torque_form(point.flow).polynomial(&point.features);
         if self.squared_peak {
             return torque.squared();
         }
         // |T| is at least T and at least −T.
-        let shortfall = &candidate.actuator.shortfall;
+        let shortfall = &actuator.shortfall;
         if shortfall.is_nothing() {
-            return torque * (weight * torque.at(ratio).signum() / candidate.actuator.torque_constant);
+            return torque * (weight * torque.at(ratio).signum() / actuator.torque_constant);
         }
         // The current is convex in |T|: its tangent.
         let (here, slope) = (torque.at(ratio), shortfall.peak_current_slope(torque.at(ratio).abs()));
@@ -87,22 +109,31 @@ impl<'a> Goal<'a> {
     }
 
     fn energy(&self, ratio: f64) -> Laurent {
-        let candidate = &self.program.prepared.candidate;
-        let cut = candidate.load.energy_cut(&candidate.actuator, candidate.robot.bus.drive_efficiency, ratio);
-        cut.unwrap_or(Laurent::constant(f64::NAN))
+        self.program.prepared.energy_cut(ratio).unwrap_or(Laurent::constant(f64::NAN))
     }
 
     fn peak_power(&self, ratio: f64) -> Laurent {
         let candidate = &self.program.prepared.candidate;
-        let waveform = &candidate.load.waveform;
-        let largest = waveform.largest(Functional::Power, &candidate.actuator, ratio);
-        // Where nothing is drawn at any instant the peak is zero.
+        let standby = Laurent::constant(candidate.standby_power());
+        let (largest, actuator) = self.largest(Functional::Power, ratio);
+        // Where nothing is drawn at any instant the peak is that of standby.
         if largest.value <= 0.0 {
-            return Laurent::default();
+            return standby;
         }
-        let point = waveform.point(largest.index);
-        candidate.actuator.power(candidate.actuator.hot_copper(), point.flow, &point.features)
-            * (1.0 / candidate.robot.bus.drive_efficiency)
+        let point = candidate.load.waveform.point(largest.index);
+        let power = actuator.power(actuator.loss_taken(), point.flow, &point.features);
+        power * (1.0 / candidate.robot.bus.drive_efficiency) + standby
+    }
+
+    /// The largest of a functional over all samples and both ends of the motor's drag, and the equations of that end.
+    fn largest(&self, functional: Functional, ratio: f64) -> (Largest, &Actuator) {
+        let candidate = &self.program.prepared.candidate;
+        let of_end = |actuator| candidate.load.waveform.largest(functional, actuator, ratio);
+        let first = (of_end(&candidate.actuator), &candidate.actuator);
+        match &candidate.other {
+            Some(other) if of_end(other).value > first.0.value => (of_end(other), other),
+            _ => first,
+        }
     }
 
     /// What steps with the ratio: the weighted mass, where it is by stages.
@@ -124,6 +155,11 @@ impl<'a> Goal<'a> {
             });
         }
         self.cut(ratio).at(ratio) + self.steps(ratio)
+    }
+
+    /// What a gap is measured by: the value, or where its terms cancel, a millionth of their size.
+    pub(super) fn reference(&self, ratio: f64, value: f64) -> f64 {
+        value.abs().max(1e-6 * self.cut(ratio).size(ratio)).max(f64::MIN_POSITIVE)
     }
 
     /// Derivative of the objective in its own unit by the value in the unit of the cuts.

@@ -239,7 +239,8 @@ fn bound(robot: &Robot, joint: &Joint, center: &Joint, catalog: &Catalog, radius
     if joint.objective.weight(Quantity::Energy) > 0.0 {
         return f64::NEG_INFINITY;
     }
-    let weight = joint.objective.weight(Quantity::Loss);
+    // Of all losses that in the copper is a part, and no other is negative.
+    let weight = joint.objective.weight(Quantity::Loss) + joint.objective.weight(Quantity::CopperLoss);
     if weight == 0.0 || joint.limits.spring.is_some() || needs.only_checked {
         return 0.0;
     }
@@ -249,7 +250,7 @@ fn bound(robot: &Robot, joint: &Joint, center: &Joint, catalog: &Catalog, radius
         if actuator.shortfall.saturates() || prepared.candidate.is_evaluated() {
             return 0.0;
         }
-        let loss = prepared.loss();
+        let loss = prepared.copper_loss();
         let reach = actuator.heating().sqrt() * gear_loss * radius;
         let piece = |w: &[f64]| {
             let convex = under(&loss, (w[0], w[1]), (w[0] * w[1]).sqrt());

@@ -5,9 +5,10 @@
 //! over time: the sum of joints with one time base is then largest at a sample of one of them. Joints without
 //! a common time base can meet at their worst instants: the sum of their peaks is a safe bound, and is called so.
 
+use crate::actuator::limits::Candidate;
 use crate::actuator::shaft::Flow;
 use crate::actuator::waveform::{Functional, WavePoint};
-use crate::actuator::{Actuator, Laurent, Load};
+use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
 use crate::requirement::{Course, Motion, Robot};
 
@@ -177,18 +178,21 @@ fn between(times: &[f64], t: f64, period: Option<f64>, scale: f64) -> Vec<(usize
 pub(super) struct Profile {
     /// For each sample its points: two where friction may oppose either way.
     points: Vec<Vec<WavePoint>>,
-    actuator: Actuator,
+    /// The equations at each end of what is known of the motor's drag.
+    ends: Vec<Actuator>,
     drive: f64,
+    standby: f64,
 }
 
 impl Profile {
-    pub(super) fn new(load: &Load, samples: usize, actuator: Actuator, drive: f64) -> Profile {
+    fn new(candidate: &Candidate, samples: usize, drive: f64) -> Profile {
+        let load = candidate.load;
         let mut points = vec![Vec::new(); samples];
         for index in 0..load.waveform.len() {
             let point = load.waveform.point(index);
             points[point.origin].push(point);
         }
-        Profile { points, actuator, drive }
+        Profile { points, ends: candidate.ends().copied().collect(), drive, standby: candidate.standby_power() }
     }
 
     /// Of a candidate at a ratio.
@@ -196,22 +200,24 @@ impl Profile {
         let candidate = &prepared.candidate;
         let samples = candidate.joint.motion.len();
         if candidate.is_evaluated() {
-            return candidate.at_ratio(ratio, |here| Profile::new(here.load, samples, here.actuator, drive));
+            return candidate.at_ratio(ratio, |here| Profile::new(here, samples, drive));
         }
-        Profile::new(candidate.load, samples, candidate.actuator, drive)
+        Profile::new(candidate, samples, drive)
     }
 
     /// Power that the bus gives at a sample \[W\], and the polynomial that touches it at this ratio and is
     /// nowhere above it.
     pub(super) fn at(&self, sample: usize, ratio: f64) -> (f64, Laurent) {
         let mut most: Option<(f64, Laurent)> = None;
-        for point in &self.points[sample] {
-            let polynomial = Functional::Power.polynomial(&self.actuator, point.flow as Flow, &point.features);
+        let points = self.points[sample].iter().flat_map(|point| self.ends.iter().map(move |end| (point, end)));
+        for (point, end) in points {
+            let polynomial = Functional::Power.polynomial(end, point.flow as Flow, &point.features);
             let power = polynomial.at(ratio);
             // The larger of P/η and η P.
             let factor = if power > 0.0 { 1.0 / self.drive } else { self.drive };
-            if most.as_ref().is_none_or(|(m, _)| power * factor > *m) {
-                most = Some((power * factor, polynomial * factor));
+            let drawn = power * factor + self.standby;
+            if most.as_ref().is_none_or(|(m, _)| drawn > *m) {
+                most = Some((drawn, polynomial * factor + Laurent::constant(self.standby)));
             }
         }
         most.unwrap_or_default()

@@ -126,7 +126,7 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
             break;
         }
         let (_, boxed) = open.swap_remove(place);
-        let bent = |j: &usize| parts[*j].prepared.candidate.actuator.has_odd_powers();
+        let bent = |j: &usize| parts[*j].prepared.candidate.has_odd_powers();
         let width = |j: &usize| boxed[*j].1 / boxed[*j].0;
         let Some(split) = (0..boxed.len()).filter(bent).max_by(|a, b| width(a).total_cmp(&width(b))) else {
             settled = settled.min(best.lower);

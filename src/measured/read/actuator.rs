@@ -213,6 +213,8 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>, purpose: Purpose) -
         peak_torque: listed.and_then(|g| g.peak_torque),
         continuous_torque: listed.and_then(|g| g.continuous_torque),
         max_input_speed: listed.and_then(|g| g.max_input_speed),
+        says_loss: true,
+        ..GearModel::IDEAL
     };
     if let Some(table) = table {
         table.finish();

@@ -11,6 +11,7 @@ use super::turns::OtherTurns;
 use super::{finite, number_or_null};
 use crate::actuator::fitted::Note;
 use crate::actuator::limits::Remark;
+use crate::actuator::losses;
 use crate::actuator::metrics::METRICS;
 use crate::catalog::convention::word;
 use crate::catalog::estimate::Estimate;
@@ -38,6 +39,11 @@ pub struct Design<'a> {
     pub objective: Option<f64>,
     /// Unit of the objective; `1` for a weighted sum.
     pub objective_unit: &'static str,
+    /// Where the loss is, by its parts: they sum to `loss_w`.
+    pub losses_w: Losses,
+    /// Parts of the loss of which nothing is known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unknown_losses: Vec<&'static str>,
     #[serde(flatten)]
     figures: Figures<'a>,
     /// Whether the winding has no steady temperature: the copper's resistance rises faster than heat flows off.
@@ -64,6 +70,28 @@ pub struct Design<'a> {
     /// The parallel spring, where the joint asks for one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spring: Option<Spring>,
+}
+
+/// Mean losses over the motion [W], at the end of what is known of the motor's drag where they are larger.
+#[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
+pub struct Losses {
+    /// In the motor's copper.
+    pub copper: f64,
+    /// Bearings, hysteresis and eddy currents of the motor.
+    pub motor_drag: f64,
+    /// What the gear's efficiency takes.
+    pub gear_load: f64,
+    /// What the gear takes without load.
+    pub gear_no_load: f64,
+    /// In drive and leads.
+    pub drive: f64,
+}
+
+impl From<losses::Losses> for Losses {
+    fn from(of: losses::Losses) -> Losses {
+        let losses::Losses { copper, motor_drag, gear_load, gear_no_load, drive } = of;
+        Losses { copper, motor_drag, gear_load, gear_no_load, drive }
+    }
 }
 
 /// What solving for the ratio gave: where the ratio may be, what ends that, and how sure the best one is.
@@ -505,6 +533,8 @@ impl<'a> Design<'a> {
             feasible: e.feasible,
             objective: facts.objective,
             objective_unit: joint.objective.unit(),
+            losses_w: e.losses.into(),
+            unknown_losses: e.unknown_losses.iter().map(|part| part.words()).collect(),
             figures: Figures(facts),
             thermal_runaway: facts.winding_temperature.runs_away(),
             margins: margins(&e.margins),

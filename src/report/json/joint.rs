@@ -147,7 +147,7 @@ pub struct Chosen<'a> {
     pub gear: Option<&'a str>,
     /// Ratio N.
     pub ratio: f64,
-    /// Mean copper loss.
+    /// Mean loss.
     pub loss_w: f64,
     /// Mass of motor and gear; `null` where it is not known.
     pub mass_kg: Option<f64>,

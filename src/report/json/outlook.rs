@@ -78,7 +78,7 @@ pub struct NearGears<'a> {
 pub struct Nearly {
     /// Ratio N.
     pub ratio: f64,
-    /// Mean copper loss with it.
+    /// Mean loss with it.
     pub loss_w: f64,
     /// Mass of motor and gear; `null` where it is not known.
     pub mass_kg: Option<f64>,
@@ -119,7 +119,7 @@ pub struct FrontDesign<'a> {
     pub gear: Option<&'a str>,
     /// Ratio N.
     pub ratio: f64,
-    /// Mean copper loss.
+    /// Mean loss.
     pub loss_w: f64,
     /// Mass of motor and gear; `null` where it is not known.
     pub mass_kg: Option<f64>,

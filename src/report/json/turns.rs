@@ -28,7 +28,7 @@ pub struct Rewound<'a> {
     pub ratio: f64,
     /// Id of the gear, where it is one of the catalogue.
     pub gear: Option<&'a str>,
-    /// Mean copper loss, which does not depend on the turns.
+    /// Mean loss, which does not depend on the turns.
     pub loss_w: f64,
     /// Objective; `null` where it counts a current, which depends on the turns.
     pub objective: Option<f64>,

@@ -5,6 +5,7 @@
 //! outside a current limit exactly where that limit is exceeded. Driving is above zero, braking below.
 
 use super::{Along, Axis, Dash, Label, Mark, Panel, Rule, Series, Shape, Tone, thinned};
+use crate::actuator::candidate::End;
 use crate::actuator::envelope::Steady;
 use crate::actuator::limits::{Asked, Candidate, Demand, is_of_gear};
 use crate::actuator::shaft::Flow;
@@ -104,7 +105,7 @@ fn binding(prepared: &Prepared, ratio: f64, motion: &[(usize, (f64, f64))]) -> V
     let candidate = &prepared.candidate;
     let m = &candidate.joint.motion;
     let mut found: Vec<(f64, usize, &'static str)> = Vec::new();
-    for asked in &prepared.asked {
+    for asked in prepared.asked.iter().filter(|asked| asked.end == End::First) {
         let (raw, sample) = asked.raw_demand(candidate, ratio);
         let margin = asked.margin(candidate, ratio, raw);
         // The torque that a bandwidth asks for on top is in no dot.
@@ -242,7 +243,7 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> (Vec<Boundary>
         points
     };
     let (mut all, mut rms) = (Vec::new(), None);
-    for asked in &prepared.asked {
+    for asked in prepared.asked.iter().filter(|asked| asked.end == End::First) {
         let held = held_back(asked, candidate.joint);
         let bound = asked.raw_bound();
         if let Some((name, peak, torque)) = shaft_limit(asked) {
@@ -319,7 +320,7 @@ fn straight(prepared: &Prepared, ratio: f64, (fastest, strongest, lowest): (f64,
         let lower = (along == Along::Y && -at >= lowest).then(|| rule(-at, String::new()));
         upper.into_iter().chain(lower).collect()
     };
-    prepared.asked.iter().flat_map(rules).collect()
+    prepared.asked.iter().filter(|asked| asked.end == End::First).flat_map(rules).collect()
 }
 
 /// Where the motion is at the start and after each quarter.

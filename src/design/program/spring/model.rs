@@ -141,6 +141,74 @@ pub(super) fn add_power(
     shaft.add_times_ratio(form, weight * emf, region, z);
 }
 
+/// What power costs where it is drawn, and yields where it is given back: the drive's efficiency over or times.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drawn {
+    /// Of power drawn, and of power given back.
+    pub(super) efficiency: f64,
+}
+
+impl Drawn {
+    /// The factor of a power.
+    pub(super) fn factor(self, power: f64) -> f64 {
+        if power > 0.0 { 1.0 / self.efficiency } else { self.efficiency }
+    }
+}
+
+/// What motor and gear take without load at a point, and what the gear's efficiency takes \[W\].
+fn mechanical_loss_at(actuator: &Actuator, sample: &Sample, z: Point) -> f64 {
+    let n = z[0].sqrt();
+    let (coulomb, viscous) = unloaded(actuator, sample);
+    let (factor, load) = through_gear(actuator, sample, z);
+    n * coulomb + z[0] * viscous + factor * at(&load, z[1], z[2])
+}
+
+/// Power per N and per N² that motor and gear take without load at a sample \[W\].
+fn unloaded(actuator: &Actuator, sample: &Sample) -> (f64, f64) {
+    let of = |feature| actuator.drag_form()[feature] + actuator.gear_drag_form()[feature];
+    let speed = sample.velocity;
+    (of(Feature::Sign) * sample.sign * speed, of(Feature::Velocity) * speed * speed)
+}
+
+/// What the gear's efficiency takes at a sample: so much times a load torque \[W/(N·m)\]. It is convex in that torque.
+fn through_gear(actuator: &Actuator, sample: &Sample, z: Point) -> (f64, Affine) {
+    let load = actuator.torque_form(flow_at(sample, z))[Feature::Load];
+    ((load - 1.0) * sample.velocity, sample.torque)
+}
+
+/// All losses of a sample at a point \[W\], without standby.
+pub(super) fn loss_at(actuator: &Actuator, drawn: Drawn, sample: &Sample, torque: f64, z: Point) -> f64 {
+    let power = power_at((actuator, actuator.loss_given()), sample, torque, z);
+    let factor = drawn.factor(power);
+    actuator.loss_given() * torque * torque + (factor - 1.0) * power + mechanical_loss_at(actuator, sample, z)
+}
+
+/// Adds a lower bound of `weight` times all losses of a sample, without standby; it touches them at `z` where the program is
+/// convex.
+pub(super) fn add_loss(
+    actuator: &Actuator,
+    drawn: Drawn,
+    sample: &Sample,
+    form: &mut Form,
+    weight: f64,
+    region: &Region,
+    z: Point,
+) {
+    let torque = torque_at(actuator, sample, z);
+    let factor = drawn.factor(power_at((actuator, actuator.loss_given()), sample, torque, z));
+    let shaft = shaft(actuator, sample, region);
+    let emf = actuator.back_emf_constant / actuator.torque_constant * sample.velocity.abs();
+    shaft.add_square(form, weight * factor * actuator.loss_given(), region, z);
+    if factor != 1.0 {
+        shaft.add_times_ratio(form, weight * (factor - 1.0) * emf, region, z);
+    }
+    let (coulomb, viscous) = unloaded(actuator, sample);
+    region.add_power(form, weight * coulomb, 1, z);
+    form.add_u(weight * viscous);
+    let (per_torque, load) = through_gear(actuator, sample, z);
+    form.add_affine(&times(&load, weight * per_torque));
+}
+
 /// A functional of a sample as a form that is nowhere above it on the region; `None` where there is none
 /// worth having.
 pub(super) fn functional(
@@ -153,12 +221,12 @@ pub(super) fn functional(
     let mut form = Form::default();
     match what {
         Functional::TorqueSquared => add_torque_squared(actuator, sample, &mut form, 1.0, region, z),
-        Functional::Power => add_power((actuator, actuator.hot_copper()), sample, &mut form, 1.0, region, z),
+        Functional::Power => add_power((actuator, actuator.loss_taken()), sample, &mut form, 1.0, region, z),
         Functional::PowerBack => {
             let shaft = shaft(actuator, sample, region);
             // −T² lies above the chord over the range of T.
             let (low, high) = shaft.range(region);
-            let copper = actuator.copper();
+            let copper = actuator.loss_given();
             let emf = actuator.back_emf_constant / actuator.torque_constant * sample.velocity.abs();
             shaft.add_linear(&mut form, -copper * (low + high), region, z);
             form.add_constant(copper * low * high);

@@ -31,6 +31,14 @@ pub(super) struct Look {
     pub(super) limits: Vec<(f64, Key)>,
 }
 
+/// What is largest over the samples at a point, by functional, with its sample, and the squared torque of each: at one end of
+/// the motor's drag.
+struct Seen {
+    plain: [(f64, usize); 4],
+    rippled: [(f64, usize); 4],
+    squares: Vec<f64>,
+}
+
 /// A joint with the spring left open.
 pub(super) struct Problem<'a> {
     pub(super) prepared: &'a Prepared<'a>,
@@ -189,7 +197,7 @@ impl<'a> Problem<'a> {
     pub(super) fn why_not_convex(&self) -> Option<&'static str> {
         use crate::actuator::shaft::{Feature, Flow};
         let load = |flow| self.actuator().torque_form(flow)[Feature::Load];
-        if self.actuator().has_odd_powers() {
+        if self.prepared.candidate.has_odd_powers() {
             return Some("motor Coulomb friction makes the limits non-convex");
         }
         if self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex) {
@@ -209,7 +217,7 @@ impl<'a> Problem<'a> {
 
     /// Whether forms depend on the width of the ratios.
     pub(super) fn bends_in_ratio(&self) -> bool {
-        self.actuator().has_odd_powers()
+        self.prepared.candidate.has_odd_powers()
             || self.prepared.asked.iter().any(|a| a.limit.class == Class::ReverseConvex)
             || why_not_convex(self.objective).is_some()
     }
@@ -240,13 +248,12 @@ impl<'a> Problem<'a> {
 
     /// The point as the model sees it.
     pub(super) fn look(&self, z: Point) -> Look {
-        let actuator = self.actuator();
-        let worst = |samples: &[Sample]| {
+        let worst = |actuator: &Actuator, samples: &[Sample]| {
             let mut best = [(f64::NEG_INFINITY, 0_usize); 4];
             for (i, sample) in samples.iter().enumerate() {
                 let torque = model::torque_at(actuator, sample, z);
-                let power = model::power_at((actuator, actuator.hot_copper()), sample, torque, z);
-                let cold = model::power_at((actuator, actuator.copper()), sample, torque, z);
+                let power = model::power_at((actuator, actuator.loss_taken()), sample, torque, z);
+                let cold = model::power_at((actuator, actuator.loss_given()), sample, torque, z);
                 let voltage = model::voltage_squared_at(actuator, sample, torque, z);
                 for (best, value) in best.iter_mut().zip([torque * torque, voltage, power, -cold]) {
                     if value > best.0 {
@@ -256,11 +263,19 @@ impl<'a> Problem<'a> {
             }
             best
         };
-        let (plain, rippled) = (worst(&self.limits), worst(&self.ripples));
-        let squares: Vec<f64> = self.means.iter().map(|s| model::torque_at(actuator, s, z).powi(2)).collect();
+        let squares = |actuator| self.means.iter().map(|s| model::torque_at(actuator, s, z).powi(2)).collect();
+        let seen: Vec<Seen> = self
+            .ends()
+            .map(|actuator| Seen {
+                plain: worst(actuator, &self.limits),
+                rippled: worst(actuator, &self.ripples),
+                squares: squares(actuator),
+            })
+            .collect();
         let mut limits = Vec::new();
         let mut costly = Vec::new();
         for (index, asked) in self.prepared.asked.iter().enumerate() {
+            let Seen { plain, rippled, squares } = &seen[(asked.end as usize).min(seen.len() - 1)];
             let (raw, sample) = match asked.demand {
                 Demand::Samples(f) => plain[f as usize],
                 Demand::Bandwidth(f) => rippled[f as usize],
@@ -298,7 +313,7 @@ impl<'a> Problem<'a> {
                 limits.push((violation(raw, asked.raw_bound()), Key { asked: index, sample: 0 }));
             }
         }
-        Look { value: self.value(z, &squares, &plain), excess: excess(&limits), limits }
+        Look { value: self.value(z, &seen), excess: excess(&limits), limits }
     }
 
     fn load_at(&self, z: Point) -> Load {
@@ -307,43 +322,82 @@ impl<'a> Problem<'a> {
     }
 
     /// The objective at a point, in the unit of the cuts.
-    fn value(&self, z: Point, squares: &[f64], plain: &[(f64, usize); 4]) -> f64 {
+    fn value(&self, z: Point, seen: &[Seen]) -> f64 {
         let actuator = self.actuator();
         let candidate = &self.prepared.candidate;
         let weight = |q| self.objective.weight(q);
+        let most = |of: &dyn Fn(&Actuator, &Seen) -> f64| {
+            self.ends().zip(seen).map(|(actuator, seen)| of(actuator, seen)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let peak = |f: Functional| most(&|_, seen| seen.plain[f as usize].0);
         if self.least_stiffness {
             return z[1];
         }
         if self.squared_peak() {
-            return plain[Functional::TorqueSquared as usize].0;
+            return peak(Functional::TorqueSquared);
         }
-        let mean: f64 = squares.iter().zip(&self.motion.weight).map(|(t, w)| w * t).sum();
-        let mut value = weight(Quantity::Loss) * actuator.copper() * mean;
+        let mut value = 0.0;
+        if weight(Quantity::CopperLoss) > 0.0 {
+            let mean = |seen: &Seen| seen.squares.iter().zip(&self.motion.weight).map(|(t, w)| w * t).sum::<f64>();
+            value += weight(Quantity::CopperLoss) * most(&|actuator, seen| actuator.copper() * mean(seen));
+        }
+        if weight(Quantity::Loss) > 0.0 {
+            value += weight(Quantity::Loss) * most(&|actuator, _| self.loss_of(actuator, z));
+        }
         value += weight(Quantity::ReflectedInertia) * actuator.inertia * z[0];
         if weight(Quantity::PeakCurrent) > 0.0 {
-            let peak = plain[Functional::TorqueSquared as usize].0.sqrt() / actuator.torque_constant;
-            value += weight(Quantity::PeakCurrent) * peak;
+            value += weight(Quantity::PeakCurrent) * peak(Functional::TorqueSquared).sqrt() / actuator.torque_constant;
         }
         if weight(Quantity::Mass) > 0.0 {
             value += weight(Quantity::Mass) * candidate.mass_at(z[0].sqrt()).unwrap_or(f64::NAN);
         }
         if weight(Quantity::Energy) > 0.0 {
-            let sum: f64 = self.means.iter().enumerate().map(|(k, s)| self.energy_share(k, s, z).1).sum();
-            value += weight(Quantity::Energy) * self.motion.duration().unwrap_or(f64::NAN) * sum;
+            value += weight(Quantity::Energy) * most(&|actuator, _| self.energy_of(actuator, z));
         }
         if weight(Quantity::PeakPower) > 0.0 {
-            let peak = plain[Functional::Power as usize].0.max(0.0);
-            value += weight(Quantity::PeakPower) * peak / candidate.robot.bus.drive_efficiency;
+            let drawn = peak(Functional::Power).max(0.0) / candidate.robot.bus.drive_efficiency;
+            value += weight(Quantity::PeakPower) * (drawn + candidate.standby_power());
         }
         value
     }
 
+    /// Mean of all losses at a point \[W\], at one end of the motor's drag.
+    fn loss_of(&self, actuator: &Actuator, z: Point) -> f64 {
+        let at = |(sample, weight): (&Sample, &f64)| {
+            weight * model::loss_at(actuator, self.drawn(), sample, model::torque_at(actuator, sample, z), z)
+        };
+        self.means.iter().zip(&self.motion.weight).map(at).sum::<f64>() + self.prepared.candidate.standby_power()
+    }
+
+    /// Energy drawn per cycle at a point \[J\], at one end of the motor's drag.
+    fn energy_of(&self, actuator: &Actuator, z: Point) -> f64 {
+        let sum: f64 = self.means.iter().enumerate().map(|(k, s)| self.energy_share(actuator, k, s, z).1).sum();
+        self.motion.duration().unwrap_or(f64::NAN) * (sum + self.prepared.candidate.standby_power())
+    }
+
+    fn drawn(&self) -> model::Drawn {
+        model::Drawn { efficiency: self.prepared.candidate.robot.bus.drive_efficiency }
+    }
+
+    /// The equations at each end of what is known of the motor's drag.
+    fn ends(&self) -> impl Iterator<Item = &Actuator> {
+        self.prepared.candidate.ends()
+    }
+
+    /// The end of the motor's drag at which something is largest.
+    fn worst_end(&self, of: impl Fn(&Actuator) -> f64) -> &Actuator {
+        let first = self.actuator();
+        match &self.prepared.candidate.other {
+            Some(other) if of(other) > of(first) => other,
+            _ => first,
+        }
+    }
+
     /// A sample's weight in the energy at a point, and what it adds to the mean power drawn \[W\].
-    fn energy_share(&self, k: usize, sample: &Sample, z: Point) -> (f64, f64) {
-        let efficiency = self.prepared.candidate.robot.bus.drive_efficiency;
-        let torque = model::torque_at(self.actuator(), sample, z);
-        let power = model::power_at((self.actuator(), self.actuator().copper()), sample, torque, z);
-        let factor = self.motion.weight[k] * if power > 0.0 { 1.0 / efficiency } else { efficiency };
+    fn energy_share(&self, actuator: &Actuator, k: usize, sample: &Sample, z: Point) -> (f64, f64) {
+        let torque = model::torque_at(actuator, sample, z);
+        let power = model::power_at((actuator, actuator.loss_given()), sample, torque, z);
+        let factor = self.motion.weight[k] * self.drawn().factor(power);
         (factor, factor * power)
     }
 
@@ -354,15 +408,16 @@ impl<'a> Problem<'a> {
         let candidate = &self.prepared.candidate;
         let weight = |q| self.objective.weight(q);
         let peak = |f: Functional| {
-            let at = |s: &Sample| {
+            let at = |actuator: &Actuator, s: &Sample| {
                 let torque = model::torque_at(actuator, s, z);
                 match f {
-                    Functional::Power => model::power_at((actuator, actuator.hot_copper()), s, torque, z),
+                    Functional::Power => model::power_at((actuator, actuator.loss_taken()), s, torque, z),
                     _ => torque * torque,
                 }
             };
-            let values = self.limits.iter().map(|s| (at(s), s));
-            values.fold((f64::NEG_INFINITY, &self.limits[0]), |a, b| if b.0 > a.0 { b } else { a })
+            let values = self.ends().flat_map(|end| self.limits.iter().map(move |s| (at(end, s), s, end)));
+            let first = (f64::NEG_INFINITY, &self.limits[0], actuator);
+            values.fold(first, |a, b| if b.0 > a.0 { b } else { a })
         };
         let mut form = Form::default();
         if self.least_stiffness {
@@ -370,19 +425,33 @@ impl<'a> Problem<'a> {
             return form;
         }
         if self.squared_peak() {
-            model::add_torque_squared(actuator, peak(Functional::TorqueSquared).1, &mut form, 1.0, region, z);
+            let (_, sample, actuator) = peak(Functional::TorqueSquared);
+            model::add_torque_squared(actuator, sample, &mut form, 1.0, region, z);
             return form;
         }
-        if weight(Quantity::Loss) > 0.0 {
-            let each = weight(Quantity::Loss) * actuator.copper();
+        if weight(Quantity::CopperLoss) > 0.0 {
+            let copper = |actuator: &Actuator| -> f64 {
+                let square = |(s, w): (&Sample, &f64)| w * model::torque_at(actuator, s, z).powi(2);
+                self.means.iter().zip(&self.motion.weight).map(square).sum()
+            };
+            let actuator = self.worst_end(copper);
+            let each = weight(Quantity::CopperLoss) * actuator.copper();
             for (sample, share) in self.means.iter().zip(&self.motion.weight) {
                 model::add_torque_squared(actuator, sample, &mut form, each * share, region, z);
             }
         }
+        if weight(Quantity::Loss) > 0.0 {
+            let each = weight(Quantity::Loss);
+            let actuator = self.worst_end(|actuator| self.loss_of(actuator, z));
+            for (sample, share) in self.means.iter().zip(&self.motion.weight) {
+                model::add_loss(actuator, self.drawn(), sample, &mut form, each * share, region, z);
+            }
+            form.add_constant(each * candidate.standby_power());
+        }
         form.add_u(weight(Quantity::ReflectedInertia) * actuator.inertia);
         if weight(Quantity::PeakCurrent) > 0.0 {
             let each = weight(Quantity::PeakCurrent) / actuator.torque_constant;
-            let sample = peak(Functional::TorqueSquared).1;
+            let (_, sample, actuator) = peak(Functional::TorqueSquared);
             form.add(each, &model::torque_magnitude(actuator, sample, region, z));
         }
         if weight(Quantity::Mass) > 0.0 {
@@ -392,17 +461,20 @@ impl<'a> Problem<'a> {
         }
         if weight(Quantity::Energy) > 0.0 {
             let each = weight(Quantity::Energy) * self.motion.duration().unwrap_or(f64::NAN);
+            let actuator = self.worst_end(|actuator| self.energy_of(actuator, z));
             for (k, sample) in self.means.iter().enumerate() {
-                let factor = self.energy_share(k, sample, z).0;
-                model::add_power((actuator, actuator.copper()), sample, &mut form, each * factor, region, z);
+                let factor = self.energy_share(actuator, k, sample, z).0;
+                model::add_power((actuator, actuator.loss_given()), sample, &mut form, each * factor, region, z);
             }
+            form.add_constant(each * candidate.standby_power());
         }
         if weight(Quantity::PeakPower) > 0.0 {
-            let (power, sample) = peak(Functional::Power);
-            // Where nothing is drawn at any instant the peak is zero.
+            let (power, sample, actuator) = peak(Functional::Power);
+            form.add_constant(weight(Quantity::PeakPower) * candidate.standby_power());
+            // Where nothing is drawn at any instant the peak is that of standby.
             if power > 0.0 {
                 let each = weight(Quantity::PeakPower) / candidate.robot.bus.drive_efficiency;
-                model::add_power((actuator, actuator.hot_copper()), sample, &mut form, each, region, z);
+                model::add_power((actuator, actuator.loss_taken()), sample, &mut form, each, region, z);
             }
         }
         // At the start of a piece of ratios the mass is still that of the piece before.
@@ -418,7 +490,7 @@ impl<'a> Problem<'a> {
     /// The row of a limit at its worst sample; `None` where it has none on this region.
     pub(super) fn row(&self, key: Key, region: &Region, z: Point) -> Option<Row> {
         let asked = &self.prepared.asked[key.asked];
-        let actuator = self.actuator();
+        let actuator = self.prepared.candidate.end(asked.end);
         let bound = asked.raw_bound();
         let of = |samples: &[Sample], f| {
             Some(Row { form: model::functional(f, actuator, &samples[key.sample], region, z)?, bound })

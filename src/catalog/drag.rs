@@ -1,0 +1,73 @@
+//! What the rotor's drag takes: bearings, hysteresis and eddy currents.
+//!
+//! The one idea: a sheet that prints a no-load current says one number of a torque that has two parts, one that stays
+//! (Coulomb friction, hysteresis) and one that grows with speed (viscous friction, eddy currents). T_0 = K_T I_0 is their
+//! sum at the no-load speed ω_0: the truth lies on the segment c + b ω_0 = T_0. Demands are convex along it, so the worst
+//! of them is at one of its ends.
+
+use super::Motor;
+use super::convention::Commutation;
+use super::estimate::Estimated;
+
+/// What is known of a motor's drag.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Drag {
+    /// Its row declares friction, or logs told it: the model has it by its columns and effects.
+    Declared,
+    /// One torque without load.
+    NoLoad {
+        /// T_0 \[N·m\].
+        torque: f64,
+        /// The speed that it is told at \[rad/s\], where some of it may grow with speed: not of a brushed motor, whose
+        /// brushes make the most of it (five rows that print all three numbers: c is 0.97 to 1.00 of T_0).
+        speed: Option<f64>,
+    },
+    /// The same estimated from motors built alike, from above: it may be that or anything less.
+    Estimated {
+        /// T_0 \[N·m\].
+        torque: f64,
+    },
+    /// Nothing is known of it.
+    Unknown,
+}
+
+/// Friction at the shaft.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Friction {
+    /// Coulomb friction \[N·m\], c.
+    pub coulomb: f64,
+    /// Viscous friction \[N·m·s/rad\], b.
+    pub viscous: f64,
+}
+
+impl Drag {
+    /// The ends between which the friction lies that the model does not have by columns and effects; one where they are the
+    /// same, and none at all where nothing is known or nothing is to be added.
+    pub fn ends(self) -> (Friction, Option<Friction>) {
+        let none = Friction::default();
+        match self {
+            Drag::Declared | Drag::Unknown => (none, None),
+            Drag::NoLoad { torque, speed } => {
+                let viscous = speed.map(|speed| Friction { coulomb: 0.0, viscous: torque / speed });
+                (Friction { coulomb: torque, viscous: 0.0 }, viscous)
+            }
+            Drag::Estimated { torque } => (Friction { coulomb: torque, viscous: 0.0 }, Some(none)),
+        }
+    }
+}
+
+impl Motor {
+    /// What is known of its drag.
+    pub fn drag(&self) -> Drag {
+        let declared = self.coulomb_friction.is_some() || self.viscous_friction.is_some();
+        let speed = self.sheet.no_load_speed.map(|p| p.value).filter(|speed| *speed > 0.0);
+        match self.no_load_torque {
+            _ if declared || self.fit.is_some() || !self.effects.is_empty() => Drag::Declared,
+            None => Drag::Unknown,
+            Some(torque) if self.is_estimated(Estimated::Drag) => Drag::Estimated { torque },
+            Some(torque) => {
+                Drag::NoLoad { torque, speed: speed.filter(|_| self.conventions.commutation == Commutation::Brushless) }
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Where the loss of a design is, in words.
+
+use super::number;
+use crate::actuator::losses::UnknownLoss;
+use crate::catalog::Motor;
+use crate::catalog::drag::Drag;
+use crate::design::break_even::BreakEven;
+use crate::design::evaluate::Evaluation;
+
+/// What a part is called.
+pub fn name(key: &str) -> &'static str {
+    match key {
+        "copper" => "copper",
+        "motor_drag" => "motor drag",
+        "gear_load" => "gear, load",
+        "gear_no_load" => "gear, no load",
+        _ => "drive",
+    }
+}
+
+/// A loss that another end of the motor's drag changes by less than this is not told as a range (relative).
+const SAME: f64 = 0.005;
+
+/// The parts of the loss, what it is at least, and what nobody knows of it.
+pub(super) fn sentence(of: &Evaluation) -> String {
+    let parts: Vec<String> = of
+        .losses
+        .parts()
+        .into_iter()
+        .filter(|(_, watts)| *watts != 0.0)
+        .map(|(key, watts)| format!("{} {}", name(key), number(watts)))
+        .collect();
+    let parts = match parts.len() {
+        0 => "nothing".to_string(),
+        _ => format!("{} W", parts.join(", ")),
+    };
+    let least = match of.loss_low < of.loss * (1.0 - SAME) {
+        true => format!("; at least {} W in all, by what is known of the motor's drag", number(of.loss_low)),
+        false => String::new(),
+    };
+    format!("loss {} W: {parts}{least}{}", number(of.loss), without(&of.unknown_losses))
+}
+
+/// What nobody knows of a loss, to go on a sentence.
+pub(super) fn without(unknown: &[UnknownLoss]) -> String {
+    let names: Vec<&str> = unknown.iter().map(|part| part.words()).collect();
+    if names.is_empty() { String::new() } else { format!("; without: {}", names.join(", ")) }
+}
+
+/// Up to what drag a motor whose drag is not known, or estimated, is ahead.
+pub(super) fn break_even(of: &BreakEven, motor: &Motor) -> String {
+    let known = match motor.drag() {
+        Drag::Estimated { torque } => format!("; {} is estimated", super::with_unit(torque, "N*m")),
+        _ => String::new(),
+    };
+    let current = of.current.map_or_else(String::new, |i| format!(" (no-load current {})", super::with_unit(i, "A")));
+    format!("ahead of {} up to a drag of {}{current}{known}", of.other, super::with_unit(of.torque, "N*m"))
+}
