@@ -35,7 +35,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
         },
         motors: gearwise::requirement::Filter::default(),
         motion: motion(samples, i as f64).into(),
-        objective: Objective::single(Quantity::Loss),
+        objective: Objective::single(Quantity::CopperLoss),
         balancing: gearwise::requirement::Balancing::No,
         limits: Limits {
             reflected_inertia: Some(0.05),
@@ -44,6 +44,8 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
             ..Limits::default()
         },
         drive_current: None,
+        drive: gearwise::requirement::DriveLosses::default(),
+        motor_drag: gearwise::requirement::MotorDrag::Off,
         turns: gearwise::requirement::Turns::AsWound,
         phases: Vec::new(),
         carries: Vec::new(),
@@ -59,6 +61,8 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
             current: None,
             regeneration: Regeneration::Allowed,
             drive_efficiency: 1.0,
+            drive: gearwise::requirement::DriveLosses::default(),
+            says_drive_loss: false,
         },
         ambient: 298.15,
         budget: Budget::default(),

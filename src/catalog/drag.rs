@@ -12,9 +12,9 @@ use super::estimate::Estimated;
 /// What is known of a motor's drag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drag {
-    /// Its row declares friction, or logs told it: the model has it by its columns and effects.
+    /// Its row declares Coulomb friction, or logs told it: the model has it by its columns and effects.
     Declared,
-    /// One torque without load.
+    /// One torque without load, beyond viscous friction that the row declares.
     NoLoad {
         /// T_0 \[N·m\].
         torque: f64,
@@ -59,15 +59,18 @@ impl Drag {
 impl Motor {
     /// What is known of its drag.
     pub fn drag(&self) -> Drag {
-        let declared = self.coulomb_friction.is_some() || self.viscous_friction.is_some();
         let speed = self.sheet.no_load_speed.map(|p| p.value).filter(|speed| *speed > 0.0);
-        match self.no_load_torque {
-            _ if declared || self.fit.is_some() || !self.effects.is_empty() => Drag::Declared,
-            None => Drag::Unknown,
-            Some(torque) if self.is_estimated(Estimated::Drag) => Drag::Estimated { torque },
-            Some(torque) => {
-                Drag::NoLoad { torque, speed: speed.filter(|_| self.conventions.commutation == Commutation::Brushless) }
+        let is_brushless = self.conventions.commutation == Commutation::Brushless;
+        match (self.no_load_torque, self.viscous_friction) {
+            _ if self.coulomb_friction.is_some() || self.fit.is_some() || !self.effects.is_empty() => Drag::Declared,
+            // The part that grows with speed alone says nothing of the other.
+            (None, _) => Drag::Unknown,
+            (Some(torque), _) if self.is_estimated(Estimated::Drag) => Drag::Estimated { torque },
+            (Some(torque), Some(viscous)) => {
+                let rest = torque - viscous * speed.unwrap_or(0.0);
+                Drag::NoLoad { torque: rest.max(0.0), speed: None }
             }
+            (Some(torque), None) => Drag::NoLoad { torque, speed: speed.filter(|_| is_brushless) },
         }
     }
 }

@@ -30,7 +30,7 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
         columns.push(Column::number("objective", "").dropped(4));
     }
     columns.push(Column::number("mass", "kg"));
-    columns.push(Column::number("copper\nloss", "W"));
+    columns.push(Column::number("loss", "W"));
     let mut table = Table::new(columns).indented(2).also_in("`--json`");
     let mut notes: Vec<String> = Vec::new();
     for (place, of) in result.joints.iter().enumerate() {

@@ -62,7 +62,7 @@ pub fn columns() -> Vec<Column> {
         Column::name("choice"),
         Column::name("motor"),
         Column::number("N", ""),
-        Column::number("copper\nloss", "W"),
+        Column::number("loss", "W"),
         Column::number("mass", "kg"),
     ]
 }

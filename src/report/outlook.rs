@@ -180,7 +180,7 @@ fn gears(nearby: &Nearby, joint: &Joint) -> String {
         Column::name("gear of the\ncatalogue"),
         Column::number("N", ""),
         Column::number("mass", "kg"),
-        Column::number("copper\nloss", "W"),
+        Column::number("loss", "W"),
         Column::number(joint.goal(), "").dropped(2),
         Column::name("against\nthe best"),
     ];
@@ -204,7 +204,7 @@ fn front(front: &[FrontDesign]) -> String {
         Column::name("motor"),
         Column::number("N", ""),
         Column::number("mass", "kg"),
-        Column::number("copper\nloss", "W"),
+        Column::number("loss", "W"),
         Column::name("proof").dropped(1),
     ];
     let mut table = Table::new(columns).indented(4).also_in("`--json`");

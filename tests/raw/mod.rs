@@ -33,7 +33,7 @@ pub struct Case {
 /// What a ratio comes to: the quantities in the order of their type; limits with name, demand and, where
 /// they apply, bound.
 pub struct Look {
-    pub quantities: [f64; 6],
+    pub quantities: [f64; 7],
     pub objective: f64,
     pub limits: [(&'static str, f64, Option<f64>); LIMITS + 2],
 }
@@ -72,30 +72,66 @@ impl Case {
         Case { motor, robot, raw, rippled, shares }
     }
 
+    /// The ends between which the motor's drag lies that its row does not declare as friction: Coulomb and viscous.
+    fn drags(&self) -> Vec<[f64; 2]> {
+        let motor = &self.motor;
+        let declared = motor.coulomb_friction.is_some() || motor.viscous_friction.is_some();
+        let counts = self.robot.joints[0].motor_drag == MotorDrag::Counted && !declared && motor.effects.is_empty();
+        match (motor.no_load_torque.filter(|_| counts), motor.sheet.no_load_speed) {
+            (None, _) => vec![[0.0; 2]],
+            (Some(torque), _) if !motor.estimates.is_empty() => vec![[torque, 0.0], [0.0; 2]],
+            (Some(torque), Some(speed)) if motor.conventions.commutation == Commutation::Brushless => {
+                vec![[torque, 0.0], [0.0, torque / speed.value]]
+            }
+            (Some(torque), _) => vec![[torque, 0.0]],
+        }
+    }
+
+    /// A ratio: of what depends on the motor's drag the worst.
     pub fn look(&self, n: f64) -> Look {
+        let mut worst = Look { quantities: [f64::MIN; 7], objective: 0.0, limits: [("", f64::MIN, None); LIMITS + 2] };
+        for look in self.drags().into_iter().map(|drag| self.look_at(n, drag)) {
+            for (most, here) in worst.quantities.iter_mut().zip(look.quantities) {
+                *most = most.max(here);
+            }
+            for (most, (name, demand, bound)) in worst.limits.iter_mut().zip(look.limits) {
+                *most = (name, most.1.max(demand), bound);
+            }
+        }
+        let terms = &self.robot.joints[0].objective.terms;
+        worst.objective = terms.iter().map(|(q, weight)| weight * worst.quantities[*q as usize]).sum();
+        worst
+    }
+
+    /// The same with so much more Coulomb and viscous friction of the motor.
+    pub fn look_at(&self, n: f64, drag: [f64; 2]) -> Look {
         let (motor, bus, joint, raw) = (&self.motor, &self.robot.bus, &self.robot.joints[0], &self.raw);
         let (gear, asked, r, k_t) = (&joint.gear, &joint.limits, motor.resistance, motor.torque_constant);
         // A brushed motor has no d axis. Without inductance the voltage is R i + K_B N ω, without pole pairs v_q alone.
         let brushless = motor.conventions.commutation == Commutation::Brushless;
         let l = motor.inductance.unwrap_or(0.0);
         let poles = motor.pole_pairs.filter(|_| brushless).unwrap_or(0);
-        let (j, b) = (motor.rotor_inertia.unwrap() + gear.inertia, motor.viscous_friction.unwrap_or(0.0));
+        let j = motor.rotor_inertia.unwrap() + gear.inertia;
+        let own = [motor.coulomb_friction.unwrap_or(0.0) + drag[0], motor.viscous_friction.unwrap_or(0.0) + drag[1]];
+        let [rubbing, b] = [own[0] + gear.no_load.coulomb, own[1] + gear.no_load.viscous];
         // Shaft torque and its rate. At standstill friction is nothing in means, and opposes the motor in limits.
         let braking = |p: &Point| p.torque * p.velocity < 0.0;
         let phi = |p: &Point| if braking(p) { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
         let smooth = |p: &Point| phi(p) * p.torque / n + n * (j * p.acceleration + b * p.velocity);
         let rate = |p: &Point| phi(p) * p.torque_rate / n + n * (j * p.jerk + b * p.acceleration);
-        let friction = |towards: f64| motor.coulomb_friction.unwrap_or(0.0).copysign(towards);
+        let friction = |towards: f64| rubbing.copysign(towards);
         // What stands needs no more and no less than the load, in means.
         let held = |p: &Point| p.torque / n + n * j * p.acceleration;
         let usual = |p: &Point| if p.velocity == 0.0 { held(p) } else { smooth(p) + friction(p.velocity) };
         let most = |p: &Point| smooth(p) + friction(if p.velocity == 0.0 { smooth(p) } else { p.velocity });
         // Voltage and power taken see the winding at its hottest, all else at the reference of its resistance.
         let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
-        let r_hot = r * hottest_factor(motor, asked.winding_temperature);
+        let of_drive = joint.drive.or(bus.drive);
+        let (lead, standby) = (of_drive.phase_resistance.unwrap_or(0.0), of_drive.standby_power.unwrap_or(0.0));
+        let r_hot = r * hottest_factor(motor, asked.winding_temperature) + lead;
         let work = |p: &Point| motor.emf_constant() * n * p.velocity * most(p) / k_t;
         let power = |p: &Point| r_hot * (most(p) / k_t).powi(2) + work(p);
-        let cold_power = |p: &Point| r * (most(p) / k_t).powi(2) + work(p);
+        let cold_power = |p: &Point| (r + lead) * (most(p) / k_t).powi(2) + work(p);
         let v_q = |p: &Point| r_hot * most(p) / k_t + l * rate(p) / k_t + motor.emf_constant() * n * p.velocity;
         let v_d = |p: &Point| -f64::from(poles) * n * p.velocity * l * most(p) / k_t;
         let voltage = |p: &Point| v_q(p).hypot(v_d(p));
@@ -137,7 +173,7 @@ impl Case {
         };
         let rippled = |bound: Option<f64>| bound.filter(|_| asked.torque_bandwidth.is_some());
         let taken = if let Regeneration::Limited(watt) = bus.regeneration { Some(watt) } else { None };
-        let rise = self.nodes().map(|nodes| nodes.peak(&self.copper_heat(n)));
+        let rise = self.nodes().map(|nodes| nodes.peak(&self.copper_heat_at(n, drag)));
         let hottest = rise.map(|_| (hottest(motor, asked.winding_temperature) - self.robot.ambient).max(0.0));
         let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
         let limits = [
@@ -156,24 +192,34 @@ impl Case {
             ("reflected_inertia", inertia, asked.reflected_inertia),
             ("torque_bandwidth_current", asked.safety * most_ripple / k_t, rippled(current)),
             ("torque_bandwidth_voltage", ripple_voltage, rippled(volt).filter(|_| motor.inductance.is_some())),
-            ("bus_power", watt, bus.power),
-            ("bus_current", watt / bus.voltage, bus.current),
+            ("bus_power", watt, bus.power.map(|most| most - standby)),
+            ("bus_current", watt / bus.voltage, bus.current.map(|most| most - standby / bus.voltage)),
             ("regeneration", back, taken),
             ("actuator_mass", mass, asked.actuator_mass),
             ("ratio_min", min, Some(n)),
             ("ratio_max", n, Some(max)),
         ];
         let drawn = |p: &Point| {
-            let watt = r * (usual(p) / k_t).powi(2) + motor.emf_constant() * n * p.velocity * usual(p) / k_t;
-            (watt / bus.drive_efficiency).max(watt * bus.drive_efficiency)
+            let watt = (r + lead) * (usual(p) / k_t).powi(2) + motor.emf_constant() * n * p.velocity * usual(p) / k_t;
+            ((watt / bus.drive_efficiency).max(watt * bus.drive_efficiency), watt)
+        };
+        // All that is lost at an instant: copper and leads, the motor's and the gear's friction, load that the gear's
+        // efficiency takes, and what the drive's takes.
+        let lost = |p: &Point| {
+            let speed = n * p.velocity.abs();
+            let gearing = (phi(p) - 1.0) * p.torque * p.velocity;
+            let (bus, terminals) = drawn(p);
+            (r + lead) * (usual(p) / k_t).powi(2) + speed * (rubbing + b * speed) + gearing + (bus - terminals)
         };
         let duration = match joint.motion.course {
             Course::Periodic(duration) | Course::Once(duration) => duration,
             Course::Points(total) => total.unwrap_or(0.0),
             Course::Cases => unreachable!("a drawn motion has no cases"),
         };
-        let energy = duration * timed.map(|(p, s)| s[0] * drawn(p)).sum::<f64>();
-        let quantities = [r * square / (k_t * k_t), inertia, most_torque / k_t, mass, energy, watt.max(0.0)];
+        let over_time = |f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[0] * f(p)).sum::<f64>() + standby;
+        let (energy, loss) = (duration * over_time(&|p| drawn(p).0), over_time(&lost));
+        let copper = r * square / (k_t * k_t);
+        let quantities = [loss, copper, inertia, most_torque / k_t, mass, energy, watt.max(0.0) + standby];
         let objective = joint.objective.terms.iter().map(|(q, weight)| weight * quantities[*q as usize]).sum();
         Look { quantities, objective, limits }
     }
@@ -204,14 +250,20 @@ impl Case {
 
     /// Copper heat at a ratio.
     pub fn copper_heat(&self, n: f64) -> Heat {
+        self.copper_heat_at(n, [0.0; 2])
+    }
+
+    fn copper_heat_at(&self, n: f64, drag: [f64; 2]) -> Heat {
         let (motor, gear) = (&self.motor, &self.robot.joints[0].gear);
-        let (j, b) = (motor.rotor_inertia.unwrap() + gear.inertia, motor.viscous_friction.unwrap_or(0.0));
+        let j = motor.rotor_inertia.unwrap() + gear.inertia;
+        let b = motor.viscous_friction.unwrap_or(0.0) + gear.no_load.viscous + drag[1];
+        let rubbing = motor.coulomb_friction.unwrap_or(0.0) + gear.no_load.coulomb + drag[0];
         self.heat(|p| {
             let phi = if p.torque * p.velocity < 0.0 { gear.backdrive_efficiency } else { 1.0 / gear.efficiency };
             if p.velocity == 0.0 {
                 return motor.resistance * ((p.torque / n + n * j * p.acceleration) / motor.torque_constant).powi(2);
             }
-            let rubs = motor.coulomb_friction.unwrap_or(0.0).copysign(p.velocity);
+            let rubs = rubbing.copysign(p.velocity);
             let torque = phi * p.torque / n + n * (j * p.acceleration + b * p.velocity) + rubs;
             motor.resistance * (torque / motor.torque_constant).powi(2)
         })
@@ -609,7 +661,7 @@ pub fn draw(index: u64, convex: bool) -> Case {
     (joint.gear.peak_torque, joint.gear.continuous_torque) =
         (allow("gear_peak_torque"), allow("gear_continuous_torque"));
     (joint.limits.reflected_inertia, joint.limits.actuator_mass) = (allow("reflected_inertia"), allow("actuator_mass"));
-    let (loss, inertia, power) = (Quantity::Loss, Quantity::ReflectedInertia, Quantity::PeakPower);
+    let (loss, inertia, power) = (Quantity::CopperLoss, Quantity::ReflectedInertia, Quantity::PeakPower);
     // Energy needs durations.
     let energy = if form < 0.93 { Quantity::Energy } else { loss };
     let alone =
@@ -618,7 +670,7 @@ pub fn draw(index: u64, convex: bool) -> Case {
     let drawn = [inertia, power, if form < 0.93 { Quantity::Energy } else { inertia }][below(3.0)];
     let with_loss = [(peaked, Quantity::PeakCurrent), (stepped, Quantity::Mass), (chance(0.25), drawn)];
     let both = |q: Quantity| {
-        vec![(loss, 1.0), (q, at.quantities[0] / at.quantities[q as usize].abs().max(1e-3 * at.quantities[0]) / high)]
+        vec![(loss, 1.0), (q, at.quantities[1] / at.quantities[q as usize].abs().max(1e-3 * at.quantities[1]) / high)]
     };
     joint.objective.terms = with_loss.into_iter().find(|x| x.0).map_or(vec![(alone, 1.0)], |x| both(x.1));
     case

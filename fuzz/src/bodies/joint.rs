@@ -294,7 +294,7 @@ fn draw_limits(
     draw: &mut Draw,
     asked: &mut Asked,
     need: &BTreeMap<&str, f64>,
-    quantities: [f64; 6],
+    quantities: [f64; 7],
     [resistance, duration]: [f64; 2],
 ) {
     let often = draw.pick(&[8, 4, 2]);
@@ -363,6 +363,8 @@ fn draw_limits(
         }
     }
     let objectives = ["loss", "loss", "reflected_inertia", "peak_current", "mass", "energy", "peak_power"];
+    // No row of it says a no-load current.
+    asked.joint += "motor_drag = 'off'\n";
     match draw.below(3) {
         0 => writeln!(asked.joint, "objective = '{}'", draw.pick(&objectives)).unwrap(),
         _ if quantities[0] <= 0.0 => {}
@@ -422,6 +424,7 @@ fn model(gear: &Gear) -> GearModel {
         peak_torque: gear.peak_torque,
         continuous_torque: gear.continuous_torque,
         max_input_speed: gear.max_input_speed,
+        ..GearModel::IDEAL
     }
 }
 
@@ -434,7 +437,7 @@ fn cancelled(case: &Case, n: f64) -> f64 {
     let through = (1.0 / gear.efficiency).max(gear.backdrive_efficiency.abs());
     let size = |p: &Point| through * p.torque.abs() / n + n * (j * p.acceleration.abs() + b * p.velocity.abs()) + c;
     let most: f64 = case.raw.iter().zip(&case.shares).map(|(p, s)| s[0] * size(p).powi(2)).sum();
-    let loss = case.look(n).quantities[0];
+    let loss = case.look(n).quantities[1];
     let terms = motor.resistance * most / motor.torque_constant.powi(2);
     if terms == 0.0 { 1.0 } else { terms / loss.max(f64::MIN_POSITIVE) }
 }
@@ -452,14 +455,15 @@ fn looks_the_same(case: &Case, design: &Design) {
     let size = size_of(case, look.objective);
     let apart = (design.optimum.objective - look.objective).abs();
     assert!(apart <= doubt.max(1e-6) * size, "{:?}: the plain look has {}", design.optimum, look.objective);
-    let reported =
-        [Some(at.loss), Some(at.reflected_inertia), Some(at.peak_current), at.mass, at.energy, at.peak_power];
+    let losses = [Some(at.loss), Some(at.copper_loss)];
+    let others = [Some(at.reflected_inertia), Some(at.peak_current), at.mass, at.energy, at.peak_power];
+    let reported = losses.into_iter().chain(others);
     // The energy that comes back is taken from what is drawn: it is measured by both.
-    let size = [0, 1, 2, 3, 4, 5].map(|k| look.quantities[k].abs());
+    let size = [0, 1, 2, 3, 4, 5, 6].map(|k| look.quantities[k].abs());
     for ((_, quantity), (plain, reported)) in Quantity::NAMES.iter().zip(look.quantities.into_iter().zip(reported)) {
         let Some(reported) = reported else { continue };
         let usual = match quantity {
-            Quantity::Energy | Quantity::PeakPower => size[4].max(size[5]).max(size[0]),
+            Quantity::Loss | Quantity::Energy | Quantity::PeakPower => size[5].max(size[6]).max(size[1]).max(size[0]),
             other => size[*other as usize],
         };
         let wrong = (reported - plain).abs() > doubt.max(1e-6) * usual;

@@ -51,13 +51,13 @@ pub const NEEDS: &[Need] = &[
         at_ratio: |_| None,
     },
     Need {
-        name: "losses",
+        name: "motor_drag",
         of: Of::Other,
         stated: |_, joint| [Quantity::Loss, Quantity::Energy].iter().any(|q| joint.objective.weight(*q) > 0.0),
         key: |_| Some(Key::Joint(&["objective"])),
         missing: |c| {
             let counts = c.joint.motor_drag == MotorDrag::Counted && c.drag_is_unknown();
-            counts.then_some("the motor's drag is not known: no no-load current, no friction, and no estimate")
+            counts.then_some("the motor's drag is not known and left out: its row says no no-load current and no friction, and it is not estimated")
         },
         at_ratio: |_| None,
     },

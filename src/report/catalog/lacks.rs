@@ -5,6 +5,7 @@
 
 use crate::actuator::estimate::completed;
 use crate::catalog::convention::Commutation;
+use crate::catalog::drag::Drag;
 use crate::catalog::estimate::{Estimate, Estimated};
 use crate::catalog::{Catalog, Motor};
 use crate::report::counted;
@@ -107,11 +108,11 @@ pub const LACKS: &[Lack] = &[
     },
     Lack {
         name: "friction",
-        columns: "coulomb_friction, viscous_friction",
-        is_lacking: |m| m.all_effects().next().is_none(),
-        estimate: None,
-        limits: &[],
-        prevents: "it is left out: losses at speed are shown too small",
+        columns: "no_load_current (with no_load_speed), or coulomb_friction and viscous_friction",
+        is_lacking: |m| matches!(m.drag(), Drag::Unknown | Drag::Estimated { .. }),
+        estimate: Some(Estimated::Drag),
+        limits: &["motor_drag"],
+        prevents: "the loss and the energy of a joint cannot be judged",
     },
 ];
 

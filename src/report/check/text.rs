@@ -119,7 +119,7 @@ fn joints(report: &Report) -> String {
         Column::number("N", ""),
         Column::name("tightest"),
         Column::number("margin", ""),
-        Column::number("copper\nloss", "W").dropped(4),
+        Column::number("loss", "W").dropped(4),
         Column::number("mass", "kg").dropped(3),
     ];
     Table::new(columns).also_in("`--json`").rows(rows).text()

@@ -2,10 +2,13 @@
 //! [`LIMITS`](crate::actuator::limits::LIMITS); nothing is computed here.
 
 use crate::actuator::limits::is_of_gear;
+use crate::catalog::drag::Drag;
 use crate::design::judge::unjudged;
+use crate::requirement::MotorDrag;
 use crate::rules::facts::JointFacts;
 use crate::rules::place::{Place, asked_for};
 use crate::rules::rule::{Remark, Rule, Severity, Test};
+use crate::words::with_unit;
 
 macro_rules! limits {
     ($($code:literal $name:literal $limit:literal, $summary:literal, why $why:literal, example $example:literal, fix $fix:literal;)*) => {
@@ -205,19 +208,21 @@ pub(crate) const FRICTION_UNKNOWN: Rule = Rule {
     name: "friction-unknown",
     summary: "the motor's own friction is known",
     severity: Severity::Note,
-    what: "Notes a motor whose row gives neither Coulomb nor viscous friction: the evaluation leaves both out.",
-    why: "Friction and iron loss of a high-pole motor can be as large as the copper loss at speed (a drag of a few hundredths of N*m, times the ratio). All margins shown are then too good.",
+    what: "Notes a motor whose row gives neither a no-load current nor friction: its drag is estimated from motors built alike, or left out where it cannot be.",
+    why: "Friction and iron loss of a high-pole motor can be as large as the copper loss at speed (a drag of a few hundredths of N*m, times the ratio). Left out, it makes every margin too good.",
     example: "A gimbal motor whose data sheet gives no no-load current.",
-    fix: "Take the no-load current from the sheet (`no_load_current`, then K_T I_0), or fit it from logs: `gearwise identify --write`.",
+    fix: "Take the no-load current and its speed from the sheet (`no_load_current`, `no_load_speed`), or fit it from logs: `gearwise identify --write`.",
     test: Test::Joint(friction),
 };
 
 fn friction(facts: &JointFacts) -> Vec<Remark> {
     let motor = facts.choice.motor;
-    let known = motor.coulomb_friction.is_some() || motor.viscous_friction.is_some() || !motor.effects.is_empty();
-    if known {
-        return Vec::new();
-    }
-    let message = format!("the friction of {} is not known and is left out", motor.id);
+    let how = match motor.drag() {
+        Drag::Declared | Drag::NoLoad { .. } => return Vec::new(),
+        Drag::Unknown => "is left out".to_string(),
+        Drag::Estimated { .. } if facts.choice.joint.motor_drag == MotorDrag::Off => "is left out".to_string(),
+        Drag::Estimated { torque } => format!("{} is estimated, from above", with_unit(torque, "N*m")),
+    };
+    let message = format!("the friction of {} is not known: {how}", motor.id);
     vec![Remark::new(message, "friction", Place::Motor)]
 }

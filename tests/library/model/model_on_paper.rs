@@ -694,7 +694,7 @@ fn with_iron(i: u64, convex: bool) -> (raw::Case, f64) {
     let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
     let n = (min * max).sqrt();
     let k_t = case.motor.torque_constant;
-    let current = (case.look(n).quantities[0] / case.motor.resistance).sqrt().max(1e-9);
+    let current = (case.look(n).quantities[1] / case.motor.resistance).sqrt().max(1e-9);
     let ripple = [0.2 * k_t * current, -0.1 * k_t * current, 12.0];
     let share = [0.1 * k_t, 0.05 * k_t, 6.0];
     let iron = [0.6 * k_t, 1.5 * current];
@@ -768,7 +768,7 @@ fn cuts_of_heat_and_energy_touch_and_stay_below() {
             duration * case.raw.iter().zip(&case.shares).map(|(p, s)| s[0] * of(p)).sum::<f64>()
         };
         for n in [0.5 * n, n, 1.8 * n] {
-            is_a_cut(&format!("{i} energy"), &load.energy_cut(&actuator, drive, n).unwrap(), n, &energy, false);
+            is_a_cut(&format!("{i} energy"), &(load.drawn_cut(&actuator, drive, n) * duration), n, &energy, false);
         }
     }
 }

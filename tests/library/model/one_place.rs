@@ -17,7 +17,7 @@ fn every_quantity_of_an_objective_is_minimised_as_it_is_evaluated() {
         let mut robot = requirement::read(&repository(&format!("requirements/{file}.toml"))).unwrap();
         robot.joints = vec![robot.joints.remove(joint)];
         for (name, quantity) in Quantity::NAMES {
-            let mut weighted = vec![(Quantity::Loss, 0.01), (Quantity::ReflectedInertia, 0.1), (*quantity, 0.01)];
+            let mut weighted = vec![(Quantity::CopperLoss, 0.01), (Quantity::ReflectedInertia, 0.1), (*quantity, 0.01)];
             weighted.sort_unstable_by_key(|(quantity, _)| *quantity);
             weighted.dedup_by_key(|(quantity, _)| *quantity);
             for objective in [Objective::single(*quantity), Objective { terms: weighted }] {

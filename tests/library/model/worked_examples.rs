@@ -34,7 +34,7 @@ fn static_hold_through_a_gearbox() {
     assert_relative_eq!(demand(&e, "peak_current"), 2.4525, max_relative = 1e-4);
     assert_relative_eq!(demand(&e, "voltage"), 2.4525, max_relative = 1e-4);
     // The notes count the gear's loss as heat of the hold: 6.0148 W. What stands loses nothing in the gear: η² of it.
-    assert_relative_eq!(e.loss, 6.0148 * 0.8 * 0.8, max_relative = 1e-3);
+    assert_relative_eq!(e.copper_loss, 6.0148 * 0.8 * 0.8, max_relative = 1e-3);
     let squared = demand(&e, "peak_current").powi(2);
     assert_relative_eq!(squared * 1.0 * 10.0, 60.1, max_relative = 2e-3);
     // r/(1 − α r) with r = 60.15 K and 0.00393 1/K at 20 °C, which is 0.003854 at 25 °C; with 0.0039 it would be 78.6 K.
@@ -124,9 +124,9 @@ fn responsiveness_does_not_depend_on_the_transmission() {
         let n = 20.0 / (50.0_f64.sqrt() * k_m);
         assert_relative_eq!(n, ratio, max_relative = 2e-3);
         let e = evaluate(&robot(hold(20.0, 0.0, 0.0), GearModel::IDEAL), &motor, n);
-        assert_relative_eq!(e.loss, 50.0, max_relative = 1e-9);
+        assert_relative_eq!(e.copper_loss, 50.0, max_relative = 1e-9);
         assert_relative_eq!(e.reflected_inertia, reflected, max_relative = 1e-3);
-        assert_relative_eq!(e.reflected_inertia, s_m * 20.0_f64.powi(2) / e.loss, max_relative = 1e-9);
+        assert_relative_eq!(e.reflected_inertia, s_m * 20.0_f64.powi(2) / e.copper_loss, max_relative = 1e-9);
     }
 }
 
@@ -275,7 +275,7 @@ fn power_balances_over_a_cycle() {
         let speed: f64 = velocity * ratio;
         mechanical += duration * (factor * power + 1e-4 * speed * speed + 0.02 * speed.abs());
     }
-    assert_relative_eq!(e.mean_power, e.loss + mechanical, max_relative = 1e-12);
+    assert_relative_eq!(e.mean_power, e.copper_loss + mechanical, max_relative = 1e-12);
 }
 
 #[test]

@@ -90,7 +90,7 @@ impl Both {
             let [a, b] = looks.each_ref().map(|look| look.quantities[*quantity as usize]);
             weight
                 * match quantity {
-                    Quantity::Loss => shares[0] * a + shares[1] * b,
+                    Quantity::CopperLoss => shares[0] * a + shares[1] * b,
                     Quantity::Energy => self.cycles[0] * a + self.cycles[1] * b,
                     _ => a.max(b),
                 }
@@ -240,7 +240,7 @@ fn a_spring_serves_all_cases() {
         for ratio in [8.0, 20.0] {
             let loss = |motion: &Motion| {
                 let robot = common::robot(motion.with_spring(stiffness, rest).unwrap(), common::gear(0.9));
-                common::evaluate(&robot, &motor, ratio).loss
+                common::evaluate(&robot, &motor, ratio).copper_loss
             };
             let sum = 0.8 * loss(&walk) + 0.2 * loss(&climb);
             assert!((loss(&both) / sum - 1.0).abs() < 1e-9, "{stiffness} {ratio}");

@@ -60,7 +60,7 @@ fn middle(case: &Case) -> f64 {
 fn values(case: &Case, name: &str, c: impl Fn(u64) -> f64) -> Vec<f64> {
     let motor = &case.motor;
     let (n, k_t) = (middle(case), motor.torque_constant);
-    let current = (case.look(n).quantities[0] / motor.resistance).sqrt();
+    let current = (case.look(n).quantities[1] / motor.resistance).sqrt();
     let torque = k_t * current;
     let speed = n * case.raw.iter().map(|p| p.velocity.abs()).fold(1e-3, f64::max);
     match name {
@@ -95,7 +95,7 @@ fn with_effects(i: u64, convex: bool) -> Case {
     let quantity = match i % 4 {
         0 => Quantity::PeakCurrent,
         1 if case.robot.joints[0].motion.has_durations() => Quantity::Energy,
-        _ => Quantity::Loss,
+        _ => Quantity::CopperLoss,
     };
     case.robot.joints[0].objective = Objective::single(quantity);
     case
@@ -266,8 +266,8 @@ fn every_sample_of_every_effect_agrees_with_a_plain_loop() {
                 let kind = KINDS[i as usize % KINDS.len()];
                 let mut tell =
                     |what: &str, a: f64, b: f64| wrong.push(format!("case {i} {kind:?} N = {n}: {what} {a} {b}"));
-                if !near(theirs.loss, ours.loss, 1e-8) {
-                    tell("loss", theirs.loss, ours.loss);
+                if !near(theirs.copper_loss, ours.loss, 1e-8) {
+                    tell("copper loss", theirs.copper_loss, ours.loss);
                 }
                 // Beyond the largest torque the saturated current is a continuation.
                 if !near(theirs.peak_current, ours.peak_current, 1e-8) {
@@ -369,7 +369,12 @@ fn same(a: &Case, b: &Case, most: f64) {
     for share in [0.1, 0.5, 0.9] {
         let n = min * (max / min).powf(share);
         let (x, y) = (evaluate(a, n), evaluate(b, n));
-        assert!(near(x.loss, y.loss, most) && near(x.peak_current, y.peak_current, most), "{x:?}\n{y:?}");
+        assert!(
+            near(x.loss, y.loss, most)
+                && near(x.copper_loss, y.copper_loss, most)
+                && near(x.peak_current, y.peak_current, most),
+            "{x:?}\n{y:?}"
+        );
         for (p, q) in x.margins.iter().zip(&y.margins) {
             assert_eq!(p.limit, q.limit);
             assert!(near(p.demand, q.demand, most) && near(p.bound, q.bound, most), "{p:?}\n{q:?}");

@@ -49,7 +49,7 @@ impl Scale {
 
     fn quantity(self, quantity: Quantity) -> f64 {
         match quantity {
-            Quantity::Loss | Quantity::PeakPower => self.power(),
+            Quantity::Loss | Quantity::CopperLoss | Quantity::PeakPower => self.power(),
             Quantity::ReflectedInertia => self.inertia(),
             Quantity::PeakCurrent => self.current(),
             Quantity::Mass => 1.0,
@@ -438,7 +438,7 @@ fn no_motion_at_all_costs_nothing() {
             Ok(optimum) => {
                 feasible += 1;
                 let at = case.look(optimum.ratio);
-                assert_eq!(at.quantities[0], 0.0);
+                assert_eq!(at.quantities[1], 0.0);
                 assert!(
                     (optimum.objective - at.objective).abs() <= 1e-9 * at.objective.abs(),
                     "{i}: {asks:?} {optimum:?}"

@@ -50,7 +50,7 @@ const TIMES: &[&str] = &["thermal_time_constant"];
 /// A joint that asks for points, direct or with a ratio up to 2.
 fn robot(points: &str) -> Robot {
     let text = format!(
-        "name = 'r'\nambient = {{ temperature = '25 degC' }}\nbus = {{ voltage = '400 V', drive_current = '60 A' }}\n[[joint]]\nname = 'j'\nratio = {{ min = 1, max = 2 }}\npoints = [{points}]\n"
+        "name = 'r'\nambient = {{ temperature = '25 degC' }}\nbus = {{ voltage = '400 V', drive_current = '60 A' }}\n[[joint]]\nname = 'j'\nratio = {{ min = 1, max = 2 }}\nmotor_drag = 'off'\npoints = [{points}]\n"
     );
     read_source(&Arc::new(Source::new("robot.toml", text))).unwrap()
 }
@@ -295,7 +295,7 @@ fn a_motion_that_happens_once_is_judged_from_cold() {
         assert_eq!((demand(&evaluation, steady), said(&judged.unchecked, steady)), (None, None), "{steady}");
     }
     // The loss is the mean over the motion.
-    assert_relative_eq!(evaluation.loss, 900.0, max_relative = 1e-9);
+    assert_relative_eq!(evaluation.copper_loss, 900.0, max_relative = 1e-9);
     // Without time constants half a second counts as kept, two minutes cannot be judged.
     let unknown = motor(TIMES, &[]);
     let (_, judged) = look(&robot, &unknown, 1.0);
@@ -320,7 +320,7 @@ fn with_rest_it_is_judged_in_the_state_that_repeats() {
     assert_relative_eq!(demand(&evaluation, "continuous_current").unwrap().powi(2), mean, max_relative = 1e-5);
     assert_relative_eq!(demand(&evaluation, "winding_temperature").unwrap().powi(2), mean, max_relative = 1e-5);
     // The loss stays the mean over the motion itself.
-    assert_relative_eq!(evaluation.loss, mean * 60.0 / 3.5, max_relative = 1e-5);
+    assert_relative_eq!(evaluation.copper_loss, mean * 60.0 / 3.5, max_relative = 1e-5);
     // No rest at all is the motion that repeats.
     let mut dense = holds(&[(0.5, 20.0), (3.0, 8.0)], |lasts| Course::Once(lasts - 1e-6));
     Arc::make_mut(&mut dense.joints[0].motion).repeat_every = Some(3.5 - 1e-6);
@@ -357,7 +357,7 @@ fn a_hold_needs_what_the_load_asks() {
     robot.joints[0].gear.efficiency = 0.75;
     let motor = motor(&[], &[]);
     let (evaluation, _) = look(&robot, &motor, 2.0);
-    assert_relative_eq!(evaluation.loss, 25.0, max_relative = 1e-12);
+    assert_relative_eq!(evaluation.copper_loss, 25.0, max_relative = 1e-12);
     assert_relative_eq!(demand(&evaluation, "continuous_current").unwrap(), 5.0, max_relative = 1e-12);
     assert_relative_eq!(demand(&evaluation, "peak_current").unwrap(), 5.0 / 0.75, max_relative = 1e-12);
     // The phase that is worst off warms over its own 0.4 of 1 K/W by twice as much, the housing by no more.
@@ -401,7 +401,7 @@ fn voltage_and_power_see_the_winding_at_its_hottest() {
     assert_relative_eq!(demand(&evaluation, "voltage").unwrap(), 3.0 * hot(200.0) + 5.0, max_relative = 1e-9);
     assert_relative_eq!(demand(&evaluation, "bus_power").unwrap(), 9.0 * hot(200.0) + 15.0, max_relative = 1e-9);
     // Loss and what comes back stay at the reference.
-    assert_relative_eq!(evaluation.loss, 9.0, max_relative = 1e-9);
+    assert_relative_eq!(evaluation.copper_loss, 9.0, max_relative = 1e-9);
     assert_eq!(said(&judged.assumed, "voltage"), None);
     // The requirement's limit is the lower; without any, 100 °C is assumed, and said.
     let mut cooler = robot.clone();

@@ -224,7 +224,7 @@ fn means_are_those_of_the_declared_spline() {
                 (phi * tau / ratio + ratio * 1e-4 * a).powi(2)
             };
             let loss = 100.0 * (0..20_000).map(square).sum::<f64>() / 20_000.0;
-            let found = evaluate(&robot, &motor, ratio).loss;
+            let found = evaluate(&robot, &motor, ratio).copper_loss;
             assert!((found / loss - 1.0).abs() < 2e-3, "{seed}, {ratio}: {found} for {loss}");
         }
     }
@@ -237,7 +237,7 @@ fn efficiency_flips_at_the_zero_of_power() {
     let (driving, braking) = (1.0 / gear.efficiency, gear.backdrive_efficiency);
     for (count, late) in [(7, 0.3), (8, 0.0), (8, 0.1), (9, 0.25), (31, 0.7)] {
         let robot = robot(sampled(count, 1.0, late, |_| 5.0, |t| 1e-6 * (TAU * t).sin()), gear);
-        let loss = evaluate(&robot, &motor(), 10.0).loss;
+        let loss = evaluate(&robot, &motor(), 10.0).copper_loss;
         let paper = 100.0 * 0.25 * 0.5 * (driving * driving + braking * braking);
         assert!((loss / paper - 1.0).abs() < 1e-3, "{count}, {late}: {loss} for {paper}");
         // The torque is largest where the motor begins to drive.
@@ -260,7 +260,7 @@ fn a_torque_that_changes_its_sign_flips_there() {
     let robot = robot(Motion::from_samples(samples, Course::Once(5.0)), gear);
     // ∫ τ² over one half is 2.5³/3; η_b = 2 − 1/η = 0.
     let paper = 100.0 * 4.0 * (2.5_f64.powi(3) / 3.0) / 5.0;
-    let found = evaluate(&robot, &motor(), 1.0).loss;
+    let found = evaluate(&robot, &motor(), 1.0).copper_loss;
     assert!((found / paper - 1.0).abs() < 1e-6, "{found} for {paper}");
 }
 
@@ -335,7 +335,7 @@ fn choice(file: &str, look: impl FnOnce(&Robot, String, serde_json::Value)) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("motion.csv"), file).unwrap();
     let text = "name = \"r\"\nbus = { voltage = \"48 V\", drive_current = \"60 A\" }\n[[joint]]\nname = \"j\"\n\
-                ratio = { min = 5, max = 50 }\nmotion = \"motion.csv\"\n";
+                ratio = { min = 5, max = 50 }\nmotor_drag = \"off\"\nmotion = \"motion.csv\"\n";
     std::fs::write(folder.path().join("r.toml"), text).unwrap();
     let robot = gearwise::requirement::read(&folder.path().join("r.toml")).unwrap();
     let catalog = Catalog::of(vec![motor()], Vec::new());

@@ -8,6 +8,7 @@ mod extremes;
 mod golden;
 mod heat_over_motion;
 mod instants;
+mod losses;
 mod near_best;
 mod optimality;
 mod program_on_paper;

@@ -145,7 +145,7 @@ proptest! {
     fn rewinding_a_motor_changes_neither_choice_nor_loss(numbers in numbers(), robot in robots(), turns in 0.2..5.0) {
         let mut scaled = robot.clone();
         scaled.bus.voltage *= turns;
-        let describe = |d: Option<&Design>| d.map(|d| (d.evaluation.ratio, d.evaluation.loss, d.optimum.window().min, d.optimum.window().max));
+        let describe = |d: Option<&Design>| d.map(|d| (d.evaluation.ratio, d.evaluation.copper_loss, d.optimum.window().min, d.optimum.window().max));
         let (a, b) = (solve(&robot, &numbers.motor(1.0), describe), solve(&scaled, &numbers.motor(turns), describe));
         prop_assert_eq!(a.is_some(), b.is_some());
         if let (Some(a), Some(b)) = (a, b) {
@@ -176,7 +176,7 @@ proptest! {
     #[test]
     fn a_wider_limit_never_makes_a_design_infeasible_or_worse(numbers in numbers(), robot in robots(), wider in 1.0..2.0) {
         let motor = numbers.motor(1.0);
-        let loss = |d: Option<&Design>| d.map(|d| d.evaluation.loss);
+        let loss = |d: Option<&Design>| d.map(|d| d.evaluation.copper_loss);
         let before = solve(&robot, &motor, loss);
         let more_voltage = { let mut r = robot.clone(); r.bus.voltage *= wider; r };
         let more_current = Numbers { peak_current: numbers.peak_current * wider, ..numbers }.motor(1.0);
@@ -198,7 +198,7 @@ proptest! {
         if let (Some(first), Some(last)) = (feasible.first(), feasible.last()) {
             prop_assert_eq!(feasible.len(), last - first + 1, "the feasible ratios are not one interval");
         }
-        let found = solve(&robot, &motor, |d| d.map(|d| (d.optimum.window().min, d.optimum.window().max, d.evaluation.loss, d.evaluation.feasible)));
+        let found = solve(&robot, &motor, |d| d.map(|d| (d.optimum.window().min, d.optimum.window().max, d.evaluation.copper_loss, d.evaluation.feasible)));
         match found {
             None => prop_assert!(designs.iter().all(|d| !d.is_choice())),
             Some((min, max, loss, ok)) => {
@@ -209,7 +209,7 @@ proptest! {
                     // What lies beyond the window exceeds a limit, or its heat cannot be judged.
                     prop_assert_eq!(design.is_choice(), inside, "N = {} in [{}, {}]", n, min, max);
                     if inside {
-                        prop_assert!(design.evaluation.loss >= loss * (1.0 - 1e-9));
+                        prop_assert!(design.evaluation.copper_loss >= loss * (1.0 - 1e-9));
                     }
                 }
             }
@@ -222,9 +222,9 @@ proptest! {
         let at = |quantity| {
             let mut robot = robot.clone();
             robot.joints[0].objective = Objective::single(quantity);
-            solve(&robot, &motor, |d| d.map(|d| (d.evaluation.loss, d.evaluation.reflected_inertia, d.evaluation.peak_current)))
+            solve(&robot, &motor, |d| d.map(|d| (d.evaluation.copper_loss, d.evaluation.reflected_inertia, d.evaluation.peak_current)))
         };
-        if let (Some(loss), Some(inertia), Some(current)) = (at(Quantity::Loss), at(Quantity::ReflectedInertia), at(Quantity::PeakCurrent)) {
+        if let (Some(loss), Some(inertia), Some(current)) = (at(Quantity::CopperLoss), at(Quantity::ReflectedInertia), at(Quantity::PeakCurrent)) {
             prop_assert!(loss.0 <= inertia.0.min(current.0) * (1.0 + 1e-6));
             prop_assert!(inertia.1 <= loss.1.min(current.1) * (1.0 + 1e-6));
             prop_assert!(current.2 <= loss.2.min(inertia.2) * (1.0 + 1e-6));
@@ -252,7 +252,7 @@ proptest! {
             )
         };
         let motor = numbers.motor(1.0);
-        let describe = |d: Option<&Design>| d.map(|d| (d.evaluation.ratio, d.evaluation.loss));
+        let describe = |d: Option<&Design>| d.map(|d| (d.evaluation.ratio, d.evaluation.copper_loss));
         let robots = [once, twice].map(|m| { let mut r = robot(m, gear(0.9)); r.bus.voltage = 48.0; r });
         let (a, b) = (solve(&robots[0], &motor, describe), solve(&robots[1], &motor, describe));
         prop_assert_eq!(a.is_some(), b.is_some());
@@ -266,7 +266,7 @@ proptest! {
         let mut robot = robot;
         robot.bus.drive_current = Some(30.0);
         robot.joints[0].limits.reflected_inertia = Some(0.3 * 200.0 * 200.0 * numbers.inertia);
-        robot.joints[0].objective = Objective::single([Quantity::Loss, Quantity::PeakCurrent, Quantity::Energy][objective]);
+        robot.joints[0].objective = Objective::single([Quantity::CopperLoss, Quantity::PeakCurrent, Quantity::Energy][objective]);
         let motor = numbers.motor(1.0);
         let value = |robot: &Robot, motor: &Motor| solve(robot, motor, |d| d.map(|d| d.optimum.objective));
         let prices = solve(&robot, &motor, |d| d.map(|d| d.optimum.shadow_prices.clone())).unwrap_or_default();
@@ -304,7 +304,7 @@ proptest! {
         let catalog = Catalog::of(vec![motor.clone()], Vec::new());
         let swept = sweep(&robot, &catalog, 400);
         let feasible: Vec<&gearwise::design::Evaluation> = swept[0].designs.iter().map(|d| &d.evaluation).filter(|e| e.feasible).collect();
-        let found = solve(&robot, &motor, |d| d.map(|d| (d.evaluation.loss, d.evaluation.feasible, d.optimum.certificate.clone())));
+        let found = solve(&robot, &motor, |d| d.map(|d| (d.evaluation.copper_loss, d.evaluation.feasible, d.optimum.certificate.clone())));
         match found {
             None => prop_assert!(feasible.is_empty()),
             Some((loss, ok, certificate)) => {
@@ -314,7 +314,7 @@ proptest! {
                 };
                 prop_assert!(gap <= 1e-6 && lower_bound <= loss);
                 for e in feasible {
-                    prop_assert!(e.loss >= lower_bound && e.loss >= loss * (1.0 - 1e-6), "N = {} has {} W, N* {} W", e.ratio, e.loss, loss);
+                    prop_assert!(e.copper_loss >= lower_bound && e.copper_loss >= loss * (1.0 - 1e-6), "N = {} has {} W, N* {} W", e.ratio, e.copper_loss, loss);
                 }
             }
         }
@@ -331,7 +331,7 @@ proptest! {
     ) {
         let mut robot = robot;
         let joint = &mut robot.joints[0];
-        joint.objective = Objective::single([Quantity::Loss, Quantity::Energy, Quantity::PeakPower][objective]);
+        joint.objective = Objective::single([Quantity::CopperLoss, Quantity::Energy, Quantity::PeakPower][objective]);
         joint.limits.winding_temperature = Some(298.15 + rise);
         if once {
             let motion = Arc::make_mut(&mut joint.motion);

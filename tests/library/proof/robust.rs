@@ -191,7 +191,7 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
             let at = evaluate(&case.robot, &load, motor, n);
             let margin = at.tightest().map_or(1.0, |m| m.margin);
             assert!(margin > -1e-8, "case {seed}: {margin} of {:?} at N = {n}", at.tightest());
-            worst = worst.max(at.loss);
+            worst = worst.max(at.copper_loss);
         }
         assert!(worst <= design.worst_objective * (1.0 + 1e-9), "case {seed}: {worst} {}", design.worst_objective);
         // Nothing better keeps the limits at all corners. (Where a window ends at what cannot be judged, that is another
@@ -200,7 +200,7 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
         if count <= 512 && judged {
             let nominal = case.motor(false);
             for n in grid.iter().filter(|n| kept(**n)) {
-                let objective = evaluate(&case.robot, &load, &nominal, *n).loss;
+                let objective = evaluate(&case.robot, &load, &nominal, *n).copper_loss;
                 assert!(objective >= design.optimum.objective * (1.0 - 1e-6), "case {seed}: better at {n}");
             }
             // A hair outside of the window some corner breaks the limit that is named.
@@ -416,7 +416,7 @@ fn a_gear_of_the_catalogue_is_chosen_for_the_worst_motor() {
             Mount::new(&robot, &robot.joints[0], &load, &motor).with_gear(Some(gear)).candidate().unwrap(),
         )
         .at(gear.ratio);
-        assert!(at.feasible && at.loss <= design.worst_objective * (1.0 + 1e-9));
+        assert!(at.feasible && at.copper_loss <= design.worst_objective * (1.0 + 1e-9));
     }
     assert_eq!(design.corners, 8);
 }

@@ -300,7 +300,7 @@ impl<'a> Problem<'a> {
         let energy: f64 = self.usual.iter().map(|s| s.share[0] * drawn(s)).sum();
         let current = self.most.iter().map(|s| torque(s).abs()).fold(0.0, f64::max) / self.case.motor.torque_constant;
         let power = self.most.iter().map(|s| self.power_at(s, n, self.hot_copper)).fold(0.0, f64::max) / eta;
-        self.weight(Quantity::Loss) * loss
+        self.weight(Quantity::CopperLoss) * loss
             + self.weight(Quantity::Energy) * energy * self.duration
             + self.weight(Quantity::PeakCurrent) * current
             + self.weight(Quantity::PeakPower) * power
@@ -315,7 +315,7 @@ impl<'a> Problem<'a> {
         let mut plane = on.square_of_ratio(weight(Quantity::ReflectedInertia) * self.inertia);
         plane[2] += weight(Quantity::Mass) * self.mass(on.b);
         for s in &self.usual {
-            plane = add(plane, on.square(s.torque, weight(Quantity::Loss) * s.share[0] * self.copper), 1.0);
+            plane = add(plane, on.square(s.torque, weight(Quantity::CopperLoss) * s.share[0] * self.copper), 1.0);
             if weight(Quantity::Energy) > 0.0 {
                 let factor = if self.power_at(s, on.at, self.copper) > 0.0 { 1.0 / eta } else { eta };
                 let factor = factor * s.share[0] * self.duration * weight(Quantity::Energy);

@@ -58,7 +58,7 @@ impl Case {
         let column = |values: &Option<Vec<f64>>, k: usize| values.as_ref().unwrap()[k];
         let (mut mean, mut peak, mut volt, mut watt, mut back, mut out) =
             (0.0, 0.0_f64, 0.0_f64, f64::MIN, f64::MIN, 0.0_f64);
-        let mut drawn = 0.0;
+        let (mut drawn, mut lost) = (0.0, 0.0);
         for k in 0..count {
             let (q, omega) = (column(&raw.position, k), column(&raw.velocity, k));
             let (alpha, jerk) = (column(&raw.acceleration, k), column(&raw.jerk, k));
@@ -79,7 +79,12 @@ impl Case {
                 if k + 1 < count { raw.time[k + 1] - raw.time[k] } else { self.period + raw.time[0] - raw.time[k] };
             let share = 0.5 * (before + after) / self.period;
             mean += share * i * i;
-            drawn += share * power * if power > 0.0 { 1.0 / bus.drive_efficiency } else { bus.drive_efficiency };
+            let from_bus = power * if power > 0.0 { 1.0 / bus.drive_efficiency } else { bus.drive_efficiency };
+            drawn += share * from_bus;
+            // Copper, what the gear takes, what rubs, and what the drive takes.
+            let speed = n * omega.abs();
+            let parts = [r * i * i, (phi - 1.0) * tau * omega, speed * (c + b * speed), from_bus - power];
+            lost += share * parts.iter().sum::<f64>();
             (peak, volt, out) = (peak.max(i.abs()), volt.max(v_q.hypot(v_d)), out.max(tau.abs()));
             (watt, back) = (watt.max(taken), back.max(-power));
         }
@@ -101,7 +106,8 @@ impl Case {
         }
         let loss = r * mean;
         let quantity = |q: Quantity| match q {
-            Quantity::Loss => loss,
+            Quantity::CopperLoss => loss,
+            Quantity::Loss => lost,
             Quantity::ReflectedInertia => inertia,
             Quantity::PeakCurrent => peak,
             Quantity::Energy => drawn * self.period,
@@ -223,11 +229,11 @@ fn draw(seed: u64, kind: Kind) -> Case {
     joint.ratio = RatioChoice::Continuous { min: matched * within(0.2, 0.7), max: matched * within(1.5, 5.0) };
     let stiffness = [if chance(0.6) { 0.0 } else { pull * within(0.1, 0.9) }, pull * within(1.0, 3.0)];
     joint.limits.spring = Some(Spring { stiffness, rest_angle: [within(-1.5, -0.2), within(0.0, 1.5)] });
-    let single = [Quantity::Loss, Quantity::Loss, Quantity::PeakCurrent, Quantity::Energy, Quantity::PeakPower];
+    let single = [Quantity::CopperLoss, Quantity::Loss, Quantity::PeakCurrent, Quantity::Energy, Quantity::PeakPower];
     joint.objective = match kind {
         Kind::WeightedPeak => Objective {
             terms: vec![
-                (Quantity::Loss, 1.0),
+                (Quantity::CopperLoss, 1.0),
                 (Quantity::PeakCurrent, motor.resistance * reach / matched / motor.torque_constant),
             ],
         },
@@ -312,7 +318,8 @@ fn check(seed: u64, kind: Kind) -> Tally {
             if here.excess > 1e-8 {
                 wrong.push(format!("a limit is exceeded by {:e}", here.excess));
             }
-            if (here.objective / f - 1.0).abs() > 1e-8 || (here.loss / design.evaluation.loss - 1.0).abs() > 1e-8 {
+            if (here.objective / f - 1.0).abs() > 1e-8 || (here.loss / design.evaluation.copper_loss - 1.0).abs() > 1e-8
+            {
                 wrong.push(format!("objective {f} is {} from the waveforms", here.objective));
             }
             let [_, [k0, k1], [q0, q1]] = case.ranges();
@@ -476,7 +483,7 @@ fn a_spring_cancels_gravity_on_paper() {
         // On paper: mean of T² is (G + J N² ω²)² A²/2/N².
         let loss = 0.3 / 0.06_f64.powi(2) * (stiffness * swing / 10.0).powi(2) / 2.0;
         assert_relative_eq!(without.loss, loss, max_relative = 1e-9);
-        assert!(design.evaluation.loss < 1e-9 * loss, "{} of {loss}", design.evaluation.loss);
+        assert!(design.evaluation.copper_loss < 1e-9 * loss, "{} of {loss}", design.evaluation.copper_loss);
     });
     // Gravity alone in the spring's range: what is left is the inertia's.
     let mut bound = Case { robot: case.robot.clone(), motor: case.motor.clone(), raw: case.raw.clone(), period };
@@ -485,7 +492,7 @@ fn a_spring_cancels_gravity_on_paper() {
         let design = design.unwrap();
         assert_relative_eq!(design.spring.unwrap().stiffness, gravity, max_relative = 1e-6);
         let inertia = 0.3 / 0.06_f64.powi(2) * (2e-5 * 10.0 * omega * omega * swing).powi(2) / 2.0;
-        assert_relative_eq!(design.evaluation.loss, inertia, max_relative = 1e-5);
+        assert_relative_eq!(design.evaluation.copper_loss, inertia, max_relative = 1e-5);
     });
 }
 
@@ -531,7 +538,7 @@ fn every_gear_has_its_own_spring() {
         (case.motor.peak_current, case.motor.continuous_current, case.robot.bus.power) = (None, None, None);
         case.robot.bus.voltage = 1e4;
         let joint = &mut case.robot.joints[0];
-        joint.objective = Objective::single(Quantity::Loss);
+        joint.objective = Objective::single(Quantity::CopperLoss);
         joint.ratio = RatioChoice::Catalog { patterns: vec!["g*".into()], efficiency_covers: covers };
         let catalog = Catalog::of(vec![case.motor.clone()], gears.clone());
         let result = optimize(&case.robot, &catalog);

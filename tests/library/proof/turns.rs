@@ -162,7 +162,7 @@ fn a_rewound_motor_at_another_voltage_is_the_same_motor() {
         let near = |x: f64, y: f64| (x - y).abs() <= 1e-7 * x.abs().max(y.abs());
         match (solved::solve(&case.motor, &case.robot), solved::solve(&motor, &robot)) {
             (Ok(own), Ok(other)) => {
-                let (a_loss, b_loss) = (own.evaluation.loss, other.evaluation.loss);
+                let (a_loss, b_loss) = (own.evaluation.copper_loss, other.evaluation.copper_loss);
                 let ends = own.optimum.windows.iter().zip(&other.optimum.windows);
                 let same = ends.clone().all(|(x, y)| near(x.min, y.min) && near(x.max, y.max));
                 assert!(same && own.optimum.windows.len() == other.optimum.windows.len(), "case {i}");

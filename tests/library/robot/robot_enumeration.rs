@@ -89,7 +89,7 @@ impl Actuator<'_> {
         let loss = (0..SAMPLES).map(|k| self.motor.resistance * self.current(k).powi(2)).sum::<f64>() / SAMPLES as f64;
         let inertia = self.ratio.powi(2) * (self.motor.rotor_inertia.unwrap() + self.gear.inertia);
         let value = |(quantity, weight): &(Quantity, f64)| match quantity {
-            Quantity::Loss => weight * loss,
+            Quantity::CopperLoss => weight * loss,
             Quantity::ReflectedInertia => weight * inertia,
             _ => unreachable!(),
         };
@@ -406,11 +406,11 @@ fn draw(index: u64) -> Case {
     robot.bus.drive_efficiency = if chance(0.5) { 1.0 } else { within(0.8, 1.0) };
     let objective = below(4.0);
     for j in 0..joints {
-        let both = vec![(Quantity::Loss, 0.1), (Quantity::ReflectedInertia, 3.0)];
+        let both = vec![(Quantity::CopperLoss, 0.1), (Quantity::ReflectedInertia, 3.0)];
         robot.joints[j].objective = match objective {
             0 => Objective { terms: both },
             1 if j > 0 && kind != 3 => Objective::single(Quantity::ReflectedInertia),
-            _ => Objective::single(Quantity::Loss),
+            _ => Objective::single(Quantity::CopperLoss),
         };
     }
     if kind == 3 || kind == 4 || (kind == 5 && chance(0.5)) {
