@@ -313,7 +313,7 @@ impl<'a> Prepared<'a> {
         let larger = ends.iter().copied().reduce(|a, b| if b.total() > a.total() { b } else { a }).unwrap_or(first);
         let Some(other) = ends.get(1) else { return (larger, larger.total()) };
         // Along the segment the torque is linear, so that the loss is a parabola through its ends; its bend is the heat of the
-        // difference.
+        // difference. What the drive's efficiency takes is none: of that it is at least nothing.
         let form = |actuator: &Actuator, flow| *actuator.torque_form(flow);
         let difference = self.candidate.other.map(|other| {
             let squared = self
@@ -323,7 +323,11 @@ impl<'a> Prepared<'a> {
             squared.at(ratio).max(0.0) * (other.heating() + other.conduction())
         });
         let bend = difference.unwrap_or(0.0);
-        let (a, b) = (first.total(), other.total());
+        let by_efficiency: Vec<f64> = self
+            .ends()
+            .map(|(actuator, means)| self.by_efficiency(actuator, means, ratio).map_or(0.0, |drive| drive.at(ratio)))
+            .collect();
+        let (a, b) = (first.total() - by_efficiency[0], other.total() - by_efficiency[1]);
         let least = |s: f64| a + (b - a - bend) * s + bend * s * s;
         let vertex = if bend > 0.0 { ((a + bend - b) / (2.0 * bend)).clamp(0.0, 1.0) } else { 0.0 };
         (larger, a.min(b).min(least(vertex)))

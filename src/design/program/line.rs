@@ -235,8 +235,8 @@ fn least(program: &RatioProgram, goal: &Goal, window: &Window) -> Option<(f64, f
     let mut start = window.min;
     for end in program.stage_ratios(window.min, window.max).into_iter().chain([window.max]) {
         let (ratio, below) = least_between(goal, start, end)?;
-        // At its start a piece has the mass of the piece before.
-        bound = bound.min(below + goal.steps(start).min(goal.steps(end)));
+        // At its start a piece has the mass of the piece before, and that ratio is looked at by itself.
+        bound = bound.min(below + goal.steps(end)).min(goal.value(start));
         for n in [start, ratio, end] {
             let value = goal.value(n);
             if value.is_finite() && best.is_none_or(|(_, least)| value < least) {
