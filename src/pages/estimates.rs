@@ -14,8 +14,8 @@ pub fn text() -> String {
          *Missed* are rows that the law of all *other* motors predicts more than a factor of {} off (leave one motor out). A law that \
          misses more than {} % of its rows is not used; its line shows why. A mass more than 1.5 times outside the range of the law, a row \
          without mass, outer diameter (where the law has D) or construction, and the insides of a module get no estimate. Where no row of a \
-         construction says the number, the law of the other constructions stands in, marked *of others*: it is used only if each of them \
-         is told by the rest as well, and its end is {} times its middle.\n\n",
+         construction says the number, the law of the other constructions is used, marked *of others*: only if each of them \
+         is predicted by the rest as well, and its end is {} times its middle.\n\n",
         number(MISS),
         number(100.0 * LARGEST_SHARE),
         number(MISS)
@@ -47,7 +47,7 @@ pub fn text() -> String {
         "\nm is the motor's mass, D its outer diameter, R and L the resistance and inductance on the q axis. R_th is the thermal resistance \
          from winding to ambient: that of the row, else what its continuous current or torque leads to at its highest winding \
          temperature, or at 100 degC where the row gives none. T_0 is the torque of the drag without load, K_T times the no-load current, K_M \
-         the motor constant; its law is made from brushless rows. Three frameless motors with published drag were looked up beside it: two \
+         the motor constant; its law is made from brushless rows. Three frameless motors with published drag were looked up as a check: two \
          sheets give T_0/K_M of 0.24 and 0.33 √W at rated speed, within the end of the law; one motor measured on a bench with its bearings \
          has 0.67 √W at 1100 rpm, beyond it.\n\nTwo more things are assumed, and said with each design. Where neither row \
          nor requirement gives a highest winding temperature, it is 100 degC. Where the requirement states one and the row gives a \

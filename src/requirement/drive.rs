@@ -32,7 +32,7 @@ impl DriveLosses {
 pub(super) fn read(section: &Section, names: [&'static str; 2]) -> DriveLosses {
     DriveLosses {
         phase_resistance: section.quantity(
-            key(names[0], "of switch and leads per phase, beside the winding; loses r i²"),
+            key(names[0], "of switch and leads per phase, in series with the winding; loses r i²"),
             &units::RESISTANCE,
             Range::NonNegative,
         ),

@@ -219,10 +219,10 @@ fn friction(facts: &JointFacts) -> Vec<Remark> {
     let motor = facts.choice.motor;
     let how = match motor.drag() {
         Drag::Declared | Drag::NoLoad { .. } => return Vec::new(),
-        Drag::Unknown => "is left out".to_string(),
-        Drag::Estimated { .. } if facts.choice.joint.motor_drag == MotorDrag::Off => "is left out".to_string(),
-        Drag::Estimated { torque } => format!("{} is estimated, from above", with_unit(torque, "N*m")),
+        Drag::Unknown => " and is left out".to_string(),
+        Drag::Estimated { .. } if facts.choice.joint.motor_drag == MotorDrag::Off => " and is left out".to_string(),
+        Drag::Estimated { torque } => format!(": {} is estimated, from above", with_unit(torque, "N*m")),
     };
-    let message = format!("the friction of {} is not known: {how}", motor.id);
+    let message = format!("the friction of {} is not known{how}", motor.id);
     vec![Remark::new(message, "friction", Place::Motor)]
 }

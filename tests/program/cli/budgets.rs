@@ -18,16 +18,18 @@ drive_current = "40 A"
 name = "knee"
 count = 2
 ratio = {{ min = 3, max = 30 }}
+motor_drag = "off"
 gear = {{ efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2" }}
 motion = "knee.csv"
-objective = "loss"
+objective = "copper_loss"
 {knee}
 [[joint]]
 name = "hip"
 ratio = {{ min = 3, max = 30 }}
+motor_drag = "off"
 gear = {{ efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2" }}
 points = [ {{ torque = "{torque}", speed = "3 rad/s", duration = "1 s" }} ]
-objective = "loss"
+objective = "copper_loss"
 {hip}
 "#
     )

@@ -35,6 +35,7 @@ max_distinct_motors = 1
 name = "knee"
 count = 2
 ratio = { min = 8, max = 9.5 }
+motor_drag = "off"
 gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque = "20 N*m", continuous_torque = "12 N*m", max_input_speed = "6000 rpm" }
 motion = "knee.csv"
 [joint.limits]
@@ -49,6 +50,7 @@ safety = 1.2
 [[joint]]
 name = "hip"
 ratio = { min = 8, max = 9.5 }
+motor_drag = "off"
 points = [ { torque = "1 N*m", speed = "1 rad/s", duration = "1 s" } ]
 "#;
 
@@ -97,6 +99,7 @@ const MOTOR: &[(&str, &str)] = &[
     ("thermal_time_constant_housing [s]", "500"),
     ("max_winding_temperature [degC]", "120"),
     ("viscous_friction [N*m*s/rad]", "1e-5"),
+    ("coulomb_friction [N*m]", "1e-9"),
     ("source", "a sheet"),
     ("source_kind", "datasheet"),
 ];
@@ -211,7 +214,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW021" => robot(&[("\"40 mm\"", "\"20 mm\"")]),
         "GW030" => motor(&[("rotor_inertia", "")]),
         "GW031" => motor(&[("inductance", "")]),
-        "GW032" => motor(&[("viscous_friction", "")]),
+        "GW032" => motor(&[("viscous_friction", ""), ("coulomb_friction", "")]),
         "GW033" => motor(&[("mass", "")]),
         "GW040" => robot(&[("\"6 kg\"", "\"0.5 kg\"")]),
         "GW041" => design(&[("name = \"hip\"\nmotor = \"alpha-1\"", "name = \"hip\"\nmotor = \"alpha-2\"")]),
@@ -342,7 +345,10 @@ joints = ["knee"]
 reason = "the foot is soft"
 "#;
     let robot: Changes = &[("\"48 V\"", "\"6 V\""), ("\"0.02 kg*m^2\"", "\"0.001 kg*m^2\"")];
-    write(folder.path(), Case { robot, rules, motor: &[("viscous_friction", "")], ..Case::default() });
+    write(
+        folder.path(),
+        Case { robot, rules, motor: &[("viscous_friction", ""), ("coulomb_friction", "")], ..Case::default() },
+    );
     let output = run(folder.path(), &["check", "design.toml"]);
     let (status, stdout, stderr) = said(&output);
     assert_eq!(status, Some(1), "{stderr}");

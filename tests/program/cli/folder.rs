@@ -15,6 +15,7 @@ drive_current = "40 A"
 name = "knee"
 count = 2
 ratio = { min = 3, max = 30 }
+motor_drag = "off"
 gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2" }
 motion = "knee.csv"
 objective = "loss"

@@ -36,6 +36,7 @@ drive_current = "40 A"
 name = "knee"
 count = 2
 ratio = {{ min = 3, max = 30 }}
+motor_drag = "off"
 gear = {{ efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2" }}
 motion = "knee.csv"
 [joint.limits]
@@ -45,6 +46,7 @@ safety = 1.2
 [[joint]]
 name = "hip"
 ratio = {{ min = 3, max = 30 }}
+motor_drag = "off"
 points = [
     {{ torque = "{torque} N*m", speed = "0 rad/s", duration = "1 s" }},
     {{ torque = "0.5 N*m", speed = "6 rad/s", duration = "1 s" }},

@@ -21,7 +21,7 @@ dc,brushed,line_to_line,dc,0.4,0.1,0.1,100,200,12,40,a sheet,datasheet
 
 fn robot(bus: &str, joint: &str) -> String {
     format!(
-        "name = \"leg\"\n[bus]\nvoltage = \"48 V\"\n{bus}\n[[joint]]\nname = \"knee\"\nratio = {{ min = 5, max = 20 }}\n\
+        "name = \"leg\"\n[bus]\nvoltage = \"48 V\"\n{bus}\n[[joint]]\nname = \"knee\"\nratio = {{ min = 5, max = 20 }}\nmotor_drag = \"off\"\n\
          gear = {{ efficiency = 0.9, mass = \"100 g\" }}\n{joint}\n"
     )
 }

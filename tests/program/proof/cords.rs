@@ -70,7 +70,7 @@ fn every_feasible_pair_of_cords_with_its_loss() {
         .designs
         .iter()
         .filter(|d| d.evaluation.feasible)
-        .map(|d| ((d.motor.id.clone(), d.gear.unwrap_or("").to_string()), 101.0 * d.evaluation.loss))
+        .map(|d| ((d.motor.id.clone(), d.gear.unwrap_or("").to_string()), 101.0 * d.evaluation.copper_loss))
         .collect();
     let id = |key: &str| match key {
         "DD" => "direct".to_string(),
@@ -195,7 +195,8 @@ fn ranking(catalog: &Catalog, motions: &[Motion; 2], on: Defaults) -> Ranking {
     let (mut feasible, mut fails) = (Vec::new(), BTreeMap::new());
     for design in swept[0].designs.iter().filter(|d| !later.contains(&d.motor.id.as_str())) {
         if design.evaluation.feasible {
-            feasible.push((format!("{} + {}", design.motor.id, design.gear.unwrap_or("")), design.evaluation.loss));
+            feasible
+                .push((format!("{} + {}", design.motor.id, design.gear.unwrap_or("")), design.evaluation.copper_loss));
         }
         for margin in design.evaluation.margins.iter().filter(|m| m.margin < -1e-9) {
             *fails.entry(margin.limit).or_insert(0) += 1;
@@ -210,7 +211,7 @@ fn ranking(catalog: &Catalog, motions: &[Motion; 2], on: Defaults) -> Ranking {
         lightest.motor.id,
         lightest.gear.unwrap_or(""),
         lightest.evaluation.mass.unwrap(),
-        lightest.evaluation.loss
+        lightest.evaluation.copper_loss
     );
     feasible.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
     (feasible, fails)

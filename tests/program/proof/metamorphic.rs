@@ -720,7 +720,7 @@ fn a_wider_limit_never_makes_anything_worse() {
         ("joint.gear.peak_torque", &|v| scaled(v, 1.3)),
     ];
     let mut better = 0;
-    for name in ["exoskeleton_hip", "quadruped_mini_cheetah", "leg_prosthesis_walking"] {
+    for name in ["exoskeleton_hip", "quadruped_mini_cheetah", "leg_prosthesis_walking", "quadruped_jump"] {
         let shipped = World::shipped(name);
         // A winding that may be hotter has more resistance, at which voltage and power are judged: so both do not bind
         // where that limit is widened.

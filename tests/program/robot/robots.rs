@@ -180,7 +180,9 @@ fn arm(budget: &str) -> (tempfile::TempDir, String) {
     write("motion.csv", MOTION);
     write("motors.csv", MOTORS);
     let joint = |name: &str, more: &str| {
-        format!("[[joint]]\nname = \"{name}\"\nratio = {{ min = 3, max = 30 }}\nmotion = \"motion.csv\"\n{more}\n")
+        format!(
+            "[[joint]]\nname = \"{name}\"\nratio = {{ min = 3, max = 30 }}\nmotor_drag = \"off\"\nmotion = \"motion.csv\"\n{more}\n"
+        )
     };
     let robot = format!(
         "name = \"arm\"\n[bus]\nvoltage = \"48 V\"\n{budget}\n{}{}",
@@ -263,7 +265,7 @@ fn two_joints_in_opposite_phase_need_the_power_of_one() {
         let (folder, _) = arm("[budget]\npower = \"100 kW\"");
         fs::write(folder.path().join("steps.csv"), rows).unwrap();
         let joint = format!(
-            "[[joint]]\nname = \"knee\"\ncount = 2\n{phases}\nratio = {{ min = 8, max = 8 }}\nmotion = \"steps.csv\"\n"
+            "[[joint]]\nname = \"knee\"\ncount = 2\n{phases}\nratio = {{ min = 8, max = 8 }}\nmotor_drag = \"off\"\nmotion = \"steps.csv\"\n"
         );
         fs::write(
             folder.path().join("legs.toml"),

@@ -106,7 +106,7 @@ fn arm(budget: &str, mechanism: &str, shoulder: &str, elbow: &str) -> tempfile::
     let joint = |name: &str, more: &str| {
         format!(
             "[[joint]]\nname = \"{name}\"\nratio = {{ min = {}, max = {} }}\ngear = {{ efficiency = {EFFICIENCY}, \
-             mass = \"{GEAR_MASS} kg\", inertia = \"{GEAR_INERTIA} kg*m^2\" }}\nmechanism_joint = \"{name}_joint\"\n{more}\n",
+             mass = \"{GEAR_MASS} kg\", inertia = \"{GEAR_INERTIA} kg*m^2\" }}\nmechanism_joint = \"{name}_joint\"\nmotor_drag = \"off\"\nobjective = \"copper_loss\"\n{more}\n",
             RATIOS[0], RATIOS[1]
         )
     };
