@@ -362,21 +362,21 @@ fn draw_limits(
             asked.limits += ", winding_temperature = '100 degC'";
         }
     }
-    let objectives = ["loss", "loss", "reflected_inertia", "peak_current", "mass", "energy", "peak_power"];
+    let objectives = ["copper_loss", "loss", "reflected_inertia", "peak_current", "mass", "energy", "peak_power"];
     // No row of it says a no-load current.
     asked.joint += "motor_drag = 'off'\n";
     match draw.below(3) {
         0 => writeln!(asked.joint, "objective = '{}'", draw.pick(&objectives)).unwrap(),
-        _ if quantities[0] <= 0.0 => {}
+        _ if quantities[1] <= 0.0 => {}
         _ => {
-            let (name, quantity) = draw.pick(&Quantity::NAMES[1..]);
-            let usual = quantities[quantity as usize].abs().max(1e-3 * quantities[0]);
-            let (of_loss, other) = (quantities[0], usual * draw.decades(-1.0, 1.0));
+            let (name, quantity) = draw.pick(&Quantity::NAMES[2..]);
+            let usual = quantities[quantity as usize].abs().max(1e-3 * quantities[1]);
+            let (of_loss, other) = (quantities[1], usual * draw.decades(-1.0, 1.0));
             let one = |x: f64, quantity: Quantity| format!("'{:e} {}'", x.clamp(1e-15, 1e15), quantity.unit());
             writeln!(
                 asked.joint,
-                "objective = {{ loss = 1, {name} = 1 }}\nreference = {{ loss = {}, {name} = {} }}",
-                one(of_loss, Quantity::Loss),
+                "objective = {{ copper_loss = 1, {name} = 1 }}\nreference = {{ copper_loss = {}, {name} = {} }}",
+                one(of_loss, Quantity::CopperLoss),
                 one(other, quantity)
             )
             .unwrap();

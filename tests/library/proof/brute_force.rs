@@ -173,7 +173,7 @@ fn other_programs_agree_with_a_scan_of_the_raw_waveforms() {
 /// A joint whose motor says its drag by one torque without load, or by an estimate; with a gear that takes some without
 /// load, a drive with resistance and standby, and all losses minimised where it was that in the copper.
 fn dragged(i: u64) -> Case {
-    let mut case = draw(i, i % 3 > 0);
+    let mut case = draw(i, !i.is_multiple_of(3));
     let mut random = Pcg64::seed_from_u64(i);
     let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
     let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
@@ -184,14 +184,14 @@ fn dragged(i: u64) -> Case {
     (motor.coulomb_friction, motor.viscous_friction) = (None, None);
     motor.no_load_torque = Some(current * around(0.003, 0.5));
     motor.sheet.no_load_speed = Some(Printed { value: speed.max(1.0) * around(0.3, 5.0), tolerance: None });
-    if i % 4 == 0 {
+    if i.is_multiple_of(4) {
         let value = motor.no_load_torque.unwrap();
         let construction = Construction::Housed;
         motor.estimates.push(Estimate { of: Estimated::Drag, value, middle: 0.5 * value, rows: 9, construction });
     }
     let joint = &mut case.robot.joints[0];
     joint.motor_drag = MotorDrag::Counted;
-    if i % 2 == 0 {
+    if i.is_multiple_of(2) {
         joint.gear.no_load = Friction { coulomb: current * around(0.001, 0.1), viscous: 0.0 };
         joint.gear.no_load.viscous = joint.gear.no_load.coulomb / speed.max(1.0) * around(0.1, 3.0);
         joint.drive.phase_resistance = Some(motor.resistance * around(0.003, 0.3));
@@ -203,7 +203,7 @@ fn dragged(i: u64) -> Case {
         case.robot.bus.regeneration = Regeneration::Allowed;
     }
     for (quantity, _) in &mut case.robot.joints[0].objective.terms {
-        *quantity = if *quantity == Quantity::CopperLoss && i % 5 > 0 { Quantity::Loss } else { *quantity };
+        *quantity = if *quantity == Quantity::CopperLoss && !i.is_multiple_of(5) { Quantity::Loss } else { *quantity };
     }
     Case::new(case.motor, case.robot, case.raw)
 }

@@ -28,7 +28,7 @@ fn with<T>(case: &Case, look: impl FnOnce(&Prepared) -> T) -> T {
 /// A motor whose back-EMF constant is its torque constant, with drag known to a number, in a gear that takes some without load,
 /// on a drive with losses of every kind.
 fn lossy(i: u64) -> Case {
-    let mut case = draw(i, i % 2 == 0);
+    let mut case = draw(i, i.is_multiple_of(2));
     let mut random = Pcg64::seed_from_u64(i);
     let mut share = |most: f64| random.random_range(0.0..most);
     let torque = case.raw.iter().map(|p| p.torque.abs()).fold(1e-9, f64::max);
