@@ -22,6 +22,8 @@ pub enum NoTurns {
     InsideModule,
     /// Its numbers were fitted to logs of one winding.
     Fitted,
+    /// Drive and leads have a resistance, which does not go with the turns: voltage and loss then depend on them otherwise.
+    DriveResistance,
 }
 
 impl NoTurns {
@@ -30,6 +32,7 @@ impl NoTurns {
         match self {
             NoTurns::InsideModule => "it is only sold inside a module",
             NoTurns::Fitted => "its numbers were fitted to logs of this winding",
+            NoTurns::DriveResistance => "with a resistance of drive and leads other turns are not computed",
         }
     }
 }

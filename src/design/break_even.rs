@@ -15,6 +15,8 @@ use crate::requirement::Quantity;
 pub struct BreakEven {
     /// Whom it falls behind.
     pub other: String,
+    /// Whether the other's own drag is estimated, and counted at the end of its estimate.
+    pub other_is_estimated: bool,
     /// The drag \[N·m\], all of it Coulomb friction.
     pub torque: f64,
     /// The no-load current that this is, in the convention of the motor's sheet \[A\].
@@ -30,7 +32,7 @@ const USUAL: f64 = 0.1;
 
 /// Up to what drag a motor is ahead of an objective that another reaches; `None` where its drag is known, where it is behind
 /// without any, or ahead with any.
-pub fn break_even(site: Site, motor: &Motor, other: &str, objective: f64) -> Option<BreakEven> {
+pub fn break_even(site: Site, motor: &Motor, other: &Motor, objective: f64) -> Option<BreakEven> {
     let counts = [Quantity::Loss, Quantity::Energy].iter().any(|q| site.joint.objective.weight(*q) > 0.0);
     if !counts || !matches!(motor.drag(), Drag::Unknown | Drag::Estimated { .. }) || site.joint.limits.spring.is_some()
     {
@@ -59,7 +61,8 @@ pub fn break_even(site: Site, motor: &Motor, other: &str, objective: f64) -> Opt
         let middle = 0.5 * (low + high);
         if with(middle) { low = middle } else { high = middle }
     }
+    let other_is_estimated = other.is_estimated(Estimated::Drag);
     let conventions = &motor.conventions;
     let per_ampere = motor.torque_constant * conventions.current.torque_current(conventions.commutation);
-    Some(BreakEven { other: other.to_string(), torque: low, current: Some(low / per_ampere) })
+    Some(BreakEven { other: other.id.clone(), other_is_estimated, torque: low, current: Some(low / per_ampere) })
 }

@@ -8,7 +8,7 @@ use super::mount::{Mount, load_through};
 use super::program::{Infeasible, Optimum, RatioProgram};
 use super::solved::solve;
 use super::spring::{choose, nearest};
-use super::turns::TurnsRange;
+use super::turns::{TurnsRange, can_be_asked};
 use super::{Evaluation, Prepared, Unusable};
 use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Remark};
@@ -223,7 +223,7 @@ fn explain_as_it_is<'a>(
         Evaluation { energy: prepared.energy(here), peak_power: Some(prepared.peak_power(here)), ..prepared.at(here) };
     let winding_temperature = prepared.winding_temperature(here);
     let reversal_time = prepared.reversal_time(here);
-    let turns = motor.can_be_rewound().is_ok().then(|| TurnsRange::at(&prepared, here));
+    let turns = can_be_asked(robot, joint, motor).is_ok().then(|| TurnsRange::at(&prepared, here));
     let Judged { unchecked, assumed } = prepared.judged(here);
     let unjudged = unjudged(robot, joint, &unchecked);
     Ok(Explanation {

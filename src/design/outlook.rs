@@ -56,7 +56,7 @@ fn break_evens<'a>(site: Site<'a, '_>, of: &JointResult<'a>) -> Vec<(&'a Motor, 
     let apart = of.unjudged.iter().map(|apart| (apart.motor, first));
     let all = next.into_iter().chain(apart);
     let ahead = |(motor, other): (&'a Motor, &Design<'a>)| {
-        let found = break_even(site, motor, &other.motor.id, other.optimum.objective)?;
+        let found = break_even(site, motor, other.motor, other.optimum.objective)?;
         Some((motor, found))
     };
     all.filter_map(ahead).collect()

@@ -18,7 +18,7 @@ use crate::actuator::limits::{Asked, Depends, Remark};
 use crate::catalog::rewound::NoTurns;
 use crate::catalog::{Catalog, Gear, Motor};
 use crate::numerics::grid::grid;
-use crate::requirement::{Joint, Quantity, Turns};
+use crate::requirement::{Joint, Quantity, Robot, Turns};
 
 /// Numbers of turns with which a design keeps voltage and the drive's current, as multiples of those of the row.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,9 +113,20 @@ const LOOKS: usize = 512;
 /// Halvings between a ratio that has a winding and one that has none.
 const HALVINGS: usize = 40;
 
+/// Whether what other turns would do for a motor at a joint can be said.
+///
+/// # Errors
+/// Why not.
+pub fn can_be_asked(robot: &Robot, joint: &Joint, motor: &Motor) -> Result<(), NoTurns> {
+    match joint.drive.or(robot.bus.drive).phase_resistance {
+        Some(resistance) if resistance > 0.0 => Err(NoTurns::DriveResistance),
+        _ => motor.can_be_rewound(),
+    }
+}
+
 /// What another number of turns would do for a motor at a joint.
 pub fn rewinding<'a>(site: Site<'a, '_>, motor: &'a Motor, catalog: &'a Catalog, only_checked: bool) -> Rewinding<'a> {
-    if let Err(why) = motor.can_be_rewound() {
+    if let Err(why) = can_be_asked(site.robot, site.joint, motor) {
         return Rewinding::NotAsked(why);
     }
     let joint = Joint { turns: Turns::Any, ..site.joint.clone() };
@@ -296,7 +307,7 @@ pub fn rewindings<'a>(
         |reason: &Reason| matches!(reason, Reason::Infeasible(_) | Reason::Gears { .. } | Reason::NotSolved(_));
     let asked: Vec<_> = result.rejected.iter().filter(|r| is_asked(&r.reason)).collect();
     let one = |r: &&Rejected<'a>| {
-        let rewound = match r.motor.can_be_rewound() {
+        let rewound = match can_be_asked(site.robot, site.joint, r.motor) {
             Err(why) => Rewinding::NotAsked(why),
             Ok(()) if stands_anyway(site, r.motor, &r.reason) => Rewinding::Useless(r.reason.clone()),
             Ok(()) => rewinding(site, r.motor, catalog, only_checked),

@@ -12,8 +12,8 @@ pub fn name(key: &str) -> &'static str {
     match key {
         "copper" => "copper",
         "motor_drag" => "motor drag",
-        "gear_load" => "gear, load",
-        "gear_no_load" => "gear, no load",
+        "gear_load" => "gear under load",
+        "gear_no_load" => "gear without load",
         _ => "drive",
     }
 }
@@ -54,5 +54,6 @@ pub(super) fn break_even(of: &BreakEven, motor: &Motor) -> String {
         _ => String::new(),
     };
     let current = of.current.map_or_else(String::new, |i| format!(" (no-load current {})", super::with_unit(i, "A")));
-    format!("ahead of {} up to a drag of {}{current}{known}", of.other, super::with_unit(of.torque, "N*m"))
+    let other = if of.other_is_estimated { " (with its own drag at the estimated end)" } else { "" };
+    format!("ahead of {}{other} up to a drag of {}{current}{known}", of.other, super::with_unit(of.torque, "N*m"))
 }

@@ -3,6 +3,7 @@
 use super::number;
 use super::reason::reason_text;
 use crate::catalog::Motor;
+use crate::catalog::rewound::NoTurns;
 use crate::design::answer::{Reason, RobotResult};
 use crate::design::outlook::Outlook;
 use crate::design::turns::{OtherTurns, Rewinding, TurnsRange};
@@ -101,7 +102,7 @@ fn found(other: &OtherTurns, motor: &Motor) -> String {
         some => format!("; not checked: {}", super::unjudged::names(some).replace(' ', ", ")),
     };
     let (turns, loss) = (range_text(&other.turns, motor), number(other.loss));
-    format!("{turns}, then at best N = {ratio}{gear} with a loss of {loss} W{sure}{unchecked}{rows}")
+    format!("{turns} at N = {ratio}{gear}, the best ratio: a loss of {loss} W{sure}{unchecked}{rows}")
 }
 
 /// What another number of turns would do for a motor; `refusal` is why it cannot do it as it is wound.
@@ -114,6 +115,7 @@ pub(super) fn refused(rewinding: &Rewinding, refusal: Option<&Reason>, motor: &M
             format!("with other turns it {}", super::unjudged::sentence(because))
         }
         Rewinding::NoneFound => "no number of turns helps, as far as was looked (not proved)".into(),
+        Rewinding::NotAsked(NoTurns::DriveResistance) => NoTurns::DriveResistance.reason().into(),
         Rewinding::NotAsked(why) => format!("it has no other number of turns: {}", why.reason()),
     }
 }

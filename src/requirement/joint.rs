@@ -59,8 +59,10 @@ pub(super) fn read(
         let current =
             table.quantity(key("current", "largest drive current, phase amplitude"), &units::CURRENT, Range::Positive);
         let losses = drive::read(&table, ["phase_resistance", "standby_power"]);
-        if current.is_none() && losses.says_nothing() && !table.has("current") {
-            table.missing("current", "\"40 A\"");
+        let keys = ["current", "phase_resistance", "standby_power"];
+        if !keys.iter().any(|key| table.has(key)) {
+            let message = "[joint.drive] says nothing: expected `current`, `phase_resistance` or `standby_power`";
+            table.note(Problem::at(table.span(), message, "empty").help("for example current = \"40 A\""));
         }
         table.finish();
         (current, losses)

@@ -4,6 +4,7 @@ use super::heat::STANDSTILL;
 use super::limit::{Asked, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
 use crate::catalog::estimate::Estimated;
+use crate::requirement::Regeneration;
 
 /// What a factor of safety below one means.
 pub const LOW_SAFETY: &str =
@@ -51,6 +52,12 @@ impl Candidate<'_> {
                     "estimated: no-load current of motors of like motor constant, from above; limits hold with it and without any",
                 ),
             });
+        }
+        if self.other.is_some() && self.robot.bus.regeneration != Regeneration::Allowed {
+            assumed.push((
+                "regeneration",
+                "the motor's drag is known between two ends only, and power that comes back is computed at these: between them a little more may come back",
+            ));
         }
         if self.derating() < 1.0 && self.motor.thermal_resistance.is_none() {
             assumed.push((
