@@ -538,8 +538,7 @@ impl Scan {
 /// What every case starts from.
 const MOTOR: &str =
     "id,source,source_kind,terminals,current,resistance [ohm],torque_constant [N*m/A]\nm,-,derived,q_axis,q_axis,1,1";
-const ROBOT: &str =
-    "name='r'\nbus={voltage='1 V'}\njoint=[{name='j',ratio={min=1,max=2},points=[{torque='1 N*m',speed='1 rad/s'}]}]";
+const ROBOT: &str = "name='r'\nbus={voltage='1 V'}\njoint=[{name='j',ratio={min=1,max=2},motor_drag='off',points=[{torque='1 N*m',speed='1 rad/s'}]}]";
 
 /// Draws a case: a motor and a motion that suit each other at some ratio, and limits around what is
 /// needed near it. A convex one has neither Coulomb friction nor a regeneration limit nor a weighted
