@@ -72,7 +72,7 @@ pub struct Design<'a> {
     pub spring: Option<Spring>,
 }
 
-/// Mean losses over the motion [W], at the end of what is known of the motor's drag where they are larger.
+/// Mean losses over the motion in W, at the end of what is known of the motor's drag where they are larger.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub struct Losses {
     /// In the motor's copper.
