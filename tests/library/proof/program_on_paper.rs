@@ -555,8 +555,9 @@ fn what_is_not_convex_in_n_squared_is_proved_otherwise() {
     assert_eq!(how(&case), "convex in 1/N");
     case.robot.joints[0].objective = weighted(Quantity::CopperLoss, Quantity::ReflectedInertia);
     assert_eq!(how(&case), "conic duality");
+    // A modulus is not convex in 1/N; the one sample of its cut may be.
     case.robot.joints[0].objective = weighted(Quantity::CopperLoss, Quantity::PeakCurrent);
-    assert_eq!(how(&case), "branch and bound");
+    assert_eq!(how(&case), "convex in 1/N");
     case.robot.joints[0].objective = Objective::single(Quantity::PeakCurrent);
     assert_eq!(how(&case), "conic duality");
     case.robot.joints[0].objective = Objective::single(Quantity::CopperLoss);
@@ -566,6 +567,11 @@ fn what_is_not_convex_in_n_squared_is_proved_otherwise() {
     case.motor.coulomb_friction = Some(1e-3);
     assert_eq!(how(&case), "convex in 1/N");
     case.robot.bus.regeneration = Regeneration::Limited(1e12);
+    assert_eq!(how(&case), "branch and bound");
+    // What a drive keeps of the power that comes back is convex in neither where friction has a part that no ratio changes.
+    case.robot.bus.regeneration = Regeneration::Allowed;
+    case.robot.bus.drive_efficiency = 0.8;
+    case.robot.joints[0].objective = Objective::single(Quantity::Energy);
     assert_eq!(how(&case), "branch and bound");
 }
 
