@@ -4,6 +4,7 @@ use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
 use super::load::Load;
 use super::shaft::{Actuator, Flow};
+use super::supply::Supply;
 use super::thermal;
 use super::thermal_motion::TwoNode;
 use crate::catalog::convention::{Commutation, CurrentConvention};
@@ -108,12 +109,37 @@ impl Candidate<'_> {
 
     /// The drive's largest current, q axis \[A\].
     pub fn drive_current(&self) -> Option<f64> {
+        self.joint.drive_current.or(self.robot.bus.drive_current).map(|i| i * self.current_per_amplitude())
+    }
+
+    /// The current that the drive gives for ever, q axis \[A\].
+    pub fn drive_continuous_current(&self) -> Option<f64> {
+        let amplitude = self.joint.drive.or(self.robot.bus.drive).continuous_current;
+        amplitude.map(|i| i * self.current_per_amplitude())
+    }
+
+    /// q-axis current per amplitude of a phase; of a brushed motor DC ampere.
+    fn current_per_amplitude(&self) -> f64 {
         let amplitude = match self.motor.conventions.commutation {
             Commutation::Brushless => CurrentConvention::PhaseAmplitude,
             Commutation::Brushed => CurrentConvention::Dc,
         };
-        let per_ampere = amplitude.torque_current(self.motor.conventions.commutation);
-        self.joint.drive_current.or(self.robot.bus.drive_current).map(|i| i * per_ampere)
+        amplitude.torque_current(self.motor.conventions.commutation)
+    }
+
+    /// Resistance from the supply's own source to the drive \[Ω\].
+    pub fn supply_resistance(&self) -> f64 {
+        let leads = self.joint.drive.supply_lead_resistance.unwrap_or(0.0);
+        self.robot.bus.internal_resistance.unwrap_or(0.0) + leads
+    }
+
+    /// The supply where it sags, with so much of its voltage in reserve.
+    pub fn supply(&self, reserve: f64) -> Option<Supply> {
+        let bus = &self.robot.bus;
+        let circle = bus.modulation.voltage(self.motor.conventions.commutation) * bus.modulation_limit;
+        let shortfall = (circle, self.actuator.shortfall.voltage);
+        let resistance = self.supply_resistance();
+        (resistance > 0.0).then(|| Supply::new(bus, resistance, shortfall, self.standby_power(), reserve))
     }
 
     /// Voltage that the drive can apply, radius of the q-axis circle \[V\].

@@ -3,7 +3,8 @@
 //! The one idea: a speed with a torque is a sample like any other, at steady speed (α = 0) and steady torque
 //! (τ̇ = 0); squared torque, squared voltage and power of such a sample are at most quadratic in the load
 //! torque, so that three samples give the whole parabola and the boundary is its root. The equations are
-//! those of [`super::shaft`], none is written twice.
+//! those of [`super::shaft`], none is written twice. The voltage of a supply that sags is no parabola: its boundary is found
+//! by halving.
 //!
 //! Torque counts positive where it drives and negative where it brakes, speed is never negative.
 
@@ -59,7 +60,7 @@ impl<'a> Steady<'a> {
 
     /// A functional of a load torque \[N·m\] at a speed \[rad/s\].
     pub fn at(&self, functional: Functional, flow: Flow, torque: f64, speed: f64) -> f64 {
-        functional.polynomial(&self.actuator, flow, &self.sample(torque, speed)).at(self.ratio)
+        functional.polynomial(&self.actuator, flow, &self.sample(torque, speed), self.ratio).at(self.ratio)
     }
 
     /// Torque at the motor shaft \[N·m\].
@@ -83,6 +84,9 @@ impl<'a> Steady<'a> {
     pub fn largest_torque(&self, functional: Functional, bound: f64, flow: Flow, speed: f64) -> Option<f64> {
         let sign = direction(flow);
         let value = |torque: f64| self.at(functional, flow, sign * torque, speed);
+        if matches!(functional, Functional::OpenVoltage(_)) {
+            return largest_by_halving(&value, bound).map(|torque| sign * torque);
+        }
         // Three samples at a torque of the root's own size lose no digits; it is found in a few rounds.
         let mut scale = 1.0;
         for _ in 0..4 {
@@ -96,6 +100,27 @@ impl<'a> Steady<'a> {
         }
         Some(sign * scale)
     }
+}
+
+/// The end of the interval from zero on in which a value that is no parabola is at most a bound; `None` where it is not so at
+/// zero, infinite where it does not end.
+fn largest_by_halving(value: &dyn Fn(f64) -> f64, bound: f64) -> Option<f64> {
+    if value(0.0) > bound {
+        return None;
+    }
+    let mut high = 1e-3;
+    while value(high) <= bound {
+        high *= 2.0;
+        if high > 1e9 {
+            return Some(f64::INFINITY);
+        }
+    }
+    let mut low = if high > 1e-3 { 0.5 * high } else { 0.0 };
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if value(middle) <= bound { low = middle } else { high = middle }
+    }
+    Some(low)
 }
 
 /// The end of the interval of `x ≥ 0` from zero on in which `a x² + b x + c ≤ 0`, a ≥ 0 but for rounding. Where it

@@ -3,6 +3,7 @@
 use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
+use super::supply::Drawn;
 use super::thermal::winding_temperature;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
@@ -226,9 +227,9 @@ impl Load {
     }
 
     /// Mean power drawn from the bus \[W\], without the drive's standby power, as a cut: the polynomial that equals it at
-    /// `ratio` and is nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_d P`; which
-    /// samples do what is taken at `ratio`, and any other choice costs more.
-    pub fn drawn_cut(&self, actuator: &Actuator, drive_efficiency: f64, ratio: f64) -> Laurent {
+    /// `ratio` and is nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_r P`, or the most
+    /// that is kept; which samples do what is taken at `ratio`, and any other choice costs more.
+    pub fn drawn_cut(&self, actuator: &Actuator, drawn: Drawn, ratio: f64) -> Laurent {
         let emf = actuator.back_emf_constant / actuator.torque_constant;
         let shortfall = &actuator.shortfall;
         let leads = actuator.with_leads();
@@ -256,10 +257,11 @@ impl Load {
                 copper * b * b + speed * b,
             ];
             let here = (power[0] * down + power[1]) * down + power[2] + (power[3] + power[4] * up) * up;
-            let factor = weight * if here > 0.0 { 1.0 / drive_efficiency } else { drive_efficiency };
+            let (factor, kept) = drawn.line(here);
             for (s, p) in sum.iter_mut().zip(power) {
-                *s += factor * p;
+                *s += weight * factor * p;
             }
+            sum[2] += weight * kept;
         }
         let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(*c, power));
         terms.fold(Laurent::default(), |a, b| a + b)

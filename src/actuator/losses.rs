@@ -23,17 +23,20 @@ pub struct Losses {
     pub gear_no_load: f64,
     /// In the drive: its resistance, its standby power, and what its efficiency takes of what is drawn and given back.
     pub drive: f64,
+    /// Of what reaches the bus, what is not kept: in a braking resistor, or in the supply.
+    pub braking: f64,
 }
 
 impl Losses {
     /// Keys and values, in the order from the motor's copper to the drive.
-    pub fn parts(&self) -> [(&'static str, f64); 5] {
+    pub fn parts(&self) -> [(&'static str, f64); 6] {
         [
             ("copper", self.copper),
             ("motor_drag", self.motor_drag),
             ("gear_load", self.gear_load),
             ("gear_no_load", self.gear_no_load),
             ("drive", self.drive),
+            ("braking", self.braking),
         ]
     }
 

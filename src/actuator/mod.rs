@@ -17,6 +17,7 @@ pub mod metrics;
 pub mod shaft;
 pub mod step_response;
 pub mod stretch;
+pub mod supply;
 pub mod thermal;
 pub mod thermal_motion;
 pub mod waveform;

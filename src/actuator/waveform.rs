@@ -7,6 +7,7 @@
 //! is skipped. The result is the exact maximum.
 
 use super::shaft::{Actuator, FEATURES, Feature, Flow, USUAL_FEATURES};
+use super::supply::Supply;
 use crate::numerics::laurent::Laurent;
 
 /// Samples in a leaf of the tree.
@@ -15,7 +16,7 @@ const LEAF: usize = 8;
 const SPLIT: usize = 8;
 
 /// What is maximised over samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Functional {
     /// `T²` \[N²·m²\].
     TorqueSquared,
@@ -25,12 +26,30 @@ pub enum Functional {
     Power,
     /// Terminal power given back \[W\].
     PowerBack,
+    /// Open-circuit voltage that a supply needs \[V\].
+    OpenVoltage(Supply),
 }
 
+/// How many functionals there are.
+pub const FUNCTIONALS: usize = 5;
+
 impl Functional {
-    /// The polynomial of one sample.
-    pub fn polynomial(self, actuator: &Actuator, flow: Flow, features: &[f64; FEATURES]) -> Laurent {
+    /// Its place among all.
+    pub fn place(self) -> usize {
         match self {
+            Functional::TorqueSquared => 0,
+            Functional::VoltageSquared => 1,
+            Functional::Power => 2,
+            Functional::PowerBack => 3,
+            Functional::OpenVoltage(_) => 4,
+        }
+    }
+
+    /// The polynomial of one sample. That of the open-circuit voltage touches it at a ratio; it is at most the supply's own
+    /// wherever the sample keeps to that.
+    pub fn polynomial(self, actuator: &Actuator, flow: Flow, features: &[f64; FEATURES], ratio: f64) -> Laurent {
+        match self {
+            Functional::OpenVoltage(supply) => supply.polynomial(actuator, flow, features, ratio),
             Functional::TorqueSquared => actuator.torque_squared(flow, features),
             Functional::VoltageSquared => actuator.voltage_squared(flow, features),
             Functional::Power => actuator.power(actuator.loss_taken(), flow, features),
@@ -199,6 +218,14 @@ impl Waveform {
             Functional::VoltageSquared => self.search::<D>(actuator, ratio, bound_voltage::<D>, value_voltage::<D>),
             Functional::Power => self.search::<D>(actuator, ratio, bound_power::<D>, value_power::<D>),
             Functional::PowerBack => self.search::<D>(actuator, ratio, bound_power_back::<D>, value_power_back::<D>),
+            Functional::OpenVoltage(supply) => self.search::<D>(
+                actuator,
+                ratio,
+                |weights, node| {
+                    supply.needed_at_most(bound_voltage::<D>(weights, node), bound_power::<D>(weights, node))
+                },
+                |weights, x| supply.needed(value_voltage::<D>(weights, x), value_power::<D>(weights, x)),
+            ),
         }
     }
 
@@ -415,6 +442,34 @@ mod tests {
             .collect()
     }
 
+    /// Every functional at ratios; the supply holds the voltage of its sample of most power at half of its own.
+    fn with_ratios(actuator: &Actuator, points: &[WavePoint]) -> Vec<(Functional, f64)> {
+        let bus = crate::requirement::read_source(&std::sync::Arc::new(crate::input::Source::new(
+            "robot.toml",
+            "name='r'\nbus={voltage='48 V',drive_efficiency=0.9}\njoint=[{name='j',ratio={min=1,max=2},points=[{torque='1 N*m',speed='1 rad/s'}]}]",
+        )))
+        .unwrap()
+        .bus;
+        let with = |ratio: f64| {
+            let most = |f: Functional| {
+                points.iter().map(|p| f.polynomial(actuator, p.flow, &p.features, ratio).at(ratio)).fold(0.0, f64::max)
+            };
+            let voltage = most(Functional::VoltageSquared).sqrt();
+            let bus = crate::requirement::Bus { voltage, ..bus };
+            let resistance = 0.1 * voltage * voltage / most(Functional::Power).max(1e-9);
+            let supply = Supply::new(&bus, resistance, (0.7, 0.01 * voltage), 1.0, 0.0);
+            [
+                Functional::TorqueSquared,
+                Functional::VoltageSquared,
+                Functional::Power,
+                Functional::PowerBack,
+                Functional::OpenVoltage(supply),
+            ]
+            .map(|functional| (functional, ratio))
+        };
+        [0.5, 3.0, 17.0, 140.0].into_iter().flat_map(with).collect()
+    }
+
     #[test]
     fn the_largest_is_the_largest_over_all_points() {
         let catalog = Catalog::builtin().unwrap();
@@ -426,22 +481,18 @@ mod tests {
             for id in ["t-motor-ri50", "faulhaber-3274g024bp4", "maxon-ec-90-flat-323772"] {
                 let motor = catalog.motor(id).unwrap();
                 let actuator = Actuator::new(motor, motor.rotor_inertia.unwrap(), &gear);
-                for functional in
-                    [Functional::TorqueSquared, Functional::VoltageSquared, Functional::Power, Functional::PowerBack]
-                {
-                    for ratio in [0.5, 3.0, 17.0, 140.0] {
-                        let found = wave.largest(functional, &actuator, ratio);
-                        // Independent of the search: the polynomial of every point.
-                        let at = |p: &WavePoint| functional.polynomial(&actuator, p.flow, &p.features).at(ratio);
-                        let all = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
-                        let size = points.iter().map(|p| at(p).abs()).fold(0.0, f64::max);
-                        assert!(
-                            (found.value - all).abs() <= 1e-9 * size,
-                            "{id} {functional:?} {ratio}: {} {all}",
-                            found.value
-                        );
-                        assert!((at(&wave.point(found.index)) - all).abs() <= 1e-9 * size);
-                    }
+                for (functional, ratio) in with_ratios(&actuator, &points) {
+                    let found = wave.largest(functional, &actuator, ratio);
+                    // Independent of the search: the polynomial of every point.
+                    let at = |p: &WavePoint| functional.polynomial(&actuator, p.flow, &p.features, ratio).at(ratio);
+                    let all = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
+                    let size = points.iter().map(|p| at(p).abs()).fold(0.0, f64::max);
+                    assert!(
+                        (found.value - all).abs() <= 1e-9 * size,
+                        "{id} {functional:?} {ratio}: {} {all}",
+                        found.value
+                    );
+                    assert!((at(&wave.point(found.index)) - all).abs() <= 1e-9 * size);
                 }
             }
         }

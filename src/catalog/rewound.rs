@@ -24,6 +24,8 @@ pub enum NoTurns {
     Fitted,
     /// Drive and leads have a resistance, which does not go with the turns: voltage and loss then depend on them otherwise.
     DriveResistance,
+    /// The supply sags: what the drive can make of it depends on power and voltage together.
+    SupplyResistance,
 }
 
 impl NoTurns {
@@ -32,6 +34,7 @@ impl NoTurns {
         match self {
             NoTurns::InsideModule => "it is only sold inside a module",
             NoTurns::Fitted => "its numbers were fitted to logs of this winding",
+            NoTurns::SupplyResistance => "with a resistance of the supply other turns are not computed",
             NoTurns::DriveResistance => "with a resistance of drive and leads other turns are not computed",
         }
     }

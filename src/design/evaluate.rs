@@ -5,6 +5,7 @@ use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
 use crate::actuator::losses::{LossTerms, Losses, UnknownLoss};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
+use crate::actuator::supply::Drawn;
 use crate::actuator::thermal::{self, Winding};
 use crate::actuator::waveform::Functional;
 use crate::actuator::{Actuator, Laurent, fitted};
@@ -90,6 +91,15 @@ impl Margin {
     }
 }
 
+/// Between what voltages a bus moves whose supply has a resistance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BusVoltage {
+    /// The lowest \[V\]; `None` where the supply cannot give the power.
+    pub lowest: Option<f64>,
+    /// The highest \[V\].
+    pub highest: f64,
+}
+
 /// A design with all that is known of it. SI.
 #[derive(Debug, Clone)]
 pub struct Evaluation {
@@ -124,6 +134,8 @@ pub struct Evaluation {
     pub energy: Option<f64>,
     /// Largest power drawn from the bus \[W\]: only where the objective counts it.
     pub peak_power: Option<f64>,
+    /// Lowest and highest voltage of a bus whose supply has a resistance \[V\], by the power of this joint alone.
+    pub bus_voltage: Option<BusVoltage>,
 }
 
 impl<'a> Prepared<'a> {
@@ -248,25 +260,29 @@ impl<'a> Prepared<'a> {
 
     fn loss_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
         let plain = self.copper_of(actuator, means, ratio) + means.losses.sum();
-        match self.by_efficiency(actuator, means, ratio) {
+        match self.by_efficiency(self.drawn(), actuator, means, ratio) {
             Some(drive) => plain + drive,
             None => plain,
         }
     }
 
-    /// What the drive's efficiency takes, as a cut of what is drawn less what goes on to motor and leads; `None` where it
-    /// takes nothing.
-    fn by_efficiency(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Option<Laurent> {
-        let Candidate { robot, load, .. } = self.candidate;
-        let efficiency = robot.bus.drive_efficiency;
-        if efficiency == 1.0 {
+    /// What the bus makes of power at the terminals.
+    fn drawn(&self) -> Drawn {
+        Drawn::new(&self.candidate.robot.bus)
+    }
+
+    /// What the drive's efficiency takes and what of the power that comes back is not kept, as a cut of what is drawn less
+    /// what goes on to motor and leads; `None` where that is nothing.
+    fn by_efficiency(&self, drawn: Drawn, actuator: &Actuator, means: &Means, ratio: f64) -> Option<Laurent> {
+        if drawn.is_lossless() {
             return None;
         }
-        let drawn = load.drawn_cut(actuator, efficiency, ratio);
+        let drawn = self.candidate.load.drawn_cut(actuator, drawn, ratio);
         // The mean power has the heat as if the iron did not saturate.
         let leads = actuator.with_leads();
         let heat = self.copper_of(actuator, means, ratio) + means.torque_squared * -actuator.heating();
-        let behind = load.mean_power(actuator) + heat * leads + means.torque_squared * actuator.conduction();
+        let behind =
+            self.candidate.load.mean_power(actuator) + heat * leads + means.torque_squared * actuator.conduction();
         Some(drawn + behind * -1.0)
     }
 
@@ -274,13 +290,15 @@ impl<'a> Prepared<'a> {
     fn losses_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Losses {
         let at = |polynomial: &Laurent| polynomial.at(ratio);
         let terms = &means.losses;
-        let drive = self.by_efficiency(actuator, means, ratio).map_or(0.0, |drive| drive.at(ratio));
+        let taken = |drawn| self.by_efficiency(drawn, actuator, means, ratio).map_or(0.0, |taken| taken.at(ratio));
+        let (all, drive) = (taken(self.drawn()), taken(self.drawn().by_drive()));
         Losses {
             copper: self.copper_at(actuator, means, ratio),
             motor_drag: at(&terms.motor_drag),
             gear_load: at(&terms.gear_load),
             gear_no_load: at(&terms.gear_no_load),
             drive: at(&terms.drive) + drive,
+            braking: (all - drive).max(0.0),
         }
     }
 
@@ -325,7 +343,9 @@ impl<'a> Prepared<'a> {
         let bend = difference.unwrap_or(0.0);
         let by_efficiency: Vec<f64> = self
             .ends()
-            .map(|(actuator, means)| self.by_efficiency(actuator, means, ratio).map_or(0.0, |drive| drive.at(ratio)))
+            .map(|(actuator, means)| {
+                self.by_efficiency(self.drawn(), actuator, means, ratio).map_or(0.0, |drive| drive.at(ratio))
+            })
             .collect();
         let (a, b) = (first.total() - by_efficiency[0], other.total() - by_efficiency[1]);
         let least = |s: f64| a + (b - a - bend) * s + bend * s * s;
@@ -396,6 +416,7 @@ impl<'a> Prepared<'a> {
             mean_power: mean_power + saturated,
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
+            bus_voltage: self.bus_voltage(ratio),
         }
     }
 
@@ -414,8 +435,8 @@ impl<'a> Prepared<'a> {
     /// The polynomial that equals the energy drawn per cycle at a ratio \[J\] and is nowhere above it; `None` without
     /// durations.
     pub(super) fn energy_cut(&self, ratio: f64) -> Option<Laurent> {
-        let Candidate { load, robot, .. } = self.candidate;
-        let drawn = self.larger(ratio, |actuator, _| load.drawn_cut(actuator, robot.bus.drive_efficiency, ratio));
+        let load = self.candidate.load;
+        let drawn = self.larger(ratio, |actuator, _| load.drawn_cut(actuator, self.drawn(), ratio));
         let standby = Laurent::constant(self.candidate.standby_power());
         load.duration.map(|duration| (drawn + standby) * duration)
     }
@@ -429,6 +450,19 @@ impl<'a> Prepared<'a> {
         let of_end = |actuator| candidate.load.waveform.largest(Functional::Power, actuator, ratio).value;
         let peak = candidate.ends().map(of_end).fold(0.0, f64::max);
         peak / candidate.robot.bus.drive_efficiency + candidate.standby_power()
+    }
+
+    /// Lowest and highest voltage of the bus at a ratio, where the supply has a resistance.
+    fn bus_voltage(&self, ratio: f64) -> Option<BusVoltage> {
+        let supply = self.candidate.supply(0.0)?;
+        let waveform = &self.candidate.load.waveform;
+        let most = |functional| {
+            let of_end = |actuator| waveform.largest(functional, actuator, ratio).value;
+            self.candidate.ends().map(of_end).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (taken, back) = (most(Functional::Power), most(Functional::PowerBack));
+        let open = self.candidate.robot.bus.voltage;
+        Some(BusVoltage { lowest: supply.voltage(taken), highest: supply.voltage(-back).unwrap_or(open) })
     }
 
     /// Winding temperature in steady state at a ratio.

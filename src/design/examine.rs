@@ -111,7 +111,7 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
         // A spring's torque follows the position, not the acceleration: the bare motion tells.
         load_inertia: choice.design.load_inertia.or_else(|| apparent_inertia(&choice.joint.motion)),
         load_inertia_estimated: estimated,
-        power: power_course(&prepared, robot.bus.drive_efficiency, ratio),
+        power: power_course(&prepared, ratio),
         unchecked,
         assumed,
     })

@@ -14,7 +14,7 @@ use super::flatness::{at_design, sprung};
 use super::mount::{Mount, Site, load_through};
 use super::program::{Certificate, Infeasible};
 use super::{Prepared, judge};
-use crate::actuator::limits::{Asked, Depends, Remark};
+use crate::actuator::limits::{Asked, DRIVE_CONTINUOUS_CURRENT, Depends, Remark};
 use crate::catalog::rewound::NoTurns;
 use crate::catalog::{Catalog, Gear, Motor};
 use crate::numerics::grid::grid;
@@ -46,6 +46,12 @@ impl TurnsRange {
                     let most = asked.bound / demand(asked);
                     if most < range.max {
                         (range.max, range.max_by) = (most, Some(name));
+                    }
+                }
+                Depends::Current if name == DRIVE_CONTINUOUS_CURRENT => {
+                    let least = demand(asked) / asked.bound;
+                    if least > range.min {
+                        (range.min, range.min_by) = (least, Some(name));
                     }
                 }
                 Depends::Current if asked.limit.is_of_drive() => {
@@ -118,9 +124,13 @@ const HALVINGS: usize = 40;
 /// # Errors
 /// Why not.
 pub fn can_be_asked(robot: &Robot, joint: &Joint, motor: &Motor) -> Result<(), NoTurns> {
-    match joint.drive.or(robot.bus.drive).phase_resistance {
-        Some(resistance) if resistance > 0.0 => Err(NoTurns::DriveResistance),
-        _ => motor.can_be_rewound(),
+    let drive = joint.drive.or(robot.bus.drive);
+    let of_supply = [robot.bus.internal_resistance, drive.supply_lead_resistance];
+    let counts = |resistance: Option<f64>| resistance.is_some_and(|ohms| ohms > 0.0);
+    match () {
+        () if counts(drive.phase_resistance) => Err(NoTurns::DriveResistance),
+        () if of_supply.into_iter().any(counts) => Err(NoTurns::SupplyResistance),
+        () => motor.can_be_rewound(),
     }
 }
 

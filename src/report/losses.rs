@@ -14,6 +14,7 @@ pub fn name(key: &str) -> &'static str {
         "motor_drag" => "motor drag",
         "gear_load" => "gear under load",
         "gear_no_load" => "gear without load",
+        "braking" => "not kept of what comes back",
         _ => "drive",
     }
 }

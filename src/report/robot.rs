@@ -97,7 +97,7 @@ pub(super) fn kept(choice: &Choice) -> String {
         if let Regeneration::Limited(most) = robot.bus.regeneration {
             parts.push(format!(
                 "each joint by itself may give back at most {} W, also where another could use more",
-                number(most)
+                number(most + robot.bus.brake_power.unwrap_or(0.0))
             ));
         }
     }

@@ -1,6 +1,6 @@
 //! The electrical supply that all joints share: `[bus]`.
 
-use super::drive::{self, DriveLosses};
+use super::drive::{self, Drive};
 use crate::catalog::convention::Modulation;
 use crate::input::{Key, Problem, Range, Section, key};
 use crate::units;
@@ -22,10 +22,18 @@ pub struct Bus {
     pub current: Option<f64>,
     /// What the bus takes back.
     pub regeneration: Regeneration,
+    /// Share of the power at a motor's terminals that is kept where it comes back; η_d unless given.
+    pub regeneration_efficiency: Option<f64>,
+    /// Power that a brake takes of one joint's where the supply does not take it \[W\].
+    pub brake_power: Option<f64>,
+    /// Resistance of the supply and its main leads; `voltage` is then that without current \[Ω\].
+    pub internal_resistance: Option<f64>,
+    /// Voltage that the bus may rise to where power comes back \[V\].
+    pub max_voltage: Option<f64>,
     /// Efficiency of the drive, η_d.
     pub drive_efficiency: f64,
     /// What each drive loses beside.
-    pub drive: DriveLosses,
+    pub drive: Drive,
     /// Whether anything is said of what the drives lose.
     pub says_drive_loss: bool,
 }
@@ -35,12 +43,14 @@ pub struct Bus {
 pub enum Regeneration {
     /// It takes all of it.
     Allowed,
+    /// All of it goes into a brake: nothing is kept.
+    Dissipated,
     /// It takes at most this much at any instant \[W\]; zero is "none".
     Limited(f64),
 }
 
 const REGENERATION: Key = key("regeneration", "what the bus takes back at any instant")
-    .value("`allowed`, `none`, or a power, as `\"200 W\"`")
+    .value("`allowed`, `none`, `dissipated`, or a power, as `\"200 W\"`")
     .default("all");
 
 /// Reads `[bus]`.
@@ -49,6 +59,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
     let regeneration = section.text(REGENERATION).map(|text| match text.get_ref().as_str() {
         "allowed" => Some(Regeneration::Allowed),
         "none" => Some(Regeneration::Limited(0.0)),
+        "dissipated" => Some(Regeneration::Dissipated),
         other => match units::quantity(other, &units::POWER) {
             Ok(power) if power >= 0.0 => Some(Regeneration::Limited(power)),
             _ => {
@@ -56,7 +67,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
                     Problem::at(
                         text.span(),
                         format!("`regeneration` of [bus] cannot be `{other}`"),
-                        "expected allowed, none, or a power",
+                        "expected allowed, none, dissipated, or a power",
                     )
                     .help("for example regeneration = \"none\" or regeneration = \"200 W\""),
                 );
@@ -65,6 +76,58 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         },
     });
     let drive = drive::read(&section, ["drive_phase_resistance", "drive_standby_power"]);
+    let regeneration = regeneration.flatten().unwrap_or(Regeneration::Allowed);
+    let regeneration_efficiency = section.number(
+        key("regeneration_efficiency", "share of what a motor gives back that is kept, drive and supply together")
+            .default("`drive_efficiency`"),
+        Range::Fraction,
+    );
+    let brake_power = section.quantity(
+        key("brake_power", "that a braking resistor takes of one joint's where the supply does not take it"),
+        &units::POWER,
+        Range::Positive,
+    );
+    let internal_resistance = section.quantity(
+        key("internal_resistance", "of the supply and its main leads; `voltage` is then that without current")
+            .default("none"),
+        &units::RESISTANCE,
+        Range::NonNegative,
+    );
+    let max_voltage = section.quantity(
+        key("max_voltage", "that the bus may rise to where power comes back; with `internal_resistance`"),
+        &units::VOLTAGE,
+        Range::Positive,
+    );
+    let contradicts = |key: &'static str, message: String, help: &str| {
+        section.note(Problem::at(section.span_of(key), message, "nothing to act on").help(help));
+    };
+    if brake_power.is_some() && regeneration == Regeneration::Allowed {
+        let message =
+            "`brake_power` of [bus] has nothing to take: `regeneration` is allowed, so that the supply takes all";
+        contradicts("brake_power", message.into(), "say regeneration = \"none\", \"dissipated\", or a power");
+    }
+    let keeps_nothing = matches!(regeneration, Regeneration::Dissipated | Regeneration::Limited(0.0));
+    if regeneration_efficiency.is_some() && keeps_nothing {
+        let message = "`regeneration_efficiency` of [bus] has nothing to act on: no power that comes back is kept";
+        contradicts(
+            "regeneration_efficiency",
+            message.into(),
+            "remove it, or say regeneration = \"allowed\" or a power",
+        );
+    }
+    if let (Some(most), Some(open)) = (max_voltage, voltage)
+        && most <= open
+    {
+        let message = format!("`max_voltage` of [bus] is {most} V, no more than its `voltage` of {open} V");
+        contradicts(
+            "max_voltage",
+            message,
+            "give the voltage that drives and capacitors bear, above that of a full supply",
+        );
+    } else if max_voltage.is_some() && internal_resistance.is_none_or(|r| r == 0.0) {
+        let message = "`max_voltage` of [bus] says nothing without `internal_resistance`: the bus does not rise";
+        contradicts("max_voltage", message.into(), "add internal_resistance = \"30 mohm\", or remove it");
+    }
     let bus = Bus {
         voltage: voltage.unwrap_or(f64::NAN),
         modulation: section
@@ -95,11 +158,25 @@ pub(super) fn read(section: Section) -> Option<Bus> {
             &units::CURRENT,
             Range::Positive,
         ),
-        regeneration: regeneration.flatten().unwrap_or(Regeneration::Allowed),
+        regeneration,
+        regeneration_efficiency,
+        brake_power,
+        internal_resistance,
+        max_voltage,
         drive_efficiency: section
             .number(key("drive_efficiency", "efficiency of the drive, η_d").default("1"), Range::Fraction)
             .unwrap_or(1.0),
-        drive,
+        drive: Drive {
+            continuous_current: section.quantity(
+                key(
+                    "drive_continuous_current",
+                    "that a drive gives for ever: amplitude of a phase at constant speed, root mean square over the motion",
+                ),
+                &units::CURRENT,
+                Range::Positive,
+            ),
+            ..drive
+        },
         says_drive_loss: section.has("drive_efficiency") || !drive.says_nothing(),
     };
     section.finish();

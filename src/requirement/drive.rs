@@ -3,34 +3,40 @@
 use crate::input::{Range, Section, key};
 use crate::units;
 
-/// What a drive loses beside its efficiency.
+/// What is said of a drive beside its largest current and its efficiency.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct DriveLosses {
+pub struct Drive {
     /// Resistance of switch and leads per phase \[Ω\].
     pub phase_resistance: Option<f64>,
     /// Power that it takes whatever the motor does \[W\].
     pub standby_power: Option<f64>,
+    /// Resistance of the leads between the supply and it \[Ω\].
+    pub supply_lead_resistance: Option<f64>,
+    /// Current that it gives for ever: amplitude of a phase (DC ampere of a brushed motor), rms over the motion \[A\].
+    pub continuous_current: Option<f64>,
 }
 
-impl DriveLosses {
-    /// Whether it says nothing.
+impl Drive {
+    /// Whether it says nothing of what the drive loses.
     pub fn says_nothing(&self) -> bool {
-        *self == DriveLosses::default()
+        self.phase_resistance.is_none() && self.standby_power.is_none()
     }
 
     /// The same, and what another says where this does not.
     #[must_use]
-    pub fn or(self, other: DriveLosses) -> DriveLosses {
-        DriveLosses {
+    pub fn or(self, other: Drive) -> Drive {
+        Drive {
             phase_resistance: self.phase_resistance.or(other.phase_resistance),
             standby_power: self.standby_power.or(other.standby_power),
+            supply_lead_resistance: self.supply_lead_resistance.or(other.supply_lead_resistance),
+            continuous_current: self.continuous_current.or(other.continuous_current),
         }
     }
 }
 
 /// Reads the keys of a drive's losses; `before` stands before each name.
-pub(super) fn read(section: &Section, names: [&'static str; 2]) -> DriveLosses {
-    DriveLosses {
+pub(super) fn read(section: &Section, names: [&'static str; 2]) -> Drive {
+    Drive {
         phase_resistance: section.quantity(
             key(names[0], "of switch and leads per phase, in series with the winding; loses r i²"),
             &units::RESISTANCE,
@@ -41,6 +47,7 @@ pub(super) fn read(section: &Section, names: [&'static str; 2]) -> DriveLosses {
             &units::POWER,
             Range::NonNegative,
         ),
+        ..Drive::default()
     }
 }
 

@@ -8,10 +8,15 @@ use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
-use super::{MotorDrag, Objective, Quantity, Turns, cases, drive, gear, objective};
-use crate::input::{Problem, Range, Section, key};
+use super::{Drive, MotorDrag, Objective, Quantity, Turns, cases, drive, gear, objective};
+use crate::input::{Key, Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
+
+const CONTINUOUS: Key = key(
+    "continuous_current",
+    "that the drive gives for ever: amplitude of a phase at constant speed, root mean square over the motion",
+);
 
 /// Reads a joint: with what it takes from a description of the robot, and whom it says that it carries.
 pub(super) fn read(
@@ -58,14 +63,24 @@ pub(super) fn read(
     let own_drive = section.section(key("drive", "the drive of this joint, in place of the bus's")).map(|table| {
         let current =
             table.quantity(key("current", "largest drive current, phase amplitude"), &units::CURRENT, Range::Positive);
-        let losses = drive::read(&table, ["phase_resistance", "standby_power"]);
-        let keys = ["current", "phase_resistance", "standby_power"];
+        let drive = Drive {
+            continuous_current: table.quantity(CONTINUOUS, &units::CURRENT, Range::Positive),
+            supply_lead_resistance: table.quantity(
+                key("supply_lead_resistance", "of the leads between the supply and this drive, both ways")
+                    .default("none"),
+                &units::RESISTANCE,
+                Range::NonNegative,
+            ),
+            ..drive::read(&table, ["phase_resistance", "standby_power"])
+        };
+        let keys = ["current", "continuous_current", "phase_resistance", "standby_power", "supply_lead_resistance"];
         if !keys.iter().any(|key| table.has(key)) {
-            let message = "[joint.drive] says nothing: expected `current`, `phase_resistance` or `standby_power`";
-            table.note(Problem::at(table.span(), message, "empty").help("for example current = \"40 A\""));
+            let message = "[joint.drive] says nothing";
+            let problem = Problem::at(table.span(), message, format!("expected one of {}", keys.join(", ")));
+            table.note(problem.help("for example current = \"40 A\""));
         }
         table.finish();
-        (current, losses)
+        (current, drive)
     });
     let (drive_current, drive) = own_drive.unwrap_or_default();
     let motor_drag = section

@@ -88,6 +88,7 @@ pub const LIMIT_NAMES: &[&str] = &[
     "peak_current",
     "peak_torque",
     "continuous_current",
+    "drive_continuous_current",
     "continuous_torque",
     "winding_temperature",
     "winding_peak_temperature",

@@ -23,7 +23,7 @@ mod turns;
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
 pub use bus::{Bus, Regeneration};
 pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, Reduction};
-pub use drive::{DriveLosses, MotorDrag};
+pub use drive::{Drive, MotorDrag};
 pub use driven::Driven;
 pub use gear::{EfficiencyCovers, GearModel, RatioChoice, backdrive_efficiency, stages};
 pub use limits::{LIMIT_NAMES, Limits, Spring, TorqueBandwidth};

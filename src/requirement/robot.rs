@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::bus::Bus;
-use super::drive::{DriveLosses, MotorDrag};
+use super::drive::{Drive, MotorDrag};
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
@@ -116,7 +116,7 @@ pub struct Joint {
     /// Largest drive current of this joint, in place of the bus's \[A\].
     pub drive_current: Option<f64>,
     /// What its drive loses, in place of what the bus says.
-    pub drive: DriveLosses,
+    pub drive: Drive,
     /// Whether what no-load currents and estimates say of a motor's drag counts.
     pub motor_drag: MotorDrag,
     /// How many turns the winding of its motor may have.

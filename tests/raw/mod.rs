@@ -18,7 +18,7 @@ use rand_pcg::Pcg64;
 /// Ratios that are looked at before refining.
 const RATIOS: usize = 1201;
 /// Limits of the model; the two ends of the range come on top.
-pub const LIMITS: usize = 19;
+pub const LIMITS: usize = 20;
 
 /// A motor at the only joint of a robot, the motion sample by sample, the same with the superposed torque
 /// at all its phases, and each sample's share of the time (in all, at rest).
@@ -36,6 +36,8 @@ pub struct Look {
     pub quantities: [f64; 7],
     pub objective: f64,
     pub limits: [(&'static str, f64, Option<f64>); LIMITS + 2],
+    /// Of a supply with a resistance: bus voltage that each sample needs and power that it draws.
+    pub bus: Vec<[f64; 2]>,
 }
 
 /// Shares of the time by the trapezoid rule (points: by duration): half an interval for each of its ends.
@@ -89,8 +91,10 @@ impl Case {
 
     /// A ratio: of what depends on the motor's drag the worst.
     pub fn look(&self, n: f64) -> Look {
-        let mut worst = Look { quantities: [f64::MIN; 7], objective: 0.0, limits: [("", f64::MIN, None); LIMITS + 2] };
+        let limits = [("", f64::MIN, None); LIMITS + 2];
+        let mut worst = Look { quantities: [f64::MIN; 7], objective: 0.0, limits, bus: Vec::new() };
         for look in self.drags().into_iter().map(|drag| self.look_at(n, drag)) {
+            worst.bus.extend(look.bus);
             for (most, here) in worst.quantities.iter_mut().zip(look.quantities) {
                 *most = most.max(here);
             }
@@ -141,9 +145,11 @@ impl Case {
         let mean = |at: usize, f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[at] * f(p).powi(2)).sum::<f64>();
         let (square, at_rest, load) = (mean(0, &usual), mean(1, &usual), mean(0, &|p| p.torque));
         let (most_torque, most_load) = (largest(raw, &torque), largest(raw, &|p| p.torque.abs()));
-        let (most_ripple, ripple_voltage) = (largest(&self.rippled, &torque), largest(&self.rippled, &voltage));
+        let most_ripple = largest(&self.rippled, &torque);
         let watt = largest(raw, &power) / bus.drive_efficiency;
-        let back = largest(raw, &|p| -cold_power(p)) * bus.drive_efficiency;
+        // What is kept of what comes back, and what of it reaches the bus.
+        let kept = bus.regeneration_efficiency.unwrap_or(bus.drive_efficiency);
+        let back = largest(raw, &|p| -cold_power(p)) * kept.max(bus.drive_efficiency);
         let speed = n * largest(raw, &|p| p.velocity.abs());
         let stages = |ratio: f64| (0..300).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
         let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
@@ -152,7 +158,24 @@ impl Case {
         let amplitude = if brushless { 1.5_f64.sqrt() } else { 1.0 };
         let current = least(motor.peak_current, joint.drive_current.or(bus.drive_current).map(|i| i * amplitude));
         let circle = if bus.modulation == Modulation::Sine { 0.375_f64.sqrt() } else { 0.5_f64.sqrt() };
-        let volt = Some(bus.voltage * bus.modulation_limit * if brushless { circle } else { 1.0 });
+        let per_volt = bus.modulation_limit * if brushless { circle } else { 1.0 };
+        // With a resistance of the supply: the open-circuit voltage that a sample needs, no less than with half of what there
+        // is at the drive. A brake takes what comes back without lifting the bus.
+        let series = bus.internal_resistance.unwrap_or(0.0) + of_drive.supply_lead_resistance.unwrap_or(0.0);
+        let lifted = bus.brake_power.is_none() && bus.regeneration != Regeneration::Dissipated;
+        let from_bus = |p: &Point| match power(p) {
+            taken if taken > 0.0 => taken / bus.drive_efficiency + standby,
+            given if lifted => given * kept.min(bus.drive_efficiency) + standby,
+            _ => standby,
+        };
+        let open = |p: &Point| match voltage(p) / per_volt {
+            needs if needs > bus.voltage / 2.0 => needs + series * from_bus(p) / needs,
+            _ => bus.voltage / 2.0 + series * from_bus(p) / (bus.voltage / 2.0),
+        };
+        let sags = series > 0.0;
+        let volt = Some(if sags { bus.voltage } else { bus.voltage * per_volt });
+        let voltages = |list: &[Point]| if sags { largest(list, &open) } else { largest(list, &voltage) };
+        let through = bus.current.map(|i| if sags { i.min(bus.voltage / (2.0 * series)) } else { i });
         let hot = motor.thermal_resistance.map(|r_th| (hottest(motor, asked.winding_temperature), r_th));
         let t_0 = motor.reference_temperature;
         let resistance = |kelvin: f64| r * (1.0 + copper(t_0) * (kelvin - t_0));
@@ -172,7 +195,18 @@ impl Case {
             _ => 1.0,
         };
         let rippled = |bound: Option<f64>| bound.filter(|_| asked.torque_bandwidth.is_some());
-        let taken = if let Regeneration::Limited(watt) = bus.regeneration { Some(watt) } else { None };
+        let taken = match bus.regeneration {
+            Regeneration::Limited(watt) => Some(watt + bus.brake_power.unwrap_or(0.0)),
+            Regeneration::Dissipated => bus.brake_power,
+            Regeneration::Allowed => None,
+        };
+        let lift = bus.max_voltage.filter(|_| sags && lifted).map(|most| most * (most - bus.voltage) / series);
+        let braked = bus.brake_power.is_some() || bus.regeneration == Regeneration::Dissipated;
+        let most_kept = match bus.regeneration {
+            Regeneration::Dissipated => 0.0,
+            Regeneration::Limited(watt) if braked => watt,
+            _ => f64::INFINITY,
+        };
         let rise = self.nodes().map(|nodes| nodes.peak(&self.copper_heat_at(n, drag)));
         let hottest = rise.map(|_| (hottest(motor, asked.winding_temperature) - self.robot.ambient).max(0.0));
         let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
@@ -180,28 +214,38 @@ impl Case {
             ("peak_current", asked.safety * most_torque / k_t, current),
             ("peak_torque", asked.safety * most_torque, motor.peak_torque),
             ("continuous_current", square.sqrt() / k_t, meant(motor.continuous_current)),
+            (
+                "drive_continuous_current",
+                square.sqrt() / k_t,
+                timed_bound(of_drive.continuous_current.map(|i| i * amplitude)),
+            ),
             ("continuous_torque", square.sqrt(), meant(motor.continuous_torque)),
             ("winding_temperature", square.sqrt() / k_t, meant(hot)),
             ("winding_peak_temperature", rise.unwrap_or(0.0), hottest),
             ("standstill_holding", (square + own * at_rest).sqrt() / k_t, held),
-            ("voltage", largest(raw, &voltage), volt),
+            ("voltage", voltages(raw), volt),
             ("max_speed", speed, motor.max_speed),
             ("gear_input_speed", speed, gear.max_input_speed),
             ("gear_peak_torque", asked.safety * most_load, gear.peak_torque),
             ("gear_continuous_torque", load.sqrt(), timed_bound(gear.continuous_torque)),
             ("reflected_inertia", inertia, asked.reflected_inertia),
             ("torque_bandwidth_current", asked.safety * most_ripple / k_t, rippled(current)),
-            ("torque_bandwidth_voltage", ripple_voltage, rippled(volt).filter(|_| motor.inductance.is_some())),
+            ("torque_bandwidth_voltage", voltages(&self.rippled), rippled(volt).filter(|_| motor.inductance.is_some())),
             ("bus_power", watt, bus.power.map(|most| most - standby)),
-            ("bus_current", watt / bus.voltage, bus.current.map(|most| most - standby / bus.voltage)),
-            ("regeneration", back, taken),
+            (
+                "bus_current",
+                watt / bus.voltage,
+                through.map(|i| i - series * i * i / bus.voltage - standby / bus.voltage),
+            ),
+            ("regeneration", back, least(taken, lift)),
             ("actuator_mass", mass, asked.actuator_mass),
             ("ratio_min", min, Some(n)),
             ("ratio_max", n, Some(max)),
         ];
         let drawn = |p: &Point| {
             let watt = (r + lead) * (usual(p) / k_t).powi(2) + motor.emf_constant() * n * p.velocity * usual(p) / k_t;
-            ((watt / bus.drive_efficiency).max(watt * bus.drive_efficiency), watt)
+            let from_bus = if watt > 0.0 { watt / bus.drive_efficiency } else { (watt * kept).max(-most_kept) };
+            (from_bus, watt)
         };
         // All that is lost at an instant: copper and leads, the motor's and the gear's friction, load that the gear's
         // efficiency takes, and what the drive's takes.
@@ -221,7 +265,8 @@ impl Case {
         let copper = r * square / (k_t * k_t);
         let quantities = [loss, copper, inertia, most_torque / k_t, mass, energy, watt.max(0.0) + standby];
         let objective = joint.objective.terms.iter().map(|(q, weight)| weight * quantities[*q as usize]).sum();
-        Look { quantities, objective, limits }
+        let bus = if sags { raw.iter().map(|p| [voltage(p) / per_volt, from_bus(p)]).collect() } else { Vec::new() };
+        Look { quantities, objective, limits, bus }
     }
 
     /// The two thermal nodes, where the sheet has them and the motion has a course.

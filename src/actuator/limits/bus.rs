@@ -1,8 +1,9 @@
 //! What the supply gives and takes back.
 
 use super::limit::*;
+use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::Functional;
-use crate::requirement::Regeneration;
+use crate::requirement::{Bus, Regeneration, Robot};
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -24,7 +25,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "bus_current",
         unit: "A",
-        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus − P_standby/V_bus, with R of the hottest winding and that of drive and leads",
+        formula: "max (R i² + K_B N ω i)/(η_d V_bus) ≤ I_bus − P_standby/V_bus, with R of the hottest winding and that of drive and leads; with a resistance R_s of the supply I_bus (1 − R_s I_bus/V_bus)",
         safety: false,
         of: Of::Other,
         class: Class::Convex,
@@ -34,6 +35,10 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| match c.robot.bus.current {
             Some(bound) => {
                 let voltage = c.robot.bus.voltage;
+                // Power at so much current, over the open-circuit voltage; no supply gives more than at half of that.
+                let resistance = c.supply_resistance();
+                let bound = if resistance > 0.0 { bound.min(voltage / (2.0 * resistance)) } else { bound };
+                let bound = bound * (1.0 - resistance * bound / voltage);
                 power(1.0 / (c.robot.bus.drive_efficiency * voltage), bound - c.standby_power() / voltage)
             }
             None => Prepared::NotAsked,
@@ -42,21 +47,36 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "regeneration",
         unit: "W",
-        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration, with R at its reference temperature",
+        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration + P_brake, and ≤ V_max (V_max − V_bus)/R_s, with R at its reference temperature",
         safety: false,
         of: Of::Other,
         class: Class::ReverseConvex,
         depends: Depends::PowerBack,
-        stated: |robot, _| robot.bus.regeneration != Regeneration::Allowed,
+        stated: |robot, _| most_back(robot, 0.0).is_some() || robot.bus.max_voltage.is_some(),
         key: |_| Some(Key::Robot(&["bus", "regeneration"])),
-        prepare: |c| match c.robot.bus.regeneration {
-            Regeneration::Allowed => Prepared::NotAsked,
-            Regeneration::Limited(bound) => {
-                plain(Demand::Samples(Functional::PowerBack), c.robot.bus.drive_efficiency, bound, "bus")
+        prepare: |c| match most_back(c.robot, c.supply_resistance()) {
+            None => Prepared::NotAsked,
+            Some(bound) => {
+                plain(Demand::Samples(Functional::PowerBack), Drawn::new(&c.robot.bus).arrives(), bound, "bus")
             }
         },
     },
 ];
+
+/// The most that may come back to a bus with a resistance to the drive \[Ω\], \[W\]: what it takes and what a brake takes, and
+/// what lifts the bus to its highest voltage. `None` where nothing bounds it.
+fn most_back(robot: &Robot, resistance: f64) -> Option<f64> {
+    let Bus { voltage, regeneration, brake_power, max_voltage, .. } = robot.bus;
+    let taken = match regeneration {
+        Regeneration::Allowed => None,
+        Regeneration::Dissipated => brake_power,
+        Regeneration::Limited(watts) => Some(watts + brake_power.unwrap_or(0.0)),
+    };
+    // A brake holds the voltage down.
+    let holds = brake_power.is_some() || regeneration == Regeneration::Dissipated;
+    let lifted = max_voltage.filter(|_| resistance > 0.0 && !holds).map(|most| most * (most - voltage) / resistance);
+    [taken, lifted].into_iter().flatten().reduce(f64::min)
+}
 
 /// The largest power that a joint draws, by a factor to the unit of the bound.
 fn power(factor: f64, bound: f64) -> Prepared {

@@ -54,7 +54,7 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| match (&c.load.bandwidth, c.motor.inductance) {
             (None, _) => Prepared::NotAsked,
             _ if c.joint.turns == Turns::Any => Prepared::NotAsked,
-            (Some(_), Some(_)) => torque(Demand::Bandwidth(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
+            (Some(_), Some(_)) => voltage(c, "torque_bandwidth_voltage", Demand::Bandwidth),
             (Some(_), None) => Prepared::Unknown("the motor's inductance is not known"),
         },
     },

@@ -298,6 +298,16 @@ pub(super) fn heating(candidate: &Candidate, standing: f64, bound: f64, owner: &
     Prepared::Asked { demand, squared: true, factor, bound, owner, standing }
 }
 
+/// A limit on the voltage, by its name: of the motor where the supply is stiff, of the open circuit where it sags. The
+/// reserve of that is in the supply already.
+pub(super) fn voltage(candidate: &Candidate, name: &str, over: fn(Functional) -> Demand) -> Prepared {
+    let reserve = candidate.joint.limits.reserve(name);
+    match candidate.supply(reserve) {
+        None => torque(over(Functional::VoltageSquared), 1.0, candidate.voltage(), "bus"),
+        Some(supply) => plain(over(Functional::OpenVoltage(supply)), 1.0, candidate.robot.bus.voltage, "bus"),
+    }
+}
+
 /// A limit on the largest current \[A\], of what the ripple leaves of it.
 pub(super) fn peak(candidate: &Candidate, demand: Demand, bound: f64, owner: &'static str) -> Prepared {
     let safety = candidate.joint.limits.safety;

@@ -18,6 +18,7 @@ mod speed;
 
 pub use super::candidate::{ASSUMED, Candidate, hottest};
 pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, Of, Remark, Verdict};
+pub use motor::DRIVE_CONTINUOUS_CURRENT;
 pub use needs::{NEEDS, Need};
 pub use remarks::LOW_SAFETY;
 

@@ -2,6 +2,10 @@
 
 use super::limit::*;
 use crate::actuator::waveform::Functional;
+use crate::requirement::Turns;
+
+/// What a drive gives for ever.
+pub const DRIVE_CONTINUOUS_CURRENT: &str = "drive_continuous_current";
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -54,6 +58,23 @@ pub(super) const LIMITS: &[Limit] = &[
             // Heat without durations is looked at over the motion, as of the hottest point for ever.
             Some(bound) if c.load.has_steady_heat => heating(c, 0.0, bound, "motor"),
             _ => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: DRIVE_CONTINUOUS_CURRENT,
+        unit: "A",
+        formula: "√mean(T²)/K_T ≤ I_drive continuous",
+        safety: false,
+        of: Of::QAxis,
+        class: Class::Convex,
+        depends: Depends::Current,
+        stated: |robot, joint| joint.drive.or(robot.bus.drive).continuous_current.is_some(),
+        key: |_| Some(Key::Robot(&["bus", "drive_continuous_current"])),
+        prepare: |c| match c.drive_continuous_current() {
+            None => Prepared::NotAsked,
+            Some(_) if c.joint.turns == Turns::Any => Prepared::NotAsked,
+            Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
+            Some(bound) => heating(c, 0.0, bound, "drive"),
         },
     },
     Limit {

@@ -4,7 +4,6 @@ use super::heat::STANDSTILL;
 use super::limit::{Asked, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
 use crate::catalog::estimate::Estimated;
-use crate::requirement::Regeneration;
 
 /// What a factor of safety below one means.
 pub const LOW_SAFETY: &str =
@@ -53,10 +52,17 @@ impl Candidate<'_> {
                 ),
             });
         }
-        if self.other.is_some() && self.robot.bus.regeneration != Regeneration::Allowed {
+        if self.other.is_some() && asked.iter().any(|a| a.limit.name == "regeneration") {
             assumed.push((
                 "regeneration",
                 "the motor's drag is known between two ends only, and power that comes back is computed at these: between them a little more may come back",
+            ));
+        }
+        let joints: u32 = self.robot.joints.iter().map(|joint| joint.count).sum();
+        if self.supply_resistance() > 0.0 && joints > 1 {
+            assumed.push((
+                "voltage",
+                "the bus sags by the power of this joint alone: what the others draw at the same instant lowers it further, and is not counted",
             ));
         }
         if self.derating() < 1.0 && self.motor.thermal_resistance.is_none() {

@@ -1,7 +1,6 @@
 //! How fast a motor may turn: what the voltage allows, and what its row does.
 
 use super::limit::*;
-use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;
 use crate::requirement::Turns;
 
@@ -10,7 +9,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "voltage",
         unit: "V",
-        formula: "max √(v_q² + v_d²) ≤ V, with R of the hottest winding allowed",
+        formula: "max √(v_q² + v_d²) ≤ V, with R of the hottest winding allowed; with a resistance of the supply the open-circuit voltage that this takes",
         safety: false,
         of: Of::Other,
         class: Class::Convex,
@@ -18,7 +17,7 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: the_supply,
         key: |_| Some(Key::Robot(&["bus", "voltage"])),
         prepare: |c| match c.joint.turns {
-            Turns::AsWound => torque(Demand::Samples(Functional::VoltageSquared), 1.0, c.voltage(), "bus"),
+            Turns::AsWound => voltage(c, "voltage", Demand::Samples),
             Turns::Any => Prepared::NotAsked,
         },
     },

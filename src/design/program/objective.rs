@@ -3,6 +3,7 @@
 //! cut for each ratio. The conic program and the branch and bound both work on cuts alone.
 
 use super::RatioProgram;
+use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::{Functional, Largest};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::evaluate::Prepared;
@@ -24,12 +25,12 @@ pub(super) fn why_not_convex(objective: &Objective) -> Option<&'static str> {
     objective.terms.iter().filter(|(_, weight)| *weight > 0.0).find_map(|(quantity, _)| why(*quantity))
 }
 
-/// Whether all losses are polynomials in the ratio: one end of the motor's drag, no saturation, no drive whose efficiency
-/// makes them depend on which samples draw.
+/// Whether all losses are polynomials in the ratio: one end of the motor's drag, no saturation, nothing that makes them
+/// depend on which samples draw.
 fn has_plain_losses(prepared: &Prepared) -> bool {
     let candidate = &prepared.candidate;
     let saturates = candidate.actuator.shortfall.saturates();
-    candidate.other.is_none() && !saturates && candidate.robot.bus.drive_efficiency == 1.0
+    candidate.other.is_none() && !saturates && Drawn::new(&candidate.robot.bus).is_lossless()
 }
 
 /// The objective of a program, without the mass that steps by stages.

@@ -159,7 +159,7 @@ impl<'a> Context<'a> {
     }
 
     fn profile(&self, prepared: &Prepared, ratio: f64) -> Profile {
-        Profile::of(prepared, self.robot.bus.drive_efficiency, ratio)
+        Profile::of(prepared, ratio)
     }
 
     /// Calls `look` with the parts of a combination.
@@ -439,7 +439,7 @@ fn priced(
     let mount = Mount::new(robot, joint, load, motor).with_gear(gear);
     let Ok(prepared) = mount.prepared() else { return f64::INFINITY };
     let own = item.design.evaluation.ratio;
-    let profile = Profile::of(&prepared, robot.bus.drive_efficiency, own);
+    let profile = Profile::of(&prepared, own);
     let power = |n: f64| weights.iter().map(|(k, w)| w * profile.at(*k, n).0).sum::<f64>();
     if item.ratios.1 / item.ratios.0 - 1.0 <= 1e-12 {
         return scale * item.lower + power(own);

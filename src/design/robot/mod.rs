@@ -244,8 +244,8 @@ pub(crate) fn carried_first(joints: &[Joint]) -> Vec<usize> {
 }
 
 /// Power that the bus gives one actuator at each sample of its motion \[W\], what comes back less than zero.
-pub(crate) fn power_course(prepared: &Prepared, drive_efficiency: f64, ratio: f64) -> Vec<f64> {
-    power::Profile::of(prepared, drive_efficiency, ratio).course(ratio)
+pub(crate) fn power_course(prepared: &Prepared, ratio: f64) -> Vec<f64> {
+    power::Profile::of(prepared, ratio).course(ratio)
 }
 
 /// Largest power that all joints together draw at any instant \[W\], from the `power_course` of each; where they

@@ -1,13 +1,14 @@
 //! The power that all joints draw together, instant by instant.
 //!
-//! A joint's drive draws `P/η_d` where its motor takes power and gives back `η_d P` where it returns it; the
-//! other joints may use what comes back. Between two samples the power is a straight line, as in all means
+//! A joint's drive draws `P/η_d` where its motor takes power and gives back `η_d P` where it returns it, or `η_r P` where that
+//! is less; the other joints may use what comes back. Between two samples the power is a straight line, as in all means
 //! over time: the sum of joints with one time base is then largest at a sample of one of them. Joints without
 //! a common time base can meet at their worst instants: the sum of their peaks is a safe bound, and is called so.
 
 use crate::actuator::limits::Candidate;
 use crate::actuator::shaft::Flow;
-use crate::actuator::waveform::{Functional, WavePoint};
+use crate::actuator::supply::Drawn;
+use crate::actuator::waveform::WavePoint;
 use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
 use crate::requirement::{Course, Motion, Robot};
@@ -180,12 +181,13 @@ pub(super) struct Profile {
     points: Vec<Vec<WavePoint>>,
     /// The equations at each end of what is known of the motor's drag.
     ends: Vec<Actuator>,
-    drive: f64,
+    /// Drawn from the bus per watt that the motor takes, and given per watt that it gives back.
+    drive: (f64, f64),
     standby: f64,
 }
 
 impl Profile {
-    fn new(candidate: &Candidate, samples: usize, drive: f64) -> Profile {
+    fn new(candidate: &Candidate, samples: usize, drive: (f64, f64)) -> Profile {
         let load = candidate.load;
         let mut points = vec![Vec::new(); samples];
         for index in 0..load.waveform.len() {
@@ -196,8 +198,9 @@ impl Profile {
     }
 
     /// Of a candidate at a ratio.
-    pub(super) fn of(prepared: &Prepared, drive: f64, ratio: f64) -> Profile {
+    pub(super) fn of(prepared: &Prepared, ratio: f64) -> Profile {
         let candidate = &prepared.candidate;
+        let drive = Drawn::shared(&candidate.robot.bus);
         let samples = candidate.joint.motion.len();
         if candidate.is_evaluated() {
             return candidate.at_ratio(ratio, |here| Profile::new(here, samples, drive));
@@ -211,10 +214,9 @@ impl Profile {
         let mut most: Option<(f64, Laurent)> = None;
         let points = self.points[sample].iter().flat_map(|point| self.ends.iter().map(move |end| (point, end)));
         for (point, end) in points {
-            let polynomial = Functional::Power.polynomial(end, point.flow as Flow, &point.features);
+            let polynomial = end.power(end.loss_taken(), point.flow as Flow, &point.features);
             let power = polynomial.at(ratio);
-            // The larger of P/η and η P.
-            let factor = if power > 0.0 { 1.0 / self.drive } else { self.drive };
+            let factor = if power > 0.0 { self.drive.0 } else { self.drive.1 };
             let drawn = power * factor + self.standby;
             if most.as_ref().is_none_or(|(m, _)| drawn > *m) {
                 most = Some((drawn, polynomial * factor + Laurent::constant(self.standby)));

@@ -63,7 +63,7 @@ impl<'a> Over<'a, '_> {
         if let Some(values) = site.joint.ratio.listed() {
             let mut optimum =
                 best_listed(values.iter().copied(), |ratio| boxed.tried(&site.joint.objective, ratio, only_checked))?;
-            if let Some(why) = unproved(site.robot, &boxed.nominal, &toleranced) {
+            if let Some(why) = unproved(&boxed.nominal, &toleranced) {
                 optimum.certificate = Certificate::NotCertified(why.into());
             }
             return Ok(boxed.design(nominal, toleranced, None, optimum));
@@ -71,7 +71,7 @@ impl<'a> Over<'a, '_> {
         let limits = limits_of(&boxed.nominal, &boxed.corners);
         let program = RatioProgram::under(&boxed.nominal, &site.joint.objective, range, limits);
         let mut optimum = program.solve()?;
-        if let Some(why) = unproved(site.robot, &boxed.nominal, &toleranced) {
+        if let Some(why) = unproved(&boxed.nominal, &toleranced) {
             optimum.certificate = Certificate::NotCertified(why.into());
         }
         if judge::may_change(&boxed.nominal, only_checked) {
@@ -105,7 +105,7 @@ impl<'a> Over<'a, '_> {
                 continue;
             };
             let mut optimum = one_gear(gear.ratio, objective);
-            if let Some(why) = unproved(site.robot, &boxed.nominal, &toleranced) {
+            if let Some(why) = unproved(&boxed.nominal, &toleranced) {
                 optimum.certificate = Certificate::NotCertified(why.into());
             }
             gears.take(false, (objective, here.loss), (&gear.id, boxed, optimum));

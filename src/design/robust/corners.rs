@@ -4,7 +4,6 @@ use crate::actuator::limits::{Depends, Limit};
 use crate::catalog::{FIELDS, Field, Motor, Printed};
 use crate::design::Prepared;
 use crate::design::program::Limited;
-use crate::requirement::{Regeneration, Robot};
 use crate::units::TEMPERATURE;
 
 /// Which end of a tolerance is the worse one.
@@ -231,14 +230,14 @@ pub(super) fn limits_of<'p>(nominal: &'p Prepared<'p>, corners: &'p [(Prepared<'
 }
 
 /// Why corners do not prove that the whole box keeps the limits, where they do not.
-pub(super) fn unproved(robot: &Robot, nominal: &Prepared, all: &[Toleranced]) -> Option<&'static str> {
+pub(super) fn unproved(nominal: &Prepared, all: &[Toleranced]) -> Option<&'static str> {
     let has = |matters: &dyn Fn(Part) -> bool| all.iter().any(|t| matters(t.part));
     let has_column = |name: &str| all.iter().any(|t| t.column == name);
     let of_power = |part: Part| part.is_of_torque() || part == Part::Constant;
     // The end of a resistance to ambient is known.
     let of_heat = |t: &Toleranced| matches!(t.part, Part::WindingToHousing | Part::Thermal) && t.worst == Worst::Either;
     let follows = nominal.asked.iter().any(|a| a.limit.depends == Depends::Temperature);
-    if matches!(robot.bus.regeneration, Regeneration::Limited(_)) && has(&of_power) {
+    if nominal.asked.iter().any(|a| a.limit.depends == Depends::PowerBack) && has(&of_power) {
         return Some("power that comes back may be largest between the corners of the tolerances");
     }
     if has_column("max_winding_temperature") {

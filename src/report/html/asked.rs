@@ -30,11 +30,20 @@ fn supply(robot: &Robot) -> String {
     all.extend(bus.drive_current.map(|i| format!("drives of at most {} A (amplitude of a phase)", number(i))));
     all.extend(bus.power.map(|p| format!("at most {} W for one joint", number(p))));
     all.extend(bus.current.map(|i| format!("at most {} A of the bus for one joint", number(i))));
+    all.extend(bus.drive.continuous_current.map(|i| format!("drives of at most {} A for ever", number(i))));
+    all.extend(bus.internal_resistance.map(|r| format!("internal resistance {} ohm", number(r))));
+    all.extend(bus.max_voltage.map(|v| format!("it may rise to {} V", number(v))));
     all.push(match bus.regeneration {
+        Regeneration::Dissipated => "what comes back goes into a brake: nothing of it is kept".into(),
         Regeneration::Allowed => "it takes back all that comes back".into(),
         Regeneration::Limited(0.0) => "it takes nothing back".into(),
         Regeneration::Limited(most) => format!("it takes back at most {} W", number(most)),
     });
+    all.extend(
+        bus.regeneration_efficiency
+            .map(|share| format!("{} % of what a motor gives back is kept", number(100.0 * share))),
+    );
+    all.extend(bus.brake_power.map(|p| format!("a brake takes at most {} W of one joint", number(p))));
     all.push(format!("surroundings {} °C", number(in_unit(robot.ambient, "degC"))));
     let budget = &robot.budget;
     all.extend(budget.actuator_mass.map(|m| format!("all actuators together at most {} kg", number(m))));

@@ -85,12 +85,14 @@ pub struct Losses {
     pub gear_no_load: f64,
     /// In drive and leads.
     pub drive: f64,
+    /// Of what comes back to the bus, what is not kept: in a braking resistor, or in the supply.
+    pub braking: f64,
 }
 
 impl From<losses::Losses> for Losses {
     fn from(of: losses::Losses) -> Losses {
-        let losses::Losses { copper, motor_drag, gear_load, gear_no_load, drive } = of;
-        Losses { copper, motor_drag, gear_load, gear_no_load, drive }
+        let losses::Losses { copper, motor_drag, gear_load, gear_no_load, drive, braking } = of;
+        Losses { copper, motor_drag, gear_load, gear_no_load, drive, braking }
     }
 }
 

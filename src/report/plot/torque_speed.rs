@@ -192,9 +192,13 @@ fn cloud(candidate: &Candidate, ratio: f64) -> Vec<(usize, (f64, f64))> {
 /// To where speeds are drawn: beyond the motion, to where the voltage ends if that is not too far.
 fn speed_range(prepared: &Prepared, ratio: f64, fastest: f64) -> f64 {
     let steady = Steady::new(&prepared.candidate, ratio);
-    let bound = prepared.candidate.voltage().powi(2);
+    let bound = prepared.candidate.robot.bus.voltage;
+    let (functional, bound) = match prepared.candidate.supply(0.0) {
+        Some(supply) => (Functional::OpenVoltage(supply), bound),
+        None => (Functional::VoltageSquared, prepared.candidate.voltage().powi(2)),
+    };
     let reaches = |speed: f64| {
-        let driving = steady.largest_torque(Functional::VoltageSquared, bound, Flow::Driving, speed);
+        let driving = steady.largest_torque(functional, bound, Flow::Driving, speed);
         driving.is_some_and(|t| t > 0.0)
     };
     let mut speed = 1.15 * fastest.max(1e-3);
@@ -273,7 +277,10 @@ fn boundaries(prepared: &Prepared, ratio: f64, speeds: &[f64]) -> (Vec<Boundary>
             all.push(Boundary { series: Series::new(tone, Mark::Line(dash), line(torque)), of, short, peak });
         }
         let (functional, name, tone, dash) = match asked.limit.name {
-            "voltage" => (Functional::VoltageSquared, "voltage", Tone::Black, Dash::Solid),
+            "voltage" => match asked.demand {
+                Demand::Samples(functional) => (functional, "voltage", Tone::Black, Dash::Solid),
+                _ => continue,
+            },
             "bus_power" => (Functional::Power, "power of the bus", Tone::Purple, Dash::DashDot),
             "bus_current" => (Functional::Power, "current of the bus", Tone::Purple, Dash::DashDotDot),
             _ => continue,

@@ -133,6 +133,11 @@ limits! {
         why "Width at a joint is what collides first: knees touch, arms cannot fold.",
         example "A motor of 60 mm in a knee that is 50 mm wide.",
         fix "A flat motor of more diameter, or a larger ratio with a smaller motor.";
+    "GW034" "drive-continuous-current" "drive_continuous_current",
+        "the rms current stays within what the drive gives for ever",
+        why "A drive's large current is for seconds: its switches warm up and it falls back to the continuous one, in the middle of the work.",
+        example "A hip with 24 A rms (amplitude) on a drive of 60 A for a second and 20 A for ever.",
+        fix "A larger drive or a better cooled one, or a motor with more torque per ampere.";
 }
 
 /// A motor and gear that cannot be evaluated at all.

@@ -11,6 +11,7 @@ use gearwise::actuator::limits::{Asked, Candidate, Check, Class, Demand, LIMITS}
 use gearwise::actuator::metrics::{Estimate, METRICS, at_matched_inertia, metric};
 use gearwise::actuator::shaft::Flow;
 use gearwise::actuator::step_response::{simulate, simulate_and_watch};
+use gearwise::actuator::supply::Drawn;
 use gearwise::actuator::thermal_motion::{Heat, TwoNode};
 use gearwise::actuator::waveform::Functional;
 use gearwise::actuator::{Actuator, Laurent, Load};
@@ -758,17 +759,25 @@ fn cuts_of_heat_and_energy_touch_and_stay_below() {
             is_a_cut(&format!("{i} mean current"), &cut, n, &mean, true);
         }
         let Some(duration) = load.duration else { continue };
-        let drive = 0.87;
+        let (drive, kept) = (0.87, 0.6);
+        let bus = Bus { drive_efficiency: drive, regeneration_efficiency: Some(kept), ..case.robot.bus };
+        let bus = Bus { regeneration: Regeneration::Allowed, ..bus };
         let energy = |n: f64| {
             let of = |p: &Point| {
                 let heat = motor.resistance * squared(p, n);
                 let power = heat + motor.emf_constant() * n * p.velocity * torque(p, n) / motor.torque_constant;
-                if power > 0.0 { power / drive } else { power * drive }
+                if power > 0.0 { power / drive } else { power * kept }
             };
             duration * case.raw.iter().zip(&case.shares).map(|(p, s)| s[0] * of(p)).sum::<f64>()
         };
         for n in [0.5 * n, n, 1.8 * n] {
-            is_a_cut(&format!("{i} energy"), &(load.drawn_cut(&actuator, drive, n) * duration), n, &energy, false);
+            is_a_cut(
+                &format!("{i} energy"),
+                &(load.drawn_cut(&actuator, Drawn::new(&bus), n) * duration),
+                n,
+                &energy,
+                false,
+            );
         }
     }
 }
@@ -888,6 +897,7 @@ fn the_envelope_is_where_its_functional_meets_the_bound() {
                     Functional::VoltageSquared => v_q * v_q + v_d * v_d,
                     Functional::Power => hot * current * current + work,
                     Functional::PowerBack => -(motor.resistance * current * current + work),
+                    Functional::OpenVoltage(_) => unreachable!("it is no parabola of the torque"),
                 }
             };
             let usual = case.raw.iter().map(|p| p.torque.abs()).fold(0.0, f64::max);
@@ -964,7 +974,7 @@ fn changed_waveforms_have_the_same_points() {
                 let found = changed.largest(functional, &actuator, n);
                 let at = |i: usize| {
                     let p = changed.point(i);
-                    functional.polynomial(&actuator, p.flow, &p.features).at(n)
+                    functional.polynomial(&actuator, p.flow, &p.features, n).at(n)
                 };
                 let most = (0..changed.len()).map(at).fold(f64::NEG_INFINITY, f64::max);
                 let size = (0..changed.len()).map(|i| at(i).abs()).fold(0.0, f64::max);

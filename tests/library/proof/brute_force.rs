@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use gearwise::actuator::Load;
+use gearwise::catalog::convention::Commutation;
 use gearwise::catalog::drag::Friction;
 use gearwise::catalog::estimate::{Estimate, Estimated};
 use gearwise::catalog::{Catalog, Construction, Printed};
@@ -212,6 +213,48 @@ fn dragged(i: u64) -> Case {
 #[test]
 fn programs_with_drag_between_two_ends_agree_with_a_scan_of_the_raw_waveforms() {
     run(cases(200_000, 1200), false, 18, dragged);
+}
+
+/// A joint on a supply with a resistance: with leads of its own, a bus that may rise, a brake, what comes back kept in part or
+/// not at all, and a drive whose current for ever is a limit.
+fn supplied(i: u64) -> Case {
+    let mut case = if i.is_multiple_of(4) { dragged(i) } else { draw(i, !i.is_multiple_of(3)) };
+    let mut random = Pcg64::seed_from_u64(i + 1);
+    let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
+    let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
+    let at = case.look((min * max).sqrt());
+    let need = |name: &str| at.limits.iter().find(|limit| limit.0 == name).unwrap().1;
+    let (peak, back) = (need("bus_power").abs().max(1e-9), need("regeneration"));
+    let bus = &mut case.robot.bus;
+    // A sag of a thousandth to a half at the most power of the middle ratio.
+    let resistance = bus.voltage * bus.voltage / peak * around(1e-3, 0.25);
+    bus.internal_resistance = Some(resistance).filter(|_| !i.is_multiple_of(7));
+    case.robot.joints[0].drive.supply_lead_resistance = Some(0.1 * resistance).filter(|_| i.is_multiple_of(2));
+    bus.regeneration_efficiency = Some(around(0.4, 1.0)).filter(|_| i.is_multiple_of(3));
+    match i % 5 {
+        0 => bus.regeneration = Regeneration::Dissipated,
+        1 if back > 0.0 => bus.max_voltage = Some(bus.voltage * around(1.001, 1.3)),
+        2 if back > 0.0 => {
+            bus.regeneration = Regeneration::Limited(back * around(0.1, 2.0));
+            bus.brake_power = Some(back * around(0.1, 2.0));
+        }
+        _ => {}
+    }
+    if i.is_multiple_of(3) {
+        let amplitude = if case.motor.conventions.commutation == Commutation::Brushed { 1.0 } else { 1.5_f64.sqrt() };
+        bus.drive.continuous_current = Some(need("continuous_current") / amplitude * around(0.7, 2.0));
+    }
+    // Where nothing may come back, a single ratio at which power just touches zero is a matter of rounding.
+    if bus.regeneration == Regeneration::Limited(0.0) {
+        bus.regeneration = Regeneration::Allowed;
+    }
+    Case::new(case.motor, case.robot, case.raw)
+}
+
+/// A supply that sags and what it makes of power that comes back: verdicts, windows, best ratio, objective and every margin.
+#[test]
+fn programs_on_a_supply_that_sags_agree_with_a_scan_of_the_raw_waveforms() {
+    run(cases(400_000, 1200), false, 18, supplied);
 }
 
 /// Parts of constant heat are the model's own approximation: here heat is linear between samples, the

@@ -18,4 +18,5 @@ mod robust;
 mod second_formulation;
 mod spring;
 mod stopped;
+mod supply;
 mod turns;

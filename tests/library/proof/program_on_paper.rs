@@ -568,11 +568,6 @@ fn what_is_not_convex_in_n_squared_is_proved_otherwise() {
     assert_eq!(how(&case), "convex in 1/N");
     case.robot.bus.regeneration = Regeneration::Limited(1e12);
     assert_eq!(how(&case), "branch and bound");
-    // What a drive keeps of the power that comes back is convex in neither where friction has a part that no ratio changes.
-    case.robot.bus.regeneration = Regeneration::Allowed;
-    case.robot.bus.drive_efficiency = 0.8;
-    case.robot.joints[0].objective = Objective::single(Quantity::Energy);
-    assert_eq!(how(&case), "branch and bound");
 }
 
 /// The same for a limit that every sample has a part in: the voltage, where a drag is evaluated.

@@ -9,6 +9,7 @@ use super::form::{Affine, Form, Point, at, times};
 use super::region::{Geared, Region};
 use crate::actuator::Actuator;
 use crate::actuator::shaft::{Feature, Flow};
+use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::Functional;
 
 /// A sample of the motion with the spring's torque left open.
@@ -141,20 +142,6 @@ pub(super) fn add_power(
     shaft.add_times_ratio(form, weight * emf, region, z);
 }
 
-/// What power costs where it is drawn, and yields where it is given back: the drive's efficiency over or times.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Drawn {
-    /// Of power drawn, and of power given back.
-    pub(super) efficiency: f64,
-}
-
-impl Drawn {
-    /// The factor of a power.
-    pub(super) fn factor(self, power: f64) -> f64 {
-        if power > 0.0 { 1.0 / self.efficiency } else { self.efficiency }
-    }
-}
-
 /// What motor and gear take without load at a point, and what the gear's efficiency takes \[W\].
 fn mechanical_loss_at(actuator: &Actuator, sample: &Sample, z: Point) -> f64 {
     let n = z[0].sqrt();
@@ -179,8 +166,8 @@ fn through_gear(actuator: &Actuator, sample: &Sample, z: Point) -> (f64, Affine)
 /// All losses of a sample at a point \[W\], without standby.
 pub(super) fn loss_at(actuator: &Actuator, drawn: Drawn, sample: &Sample, torque: f64, z: Point) -> f64 {
     let power = power_at((actuator, actuator.loss_given()), sample, torque, z);
-    let factor = drawn.factor(power);
-    actuator.loss_given() * torque * torque + (factor - 1.0) * power + mechanical_loss_at(actuator, sample, z)
+    let (factor, kept) = drawn.line(power);
+    actuator.loss_given() * torque * torque + (factor - 1.0) * power + kept + mechanical_loss_at(actuator, sample, z)
 }
 
 /// Adds a lower bound of `weight` times all losses of a sample, without standby; it touches them at `z` where the program is
@@ -195,7 +182,8 @@ pub(super) fn add_loss(
     z: Point,
 ) {
     let torque = torque_at(actuator, sample, z);
-    let factor = drawn.factor(power_at((actuator, actuator.loss_given()), sample, torque, z));
+    let (factor, kept) = drawn.line(power_at((actuator, actuator.loss_given()), sample, torque, z));
+    form.add_constant(weight * kept);
     let shaft = shaft(actuator, sample, region);
     let emf = actuator.back_emf_constant / actuator.torque_constant * sample.velocity.abs();
     shaft.add_square(form, weight * factor * actuator.loss_given(), region, z);
@@ -233,6 +221,17 @@ pub(super) fn functional(
             shaft.add_times_ratio(&mut form, -emf, region, z);
         }
         Functional::VoltageSquared => return voltage_squared(actuator, sample, region, z),
+        Functional::OpenVoltage(supply) => {
+            let [of_voltage, of_power, constant] = supply.row(
+                voltage_squared_at(actuator, sample, torque_at(actuator, sample, z), z),
+                power_at((actuator, actuator.loss_taken()), sample, torque_at(actuator, sample, z), z),
+            );
+            add_power((actuator, actuator.loss_taken()), sample, &mut form, of_power, region, z);
+            if of_voltage > 0.0 {
+                form.add(of_voltage, &voltage_squared(actuator, sample, region, z)?);
+            }
+            form.add_constant(constant);
+        }
     }
     Some(form)
 }

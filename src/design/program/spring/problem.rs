@@ -7,7 +7,8 @@ use super::region::Region;
 use crate::actuator::limits::{Asked, Class, Demand};
 use crate::actuator::load::BANDWIDTH_PHASES;
 use crate::actuator::shaft::sign;
-use crate::actuator::waveform::Functional;
+use crate::actuator::supply::{Drawn, Supply};
+use crate::actuator::waveform::{FUNCTIONALS, Functional};
 use crate::actuator::{Actuator, Load};
 use crate::design::evaluate::{Prepared, violation};
 use crate::design::program::objective::why_not_convex;
@@ -34,8 +35,8 @@ pub(super) struct Look {
 /// What is largest over the samples at a point, by functional, with its sample, and the squared torque of each: at one end of
 /// the motor's drag.
 struct Seen {
-    plain: [(f64, usize); 4],
-    rippled: [(f64, usize); 4],
+    plain: [(f64, usize); FUNCTIONALS],
+    rippled: [(f64, usize); FUNCTIONALS],
     squares: Vec<f64>,
 }
 
@@ -248,14 +249,26 @@ impl<'a> Problem<'a> {
 
     /// The point as the model sees it.
     pub(super) fn look(&self, z: Point) -> Look {
-        let worst = |actuator: &Actuator, samples: &[Sample]| {
-            let mut best = [(f64::NEG_INFINITY, 0_usize); 4];
+        // The reserve of both limits on the voltage is in the supply.
+        let supply_of = |over: &dyn Fn(&Demand) -> Option<Functional>| {
+            self.prepared.asked.iter().find_map(|asked| match over(&asked.demand) {
+                Some(Functional::OpenVoltage(supply)) => Some(supply),
+                _ => None,
+            })
+        };
+        let supplies = [
+            supply_of(&|demand| if let Demand::Samples(f) = demand { Some(*f) } else { None }),
+            supply_of(&|demand| if let Demand::Bandwidth(f) = demand { Some(*f) } else { None }),
+        ];
+        let worst = |actuator: &Actuator, samples: &[Sample], supply: Option<Supply>| {
+            let mut best = [(f64::NEG_INFINITY, 0_usize); FUNCTIONALS];
             for (i, sample) in samples.iter().enumerate() {
                 let torque = model::torque_at(actuator, sample, z);
                 let power = model::power_at((actuator, actuator.loss_taken()), sample, torque, z);
                 let cold = model::power_at((actuator, actuator.loss_given()), sample, torque, z);
                 let voltage = model::voltage_squared_at(actuator, sample, torque, z);
-                for (best, value) in best.iter_mut().zip([torque * torque, voltage, power, -cold]) {
+                let needed = supply.map_or(f64::NEG_INFINITY, |supply| supply.needed(voltage, power));
+                for (best, value) in best.iter_mut().zip([torque * torque, voltage, power, -cold, needed]) {
                     if value > best.0 {
                         *best = (value, i);
                     }
@@ -267,8 +280,8 @@ impl<'a> Problem<'a> {
         let seen: Vec<Seen> = self
             .ends()
             .map(|actuator| Seen {
-                plain: worst(actuator, &self.limits),
-                rippled: worst(actuator, &self.ripples),
+                plain: worst(actuator, &self.limits, supplies[0]),
+                rippled: worst(actuator, &self.ripples, supplies[1]),
                 squares: squares(actuator),
             })
             .collect();
@@ -277,8 +290,8 @@ impl<'a> Problem<'a> {
         for (index, asked) in self.prepared.asked.iter().enumerate() {
             let Seen { plain, rippled, squares } = &seen[(asked.end as usize).min(seen.len() - 1)];
             let (raw, sample) = match asked.demand {
-                Demand::Samples(f) => plain[f as usize],
-                Demand::Bandwidth(f) => rippled[f as usize],
+                Demand::Samples(f) => plain[f.place()],
+                Demand::Bandwidth(f) => rippled[f.place()],
                 Demand::Polynomial(..) if asked.limit.class == Class::Convex => {
                     (squares.iter().enumerate().map(|(k, t)| self.heat_row(asked, k) * t).sum(), 0)
                 }
@@ -329,7 +342,7 @@ impl<'a> Problem<'a> {
         let most = |of: &dyn Fn(&Actuator, &Seen) -> f64| {
             self.ends().zip(seen).map(|(actuator, seen)| of(actuator, seen)).fold(f64::NEG_INFINITY, f64::max)
         };
-        let peak = |f: Functional| most(&|_, seen| seen.plain[f as usize].0);
+        let peak = |f: Functional| most(&|_, seen| seen.plain[f.place()].0);
         if self.least_stiffness {
             return z[1];
         }
@@ -375,8 +388,8 @@ impl<'a> Problem<'a> {
         self.motion.duration().unwrap_or(f64::NAN) * (sum + self.prepared.candidate.standby_power())
     }
 
-    fn drawn(&self) -> model::Drawn {
-        model::Drawn { efficiency: self.prepared.candidate.robot.bus.drive_efficiency }
+    fn drawn(&self) -> Drawn {
+        Drawn::new(&self.prepared.candidate.robot.bus)
     }
 
     /// The equations at each end of what is known of the motor's drag.
@@ -393,12 +406,14 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// A sample's weight in the energy at a point, and what it adds to the mean power drawn \[W\].
-    fn energy_share(&self, actuator: &Actuator, k: usize, sample: &Sample, z: Point) -> (f64, f64) {
+    /// A sample's weight in the energy at a point with the constant that goes with it, and what it adds to the mean power
+    /// drawn \[W\].
+    fn energy_share(&self, actuator: &Actuator, k: usize, sample: &Sample, z: Point) -> ([f64; 2], f64) {
         let torque = model::torque_at(actuator, sample, z);
         let power = model::power_at((actuator, actuator.loss_given()), sample, torque, z);
-        let factor = self.motion.weight[k] * self.drawn().factor(power);
-        (factor, factor * power)
+        let (factor, kept) = self.drawn().line(power);
+        let [factor, kept] = [factor, kept].map(|x| self.motion.weight[k] * x);
+        ([factor, kept], factor * power + kept)
     }
 
     /// A form that is nowhere above the objective on a region, and touches it at `z` where the program is
@@ -463,7 +478,8 @@ impl<'a> Problem<'a> {
             let each = weight(Quantity::Energy) * self.motion.duration().unwrap_or(f64::NAN);
             let actuator = self.worst_end(|actuator| self.energy_of(actuator, z));
             for (k, sample) in self.means.iter().enumerate() {
-                let factor = self.energy_share(actuator, k, sample, z).0;
+                let [factor, kept] = self.energy_share(actuator, k, sample, z).0;
+                form.add_constant(each * kept);
                 model::add_power((actuator, actuator.loss_given()), sample, &mut form, each * factor, region, z);
             }
             form.add_constant(each * candidate.standby_power());

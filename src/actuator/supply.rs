@@ -1,0 +1,173 @@
+//! What the supply makes of the power at a motor's terminals: what is drawn, what of that which comes back is kept, and how
+//! far the bus sags.
+//!
+//! The one idea: with y the bus voltage that a sample needs and P_b what it draws from the bus, a supply of open-circuit
+//! voltage V_oc and resistance R_i holds y exactly where `y + R_i P_b/y ≤ V_oc` (with y at least V_oc/2, below which no supply
+//! gives more power). So the open-circuit voltage that a sample needs is a number like any other demand. Multiplied out it is
+//! `y² + R_i P_b ≤ V_oc y`; the root that y is lies below its tangents in y², and each tangent leaves a sum of |v|² and P_b
+//! with weights that are not negative: a row of the kind that the ratio program has.
+
+use super::shaft::{Actuator, FEATURES, Flow};
+use crate::numerics::laurent::Laurent;
+use crate::requirement::{Bus, Regeneration};
+
+/// What power at the terminals costs, and what of it is kept where it comes back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    /// Drawn per watt that the motor takes: 1/η_d.
+    taken: f64,
+    /// Share of what the motor gives back that reaches the bus.
+    arrives: f64,
+    /// Share of what the motor gives back that is kept, η_r; no more than what reaches the bus.
+    kept: f64,
+    /// Most that is kept at any instant \[W\].
+    most: f64,
+}
+
+impl Drawn {
+    /// Of a bus.
+    pub fn new(bus: &Bus) -> Drawn {
+        let kept = bus.regeneration_efficiency.unwrap_or(bus.drive_efficiency);
+        let most = match (bus.regeneration, bus.brake_power) {
+            (Regeneration::Dissipated, _) => 0.0,
+            // A brake takes what the supply does not.
+            (Regeneration::Limited(watts), Some(_)) => watts,
+            // What is more is a limit.
+            (Regeneration::Limited(_), None) | (Regeneration::Allowed, _) => f64::INFINITY,
+        };
+        Drawn { taken: 1.0 / bus.drive_efficiency, arrives: kept.max(bus.drive_efficiency), kept, most }
+    }
+
+    /// What is drawn for a power at the terminals \[W\], negative where it is kept, as a straight line that touches it and
+    /// is nowhere above it: slope and constant.
+    pub fn line(&self, power: f64) -> (f64, f64) {
+        match () {
+            () if power > 0.0 => (self.taken, 0.0),
+            () if -power * self.kept > self.most => (0.0, -self.most),
+            () => (self.kept, 0.0),
+        }
+    }
+
+    /// Share of what the motor gives back that reaches the bus.
+    pub fn arrives(&self) -> f64 {
+        self.arrives
+    }
+
+    /// Whether what is drawn is what the motor takes, and what it gives back is kept.
+    pub fn is_lossless(&self) -> bool {
+        self.taken == 1.0 && self.kept == 1.0 && self.most == f64::INFINITY
+    }
+
+    /// The same where all that reaches the bus is kept: what the drive alone makes of it.
+    #[must_use]
+    pub fn by_drive(self) -> Drawn {
+        Drawn { kept: self.arrives, most: f64::INFINITY, ..self }
+    }
+
+    /// What reaches the bus and what other joints can use of what one gives back, per watt that a motor takes and gives back:
+    /// from above.
+    pub fn shared(bus: &Bus) -> (f64, f64) {
+        let back = bus.regeneration_efficiency.map_or(bus.drive_efficiency, |kept| kept.min(bus.drive_efficiency));
+        (1.0 / bus.drive_efficiency, back)
+    }
+}
+
+/// A supply that sags.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Supply {
+    /// Open-circuit voltage, less what is kept in reserve of it \[V\].
+    open: f64,
+    /// Resistance of the supply and of the leads to the drive \[Ω\].
+    resistance: f64,
+    /// Voltage on the q-axis circle per bus voltage.
+    circle: f64,
+    /// Bus voltage that is lost in the drive whatever the modulation \[V\].
+    lost: f64,
+    /// Drawn per watt that the motor takes, and given per watt that it gives back.
+    taken: f64,
+    given: f64,
+    /// Power that the drive takes whatever the motor does \[W\].
+    standby: f64,
+}
+
+impl Supply {
+    /// Of a bus with a resistance to the drive \[Ω\]: the circle's radius is `circle` times its voltage, less `shortfall`
+    /// \[V\]; `standby` is what the drive takes \[W\], `reserve` the share of the open-circuit voltage that is not used.
+    pub fn new(bus: &Bus, resistance: f64, (circle, shortfall): (f64, f64), standby: f64, reserve: f64) -> Supply {
+        let (taken, back) = Drawn::shared(bus);
+        // What a brake takes does not lift the bus for sure.
+        let lifts = bus.brake_power.is_none() && bus.regeneration != Regeneration::Dissipated;
+        Supply {
+            open: bus.voltage * (1.0 - reserve),
+            resistance,
+            circle,
+            lost: shortfall / circle,
+            taken,
+            given: if lifts { back } else { 0.0 },
+            standby,
+        }
+    }
+
+    /// What a sample draws from the bus per power at the terminals \[W/W\].
+    fn per_power(&self, power: f64) -> f64 {
+        if power > 0.0 { self.taken } else { self.given }
+    }
+
+    /// Bus voltage with which a sample is looked at \[V\], for the square of the voltage at the motor \[V²\].
+    fn held(&self, voltage_squared: f64) -> f64 {
+        (voltage_squared.max(0.0).sqrt() / self.circle + self.lost).max(0.5 * self.open)
+    }
+
+    /// Open-circuit voltage that a sample needs \[V\], from the square of its voltage \[V²\] and its power at the terminals
+    /// \[W\]. It grows with both.
+    #[inline]
+    pub fn needed(&self, voltage_squared: f64, power: f64) -> f64 {
+        let held = self.held(voltage_squared);
+        held + self.resistance * (self.per_power(power) * power + self.standby) / held
+    }
+
+    /// An upper bound of [`Supply::needed`] over squares of voltages and powers up to these.
+    #[inline]
+    pub fn needed_at_most(&self, voltage_squared: f64, power: f64) -> f64 {
+        // Convex in the held voltage: the larger of both ends.
+        let drawn = self.resistance * (self.per_power(power) * power + self.standby);
+        let (low, high) = (0.5 * self.open, self.held(voltage_squared));
+        (low + drawn / low).max(high + drawn / high)
+    }
+
+    /// The weights of |v|² and of the power at the terminals in the row that touches what is needed, and its constant; the
+    /// row is at most the open-circuit voltage wherever what is needed is.
+    pub fn row(&self, voltage_squared: f64, power: f64) -> [f64; 3] {
+        let held = self.held(voltage_squared);
+        let least = held - self.lost;
+        let open = (self.open - 2.0 * self.lost).max(0.0);
+        let share = if open > 0.0 { (1.0 - open / (2.0 * least)).max(0.0) } else { 1.0 };
+        let bound = 0.5 * open * least + self.lost * (self.open - self.lost);
+        [
+            share / (self.circle * self.circle * held),
+            self.resistance * self.per_power(power) / held,
+            self.open + (self.resistance * self.standby - bound) / held,
+        ]
+    }
+
+    /// The row as a polynomial of a sample, by its voltage and power there.
+    pub(super) fn polynomial(
+        &self,
+        actuator: &Actuator,
+        flow: Flow,
+        features: &[f64; FEATURES],
+        ratio: f64,
+    ) -> Laurent {
+        let voltage = actuator.voltage_squared(flow, features);
+        let power = actuator.power(actuator.loss_taken(), flow, features);
+        let [of_voltage, of_power, constant] = self.row(voltage.at(ratio), power.at(ratio));
+        voltage * of_voltage + power * of_power + Laurent::constant(constant)
+    }
+
+    /// Bus voltage \[V\] where so much is drawn at the terminals \[W\]; `None` where the supply cannot give it.
+    pub fn voltage(&self, power: f64) -> Option<f64> {
+        let drawn = self.per_power(power) * power + self.standby;
+        let root = self.open * self.open - 4.0 * self.resistance * drawn;
+        (root >= 0.0).then(|| 0.5 * (self.open + root.sqrt()))
+    }
+}
