@@ -7,8 +7,10 @@ use super::shaft::{Actuator, Flow};
 use super::supply::Supply;
 use super::thermal;
 use super::thermal_motion::TwoNode;
+use super::weakening::parabola;
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::drag::Drag;
+use crate::catalog::estimate::Estimated;
 use crate::catalog::{Gear, Motor};
 use crate::requirement::{GearModel, Joint, MotorDrag, Robot, Turns};
 
@@ -142,6 +144,14 @@ impl Candidate<'_> {
         (resistance > 0.0).then(|| Supply::new(bus, resistance, shortfall, self.standby_power(), reserve))
     }
 
+    /// Voltage between two phases per speed of the motor \[V·s/rad\], of a brushed motor between its terminals.
+    pub fn open_circuit_per_speed(&self) -> f64 {
+        match self.motor.conventions.commutation {
+            Commutation::Brushless => std::f64::consts::SQRT_2 * self.motor.emf_constant(),
+            Commutation::Brushed => self.motor.emf_constant(),
+        }
+    }
+
     /// Voltage that the drive can apply, radius of the q-axis circle \[V\].
     pub fn voltage(&self) -> f64 {
         let bus = &self.robot.bus;
@@ -149,19 +159,78 @@ impl Candidate<'_> {
         (circle - self.actuator.shortfall.voltage).max(0.0)
     }
 
-    /// Whether some effect of the motor has to be evaluated at each ratio.
+    /// Whether some effect of the motor, or the current that weakens its field, has to be evaluated at each ratio.
     pub fn is_evaluated(&self) -> bool {
-        !self.folded && fitted::evaluated(self.motor).next().is_some()
+        !self.folded && (self.has_evaluated_effects() || self.weakening().is_some())
+    }
+
+    /// Whether some effect of the motor has to be evaluated at each ratio.
+    pub fn has_evaluated_effects(&self) -> bool {
+        fitted::evaluated(self.motor).next().is_some()
+    }
+
+    /// The largest current against the magnets that may weaken the field \[A, q axis\]; `None` where it is not weakened.
+    pub fn weakening(&self) -> Option<f64> {
+        let drive = self.field_weakening_current()?;
+        let most = self.motor.demagnetization_current.map_or(drive, |magnets| magnets.min(drive));
+        self.why_not_weakened().is_none().then_some(most)
+    }
+
+    fn field_weakening_current(&self) -> Option<f64> {
+        let amplitude = self.joint.drive.or(self.robot.bus.drive).field_weakening_current?;
+        Some(amplitude * self.current_per_amplitude())
+    }
+
+    /// Why the field is not weakened, where the requirement asks for it.
+    pub fn why_not_weakened(&self) -> Option<&'static str> {
+        self.field_weakening_current()?;
+        let motor = self.motor;
+        match () {
+            () if motor.conventions.commutation == Commutation::Brushed => {
+                Some("a brushed motor has no d axis: i_d = 0")
+            }
+            () if motor.inductance.is_none_or(|l| l == 0.0) || motor.pole_pairs.is_none_or(|p| p == 0) => {
+                Some("inductance or pole pairs are not known: i_d = 0")
+            }
+            () if motor.is_estimated(Estimated::Inductance) => Some("the inductance is only estimated: i_d = 0"),
+            () if self.supply_resistance() > 0.0 => Some("it is not combined with a resistance of the supply: i_d = 0"),
+            () if self.joint.limits.spring.is_some() => {
+                Some("it is not combined with a spring that is chosen: i_d = 0")
+            }
+            () if self.joint.turns == Turns::Any => Some("it is not combined with other turns: i_d = 0"),
+            () => None,
+        }
     }
 
     /// The candidate at one ratio, with the effects that have to be evaluated there in its samples.
     pub fn at_ratio<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
+        if !self.has_evaluated_effects() {
+            return Candidate { folded: true, ..*self }.weakened(ratio, look);
+        }
         let form = self.actuator.torque_form(Flow::Driving);
         let load = self.load.folded(|velocity, towards, acceleration| {
             fitted::folded(self.motor, form, ratio, velocity, towards, acceleration)
         });
         let other = self.other.map(|other| other.folded());
-        look(&Candidate { load: &load, actuator: self.actuator.folded(), other, folded: true, ..*self })
+        Candidate { load: &load, actuator: self.actuator.folded(), other, folded: true, ..*self }.weakened(ratio, look)
+    }
+
+    /// The same with the least currents against the magnets that keep the voltage at a ratio: with the winding at its hottest,
+    /// and at the end of the motor's drag that asks for more.
+    fn weakened<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
+        let Some(most) = self.weakening() else { return look(self) };
+        let bound = |limit: &str| (self.voltage() * (1.0 - self.joint.limits.reserve(limit))).powi(2);
+        let bounds = [bound("voltage"), bound("torque_bandwidth_voltage")];
+        let load = self.load.weakened(|point, rippled| {
+            let of_end = |actuator: &Actuator| {
+                parabola(actuator, point, ratio).least(bounds[usize::from(rippled)], most * actuator.torque_constant)
+            };
+            self.ends().map(of_end).fold(0.0, f64::min)
+        });
+        match &load {
+            Some(load) => look(&Candidate { load, ..*self }),
+            None => look(self),
+        }
     }
 
     /// What part of the thermal resistance to ambient lies between winding and housing; `None` where it is not known.

@@ -3,7 +3,8 @@
 //! The one idea: a speed with a torque is a sample like any other, at steady speed (α = 0) and steady torque
 //! (τ̇ = 0); squared torque, squared voltage and power of such a sample are at most quadratic in the load
 //! torque, so that three samples give the whole parabola and the boundary is its root. The equations are
-//! those of [`super::shaft`], none is written twice. The voltage of a supply that sags is no parabola: its boundary is found
+//! those of [`super::shaft`], none is written twice. The voltage of a supply that sags, and that with a weakened
+//! field, are no parabolas: their boundary is found
 //! by halving.
 //!
 //! Torque counts positive where it drives and negative where it brakes, speed is never negative.
@@ -11,7 +12,7 @@
 use super::fitted;
 use super::limits::Candidate;
 use super::shaft::{Actuator, FEATURES, Feature, Flow};
-use super::waveform::Functional;
+use super::waveform::{Functional, WavePoint};
 
 /// A design at one ratio.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +61,8 @@ impl<'a> Steady<'a> {
 
     /// A functional of a load torque \[N·m\] at a speed \[rad/s\].
     pub fn at(&self, functional: Functional, flow: Flow, torque: f64, speed: f64) -> f64 {
-        functional.polynomial(&self.actuator, flow, &self.sample(torque, speed), self.ratio).at(self.ratio)
+        let point = WavePoint { features: self.sample(torque, speed), flow, origin: 0, direct: 0.0 };
+        functional.polynomial(&self.actuator, &point, self.ratio).at(self.ratio)
     }
 
     /// Torque at the motor shaft \[N·m\].
@@ -84,7 +86,7 @@ impl<'a> Steady<'a> {
     pub fn largest_torque(&self, functional: Functional, bound: f64, flow: Flow, speed: f64) -> Option<f64> {
         let sign = direction(flow);
         let value = |torque: f64| self.at(functional, flow, sign * torque, speed);
-        if matches!(functional, Functional::OpenVoltage(_)) {
+        if matches!(functional, Functional::OpenVoltage(_) | Functional::LeastVoltage(_)) {
             return largest_by_halving(&value, bound).map(|torque| sign * torque);
         }
         // Three samples at a torque of the root's own size lose no digits; it is found in a few rounds.

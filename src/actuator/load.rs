@@ -7,6 +7,7 @@ use super::supply::Drawn;
 use super::thermal::winding_temperature;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
+use super::weakening::Weakening;
 use crate::numerics::laurent::Laurent;
 use crate::requirement::{Motion, TorqueBandwidth};
 
@@ -82,7 +83,7 @@ impl Load {
             let flow = Flow::of(torque, motion.velocity[k]);
             signs
                 .iter()
-                .map(move |s| WavePoint { features: features(k, torque, rate, *s), flow, origin: k })
+                .map(move |s| WavePoint { features: features(k, torque, rate, *s), flow, origin: k, direct: 0.0 })
                 .collect::<Vec<_>>()
         };
         let samples = 0..motion.len();
@@ -106,6 +107,7 @@ impl Load {
                 features: features(k, motion.torque[k], motion.torque_rate[k], sign(motion.velocity[k])),
                 flow: Flow::in_means(motion.torque[k], motion.velocity[k]),
                 origin: k,
+                direct: 0.0,
             })
             .collect();
         let (mean, standstill) = (moments(&in_means, &motion.weight), moments(&in_means, &motion.dwell));
@@ -175,12 +177,76 @@ impl Load {
         }
     }
 
-    /// Mean of `T²` over time \[N²·m²\].
+    /// The same for one ratio with currents along d that weaken the field, times the torque constant \[N·m\]: `least` gives that of
+    /// a point, or of the same with the bandwidth torque on top, where all of a sample have the largest of them. `None` where
+    /// none needs any.
+    pub fn weakened(&self, least: impl Fn(&WavePoint, bool) -> f64) -> Option<Load> {
+        let of = |wave: &Waveform, rippled: bool| -> Vec<f64> {
+            (0..wave.len()).map(|k| least(&wave.point(k), rippled)).collect()
+        };
+        let plain = of(&self.waveform, false);
+        let rippled = self.bandwidth.as_ref().map(|wave| {
+            let mut most = vec![0.0_f64; self.samples.len()];
+            let own = of(wave, true);
+            for (k, d) in own.iter().enumerate() {
+                let here = &mut most[wave.origin(k)];
+                *here = here.min(*d);
+            }
+            (0..wave.len()).map(|k| most[wave.origin(k)]).collect::<Vec<f64>>()
+        });
+        let mut samples = self.samples.clone();
+        samples.iter_mut().for_each(|sample| sample.direct = least(sample, false));
+        let any = |list: &[f64]| list.iter().any(|d| *d != 0.0);
+        let none = !any(&plain) && !rippled.as_deref().is_some_and(any) && samples.iter().all(|s| s.direct == 0.0);
+        if none {
+            return None;
+        }
+        let bandwidth = match (&self.bandwidth, rippled) {
+            (Some(wave), Some(direct)) => Some(wave.weakened(direct)),
+            _ => None,
+        };
+        Some(Load { waveform: self.waveform.weakened(plain), bandwidth, samples, ..self.clone() })
+    }
+
+    /// What weakening takes at the ratio that it was made for.
+    pub fn weakening(&self, actuator: &Actuator) -> Weakening {
+        let of_samples = |f: &dyn Fn(f64) -> f64| -> f64 {
+            self.samples.iter().zip(&self.weight).map(|(s, w)| w * f(s.direct)).sum()
+        };
+        let squared = of_samples(&|d| d * d);
+        let points = (0..self.waveform.len()).map(|k| self.waveform.point(k).direct);
+        Weakening {
+            largest: points.fold(0.0, |most, d| d.abs().max(most)) / actuator.torque_constant,
+            rms: squared.sqrt() / actuator.torque_constant,
+            share: of_samples(&|d| f64::from(d != 0.0)),
+            loss: squared * actuator.copper(),
+        }
+    }
+
+    /// Samples in means with their share of the time.
+    pub(crate) fn means(&self) -> impl Iterator<Item = (&WavePoint, f64)> {
+        self.samples.iter().zip(self.weight.iter().copied())
+    }
+
+    /// Samples in means with their share of the time at standstill.
+    pub(crate) fn rests(&self) -> impl Iterator<Item = (&WavePoint, f64)> {
+        self.samples.iter().zip(self.rest.iter().copied())
+    }
+
+    /// Mean of the square of the currents along d, times the torque constant \[N²·m²\], with these shares of the time.
+    fn mean_direct_squared(&self, shares: &[f64]) -> f64 {
+        if !self.waveform.is_weakened() {
+            return 0.0;
+        }
+        self.samples.iter().zip(shares).map(|(s, share)| share * s.direct * s.direct).sum()
+    }
+
+    /// Mean of `T²` over time \[N²·m²\]; with a weakened field of what heats as much.
     pub fn mean_torque_squared(&self, actuator: &Actuator) -> Laurent {
         let mean = quadratic(&self.mean, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
-        match actuator.shortfall.mean_square() {
+        match actuator.shortfall.mean_square() + self.mean_direct_squared(&self.weight) {
             0.0 => mean,
-            ripple => mean + Laurent::constant(ripple),
+            more => mean + Laurent::constant(more),
         }
     }
 
@@ -189,7 +255,9 @@ impl Load {
     pub fn mean_current_squared(&self, actuator: &Actuator, standing: f64, ratio: f64) -> f64 {
         let square = |k: usize| {
             let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
-            self.share(k, standing) * actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).0
+            let along_d = (self.samples[k].direct / actuator.torque_constant).powi(2);
+            let squared = actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).0;
+            self.share(k, standing) * (squared + along_d)
         };
         (0..self.samples.len()).map(square).sum()
     }
@@ -218,7 +286,8 @@ impl Load {
             return mean;
         }
         let at_rest = quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
-        mean + (at_rest + Laurent::constant(actuator.shortfall.mean_square() * self.dwell)) * standing
+        let more = actuator.shortfall.mean_square() * self.dwell + self.mean_direct_squared(&self.rest);
+        mean + (at_rest + Laurent::constant(more)) * standing
     }
 
     /// Whether the motion happens once, from cold: heat has no steady state.
@@ -234,6 +303,8 @@ impl Load {
         let shortfall = &actuator.shortfall;
         let leads = actuator.with_leads();
         let heating = actuator.heating() * leads;
+        // Of currents along d.
+        let along_d = if shortfall.saturates() { actuator.copper() * leads } else { heating };
         let linear = (!shortfall.saturates()).then(|| (heating, heating * shortfall.mean_square()));
         let (up, down) = (ratio, 1.0 / ratio);
         let mut sum = [0.0; 5];
@@ -252,7 +323,7 @@ impl Load {
             let power = [
                 copper * a * a,
                 2.0 * copper * a * c,
-                copper * (c * c + 2.0 * a * b) + speed * a + constant,
+                copper * (c * c + 2.0 * a * b) + speed * a + constant + along_d * sample.direct * sample.direct,
                 2.0 * copper * b * c + speed * c,
                 copper * b * b + speed * b,
             ];
@@ -295,7 +366,7 @@ impl Load {
     /// Whether the rise certainly stays within `bound` \[K\]: it does where even the largest heat, held for
     /// ever, keeps to it. Costs no walk over the samples.
     pub fn winding_peak_is_within(&self, actuator: &Actuator, node: &TwoNode, ratio: f64, bound: f64) -> bool {
-        let largest = self.waveform.largest(Functional::TorqueSquared, actuator, ratio).value;
+        let largest = self.waveform.largest(Functional::CurrentSquared, actuator, ratio).value;
         let current_squared = match actuator.shortfall.is_nothing() {
             true => largest / (actuator.torque_constant * actuator.torque_constant),
             false => actuator.shortfall.current_squared(largest).0,
@@ -346,7 +417,9 @@ impl Load {
             let (load, inertia) = (a / middle, b * middle);
             let moves = a.abs() * down + b.abs() * up + 1e-14 * (load.abs() + c.abs() + inertia.abs());
             let here = (load + c + inertia).abs();
-            (actuator.copper() * (here - moves).max(0.0).powi(2), actuator.copper() * (here + moves).powi(2))
+            let along_d = sample.direct * sample.direct;
+            let squares = [(here - moves).max(0.0).powi(2), (here + moves).powi(2)].map(|square| square + along_d);
+            (actuator.copper() * squares[0], actuator.copper() * squares[1])
         };
         let (least, most) = self.samples.iter().map(ends).unzip();
         Some([least, most])
@@ -495,7 +568,9 @@ impl Load {
         let square = |sample: &WavePoint| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
             let squared = (a / ratio + c + b * ratio).powi(2);
-            if actuator.shortfall.is_nothing() { actuator.copper() * squared } else { actuator.heat(squared).0 }
+            let own =
+                if actuator.shortfall.is_nothing() { actuator.copper() * squared } else { actuator.heat(squared).0 };
+            own + actuator.copper() * sample.direct * sample.direct
         };
         self.samples.iter().map(square).collect()
     }

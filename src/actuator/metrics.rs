@@ -24,6 +24,8 @@ pub enum Parameter {
     ThermalResistance,
     /// r_g \[m\].
     GapRadius,
+    /// p.
+    PolePairs,
 }
 
 impl Parameter {
@@ -38,6 +40,7 @@ impl Parameter {
             Parameter::Mass => "m",
             Parameter::ThermalResistance => "R_th",
             Parameter::GapRadius => "r_g",
+            Parameter::PolePairs => "p",
         }
     }
 
@@ -67,6 +70,7 @@ impl Parameter {
                 with(a.value + b.value, Some(Printed { value: a.value + b.value, tolerance }))
             }
             Parameter::GapRadius => with(sheet.gap_radius?.value, sheet.gap_radius),
+            Parameter::PolePairs => Some((motor.pole_pairs.filter(|p| *p > 0).map(f64::from)?, Some(0.0))),
         }
     }
 }
@@ -116,7 +120,8 @@ pub struct Metric {
 }
 
 use Parameter::{
-    BackEmfConstant, GapRadius, Inductance, Mass, Resistance, RotorInertia, ThermalResistance, TorqueConstant,
+    BackEmfConstant, GapRadius, Inductance, Mass, PolePairs, Resistance, RotorInertia, ThermalResistance,
+    TorqueConstant,
 };
 
 /// Every metric.
@@ -247,6 +252,16 @@ pub const METRICS: &[Metric] = &[
         meaning: "electrical time constant",
         exponents: &[(Inductance, 1.0), (Resistance, -1.0)],
     },
+    Metric {
+        name: "characteristic_current",
+        symbol: "I_ch",
+        unit: "A",
+        si_suffix: "a",
+        lower_is_better: true,
+        shown: Shown::InRank,
+        meaning: "characteristic current ψ/L, q axis: against the magnets it takes their field away (Soong and Miller)",
+        exponents: &[(BackEmfConstant, 1.0), (PolePairs, -1.0), (Inductance, -1.0)],
+    },
 ];
 
 /// The metric with this name.
@@ -298,7 +313,9 @@ impl Metric {
                 None => terms.push((parameter, *exponent, tolerance)),
             }
         }
-        let known: Vec<f64> = terms.iter().filter_map(|(_, e, t)| t.map(|t| e.abs() * t)).collect();
+        // What is counted has no ±.
+        let measured = terms.iter().filter(|(parameter, ..)| *parameter != PolePairs);
+        let known: Vec<f64> = measured.filter_map(|(_, e, t)| t.map(|t| e.abs() * t)).collect();
         let any = !known.is_empty();
         Some(Estimate {
             value,

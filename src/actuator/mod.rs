@@ -21,6 +21,7 @@ pub mod supply;
 pub mod thermal;
 pub mod thermal_motion;
 pub mod waveform;
+pub mod weakening;
 
 pub use crate::numerics::laurent::Laurent;
 pub use load::Load;

@@ -302,6 +302,11 @@ impl Actuator {
         self.per_square(self.drive_resistance) * self.shortfall.heat_factor()
     }
 
+    /// Resistance of the hottest winding, drive and leads over the torque constant \[V/(N·m)\].
+    pub fn resistance_per_torque(&self) -> f64 {
+        (self.hot_resistance + self.drive_resistance) / self.torque_constant
+    }
+
     /// Loss in copper, drive and leads per squared torque \[W/(N·m)²\] of power that is taken: with the hottest winding.
     pub fn loss_taken(&self) -> f64 {
         self.per_square(self.hot_resistance + self.drive_resistance)

@@ -8,6 +8,7 @@
 
 use super::shaft::{Actuator, FEATURES, Feature, Flow, USUAL_FEATURES};
 use super::supply::Supply;
+use super::weakening::{self, Parabola};
 use crate::numerics::laurent::Laurent;
 
 /// Samples in a leaf of the tree.
@@ -20,8 +21,12 @@ const SPLIT: usize = 8;
 pub enum Functional {
     /// `T²` \[N²·m²\].
     TorqueSquared,
+    /// `T² + (K_T i_d)²` \[N²·m²\].
+    CurrentSquared,
     /// `v_q² + v_d²` \[V²\].
     VoltageSquared,
+    /// The least of it with a current against the magnets of at most so much, times the torque constant \[N·m\].
+    LeastVoltage(f64),
     /// Terminal power taken \[W\], of the hottest winding.
     Power,
     /// Terminal power given back \[W\].
@@ -31,7 +36,7 @@ pub enum Functional {
 }
 
 /// How many functionals there are.
-pub const FUNCTIONALS: usize = 5;
+pub const FUNCTIONALS: usize = 7;
 
 impl Functional {
     /// Its place among all.
@@ -42,20 +47,45 @@ impl Functional {
             Functional::Power => 2,
             Functional::PowerBack => 3,
             Functional::OpenVoltage(_) => 4,
+            Functional::CurrentSquared => 5,
+            Functional::LeastVoltage(_) => 6,
         }
     }
 
     /// The polynomial of one sample. That of the open-circuit voltage touches it at a ratio; it is at most the supply's own
     /// wherever the sample keeps to that.
-    pub fn polynomial(self, actuator: &Actuator, flow: Flow, features: &[f64; FEATURES], ratio: f64) -> Laurent {
+    pub fn polynomial(self, actuator: &Actuator, point: &WavePoint, ratio: f64) -> Laurent {
+        let WavePoint { flow, features, direct, .. } = point;
+        let squared = |per_square: f64| Laurent::constant(per_square * direct * direct);
         match self {
-            Functional::OpenVoltage(supply) => supply.polynomial(actuator, flow, features, ratio),
-            Functional::TorqueSquared => actuator.torque_squared(flow, features),
-            Functional::VoltageSquared => actuator.voltage_squared(flow, features),
-            Functional::Power => actuator.power(actuator.loss_taken(), flow, features),
-            Functional::PowerBack => actuator.power(actuator.loss_given(), flow, features) * -1.0,
+            Functional::OpenVoltage(supply) => supply.polynomial(actuator, *flow, features, ratio),
+            Functional::TorqueSquared => actuator.torque_squared(*flow, features),
+            Functional::CurrentSquared => actuator.torque_squared(*flow, features) + squared(1.0),
+            Functional::VoltageSquared => weakened(actuator, point, *direct),
+            Functional::LeastVoltage(most) => {
+                weakened(actuator, point, weakening::parabola(actuator, point, ratio).lowest(most))
+            }
+            Functional::Power => {
+                actuator.power(actuator.loss_taken(), *flow, features) + squared(actuator.loss_taken())
+            }
+            Functional::PowerBack => {
+                (actuator.power(actuator.loss_given(), *flow, features) + squared(actuator.loss_given())) * -1.0
+            }
         }
     }
+}
+
+/// `v_q² + v_d²` of a sample with a current along d, as it changes with the ratio.
+fn weakened(actuator: &Actuator, point: &WavePoint, direct: f64) -> Laurent {
+    let plain = actuator.voltage_squared(point.flow, &point.features);
+    if direct == 0.0 {
+        return plain;
+    }
+    let across = Laurent::monomial(actuator.cross_coupling * point.features[Feature::Velocity as usize], 1);
+    let along = actuator.resistance_per_torque();
+    let quadrature = actuator.voltage_form(point.flow).polynomial(&point.features) + across * direct;
+    let own = across * actuator.torque_form(point.flow).polynomial(&point.features) * -1.0;
+    quadrature.squared() + (own + Laurent::constant(along * direct)).squared()
 }
 
 /// The largest value, and the sample that has it.
@@ -85,6 +115,8 @@ pub struct WavePoint {
     pub flow: Flow,
     /// The sample of the motion that it belongs to.
     pub origin: usize,
+    /// Current along d that weakens the field at a ratio, times the torque constant \[N·m\]; zero before a ratio is chosen.
+    pub direct: f64,
 }
 
 /// A set of samples with its trees, one for each direction of power.
@@ -92,6 +124,8 @@ pub struct WavePoint {
 pub struct Waveform {
     columns: [Vec<f64>; FEATURES],
     origin: Vec<usize>,
+    /// Currents along d, of each point; empty where there are none.
+    direct: Vec<f64>,
     driving: usize,
     nodes: Vec<Node>,
     roots: Vec<(Flow, usize)>,
@@ -106,6 +140,8 @@ struct Weights {
     copper: f64,
     cold_copper: f64,
     emf: f64,
+    /// Resistance over torque constant, for the voltage of currents along d.
+    along: f64,
 }
 
 impl Waveform {
@@ -196,6 +232,7 @@ impl Waveform {
             features: std::array::from_fn(|f| self.columns[f][index]),
             flow: if index < self.driving { Flow::Driving } else { Flow::Braking },
             origin: self.origin[index],
+            direct: self.direct.get(index).copied().unwrap_or(0.0),
         }
     }
 
@@ -215,6 +252,10 @@ impl Waveform {
     fn largest_over<const D: usize>(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
         match functional {
             Functional::TorqueSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_torque::<D>),
+            Functional::CurrentSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_current::<D>),
+            Functional::LeastVoltage(most) => self.search::<D>(actuator, ratio, bound_voltage::<D>, |weights, x, _| {
+                value_least_voltage::<D>(weights, x, most)
+            }),
             Functional::VoltageSquared => self.search::<D>(actuator, ratio, bound_voltage::<D>, value_voltage::<D>),
             Functional::Power => self.search::<D>(actuator, ratio, bound_power::<D>, value_power::<D>),
             Functional::PowerBack => self.search::<D>(actuator, ratio, bound_power_back::<D>, value_power_back::<D>),
@@ -224,19 +265,16 @@ impl Waveform {
                 |weights, node| {
                     supply.needed_at_most(bound_voltage::<D>(weights, node), bound_power::<D>(weights, node))
                 },
-                |weights, x| supply.needed(value_voltage::<D>(weights, x), value_power::<D>(weights, x)),
+                |weights, x, direct| {
+                    supply.needed(value_voltage::<D>(weights, x, direct), value_power::<D>(weights, x, direct))
+                },
             ),
         }
     }
 
     /// The same points with some of their features changed, for one ratio: without a tree.
     pub fn changed(&self, change: impl Fn(&mut [f64; FEATURES])) -> Waveform {
-        let mut wave = Waveform {
-            columns: self.columns.clone(),
-            origin: self.origin.clone(),
-            driving: self.driving,
-            ..Waveform::default()
-        };
+        let mut wave = self.without_tree();
         for i in 0..self.len() {
             let mut features = std::array::from_fn(|f| self.columns[f][i]);
             change(&mut features);
@@ -244,6 +282,27 @@ impl Waveform {
                 column[i] = value;
             }
         }
+        wave
+    }
+
+    /// The same points with currents along d, for one ratio: without a tree.
+    pub fn weakened(&self, direct: Vec<f64>) -> Waveform {
+        Waveform { direct, ..self.without_tree() }
+    }
+
+    /// Whether its points have currents along d.
+    pub fn is_weakened(&self) -> bool {
+        !self.direct.is_empty()
+    }
+
+    fn without_tree(&self) -> Waveform {
+        let mut wave = Waveform {
+            columns: self.columns.clone(),
+            origin: self.origin.clone(),
+            direct: self.direct.clone(),
+            driving: self.driving,
+            ..Waveform::default()
+        };
         for (flow, start, end) in [(Flow::Driving, 0, self.driving), (Flow::Braking, self.driving, self.len())] {
             if start < end {
                 wave.roots.push((flow, wave.nodes.len()));
@@ -265,7 +324,7 @@ impl Waveform {
         actuator: &Actuator,
         ratio: f64,
         bound: impl Fn(&Weights, &Node) -> f64 + Copy,
-        value: impl Fn(&Weights, &[f64; FEATURES]) -> f64 + Copy,
+        value: impl Fn(&Weights, &[f64; FEATURES], f64) -> f64 + Copy,
     ) -> Largest {
         let mut best = Largest { value: f64::NEG_INFINITY, index: 0 };
         let mut stack: [(usize, f64); 64] = [(0, 0.0); 64];
@@ -301,14 +360,15 @@ impl Waveform {
         start: usize,
         end: usize,
         weights: &Weights,
-        value: impl Fn(&Weights, &[f64; FEATURES]) -> f64,
+        value: impl Fn(&Weights, &[f64; FEATURES], f64) -> f64,
         best: &mut Largest,
     ) {
         let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.columns[f][start..end]);
         #[expect(clippy::needless_range_loop, reason = "the columns are walked together")]
         for i in 0..end - start {
             let features = std::array::from_fn(|f| if f < D { columns[f][i] } else { 0.0 });
-            let here = value(weights, &features);
+            let direct = if self.direct.is_empty() { 0.0 } else { self.direct[start + i] };
+            let here = value(weights, &features, direct);
             if here > best.value {
                 *best = Largest { value: here, index: start + i };
             }
@@ -325,6 +385,7 @@ impl Weights {
             copper: actuator.loss_taken(),
             cold_copper: actuator.loss_given(),
             emf: actuator.back_emf_constant / actuator.torque_constant * ratio,
+            along: actuator.resistance_per_torque(),
         }
     }
 }
@@ -355,9 +416,14 @@ fn largest_magnitude<const D: usize>(weights: &[f64; FEATURES], node: &Node) -> 
 }
 
 #[inline(always)]
-fn value_torque<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+fn value_torque<const D: usize>(weights: &Weights, features: &[f64; FEATURES], _: f64) -> f64 {
     let torque = dot::<D>(&weights.torque, features);
     torque * torque
+}
+
+#[inline(always)]
+fn value_current<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
+    value_torque::<D>(weights, features, 0.0) + direct * direct
 }
 
 #[inline(always)]
@@ -369,10 +435,18 @@ fn bound_torque<const D: usize>(weights: &Weights, node: &Node) -> f64 {
 const VELOCITY: usize = Feature::Velocity as usize;
 
 #[inline(always)]
-fn value_voltage<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
-    let quadrature = dot::<D>(&weights.voltage, features);
-    let direct = weights.direct * features[VELOCITY] * dot::<D>(&weights.torque, features);
-    quadrature * quadrature + direct * direct
+fn value_voltage<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
+    let across = weights.direct * features[VELOCITY];
+    let quadrature = dot::<D>(&weights.voltage, features) + across * direct;
+    let own = weights.along * direct - across * dot::<D>(&weights.torque, features);
+    quadrature * quadrature + own * own
+}
+
+#[inline(always)]
+fn value_least_voltage<const D: usize>(weights: &Weights, features: &[f64; FEATURES], most: f64) -> f64 {
+    let (quadrature, torque) = (dot::<D>(&weights.voltage, features), dot::<D>(&weights.torque, features));
+    let parabola = Parabola::new(quadrature, torque, weights.direct * features[VELOCITY], weights.along);
+    parabola.at(parabola.lowest(most)).max(0.0)
 }
 
 #[inline(always)]
@@ -384,15 +458,15 @@ fn bound_voltage<const D: usize>(weights: &Weights, node: &Node) -> f64 {
 }
 
 #[inline(always)]
-fn value_power<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+fn value_power<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
     let torque = dot::<D>(&weights.torque, features);
-    weights.copper * torque * torque + weights.emf * features[VELOCITY] * torque
+    weights.copper * (torque * torque + direct * direct) + weights.emf * features[VELOCITY] * torque
 }
 
 #[inline(always)]
-fn value_power_back<const D: usize>(weights: &Weights, features: &[f64; FEATURES]) -> f64 {
+fn value_power_back<const D: usize>(weights: &Weights, features: &[f64; FEATURES], direct: f64) -> f64 {
     let torque = dot::<D>(&weights.torque, features);
-    -(weights.cold_copper * torque * torque + weights.emf * features[VELOCITY] * torque)
+    -(weights.cold_copper * (torque * torque + direct * direct) + weights.emf * features[VELOCITY] * torque)
 }
 
 /// Largest and smallest product of speed and torque over a box.
@@ -437,7 +511,7 @@ mod tests {
         (0..count)
             .map(|origin| {
                 let features: [f64; FEATURES] = std::array::from_fn(|f| size[f] * next());
-                WavePoint { features, flow: Flow::of(features[0], features[4]), origin }
+                WavePoint { features, flow: Flow::of(features[0], features[4]), origin, direct: 0.0 }
             })
             .collect()
     }
@@ -451,9 +525,8 @@ mod tests {
         .unwrap()
         .bus;
         let with = |ratio: f64| {
-            let most = |f: Functional| {
-                points.iter().map(|p| f.polynomial(actuator, p.flow, &p.features, ratio).at(ratio)).fold(0.0, f64::max)
-            };
+            let most =
+                |f: Functional| points.iter().map(|p| f.polynomial(actuator, p, ratio).at(ratio)).fold(0.0, f64::max);
             let voltage = most(Functional::VoltageSquared).sqrt();
             let bus = crate::requirement::Bus { voltage, ..bus };
             let resistance = 0.1 * voltage * voltage / most(Functional::Power).max(1e-9);
@@ -484,7 +557,7 @@ mod tests {
                 for (functional, ratio) in with_ratios(&actuator, &points) {
                     let found = wave.largest(functional, &actuator, ratio);
                     // Independent of the search: the polynomial of every point.
-                    let at = |p: &WavePoint| functional.polynomial(&actuator, p.flow, &p.features, ratio).at(ratio);
+                    let at = |p: &WavePoint| functional.polynomial(&actuator, p, ratio).at(ratio);
                     let all = points.iter().map(at).fold(f64::NEG_INFINITY, f64::max);
                     let size = points.iter().map(|p| at(p).abs()).fold(0.0, f64::max);
                     assert!(

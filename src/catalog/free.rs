@@ -53,6 +53,7 @@ fn joined(motor: Motor, twin: &Motor) -> Motor {
     let twin = Motor {
         continuous_current: current(twin.continuous_current),
         peak_current: current(twin.peak_current),
+        demagnetization_current: current(twin.demagnetization_current),
         ..twin.clone()
     };
     let mut sheet = motor.sheet.clone();
@@ -74,6 +75,7 @@ impl Motor {
             pole_pairs: self.pole_pairs.or(other.pole_pairs),
             continuous_current: self.continuous_current.or(other.continuous_current),
             peak_current: self.peak_current.or(other.peak_current),
+            demagnetization_current: self.demagnetization_current.or(other.demagnetization_current),
             continuous_torque: self.continuous_torque.or(other.continuous_torque),
             peak_torque: self.peak_torque.or(other.peak_torque),
             max_speed: self.max_speed.or(other.max_speed),

@@ -54,6 +54,8 @@ pub struct Motor {
     pub continuous_current: Option<f64>,
     /// Largest current \[A\] (by its torque).
     pub peak_current: Option<f64>,
+    /// Largest q-axis ampere against the magnets, at their hottest \[A\].
+    pub demagnetization_current: Option<f64>,
     /// Torque that can be held for ever \[N·m\].
     pub continuous_torque: Option<f64>,
     /// Largest torque \[N·m\].
@@ -238,6 +240,8 @@ impl Motor {
                 .map(|i| i * conventions.of_continuous_current().heating_current(commutation)),
             peak_current: value(sheet.peak_current)
                 .map(|i| i * conventions.of_peak_current().torque_current(commutation)),
+            demagnetization_current: value(sheet.demagnetization_current)
+                .map(|i| i * conventions.current.torque_current(commutation)),
             continuous_torque: value(sheet.continuous_torque),
             peak_torque: value(sheet.peak_torque),
             max_speed: value(sheet.max_speed),

@@ -24,6 +24,8 @@ pub enum NoTurns {
     Fitted,
     /// Drive and leads have a resistance, which does not go with the turns: voltage and loss then depend on them otherwise.
     DriveResistance,
+    /// The field is weakened: the loss of that depends on the turns.
+    FieldWeakening,
     /// The supply sags: what the drive can make of it depends on power and voltage together.
     SupplyResistance,
 }
@@ -34,6 +36,7 @@ impl NoTurns {
         match self {
             NoTurns::InsideModule => "it is only sold inside a module",
             NoTurns::Fitted => "its numbers were fitted to logs of this winding",
+            NoTurns::FieldWeakening => "with field weakening other turns are not computed",
             NoTurns::SupplyResistance => "with a resistance of the supply other turns are not computed",
             NoTurns::DriveResistance => "with a resistance of drive and leads other turns are not computed",
         }
@@ -80,6 +83,7 @@ impl Motor {
         motor.back_emf_constant *= constant;
         motor.continuous_current = self.continuous_current.map(|i| i * current);
         motor.peak_current = self.peak_current.map(|i| i * current);
+        motor.demagnetization_current = self.demagnetization_current.map(|i| i * current);
         for estimate in &mut motor.estimates {
             let factor = of(estimate.of.kind());
             estimate.value *= factor;

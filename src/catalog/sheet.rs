@@ -178,6 +178,8 @@ sheet! {
     continuous_current: CURRENT, Positive, ContinuousCurrent;
     /// Current that must never be exceeded \[A\].
     peak_current: CURRENT, Positive, PeakCurrent;
+    /// Current against the magnets that they bear at their hottest \[A\].
+    demagnetization_current: CURRENT, Positive;
     /// Continuous torque \[N·m\].
     continuous_torque: TORQUE, Positive;
     /// Torque that must never be exceeded \[N·m\].

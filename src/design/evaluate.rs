@@ -8,6 +8,7 @@ use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::supply::Drawn;
 use crate::actuator::thermal::{self, Winding};
 use crate::actuator::waveform::Functional;
+use crate::actuator::weakening::Weakening;
 use crate::actuator::{Actuator, Laurent, fitted};
 use crate::requirement::{Course, Objective, Quantity};
 
@@ -134,6 +135,8 @@ pub struct Evaluation {
     pub energy: Option<f64>,
     /// Largest power drawn from the bus \[W\]: only where the objective counts it.
     pub peak_power: Option<f64>,
+    /// What weakening of the field takes, where the requirement asks for it and it can be computed.
+    pub weakening: Option<Weakening>,
     /// Lowest and highest voltage of a bus whose supply has a resistance \[V\], by the power of this joint alone.
     pub bus_voltage: Option<BusVoltage>,
 }
@@ -369,7 +372,8 @@ impl<'a> Prepared<'a> {
         }
         let candidate = &self.candidate;
         let waveform = &candidate.load.waveform;
-        let of_end = |actuator| waveform.largest(Functional::TorqueSquared, actuator, ratio);
+        let current = if waveform.is_weakened() { Functional::CurrentSquared } else { Functional::TorqueSquared };
+        let of_end = |actuator| waveform.largest(current, actuator, ratio);
         let first = of_end(&candidate.actuator);
         let peaks = [first, candidate.other.as_ref().map_or(first, of_end)];
         let mut margins: Vec<Margin> = Vec::with_capacity(self.asked.len());
@@ -377,7 +381,7 @@ impl<'a> Prepared<'a> {
         for asked in &self.asked {
             let (raw, sample) = match asked.demand {
                 // Current and torque limits share the search that has been made already.
-                Demand::Samples(Functional::TorqueSquared) => {
+                Demand::Samples(functional) if functional == current => {
                     let peak = peaks[asked.end as usize];
                     (peak.value, Some(waveform.origin(peak.index)))
                 }
@@ -417,6 +421,7 @@ impl<'a> Prepared<'a> {
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
             bus_voltage: self.bus_voltage(ratio),
+            weakening: candidate.weakening().map(|_| candidate.load.weakening(actuator)),
         }
     }
 

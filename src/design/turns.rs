@@ -129,6 +129,7 @@ pub fn can_be_asked(robot: &Robot, joint: &Joint, motor: &Motor) -> Result<(), N
     let counts = |resistance: Option<f64>| resistance.is_some_and(|ohms| ohms > 0.0);
     match () {
         () if counts(drive.phase_resistance) => Err(NoTurns::DriveResistance),
+        () if drive.field_weakening_current.is_some() => Err(NoTurns::FieldWeakening),
         () if of_supply.into_iter().any(counts) => Err(NoTurns::SupplyResistance),
         () => motor.can_be_rewound(),
     }

@@ -50,6 +50,10 @@ pub fn text(story: &Explanation) -> String {
         }
     }
     out.push_str(&format!("\n{}", paragraph(&format!("Of the {}.", super::losses::sentence(e)), 0, 2)));
+    for line in super::losses::of_supply(e) {
+        let line = format!("{}{}.", line[..1].to_uppercase(), &line[1..]);
+        out.push_str(&paragraph(&line, 0, 2));
+    }
     match &story.spring {
         Some(Ok(spring)) => {
             let line = format!("With a {}", super::spring::text(spring, e.loss));

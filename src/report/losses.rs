@@ -42,6 +42,26 @@ pub(super) fn sentence(of: &Evaluation) -> String {
     format!("loss {} W: {parts}{least}{}", number(of.loss), without(&of.unknown_losses))
 }
 
+/// Between what voltages a bus moves whose supply has a resistance, and what weakening of the field takes: a sentence each.
+pub(super) fn of_supply(of: &Evaluation) -> Vec<String> {
+    let bus = of.bus_voltage.map(|bus| match bus.lowest {
+        Some(lowest) => {
+            format!("bus voltage {} to {} V, by the power of this joint alone", number(lowest), number(bus.highest))
+        }
+        None => "the supply cannot give the power: more than at half of its voltage".into(),
+    });
+    let weakened = of.weakening.map(|weakening| match weakening.largest > 0.0 {
+        true => format!(
+            "field weakened for {} % of the time, by at most {} A (amplitude): {} W of the copper loss",
+            number(100.0 * weakening.share),
+            number(weakening.largest / 1.5_f64.sqrt()),
+            number(weakening.loss)
+        ),
+        false => "the field is not weakened at any instant: the voltage is enough".into(),
+    });
+    bus.into_iter().chain(weakened).collect()
+}
+
 /// What nobody knows of a loss, to go on a sentence.
 pub(super) fn without(unknown: &[UnknownLoss]) -> String {
     let names: Vec<&str> = unknown.iter().map(|part| part.words()).collect();

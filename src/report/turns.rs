@@ -115,7 +115,9 @@ pub(super) fn refused(rewinding: &Rewinding, refusal: Option<&Reason>, motor: &M
             format!("with other turns it {}", super::unjudged::sentence(because))
         }
         Rewinding::NoneFound => "no number of turns helps, as far as was looked (not proved)".into(),
-        Rewinding::NotAsked(why @ (NoTurns::DriveResistance | NoTurns::SupplyResistance)) => why.reason().into(),
+        Rewinding::NotAsked(why @ (NoTurns::DriveResistance | NoTurns::SupplyResistance | NoTurns::FieldWeakening)) => {
+            why.reason().into()
+        }
         Rewinding::NotAsked(why) => format!("it has no other number of turns: {}", why.reason()),
     }
 }

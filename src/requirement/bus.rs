@@ -94,7 +94,10 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         Range::NonNegative,
     );
     let max_voltage = section.quantity(
-        key("max_voltage", "that the bus may rise to where power comes back; with `internal_resistance`"),
+        key(
+            "max_voltage",
+            "that drives and capacitors bear: of the motor at its top speed when the drive lets go, and of a bus with a resistance where power comes back",
+        ),
         &units::VOLTAGE,
         Range::Positive,
     );
@@ -118,15 +121,13 @@ pub(super) fn read(section: Section) -> Option<Bus> {
     if let (Some(most), Some(open)) = (max_voltage, voltage)
         && most <= open
     {
+        // Nothing could ever come back.
         let message = format!("`max_voltage` of [bus] is {most} V, no more than its `voltage` of {open} V");
         contradicts(
             "max_voltage",
             message,
             "give the voltage that drives and capacitors bear, above that of a full supply",
         );
-    } else if max_voltage.is_some() && internal_resistance.is_none_or(|r| r == 0.0) {
-        let message = "`max_voltage` of [bus] says nothing without `internal_resistance`: the bus does not rise";
-        contradicts("max_voltage", message.into(), "add internal_resistance = \"30 mohm\", or remove it");
     }
     let bus = Bus {
         voltage: voltage.unwrap_or(f64::NAN),
@@ -175,6 +176,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
                 &units::CURRENT,
                 Range::Positive,
             ),
+            field_weakening_current: drive::read_weakening(&section, "field_weakening_current"),
             ..drive
         },
         says_drive_loss: section.has("drive_efficiency") || !drive.says_nothing(),

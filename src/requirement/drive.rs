@@ -14,6 +14,15 @@ pub struct Drive {
     pub supply_lead_resistance: Option<f64>,
     /// Current that it gives for ever: amplitude of a phase (DC ampere of a brushed motor), rms over the motion \[A\].
     pub continuous_current: Option<f64>,
+    /// Largest current against the magnets, amplitude of a phase \[A\]: the field is not weakened without it.
+    pub field_weakening_current: Option<f64>,
+}
+
+/// `field_weakening_current` of a drive, by its name.
+pub(super) fn read_weakening(section: &Section, name: &'static str) -> Option<f64> {
+    let about =
+        "largest current against the magnets, amplitude of a phase: where voltage ends, this much of it is used";
+    section.quantity(key(name, about).default("none: i_d = 0"), &units::CURRENT, Range::Positive)
 }
 
 impl Drive {
@@ -30,6 +39,7 @@ impl Drive {
             standby_power: self.standby_power.or(other.standby_power),
             supply_lead_resistance: self.supply_lead_resistance.or(other.supply_lead_resistance),
             continuous_current: self.continuous_current.or(other.continuous_current),
+            field_weakening_current: self.field_weakening_current.or(other.field_weakening_current),
         }
     }
 }

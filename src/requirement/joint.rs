@@ -65,6 +65,7 @@ pub(super) fn read(
             table.quantity(key("current", "largest drive current, phase amplitude"), &units::CURRENT, Range::Positive);
         let drive = Drive {
             continuous_current: table.quantity(CONTINUOUS, &units::CURRENT, Range::Positive),
+            field_weakening_current: drive::read_weakening(&table, "field_weakening_current"),
             supply_lead_resistance: table.quantity(
                 key("supply_lead_resistance", "of the leads between the supply and this drive, both ways")
                     .default("none"),
@@ -73,7 +74,14 @@ pub(super) fn read(
             ),
             ..drive::read(&table, ["phase_resistance", "standby_power"])
         };
-        let keys = ["current", "continuous_current", "phase_resistance", "standby_power", "supply_lead_resistance"];
+        let keys = [
+            "current",
+            "continuous_current",
+            "field_weakening_current",
+            "phase_resistance",
+            "standby_power",
+            "supply_lead_resistance",
+        ];
         if !keys.iter().any(|key| table.has(key)) {
             let message = "[joint.drive] says nothing";
             let problem = Problem::at(table.span(), message, format!("expected one of {}", keys.join(", ")));

@@ -94,6 +94,7 @@ pub const LIMIT_NAMES: &[&str] = &[
     "winding_peak_temperature",
     "standstill_holding",
     "voltage",
+    "open_circuit_voltage",
     "max_speed",
     "gear_input_speed",
     "gear_peak_torque",

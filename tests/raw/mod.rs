@@ -18,7 +18,7 @@ use rand_pcg::Pcg64;
 /// Ratios that are looked at before refining.
 const RATIOS: usize = 1201;
 /// Limits of the model; the two ends of the range come on top.
-pub const LIMITS: usize = 20;
+pub const LIMITS: usize = 21;
 
 /// A motor at the only joint of a robot, the motion sample by sample, the same with the superposed torque
 /// at all its phases, and each sample's share of the time (in all, at rest).
@@ -139,17 +139,62 @@ impl Case {
         let v_q = |p: &Point| r_hot * most(p) / k_t + l * rate(p) / k_t + motor.emf_constant() * n * p.velocity;
         let v_d = |p: &Point| -f64::from(poles) * n * p.velocity * l * most(p) / k_t;
         let voltage = |p: &Point| v_q(p).hypot(v_d(p));
+        // A current against the magnets, where it may flow and the voltage asks for it: the least that does, or what comes
+        // nearest. All phases of a superposed torque have the largest of them.
+        let per_volt = bus.modulation_limit * self.circle();
+        let sags = bus.internal_resistance.unwrap_or(0.0) + of_drive.supply_lead_resistance.unwrap_or(0.0) > 0.0;
+        let allowed = of_drive.field_weakening_current.filter(|_| brushless && l > 0.0 && poles > 0 && !sags);
+        let allowed = allowed.map(|i| (i * 1.5_f64.sqrt()).min(motor.demagnetization_current.unwrap_or(f64::INFINITY)));
+        let turned = |p: &Point, x: f64| {
+            let across = f64::from(poles) * n * p.velocity * l;
+            (v_q(p) + across * x).hypot(v_d(p) + r_hot * x)
+        };
+        let lowest = |p: &Point, x: f64| {
+            let (mut a, mut b) = (-x, 0.0);
+            for _ in 0..200 {
+                let (c, d) = (a + 0.382 * (b - a), a + 0.618 * (b - a));
+                if turned(p, c) < turned(p, d) { b = d } else { a = c }
+            }
+            [-x, a, 0.0].into_iter().min_by(|a, b| turned(p, *a).total_cmp(&turned(p, *b))).unwrap()
+        };
+        let against = |p: &Point| {
+            let Some(x) = allowed.filter(|_| voltage(p) > bus.voltage * per_volt) else { return 0.0 };
+            let (mut enough, mut less) = (lowest(p, x), 0.0);
+            if turned(p, enough) > bus.voltage * per_volt {
+                return enough;
+            }
+            for _ in 0..100 {
+                let middle = 0.5 * (enough + less);
+                if turned(p, middle) <= bus.voltage * per_volt { enough = middle } else { less = middle }
+            }
+            enough
+        };
+        let direct: Vec<f64> = raw.iter().map(against).collect();
+        let rippled_direct: Vec<f64> = self
+            .rippled
+            .chunks(32)
+            .flat_map(|phases| vec![phases.iter().map(against).fold(0.0, f64::min); phases.len()])
+            .collect();
+        let along = |k: usize| k_t * direct[k];
         let torque = |p: &Point| most(p).abs();
         let largest = |list: &[Point], f: &dyn Fn(&Point) -> f64| list.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
         let timed = raw.iter().zip(&self.shares);
         let mean = |at: usize, f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[at] * f(p).powi(2)).sum::<f64>();
-        let (square, at_rest, load) = (mean(0, &usual), mean(1, &usual), mean(0, &|p| p.torque));
+        let weakened: f64 = (0..raw.len()).map(|k| self.shares[k][0] * along(k).powi(2)).sum();
+        let (square, at_rest, load) = (mean(0, &usual) + weakened, mean(1, &usual), mean(0, &|p| p.torque));
         let (most_torque, most_load) = (largest(raw, &torque), largest(raw, &|p| p.torque.abs()));
-        let most_ripple = largest(&self.rippled, &torque);
-        let watt = largest(raw, &power) / bus.drive_efficiency;
+        let with = |list: &[Point], direct: &[f64]| -> f64 {
+            list.iter().zip(direct).map(|(p, x)| most(p).hypot(k_t * x)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (most_current, most_ripple) = (with(raw, &direct), with(&self.rippled, &rippled_direct));
+        let with_heat = |power: f64, r: f64, k: usize| power + r * direct[k].powi(2);
+        let most_power = |f: &dyn Fn(&Point, usize) -> f64| {
+            raw.iter().enumerate().map(|(k, p)| f(p, k)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let watt = most_power(&|p, k| with_heat(power(p), r_hot, k)) / bus.drive_efficiency;
         // What is kept of what comes back, and what of it reaches the bus.
         let kept = bus.regeneration_efficiency.unwrap_or(bus.drive_efficiency);
-        let back = largest(raw, &|p| -cold_power(p)) * kept.max(bus.drive_efficiency);
+        let back = most_power(&|p, k| -with_heat(cold_power(p), r + lead, k)) * kept.max(bus.drive_efficiency);
         let speed = n * largest(raw, &|p| p.velocity.abs());
         let stages = |ratio: f64| (0..300).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
         let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
@@ -157,8 +202,6 @@ impl Case {
         // Bounds.
         let amplitude = if brushless { 1.5_f64.sqrt() } else { 1.0 };
         let current = least(motor.peak_current, joint.drive_current.or(bus.drive_current).map(|i| i * amplitude));
-        let circle = if bus.modulation == Modulation::Sine { 0.375_f64.sqrt() } else { 0.5_f64.sqrt() };
-        let per_volt = bus.modulation_limit * if brushless { circle } else { 1.0 };
         // With a resistance of the supply: the open-circuit voltage that a sample needs, no less than with half of what there
         // is at the drive. A brake takes what comes back without lifting the bus.
         let series = bus.internal_resistance.unwrap_or(0.0) + of_drive.supply_lead_resistance.unwrap_or(0.0);
@@ -172,9 +215,16 @@ impl Case {
             needs if needs > bus.voltage / 2.0 => needs + series * from_bus(p) / needs,
             _ => bus.voltage / 2.0 + series * from_bus(p) / (bus.voltage / 2.0),
         };
-        let sags = series > 0.0;
         let volt = Some(if sags { bus.voltage } else { bus.voltage * per_volt });
-        let voltages = |list: &[Point]| if sags { largest(list, &open) } else { largest(list, &voltage) };
+        let voltages = |list: &[Point]| match (allowed, sags) {
+            (_, true) => largest(list, &open),
+            (Some(x), _) => largest(list, &|p| turned(p, lowest(p, x))),
+            (None, _) => largest(list, &voltage),
+        };
+        let ripple_voltage = match allowed {
+            Some(_) => self.rippled.iter().zip(&rippled_direct).map(|(p, x)| turned(p, *x)).fold(0.0, f64::max),
+            None => voltages(&self.rippled),
+        };
         let through = bus.current.map(|i| if sags { i.min(bus.voltage / (2.0 * series)) } else { i });
         let hot = motor.thermal_resistance.map(|r_th| (hottest(motor, asked.winding_temperature), r_th));
         let t_0 = motor.reference_temperature;
@@ -207,11 +257,15 @@ impl Case {
             Regeneration::Limited(watt) if braked => watt,
             _ => f64::INFINITY,
         };
-        let rise = self.nodes().map(|nodes| nodes.peak(&self.copper_heat_at(n, drag)));
+        let rise = self.nodes().map(|nodes| {
+            let mut heat = self.copper_heat_at(n, drag);
+            heat.watt.iter_mut().zip(&direct).for_each(|(watt, x)| *watt += r * x * x);
+            nodes.peak(&heat)
+        });
         let hottest = rise.map(|_| (hottest(motor, asked.winding_temperature) - self.robot.ambient).max(0.0));
         let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
         let limits = [
-            ("peak_current", asked.safety * most_torque / k_t, current),
+            ("peak_current", asked.safety * most_current / k_t, current),
             ("peak_torque", asked.safety * most_torque, motor.peak_torque),
             ("continuous_current", square.sqrt() / k_t, meant(motor.continuous_current)),
             (
@@ -224,13 +278,18 @@ impl Case {
             ("winding_peak_temperature", rise.unwrap_or(0.0), hottest),
             ("standstill_holding", (square + own * at_rest).sqrt() / k_t, held),
             ("voltage", voltages(raw), volt),
+            (
+                "open_circuit_voltage",
+                speed * motor.emf_constant() * if brushless { 2.0_f64.sqrt() } else { 1.0 },
+                bus.max_voltage,
+            ),
             ("max_speed", speed, motor.max_speed),
             ("gear_input_speed", speed, gear.max_input_speed),
             ("gear_peak_torque", asked.safety * most_load, gear.peak_torque),
             ("gear_continuous_torque", load.sqrt(), timed_bound(gear.continuous_torque)),
             ("reflected_inertia", inertia, asked.reflected_inertia),
             ("torque_bandwidth_current", asked.safety * most_ripple / k_t, rippled(current)),
-            ("torque_bandwidth_voltage", voltages(&self.rippled), rippled(volt).filter(|_| motor.inductance.is_some())),
+            ("torque_bandwidth_voltage", ripple_voltage, rippled(volt).filter(|_| motor.inductance.is_some())),
             ("bus_power", watt, bus.power.map(|most| most - standby)),
             (
                 "bus_current",
@@ -242,31 +301,44 @@ impl Case {
             ("ratio_min", min, Some(n)),
             ("ratio_max", n, Some(max)),
         ];
-        let drawn = |p: &Point| {
-            let watt = (r + lead) * (usual(p) / k_t).powi(2) + motor.emf_constant() * n * p.velocity * usual(p) / k_t;
+        let drawn = |p: &Point, k: usize| {
+            let current = (usual(p) / k_t).powi(2) + direct[k].powi(2);
+            let watt = (r + lead) * current + motor.emf_constant() * n * p.velocity * usual(p) / k_t;
             let from_bus = if watt > 0.0 { watt / bus.drive_efficiency } else { (watt * kept).max(-most_kept) };
             (from_bus, watt)
         };
         // All that is lost at an instant: copper and leads, the motor's and the gear's friction, load that the gear's
         // efficiency takes, and what the drive's takes.
-        let lost = |p: &Point| {
+        let lost = |p: &Point, k: usize| {
             let speed = n * p.velocity.abs();
             let gearing = (phi(p) - 1.0) * p.torque * p.velocity;
-            let (bus, terminals) = drawn(p);
-            (r + lead) * (usual(p) / k_t).powi(2) + speed * (rubbing + b * speed) + gearing + (bus - terminals)
+            let (bus, terminals) = drawn(p, k);
+            let current = (usual(p) / k_t).powi(2) + direct[k].powi(2);
+            (r + lead) * current + speed * (rubbing + b * speed) + gearing + (bus - terminals)
         };
         let duration = match joint.motion.course {
             Course::Periodic(duration) | Course::Once(duration) => duration,
             Course::Points(total) => total.unwrap_or(0.0),
             Course::Cases => unreachable!("a drawn motion has no cases"),
         };
-        let over_time = |f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[0] * f(p)).sum::<f64>() + standby;
-        let (energy, loss) = (duration * over_time(&|p| drawn(p).0), over_time(&lost));
+        let over_time = |f: &dyn Fn(&Point, usize) -> f64| {
+            timed.clone().enumerate().map(|(k, (p, s))| s[0] * f(p, k)).sum::<f64>() + standby
+        };
+        let (energy, loss) = (duration * over_time(&|p, k| drawn(p, k).0), over_time(&lost));
         let copper = r * square / (k_t * k_t);
-        let quantities = [loss, copper, inertia, most_torque / k_t, mass, energy, watt.max(0.0) + standby];
+        let quantities = [loss, copper, inertia, most_current / k_t, mass, energy, watt.max(0.0) + standby];
         let objective = joint.objective.terms.iter().map(|(q, weight)| weight * quantities[*q as usize]).sum();
         let bus = if sags { raw.iter().map(|p| [voltage(p) / per_volt, from_bus(p)]).collect() } else { Vec::new() };
         Look { quantities, objective, limits, bus }
+    }
+
+    /// Radius of the q-axis circle per volt of the bus.
+    fn circle(&self) -> f64 {
+        match (self.motor.conventions.commutation, self.robot.bus.modulation) {
+            (Commutation::Brushed, _) => 1.0,
+            (_, Modulation::Sine) => 0.375_f64.sqrt(),
+            _ => 0.5_f64.sqrt(),
+        }
     }
 
     /// The two thermal nodes, where the sheet has them and the motion has a course.

@@ -72,7 +72,7 @@ impl Asked {
                 let bandwidth = matches!(self.demand, Demand::Bandwidth(_));
                 let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
                 let point = waveform.point(waveform.largest(functional, actuator, ratio).index);
-                Some((functional.polynomial(actuator, point.flow, &point.features, ratio), Some(point.origin)))
+                Some((functional.polynomial(actuator, &point, ratio), Some(point.origin)))
             }
             Demand::WindingPeak(_) if self.is_certainly_kept(candidate, ratio) => None,
             Demand::WindingPeak(node) => {

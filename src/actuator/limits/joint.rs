@@ -1,7 +1,6 @@
 //! What the requirement asks of a joint beyond its motion.
 
 use super::limit::*;
-use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;
 use crate::requirement::Turns;
 
@@ -37,7 +36,7 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
             (None, _) => Prepared::NotAsked,
             (_, None) if c.joint.turns == Turns::Any => Prepared::NotAsked,
-            (Some(_), Some((bound, owner))) => peak(c, Demand::Bandwidth(Functional::TorqueSquared), bound, owner),
+            (Some(_), Some((bound, owner))) => peak(c, Demand::Bandwidth(current_of(c)), bound, owner),
             (Some(_), None) => Prepared::Unknown("neither motor nor drive says a largest current"),
         },
     },

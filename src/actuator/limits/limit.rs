@@ -302,10 +302,24 @@ pub(super) fn heating(candidate: &Candidate, standing: f64, bound: f64, owner: &
 /// reserve of that is in the supply already.
 pub(super) fn voltage(candidate: &Candidate, name: &str, over: fn(Functional) -> Demand) -> Prepared {
     let reserve = candidate.joint.limits.reserve(name);
-    match candidate.supply(reserve) {
-        None => torque(over(Functional::VoltageSquared), 1.0, candidate.voltage(), "bus"),
-        Some(supply) => plain(over(Functional::OpenVoltage(supply)), 1.0, candidate.robot.bus.voltage, "bus"),
+    match (candidate.supply(reserve), candidate.weakening()) {
+        (None, None) => torque(over(Functional::VoltageSquared), 1.0, candidate.voltage(), "bus"),
+        (None, Some(most)) => {
+            // All phases of a superposed torque have one current against the magnets: that which the ratio asks for.
+            let least = Functional::LeastVoltage(most * candidate.actuator.torque_constant);
+            let functional = match over(least) {
+                Demand::Samples(_) => least,
+                _ => Functional::VoltageSquared,
+            };
+            torque(over(functional), 1.0, candidate.voltage(), "bus")
+        }
+        (Some(supply), _) => plain(over(Functional::OpenVoltage(supply)), 1.0, candidate.robot.bus.voltage, "bus"),
     }
+}
+
+/// What the largest current is read from at every sample.
+pub(super) fn current_of(candidate: &Candidate) -> Functional {
+    if candidate.load.waveform.is_weakened() { Functional::CurrentSquared } else { Functional::TorqueSquared }
 }
 
 /// A limit on the largest current \[A\], of what the ripple leaves of it.

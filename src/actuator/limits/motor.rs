@@ -12,7 +12,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "peak_current",
         unit: "A",
-        formula: "safety · max |T|/K_T ≤ I_peak",
+        formula: "safety · max √((T/K_T)² + i_d²) ≤ I_peak",
         safety: true,
         of: Of::QAxis,
         class: Class::Convex,
@@ -20,7 +20,7 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: |robot, joint| joint.drive_current.or(robot.bus.drive_current).is_some(),
         key: by_drive,
         prepare: |c| match c.peak_current() {
-            Some((bound, owner)) => peak(c, Demand::Samples(Functional::TorqueSquared), bound, owner),
+            Some((bound, owner)) => peak(c, Demand::Samples(current_of(c)), bound, owner),
             None if c.drive_current().is_some() => Prepared::NotAsked,
             None => Prepared::Unknown("neither motor nor drive says a largest current"),
         },

@@ -62,6 +62,14 @@ pub const NEEDS: &[Need] = &[
         at_ratio: |_| None,
     },
     Need {
+        name: "field_weakening",
+        of: Of::Other,
+        stated: by_data_sheets,
+        key: by_nobody,
+        missing: |c| c.why_not_weakened(),
+        at_ratio: |_| None,
+    },
+    Need {
         name: "demagnetisation",
         of: Of::Other,
         stated: by_data_sheets,
@@ -69,9 +77,16 @@ pub const NEEDS: &[Need] = &[
         missing: |c| {
             let by_drive =
                 c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some();
-            by_drive.then_some(
-                "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less",
-            )
+            let weakened = c.weakening().is_some() && c.motor.demagnetization_current.is_none();
+            match () {
+                () if weakened => Some(
+                    "the current against the magnets that they bear is not known: only the requirement's bounds that which weakens the field",
+                ),
+                () if by_drive => Some(
+                    "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less",
+                ),
+                () => None,
+            }
         },
         at_ratio: |_| None,
     },

@@ -9,7 +9,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "voltage",
         unit: "V",
-        formula: "max √(v_q² + v_d²) ≤ V, with R of the hottest winding allowed; with a resistance of the supply the open-circuit voltage that this takes",
+        formula: "max √(v_q² + v_d²) ≤ V, with R of the hottest winding allowed; where the field may be weakened the least that i_d makes of it; with a resistance of the supply the open-circuit voltage that this takes",
         safety: false,
         of: Of::Other,
         class: Class::Convex,
@@ -19,6 +19,25 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| match c.joint.turns {
             Turns::AsWound => voltage(c, "voltage", Demand::Samples),
             Turns::Any => Prepared::NotAsked,
+        },
+    },
+    Limit {
+        name: "open_circuit_voltage",
+        unit: "V",
+        formula: "√2 K_B N max |ω| ≤ V_max: between two phases at the top speed, when the drive lets go (of a brushed motor K_B N max |ω|)",
+        safety: false,
+        of: Of::Other,
+        class: Class::UpperBound,
+        depends: Depends::Anyhow,
+        stated: |robot, _| robot.bus.max_voltage.is_some(),
+        key: |_| Some(Key::Robot(&["bus", "max_voltage"])),
+        prepare: |c| match c.robot.bus.max_voltage {
+            Some(bound) => {
+                let (speed, sample) = c.load.peak_speed;
+                let demand = Laurent::monomial(c.open_circuit_per_speed() * speed, 1);
+                plain(Demand::Polynomial(demand, Some(sample)), 1.0, bound, "bus")
+            }
+            None => Prepared::NotAsked,
         },
     },
     Limit {

@@ -11,13 +11,15 @@ use std::collections::BinaryHeap;
 use super::objective::Goal;
 use super::{
     Certificate, Class, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Refusal,
-    Unsolved, prices, scan,
+    Unsolved, evaluated, prices, scan, weakened,
 };
 use crate::actuator::Laurent;
 use crate::actuator::limits::Demand;
 
 /// More intervals than any case has been seen to need; what is left then is reported as a gap.
 const MAX_INTERVALS: usize = 20_000;
+/// The same where a weakened field is bounded sample by sample.
+const MAX_WEAKENED: usize = 400;
 /// An interval narrower than this (relative) is not divided further.
 const NARROWEST: f64 = 1e-12;
 /// A limit that is met with equality is exceeded by no more than this (relative).
@@ -171,7 +173,10 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let optimum = Optimum {
         ratio,
         objective: search.goal.natural(value),
-        shadow_prices: prices::at(program, &search.goal, &windows, ratio, &low, &high),
+        shadow_prices: match program.is_evaluated() {
+            true => evaluated::prices(program, &search.goal, &windows, ratio, &low, &high),
+            false => prices::at(program, &search.goal, &windows, ratio, &low, &high),
+        },
         windows,
         certificate,
     };
@@ -198,7 +203,8 @@ impl Search<'_> {
             settled = settled.min(self.enter(&mut heap, start, end));
             start = end;
         }
-        for _ in 0..MAX_INTERVALS {
+        let most = if self.program.is_evaluated() { MAX_WEAKENED } else { MAX_INTERVALS };
+        for _ in 0..most {
             if self.program.prepared.stop.now() {
                 break;
             }
@@ -241,7 +247,7 @@ impl Search<'_> {
         for _ in 0..4 {
             let before = b - a;
             for at in [a, b] {
-                let Some((polynomial, bound)) = self.worst_row(at) else { continue };
+                let Some((polynomial, bound)) = self.worst_row(at, a, b) else { continue };
                 match Underestimator::new(&polynomial, a, b).below(bound, a, b) {
                     Some(part) => (a, b) = part,
                     None => return f64::INFINITY,
@@ -251,7 +257,11 @@ impl Search<'_> {
                 break;
             }
         }
-        let cut = self.goal.cut((a * b).sqrt());
+        let middle = (a * b).sqrt();
+        let cut = match self.program.is_evaluated() {
+            true => weakened::cut(self.program, &self.goal, middle, (a, b)),
+            false => self.goal.cut(middle),
+        };
         let under = Underestimator::new(&cut, a, b);
         let least = under.minimum(a, b);
         let bound = under.at(least) + steps - 1e-14 * under.size;
@@ -268,7 +278,10 @@ impl Search<'_> {
 
     /// The most violated row at a ratio, where one is violated. A limit that takes a walk over all samples, or
     /// many where it runs away, is looked at only where the others are kept: any violated row will do.
-    fn worst_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
+    fn worst_row(&self, ratio: f64, a: f64, b: f64) -> Option<(Laurent, f64)> {
+        if self.program.is_evaluated() {
+            return weakened::worst_row(self.program, ratio, (a, b));
+        }
         worst_row(self.program, ratio, |demand| !demand.takes_a_walk())
             .or_else(|| worst_row(self.program, ratio, Demand::takes_a_walk))
     }

@@ -30,7 +30,7 @@ pub(super) fn solve(program: &RatioProgram) -> Outcome {
 }
 
 /// The prices of the limits that end the window where N* stands.
-fn prices(
+pub(super) fn prices(
     program: &RatioProgram,
     goal: &Goal,
     windows: &[Window],

@@ -20,6 +20,7 @@ mod prices;
 mod refusal;
 mod scan;
 pub mod spring;
+mod weakened;
 mod window;
 
 use crate::actuator::Laurent;
@@ -161,8 +162,12 @@ impl<'a> RatioProgram<'a> {
         if self.objective.sole() == Some(Quantity::Mass) {
             return self.least_mass();
         }
-        if self.is_evaluated() {
+        let candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);
+        if candidates.clone().any(|c| !c.folded && c.has_evaluated_effects()) {
             return evaluated::solve(self);
+        }
+        if self.is_evaluated() {
+            return branch::solve(self, "the bounds with a weakened field did not meet");
         }
         match self.why_not_convex() {
             None => self.solve_convex(),

@@ -6,9 +6,8 @@
 //! a common time base can meet at their worst instants: the sum of their peaks is a safe bound, and is called so.
 
 use crate::actuator::limits::Candidate;
-use crate::actuator::shaft::Flow;
 use crate::actuator::supply::Drawn;
-use crate::actuator::waveform::WavePoint;
+use crate::actuator::waveform::{Functional, WavePoint};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
 use crate::requirement::{Course, Motion, Robot};
@@ -214,7 +213,7 @@ impl Profile {
         let mut most: Option<(f64, Laurent)> = None;
         let points = self.points[sample].iter().flat_map(|point| self.ends.iter().map(move |end| (point, end)));
         for (point, end) in points {
-            let polynomial = end.power(end.loss_taken(), point.flow as Flow, &point.features);
+            let polynomial = Functional::Power.polynomial(end, point, ratio);
             let power = polynomial.at(ratio);
             let factor = if power > 0.0 { self.drive.0 } else { self.drive.1 };
             let drawn = power * factor + self.standby;

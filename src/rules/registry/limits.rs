@@ -138,6 +138,11 @@ limits! {
         why "A drive's large current is for seconds: its switches warm up and it falls back to the continuous one, in the middle of the work.",
         example "A hip with 24 A rms (amplitude) on a drive of 60 A for a second and 20 A for ever.",
         fix "A larger drive or a better cooled one, or a motor with more torque per ampere.";
+    "GW035" "open-circuit-voltage" "open_circuit_voltage",
+        "the motor's own voltage at its top speed stays within what the bus bears",
+        why "When the drive lets go at speed, the motor charges the bus through the diodes of the drive up to its own voltage between two phases; drives and capacitors burst above theirs.",
+        example "A motor that is run to twice its base speed with a weakened field: 92 V on drives of 60 V when a fault switches them off.",
+        fix "A smaller ratio, a winding with fewer turns, or a brake that holds the bus.";
 }
 
 /// A motor and gear that cannot be evaluated at all.

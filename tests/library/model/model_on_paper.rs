@@ -893,11 +893,13 @@ fn the_envelope_is_where_its_functional_meets_the_bound() {
                 let v_d = poles * n * speed * current;
                 let work = motor.emf_constant() * n * speed * current;
                 match functional {
-                    Functional::TorqueSquared => (current * motor.torque_constant).powi(2),
+                    Functional::TorqueSquared | Functional::CurrentSquared => (current * motor.torque_constant).powi(2),
                     Functional::VoltageSquared => v_q * v_q + v_d * v_d,
                     Functional::Power => hot * current * current + work,
                     Functional::PowerBack => -(motor.resistance * current * current + work),
-                    Functional::OpenVoltage(_) => unreachable!("it is no parabola of the torque"),
+                    Functional::OpenVoltage(_) | Functional::LeastVoltage(_) => {
+                        unreachable!("no parabola of the torque")
+                    }
                 }
             };
             let usual = case.raw.iter().map(|p| p.torque.abs()).fold(0.0, f64::max);
@@ -974,7 +976,7 @@ fn changed_waveforms_have_the_same_points() {
                 let found = changed.largest(functional, &actuator, n);
                 let at = |i: usize| {
                     let p = changed.point(i);
-                    functional.polynomial(&actuator, p.flow, &p.features, n).at(n)
+                    functional.polynomial(&actuator, &p, n).at(n)
                 };
                 let most = (0..changed.len()).map(at).fold(f64::NEG_INFINITY, f64::max);
                 let size = (0..changed.len()).map(|i| at(i).abs()).fold(0.0, f64::max);

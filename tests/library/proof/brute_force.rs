@@ -257,6 +257,40 @@ fn programs_on_a_supply_that_sags_agree_with_a_scan_of_the_raw_waveforms() {
     run(cases(400_000, 1200), false, 18, supplied);
 }
 
+/// A joint whose drive may weaken the field, by more or less than the middle ratio asks for; some magnets bear less.
+fn weakened(i: u64) -> Case {
+    let mut case = draw(i, i.is_multiple_of(2));
+    let mut random = Pcg64::seed_from_u64(i + 2);
+    let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
+    let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
+    let n = (min * max).sqrt();
+    let at = case.look(n);
+    let need = |name: &str| at.limits.iter().find(|limit| limit.0 == name).unwrap().1;
+    let speed = n * case.raw.iter().map(|p| p.velocity.abs()).fold(0.0, f64::max);
+    let (voltage, current) = (need("voltage").max(need("torque_bandwidth_voltage")), need("peak_current").max(1e-9));
+    let motor = &mut case.motor;
+    if motor.conventions.commutation == Commutation::Brushless && speed > 0.0 {
+        // What couples across is a tenth to ten times what the back-EMF is.
+        let poles = motor.pole_pairs.unwrap_or(7).max(1);
+        motor.pole_pairs = Some(poles);
+        motor.inductance = Some(motor.emf_constant() / (f64::from(poles) * current) * around(0.1, 10.0));
+    }
+    case.robot.bus.voltage = voltage.max(1e-9) * around(0.4, 1.5) / 0.6;
+    case.robot.bus.drive.field_weakening_current = Some(current * around(0.05, 3.0));
+    case.motor.demagnetization_current = Some(current * around(0.1, 3.0)).filter(|_| i.is_multiple_of(3));
+    case.robot.bus.max_voltage = Some(case.robot.bus.voltage * around(1.0, 5.0)).filter(|_| i.is_multiple_of(5));
+    // What comes back is helped by more of that current than the least: nothing is said of it here.
+    case.robot.bus.regeneration = Regeneration::Allowed;
+    Case::new(case.motor, case.robot, case.raw)
+}
+
+/// A weakened field: verdicts, best ratio, objective and every margin, against a scan over ratios with the current against the
+/// magnets found by halving at every sample.
+#[test]
+fn programs_with_a_weakened_field_agree_with_a_scan_of_the_raw_waveforms() {
+    run(cases(500_000, 1000), false, 18, weakened);
+}
+
 /// Parts of constant heat are the model's own approximation: here heat is linear between samples, the
 /// equations are integrated by the classic Runge-Kutta rule, and a periodic motion is repeated until it
 /// repeats. The model is never below it, but for the fourth order of its parts, and above it by no more than it says.

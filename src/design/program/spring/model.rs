@@ -208,7 +208,9 @@ pub(super) fn functional(
 ) -> Option<Form> {
     let mut form = Form::default();
     match what {
-        Functional::TorqueSquared => add_torque_squared(actuator, sample, &mut form, 1.0, region, z),
+        Functional::TorqueSquared | Functional::CurrentSquared => {
+            add_torque_squared(actuator, sample, &mut form, 1.0, region, z)
+        }
         Functional::Power => add_power((actuator, actuator.loss_taken()), sample, &mut form, 1.0, region, z),
         Functional::PowerBack => {
             let shaft = shaft(actuator, sample, region);
@@ -220,6 +222,8 @@ pub(super) fn functional(
             form.add_constant(copper * low * high);
             shaft.add_times_ratio(&mut form, -emf, region, z);
         }
+        // Of a weakened field, which springs are not chosen with.
+        Functional::LeastVoltage(_) => return None,
         Functional::VoltageSquared => return voltage_squared(actuator, sample, region, z),
         Functional::OpenVoltage(supply) => {
             let [of_voltage, of_power, constant] = supply.row(

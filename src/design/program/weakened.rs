@@ -1,0 +1,131 @@
+//! Bounds with a weakened field, on an interval of ratios.
+//!
+//! The one idea: at a ratio the current along d of every sample is the least that keeps the voltage, and a bound of its square
+//! from below is a polynomial that holds on an interval ([`least_square`]). Added to the rows and cuts without weakening it
+//! gives rows and cuts of the same kind, which the branch and bound takes as they are; they touch as intervals shrink. A row
+//! in which such a current helps (power that comes back) is left out: what is ruled out is ruled out without it.
+
+use super::objective::Goal;
+use super::{Class, Limited, ROW_TOLERANCE, RatioProgram};
+use crate::actuator::limits::{Asked, Candidate, Demand};
+use crate::actuator::supply::Drawn;
+use crate::actuator::waveform::{Functional, WavePoint};
+use crate::actuator::weakening::{least_square, voltage_row};
+use crate::actuator::{Actuator, Laurent};
+use crate::design::evaluate::violation;
+use crate::requirement::Quantity;
+
+/// Bound of the squared voltage at the motor \[V²\].
+fn voltage_bound(candidate: &Candidate) -> f64 {
+    (candidate.voltage() * (1.0 - candidate.joint.limits.reserve("voltage"))).powi(2)
+}
+
+/// A lower bound of a sample's squared current along d, times K_T², on an interval: the better of both ends of the drag.
+fn direct_square(candidate: &Candidate, point: &WavePoint, ratio: f64, interval: (f64, f64)) -> Option<Laurent> {
+    let bound = voltage_bound(candidate);
+    let of_ends = candidate.ends().filter_map(|end| least_square(end, point, bound, ratio, interval));
+    of_ends.reduce(|x, y| if y.at(ratio) > x.at(ratio) { y } else { x })
+}
+
+/// The cut of the objective at a ratio, from below on the interval around it.
+pub(super) fn cut(program: &RatioProgram, goal: &Goal, ratio: f64, interval: (f64, f64)) -> Laurent {
+    let candidate = &program.prepared.candidate;
+    let weight = |quantity| program.objective.weight(quantity);
+    let actuator = &candidate.actuator;
+    let mut cut = goal.cut(ratio);
+    if program.objective.sole() == Some(Quantity::PeakCurrent) {
+        // In its square: that of the sample with the most.
+        let (largest, of_peak) = peak(candidate, actuator, ratio, interval);
+        return if largest > cut.at(ratio) { of_peak } else { cut };
+    }
+    let drawn = Drawn::new(&candidate.robot.bus);
+    let copper = actuator.heating();
+    let both = copper + actuator.conduction();
+    let duration = candidate.load.duration.unwrap_or(0.0);
+    for (point, share) in candidate.load.means() {
+        let Some(square) = direct_square(candidate, point, ratio, interval) else { continue };
+        if square.at(ratio) <= 0.0 {
+            continue;
+        }
+        let power = actuator.power(actuator.loss_given(), point.flow, &point.features).at(ratio);
+        // What is drawn is convex in the power: its slope where nothing is added is the least.
+        let (slope, _) = drawn.line(power);
+        let each = weight(Quantity::CopperLoss) * copper
+            + weight(Quantity::Loss) * both * slope
+            + weight(Quantity::Energy) * duration * both * slope;
+        cut = cut + square * (each * share);
+    }
+    cut
+}
+
+/// The largest squared current of all samples at a ratio, times K_T², and its bound on the interval.
+fn peak(candidate: &Candidate, actuator: &Actuator, ratio: f64, interval: (f64, f64)) -> (f64, Laurent) {
+    let waveform = &candidate.load.waveform;
+    let mut best = (f64::NEG_INFINITY, Laurent::default());
+    for point in (0..waveform.len()).map(|k| waveform.point(k)) {
+        let own = actuator.torque_squared(point.flow, &point.features);
+        let all = match direct_square(candidate, &point, ratio, interval) {
+            Some(square) => own + square,
+            None => own,
+        };
+        let here = all.at(ratio);
+        if here > best.0 {
+            best = (here, all);
+        }
+    }
+    best
+}
+
+/// The most violated row at a ratio, where one is: it holds on the interval.
+pub(super) fn worst_row(program: &RatioProgram, ratio: f64, interval: (f64, f64)) -> Option<(Laurent, f64)> {
+    let mut worst: Option<(f64, Laurent, f64)> = None;
+    for Limited { candidate, asked } in &program.limits {
+        if asked.limit.class != Class::Convex {
+            continue;
+        }
+        let Some(row) = row(candidate, asked, ratio, interval) else { continue };
+        let bound = asked.raw_bound();
+        let excess = violation(row.at(ratio), bound);
+        if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(most, ..)| excess > *most) {
+            worst = Some((excess, row, bound));
+        }
+    }
+    // A limit counts as kept within the tolerance everywhere.
+    worst.map(|(_, row, bound)| (row, bound + ROW_TOLERANCE * bound.abs()))
+}
+
+/// The row of a limit, by its worst sample at a ratio.
+fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -> Option<Laurent> {
+    let actuator = candidate.end(asked.end);
+    let load = candidate.load;
+    let squares = |standing: f64| {
+        let shares = load.means().zip(load.rests()).map(|((point, share), (_, rest))| (point, share + standing * rest));
+        let mut sum = Laurent::default();
+        for (point, share) in shares.filter(|(_, share)| *share > 0.0) {
+            if let Some(square) = direct_square(candidate, point, ratio, interval).filter(|s| s.at(ratio) > 0.0) {
+                sum = sum + square * share;
+            }
+        }
+        sum * load.share_of_time
+    };
+    match asked.demand {
+        Demand::Samples(functional @ Functional::LeastVoltage(most)) => {
+            let point = load.waveform.point(load.waveform.largest(functional, actuator, ratio).index);
+            Some(voltage_row(actuator, &point, most, ratio, interval))
+        }
+        // The motor's torque has no part in it, the current has.
+        Demand::Samples(Functional::TorqueSquared) if asked.limit.is_q_axis() => {
+            Some(peak(candidate, actuator, ratio, interval).1)
+        }
+        Demand::Samples(Functional::Power) => {
+            let point = load.waveform.point(load.waveform.largest(Functional::Power, actuator, ratio).index);
+            let own = actuator.power(actuator.loss_taken(), point.flow, &point.features);
+            let more = direct_square(candidate, &point, ratio, interval).filter(|s| s.at(ratio) > 0.0);
+            Some(more.map_or(own, |square| own + square * actuator.loss_taken()))
+        }
+        // Means of heat.
+        Demand::Polynomial(mean, _) => Some(mean + squares(asked.standing)),
+        Demand::Bandwidth(Functional::VoltageSquared) => None,
+        _ => asked.polynomial_at(candidate, ratio).map(|(row, _)| row),
+    }
+}
