@@ -230,7 +230,8 @@ fn audit_gear(gear: &Gear) -> Vec<Finding> {
         for ((lower, least), (upper, most)) in known.iter().zip(known.iter().skip(1)) {
             if least > most {
                 let show = |si: f64| number(crate::units::in_unit(si, unit));
-                let message = format!("{lower} ({} {unit}) is more than {upper} ({} {unit})", show(*least), show(*most));
+                let message =
+                    format!("{lower} ({} {unit}) is more than {upper} ({} {unit})", show(*least), show(*most));
                 add("gear-ratings", Severity::Error, message, None);
             }
         }

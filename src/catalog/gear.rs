@@ -237,7 +237,8 @@ impl Gear {
     /// Efficiency of the load alone when the load drives, η_b: as printed, else N T_s/T_b where the torques without load
     /// count and say it; `None` where it follows from the other efficiency.
     pub fn load_backdrive_efficiency(&self) -> Option<f64> {
-        let by_torques = || self.backdriving_ratio().filter(|_| !self.loss_is_in_efficiency()).map(|ratio| ratio.min(1.0));
+        let by_torques =
+            || self.backdriving_ratio().filter(|_| !self.loss_is_in_efficiency()).map(|ratio| ratio.min(1.0));
         self.backdrive_efficiency.or_else(by_torques)
     }
 

@@ -44,7 +44,8 @@ pub fn text() -> String {
 fn missing() -> Vec<(&'static str, &'static str)> {
     const BARE: &str = "b,q_axis,q_axis,1,,0.1,1e-5,,,,,,";
     const FULL: &str = "f,q_axis,q_axis,1,1e-3,0.1,1e-5,1,7,5,20,400,2";
-    const HEAD: &str = "id,kind,ratio,efficiency,inertia [kg*m^2],source,source_kind,average_torque [N*m],average_input_speed [rpm]\n";
+    const HEAD: &str =
+        "id,kind,ratio,efficiency,inertia [kg*m^2],source,source_kind,average_torque [N*m],average_input_speed [rpm]\n";
     const GEARS: [&str; 2] = ["g,strain_wave,9,0.9,1e-6,s,derived,,\n", "g,strain_wave,9,0.9,1e-6,s,derived,1,1\n"];
     let mut found: Vec<(&'static str, &'static str)> = Vec::new();
     for ((row, duration), gear) in [(BARE, ", duration = \"1 s\""), (FULL, "")].into_iter().zip(GEARS) {
@@ -60,7 +61,8 @@ fn missing() -> Vec<(&'static str, &'static str)> {
              torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\" }}\nshock_torque = \"1 N*m\"\nlife = \"1 h\"\nmax_backlash = \"1 deg\"\n\
              min_stiffness = \"1 N*m/rad\"\nmax_backdriving_torque = \"1 N*m\"\n"
         );
-        let sources = vec![Source::new("motors.csv", motors).into(), Source::new("gears.csv", format!("{HEAD}{gear}")).into()];
+        let sources =
+            vec![Source::new("motors.csv", motors).into(), Source::new("gears.csv", format!("{HEAD}{gear}")).into()];
         let (Ok(catalog), Ok(robot)) =
             (Catalog::from_sources(sources), requirement::read_source(&Source::new("x.toml", robot).into()))
         else {

@@ -383,11 +383,7 @@ pub(super) fn read_gear(section: Section) -> GearModel {
         ),
         ratings: read_ratings(&section),
         backlash: section.quantity(key("backlash", "at the output"), &units::ANGLE, Range::NonNegative),
-        stiffness: section.quantity(
-            key("stiffness", "torsional, at the output"),
-            &units::STIFFNESS,
-            Range::Positive,
-        ),
+        stiffness: section.quantity(key("stiffness", "torsional, at the output"), &units::STIFFNESS, Range::Positive),
         no_load,
         friction_at_rest,
         backdriving_torque: None,
@@ -444,9 +440,8 @@ fn read_no_load(section: &Section) -> (Friction, Option<f64>) {
 
 /// What a gear may bear beyond its continuous and its peak torque.
 fn read_ratings(section: &Section) -> GearRatings {
-    let torque = |name: &'static str, about: &'static str| {
-        section.quantity(key(name, about), &units::TORQUE, Range::Positive)
-    };
+    let torque =
+        |name: &'static str, about: &'static str| section.quantity(key(name, about), &units::TORQUE, Range::Positive);
     let speed =
         |name: &'static str, about: &'static str| section.quantity(key(name, about), &units::SPEED, Range::Positive);
     GearRatings {

@@ -315,7 +315,10 @@ pub fn gear_text(gear: &Gear) -> String {
     line(&mut out, "source", &sourced(&gear.source, gear.source_kind));
     line(&mut out, "fits", &gear.fits.join(", "));
     line(&mut out, "note", &gear.note);
-    titled(&mut out, "Numbers (torques, backlash and stiffness at the output; inertia, speed and torque without load at the input)");
+    titled(
+        &mut out,
+        "Numbers (torques, backlash and stiffness at the output; inertia, speed and torque without load at the input)",
+    );
     let rows = GEAR_FIELDS.iter().filter_map(|field| {
         let printed = (field.get)(gear.numbers())?;
         Some(number_row(field, printed.value, printed.tolerance))

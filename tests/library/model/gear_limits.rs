@@ -9,6 +9,7 @@ use gearwise::actuator::shaft::{Feature, Flow};
 use gearwise::catalog::audit::{Severity, audit};
 use gearwise::catalog::{Catalog, Gear};
 use gearwise::design::optimize::optimize;
+use gearwise::design::simulated::SimulatedJoint;
 use gearwise::design::{Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::{self, Course, Robot, Spring};
@@ -35,7 +36,8 @@ fn robot(limits: &str) -> Result<Robot, String> {
          {{ torque = \"-4 N*m\", speed = \"-1 rad/s\", duration = \"2 s\" }},\n\
          {{ torque = \"20 N*m\", speed = \"0 rad/s\", duration = \"1 s\" }},\n]\n[joint.limits]\n{limits}\n"
     );
-    requirement::read_source(&Source::new("x.toml", text).into()).map_err(|e| e.iter().map(ToString::to_string).collect())
+    requirement::read_source(&Source::new("x.toml", text).into())
+        .map_err(|e| e.iter().map(ToString::to_string).collect())
 }
 
 fn catalog(gears: &str) -> Result<Catalog, String> {
@@ -142,7 +144,8 @@ fn shocks_are_compared_with_what_a_gear_bears_for_a_moment() {
 /// L = L_n (n_N/n_av)(T_N/T_av)³ = 875 h · (209.4/50) · (18/8.103)³ = 40 180 h.
 #[test]
 fn life_is_the_makers_law() {
-    const COLUMNS: &str = ",continuous_torque [N*m],rated_speed [rpm],rated_life [h],life_quantile,continuous_torque_is";
+    const COLUMNS: &str =
+        ",continuous_torque [N*m],rated_speed [rpm],rated_life [h],life_quantile,continuous_torque_is";
     let life = |limits: &str, cells: &str| check(limits, COLUMNS, cells, "gear_life");
     let n_av = 50.0 * 1.0;
     let expected = 875.0 * (2000.0 * std::f64::consts::TAU / 60.0 / n_av) * 18.0_f64.powi(3) / 532.0;
@@ -154,7 +157,11 @@ fn life_is_the_makers_law() {
     let same = life("life = \"20000 h\"", ",18,2000,4375,L50,rated_life").unwrap();
     assert_relative_eq!(same, life("life = \"20000 h\"", RATED).unwrap(), max_relative = 1e-12);
     let same = life("life = \"100000 h\"\nlife_quantile = \"L50\"", RATED).unwrap();
-    assert_relative_eq!(same, life("life = \"20000 h\"\nlife_quantile = \"L10\"", RATED).unwrap(), max_relative = 1e-12);
+    assert_relative_eq!(
+        same,
+        life("life = \"20000 h\"\nlife_quantile = \"L10\"", RATED).unwrap(),
+        max_relative = 1e-12
+    );
     // Nobody asks; and whatever is missing leaves it unknown.
     assert_eq!(life("", RATED), Err("not asked"));
     for (cells, why) in [
@@ -202,7 +209,10 @@ fn backdriving_takes_the_friction_of_motor_and_gear() {
         check(ASKED, columns, cells, "backdriving_torque").map(|margin| 10.0 * (1.0 - margin))
     };
     assert_relative_eq!(torque(",starting_torque [N*m]", ",0.03").unwrap(), 50.0 * 0.05 / 0.75, max_relative = 1e-12);
-    assert!(check("max_backdriving_torque = \"3 N*m\"", ",starting_torque [N*m]", ",0.03", "backdriving_torque").unwrap() < 0.0);
+    assert!(
+        check("max_backdriving_torque = \"3 N*m\"", ",starting_torque [N*m]", ",0.03", "backdriving_torque").unwrap()
+            < 0.0
+    );
     // What the maker prints for the gear wins for the gear's part.
     let both = ",starting_torque [N*m],backdriving_torque [N*m]";
     assert_relative_eq!(torque(both, ",0.03,2").unwrap(), 2.0 + 50.0 * 0.02 / 0.75, max_relative = 1e-12);
@@ -224,8 +234,7 @@ fn backdriving_takes_the_friction_of_motor_and_gear() {
         let load = Load::new(&joint.motion, None);
         let mount = Mount::new(robot, joint, &load, &catalog.motors[0]).with_gear(Some(&catalog.gears[0]));
         let at = Prepared::new(mount.candidate().unwrap()).at(50.0);
-        let of = at.margins.iter().find(|m| m.limit == "backdriving_torque").map(|m| m.demand);
-        of
+        at.margins.iter().find(|m| m.limit == "backdriving_torque").map(|m| m.demand)
     };
     assert_relative_eq!(prepared(&asked, &loose).unwrap(), 50.0 * 0.05 / 0.75, max_relative = 1e-12);
     let mut off = robot(ASKED).unwrap();
@@ -309,6 +318,24 @@ fn no_loss_is_counted_twice() {
     assert!(!said);
 }
 
+/// A simulator's joint gets the gear's friction next to the motor's.
+#[test]
+fn a_simulated_joint_has_the_gears_friction() {
+    let (robot, catalog) = (robot("").unwrap(), catalog(&row(LOSSES, ",0.03,0.05,1000,3,40,500")).unwrap());
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, None);
+    let mount = |motor| Mount::new(&robot, joint, &load, motor).with_gear(Some(&catalog.gears[0])).candidate().unwrap();
+    let simulated = SimulatedJoint::new(&mount(&catalog.motors[0]), 50.0);
+    assert_relative_eq!(simulated.friction_loss.unwrap(), 50.0 * (0.02 + 0.03), max_relative = 1e-12);
+    let per_speed = 0.02 / (1000.0 * std::f64::consts::TAU / 60.0);
+    assert_relative_eq!(simulated.damping.unwrap(), 2500.0 * per_speed, max_relative = 1e-12);
+    let why = |joint: &SimulatedJoint, what: &str| {
+        joint.left_out.iter().find(|left| left.what == what).map(|left| left.why.clone())
+    };
+    assert!(why(&simulated, "viscous friction").unwrap().contains("only the gear's is written"));
+    assert_eq!(why(&simulated, "Coulomb friction"), None);
+}
+
 #[test]
 fn what_contradicts_itself_is_refused_with_its_place() {
     for (cells, says) in [
@@ -325,7 +352,9 @@ fn what_contradicts_itself_is_refused_with_its_place() {
         assert!(error.starts_with("1 ") && error.contains(says) && error.contains("g.csv:2"), "{cells}: {error}");
     }
     let columns = ",rated_life [h],life_quantile,continuous_torque_is";
-    for (cells, says) in [(",7000,L20,", "life_quantile"), (",7000,L10,warm", "rated_life"), (",-7000,L10,", "rated_life")] {
+    for (cells, says) in
+        [(",7000,L20,", "life_quantile"), (",7000,L10,warm", "rated_life"), (",-7000,L10,", "rated_life")]
+    {
         let error = catalog(&row(columns, cells)).unwrap_err();
         assert!(error.starts_with("1 ") && error.contains(says) && error.contains("g.csv:2"), "{cells}: {error}");
     }
@@ -353,8 +382,7 @@ fn the_audit_finds_gears_that_make_energy_and_ratings_out_of_order() {
     let note = ("gear-efficiency-point", Severity::Note);
     assert_eq!(found(both, ",0.03,2"), [note]);
     assert_eq!(found(both, ",0.05,2"), [("gear-backdriving", Severity::Error), note]);
-    let ratings =
-        ",continuous_torque [N*m],average_torque [N*m],peak_torque [N*m],momentary_peak_torque [N*m],ratcheting_torque [N*m]";
+    let ratings = ",continuous_torque [N*m],average_torque [N*m],peak_torque [N*m],momentary_peak_torque [N*m],ratcheting_torque [N*m]";
     assert_eq!(found(ratings, ",10,14,30,60,90"), []);
     for cells in [",15,14,30,60,90", ",10,31,30,60,90", ",10,14,30,29,90", ",10,14,30,60,50", ",10,,,60,50"] {
         assert_eq!(found(ratings, cells), [("gear-ratings", Severity::Error)], "{cells}");
@@ -392,7 +420,8 @@ fn a_described_gear_has_the_same_keys() {
         let candidate = Mount::new(robot, &robot.joints[0], &load, &motors[0]).candidate().unwrap();
         let evaluated = Prepared::new(candidate).at(ratio);
         let margin = |name: &str| evaluated.margins.iter().find(|m| m.limit == name).map(|m| m.demand);
-        ["gear_average_torque", "gear_average_speed", "gear_life", "backdriving_torque", "gear_momentary_torque"].map(margin)
+        ["gear_average_torque", "gear_average_speed", "gear_life", "backdriving_torque", "gear_momentary_torque"]
+            .map(margin)
     };
     // 10 N·m at 2 rad/s; 1000 h at 20 · 2 rad/s and 10 N·m are as many as 1000 · 40/200 · (10/8)³ at the rated point.
     let [average, speed, life, backdriving, shock] = at(&all, 20.0).map(Option::unwrap);
@@ -443,7 +472,8 @@ fn demands_are_those_of_the_waveforms() {
         joint.gear.backdrive_efficiency = joint.gear.backdrive_efficiency.max(0.1);
         joint.gear.continuous_torque = Some(3.0);
         let ratings = &mut joint.gear.ratings;
-        (ratings.average_torque, ratings.average_input_speed, ratings.ratcheting_torque) = (Some(1.0), Some(1.0), Some(1.0));
+        (ratings.average_torque, ratings.average_input_speed, ratings.ratcheting_torque) =
+            (Some(1.0), Some(1.0), Some(1.0));
         (ratings.rated_life, ratings.rated_speed) = (Some(3.6e6), Some(200.0));
         ratings.life_quantile = Some(gearwise::catalog::LifeQuantile::L50);
         ratings.continuous_torque_is = Some(gearwise::catalog::ContinuousTorque::RatedLife);
@@ -467,7 +497,11 @@ fn demands_are_those_of_the_waveforms() {
                 ("backdriving_torque", back, 1.0),
             ] {
                 let found = at.margins.iter().find(|m| m.limit == name).unwrap_or_else(|| panic!("{seed}: {name}"));
-                assert!((found.demand - demand).abs() <= 1e-9 * demand.abs(), "{seed} {name}: {} {demand}", found.demand);
+                assert!(
+                    (found.demand - demand).abs() <= 1e-9 * demand.abs(),
+                    "{seed} {name}: {} {demand}",
+                    found.demand
+                );
                 assert_relative_eq!(found.bound, bound, max_relative = 1e-12);
                 looked += 1;
             }
