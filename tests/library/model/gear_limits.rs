@@ -363,6 +363,10 @@ fn what_contradicts_itself_is_refused_with_its_place() {
         ("life_quantile = \"L50\"", "life"),
         ("life = \"-1 h\"", "life"),
         ("max_backlash = \"-1 deg\"", "max_backlash"),
+        (
+            "life = \"1 h\"\nspring = { stiffness = [\"0 N*m/rad\", \"5 N*m/rad\"], rest_angle = [\"0 rad\", \"1 rad\"] }",
+            "cannot be asked for where a spring is to be chosen",
+        ),
         ("min_stiffness = \"3 N*m\\\"\"", "min_stiffness"),
     ] {
         let error = robot(limits).unwrap_err();
