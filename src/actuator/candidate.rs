@@ -3,7 +3,7 @@
 use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
 use super::load::Load;
-use super::shaft::{Actuator, Flow};
+use super::shaft::{Actuator, Feature, Flow};
 use super::supply::Supply;
 use super::thermal;
 use super::thermal_motion::TwoNode;
@@ -69,6 +69,12 @@ impl<'a> Candidate<'a> {
     /// Whether nothing is known of the motor's drag.
     pub fn drag_is_unknown(&self) -> bool {
         self.motor.drag() == Drag::Unknown
+    }
+
+    /// What of the motor's drag has to be overcome at rest \[N·m\]: Coulomb friction, and what falls with speed. Cogging is left
+    /// out.
+    pub fn friction_at_rest(&self) -> f64 {
+        self.actuator.drag_form()[Feature::Sign].abs() + fitted::drag(self.motor, 0.0, 1.0).0.abs()
     }
 
     /// What the drive takes whatever the motor does \[W\].

@@ -15,6 +15,11 @@ use crate::requirement::{Motion, TorqueBandwidth};
 /// rounding is larger than any bound.
 const FAR_BEYOND: f64 = 100.0;
 
+/// Mean of |ω||τ|³ over a motion.
+fn mean_wear(motion: &Motion) -> f64 {
+    motion.mean(|k| motion.velocity[k].abs() * motion.torque[k].abs().powi(3))
+}
+
 /// Phases of the torque that is superposed for the bandwidth limit: between two of them it is at most
 /// 1 − cos(π/32) = 0.5 % larger.
 pub const BANDWIDTH_PHASES: usize = 32;
@@ -35,6 +40,10 @@ pub struct Load {
     pub peak_torque: (f64, usize),
     /// Root mean square of the load torque \[N·m\].
     pub rms_torque: f64,
+    /// Mean of |ω| over all of the motion \[rad/s\].
+    pub mean_speed: f64,
+    /// Mean of |ω||τ|³ over all of the motion \[rad/s·(N·m)³\]: what wears a gear.
+    pub mean_wear: f64,
     /// Share of the time at standstill.
     pub dwell: f64,
     /// Whether means over time mean anything.
@@ -117,6 +126,8 @@ impl Load {
             peak_speed: largest(&motion.velocity),
             peak_torque: largest(&motion.torque),
             rms_torque: motion.mean(|k| motion.torque[k].powi(2)).sqrt(),
+            mean_speed: motion.mean(|k| motion.velocity[k].abs()),
+            mean_wear: mean_wear(motion),
             dwell: motion.dwell.iter().sum(),
             has_durations: motion.has_durations(),
             duration: motion.duration(),
@@ -149,6 +160,7 @@ impl Load {
         let mut load = Load::new(&moved, bandwidth);
         load.peak_torque = largest(&motion.torque);
         load.rms_torque = motion.mean(|k| motion.torque[k].powi(2)).sqrt();
+        load.mean_wear = mean_wear(motion);
         load
     }
 
@@ -288,6 +300,16 @@ impl Load {
         let at_rest = quadratic(&self.standstill, |flow| (actuator.torque_form(flow), actuator.torque_form(flow)));
         let more = actuator.shortfall.mean_square() * self.dwell + self.mean_direct_squared(&self.rest);
         mean + (at_rest + Laurent::constant(more)) * standing
+    }
+
+    /// Average torque of a gear's maker at the output \[N·m\], ∛(mean(|ω||τ|³)/mean|ω|); zero where nothing moves.
+    pub fn average_torque(&self) -> f64 {
+        if self.mean_speed > 0.0 { (self.mean_wear / self.mean_speed).cbrt() } else { 0.0 }
+    }
+
+    /// Mean of |ω| over the time that is not at standstill \[rad/s\].
+    pub fn running_speed(&self) -> f64 {
+        if self.mean_speed > 0.0 { self.mean_speed / (1.0 - self.dwell) } else { 0.0 }
     }
 
     /// Whether the motion happens once, from cold: heat has no steady state.

@@ -169,39 +169,72 @@ pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
     findings
 }
 
-/// Checks of a gear: a stage of a planetary gear reduces by 2.5 to 13.
+/// What `N T_s/T_b` may be above one by rounding of the two torques, which sheets print with two digits.
+const TWO_DIGITS: f64 = 0.05;
+
+/// Checks of a gear: a stage of a planetary gear reduces by 2.5 to 13, no way through it makes energy, and what it may bear for
+/// longer is not more than what it may bear for a moment.
 fn audit_gear(gear: &Gear) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut add = |code, message| {
+    let mut add = |code, severity, message, explanation: Option<&str>| {
         findings.push(Finding {
             id: gear.id.clone(),
             code,
-            severity: Severity::Error,
+            severity,
             message,
-            explanation: None,
+            explanation: explanation.map(str::to_string),
             accepted: false,
         });
     };
     if let (GearKind::Planetary, Some(stages)) = (gear.kind, gear.stages) {
         let per_stage = gear.ratio.powf(1.0 / f64::from(stages));
         if !(2.4..=13.0).contains(&per_stage) {
-            add(
-                "gear-stages",
-                format!(
-                    "{stages} planetary stages for a ratio of {}: {} per stage",
-                    number(gear.ratio),
-                    number(per_stage)
-                ),
+            let message = format!(
+                "{stages} planetary stages for a ratio of {}: {} per stage",
+                number(gear.ratio),
+                number(per_stage)
             );
+            add("gear-stages", Severity::Error, message, None);
         }
     }
-    if let (Some(forward), Some(backward)) = (gear.efficiency, gear.backdrive_efficiency)
+    if let (Some(forward), Some(backward)) = (gear.load_efficiency(), gear.load_backdrive_efficiency())
         && backward > forward + 0.1
     {
-        add(
-            "gear-efficiency",
-            format!("the gear is {} efficient backwards, {} forwards", number(backward), number(forward)),
+        let message = format!("the gear is {} efficient backwards, {} forwards", number(backward), number(forward));
+        add("gear-efficiency", Severity::Error, message, None);
+    }
+    if let Some(ratio) = gear.backdriving_ratio().filter(|ratio| *ratio > 1.0 + TWO_DIGITS) {
+        let message = format!(
+            "N times the starting torque is {} of the backdriving torque: the gear would be more than lossless backwards",
+            number(ratio)
         );
+        let why = "one of the two may be a bound and not a measurement, or at the other side of the gear";
+        add("gear-backdriving", Severity::Error, message, Some(why));
+    }
+    if gear.loss_is_in_efficiency() {
+        let message = "the row says a torque without load, and not at which load its efficiency holds".into();
+        let why = "the efficiency counts for all of the loss, and that torque for backdriving alone";
+        add("gear-efficiency-point", Severity::Note, message, Some(why));
+    }
+    let of_ratings = &gear.ratings;
+    let torques = [
+        ("continuous_torque", gear.continuous_torque),
+        ("average_torque", of_ratings.average_torque),
+        ("peak_torque", gear.peak_torque),
+        ("momentary_peak_torque", of_ratings.momentary_peak_torque),
+        ("ratcheting_torque", of_ratings.ratcheting_torque),
+    ];
+    let speeds = [("average_input_speed", of_ratings.average_input_speed), ("max_input_speed", gear.max_input_speed)];
+    for (ratings, unit) in [(&torques[..], "N*m"), (&speeds[..], "rpm")] {
+        let known: Vec<(&str, f64)> = ratings.iter().filter_map(|(name, value)| Some((*name, (*value)?))).collect();
+        for ((lower, least), (upper, most)) in known.iter().zip(known.iter().skip(1)) {
+            if least > most {
+                let show = |si: f64| number(crate::units::in_unit(si, unit));
+                let message =
+                    format!("{lower} ({} {unit}) is more than {upper} ({} {unit})", show(*least), show(*most));
+                add("gear-ratings", Severity::Error, message, None);
+            }
+        }
     }
     findings
 }

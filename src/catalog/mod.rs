@@ -31,7 +31,10 @@ use std::sync::Arc;
 
 pub use about::{About, Construction};
 pub use fitted::{Fit, Provenance, read_fitted};
-pub use gear::{GEAR_FIELDS, Gear, GearField, GearKind, matches_pattern};
+pub use gear::{
+    ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, matches_pattern,
+    no_load_friction,
+};
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE};
 pub use read::{VERSION, gear_columns, motor_columns, read_gears, read_motors};
 pub use row::Field;

@@ -108,17 +108,22 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
 
 /// The numbers of a gear of the catalogue; `None` where its efficiency is not known.
 fn gear_model(gear: &Gear) -> Option<GearModel> {
-    let efficiency = gear.efficiency?;
+    let efficiency = gear.load_efficiency()?;
     Some(GearModel {
         efficiency,
-        backdrive_efficiency: gear.backdrive_efficiency.unwrap_or_else(|| backdrive_efficiency(efficiency)),
+        backdrive_efficiency: gear.load_backdrive_efficiency().unwrap_or_else(|| backdrive_efficiency(efficiency)),
         mass: gear.mass,
         mass_per_stage: None,
         inertia: gear.inertia.unwrap_or(0.0),
         peak_torque: gear.peak_torque,
         continuous_torque: gear.continuous_torque,
         max_input_speed: gear.max_input_speed,
-        no_load: Friction::default(),
+        ratings: gear.ratings,
+        backlash: gear.backlash,
+        stiffness: gear.stiffness,
+        no_load: gear.no_load(),
+        friction_at_rest: gear.friction_at_rest(),
+        backdriving_torque: gear.backdriving_torque,
         says_loss: true,
     })
 }

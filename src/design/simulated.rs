@@ -36,9 +36,9 @@ pub struct SimulatedJoint {
     pub gear_inertia: f64,
     /// Reflected inertia \[kg·m²\], `N² (J_m + J_g)`.
     pub armature: f64,
-    /// Viscous friction \[N·m·s/rad\], `N² b`; `None` where the motor's is not known.
+    /// Viscous friction of motor and gear \[N·m·s/rad\], `N² b`; `None` where neither is known.
     pub damping: Option<f64>,
-    /// Coulomb friction \[N·m\], `N c`; `None` where the motor's is not known.
+    /// Coulomb friction of motor and gear \[N·m\], `N c`; `None` where neither is known.
     pub friction_loss: Option<f64>,
     /// Largest electromagnetic torque \[N·m\] at the motor that motor, drive and gear allow.
     pub motor_torque: Option<Bound>,
@@ -88,11 +88,22 @@ impl SimulatedJoint {
                 joint.add(*effect, &values);
             }
         }
-        for (name, value) in [("viscous friction", joint.damping), ("Coulomb friction", joint.friction_loss)] {
+        let of_gear = candidate.gear.no_load;
+        let frictions = [
+            ("viscous friction", &mut joint.damping, of_gear.viscous * ratio * ratio),
+            ("Coulomb friction", &mut joint.friction_loss, of_gear.coulomb * ratio),
+        ];
+        let mut unknown = Vec::new();
+        for (name, value, of_gear) in frictions {
             if value.is_none() {
-                joint.leave_out(name, "the motor's is not known; nothing is written");
+                let what = if of_gear > 0.0 { "only the gear's" } else { "nothing" };
+                unknown.push((name, format!("the motor's is not known; {what} is written")));
+            }
+            if of_gear > 0.0 {
+                *value.get_or_insert(0.0) += of_gear;
             }
         }
+        unknown.into_iter().for_each(|(name, why)| joint.leave_out(name, why));
         joint.leave_out_the_gear(candidate);
         joint.leave_out_the_drive(candidate);
         joint

@@ -1,6 +1,7 @@
 //! Which ratios a joint may have, and the gear that goes with a free one: `ratio`, `gears`, `gear`.
 
 use crate::catalog::drag::Friction;
+use crate::catalog::{ContinuousTorque, GearRatings, LifeQuantile, no_load_friction};
 use crate::input::{Problem, Range, Section, key};
 use crate::units;
 
@@ -108,8 +109,18 @@ pub struct GearModel {
     pub continuous_torque: Option<f64>,
     /// Largest input speed \[rad/s\].
     pub max_input_speed: Option<f64>,
+    /// What else it may bear.
+    pub ratings: GearRatings,
+    /// Backlash at the output \[rad\].
+    pub backlash: Option<f64>,
+    /// Torsional stiffness at the output \[N·m/rad\].
+    pub stiffness: Option<f64>,
     /// What it takes without load, at its input.
     pub no_load: Friction,
+    /// Coulomb friction at its input at rest \[N·m\], where anything says one.
+    pub friction_at_rest: Option<f64>,
+    /// Torque at the output that sets it going with nothing at its input \[N·m\], where that is printed.
+    pub backdriving_torque: Option<f64>,
     /// Whether anything is said of what it loses.
     pub says_loss: bool,
 }
@@ -125,7 +136,21 @@ impl GearModel {
         peak_torque: None,
         continuous_torque: None,
         max_input_speed: None,
+        ratings: GearRatings {
+            average_torque: None,
+            momentary_peak_torque: None,
+            ratcheting_torque: None,
+            average_input_speed: None,
+            rated_speed: None,
+            rated_life: None,
+            life_quantile: None,
+            continuous_torque_is: None,
+        },
+        backlash: None,
+        stiffness: None,
         no_load: Friction { coulomb: 0.0, viscous: 0.0 },
+        friction_at_rest: None,
+        backdriving_torque: None,
         says_loss: false,
     };
 
@@ -336,6 +361,7 @@ pub(super) fn read_gear(section: Section) -> GearModel {
             "remove one of the two",
         ));
     }
+    let (no_load, friction_at_rest) = read_no_load(&section);
     let gear = GearModel {
         efficiency,
         backdrive_efficiency: backdrive.unwrap_or_else(|| backdrive_efficiency(efficiency)),
@@ -355,24 +381,13 @@ pub(super) fn read_gear(section: Section) -> GearModel {
             &units::SPEED,
             Range::Positive,
         ),
-        no_load: Friction {
-            coulomb: section
-                .quantity(
-                    key("no_load_torque", "that it takes at its input without load, at any speed; `efficiency` is then that of the load alone")
-                        .default("none"),
-                    &units::TORQUE,
-                    Range::NonNegative,
-                )
-                .unwrap_or(0.0),
-            viscous: section
-                .quantity(
-                    key("no_load_viscous", "the same per speed of the input").default("none"),
-                    &units::VISCOUS_FRICTION,
-                    Range::NonNegative,
-                )
-                .unwrap_or(0.0),
-        },
-        says_loss: section.has("efficiency") || section.has("no_load_torque") || section.has("no_load_viscous"),
+        ratings: read_ratings(&section),
+        backlash: section.quantity(key("backlash", "at the output"), &units::ANGLE, Range::NonNegative),
+        stiffness: section.quantity(key("stiffness", "torsional, at the output"), &units::STIFFNESS, Range::Positive),
+        no_load,
+        friction_at_rest,
+        backdriving_torque: None,
+        says_loss: LOSSES.iter().any(|key| section.has(*key)),
     };
     let covers =
         key("efficiency_covers", "only `load` here: `load_and_gear` needs gears of the catalogue").default("`load`");
@@ -385,4 +400,68 @@ pub(super) fn read_gear(section: Section) -> GearModel {
     }
     section.finish();
     gear
+}
+
+/// Keys that say something of what a gear loses.
+const LOSSES: &[&str] = &["efficiency", "no_load_torque", "starting_torque", "no_load_viscous"];
+
+/// What a gear takes without load at its input, and what of it is Coulomb friction at rest, where anything says so.
+fn read_no_load(section: &Section) -> (Friction, Option<f64>) {
+    let torque = |name: &'static str, about: &'static str| {
+        section.quantity(key(name, about).default("none"), &units::TORQUE, Range::NonNegative)
+    };
+    let running = torque(
+        "no_load_torque",
+        "that keeps it going without load, at its input: at any speed, or with `starting_torque` at \
+         `no_load_torque_speed`; `efficiency` is then that of the load alone",
+    );
+    let starting = torque("starting_torque", "that sets it going without load, at its input");
+    let about = "of the input, that `no_load_torque` holds at";
+    let speed = section.quantity(key("no_load_torque_speed", about), &units::SPEED, Range::Positive);
+    let viscous = section
+        .quantity(
+            key("no_load_viscous", "what it takes without load more per speed of the input").default("none"),
+            &units::VISCOUS_FRICTION,
+            Range::NonNegative,
+        )
+        .unwrap_or(0.0);
+    let both = section.has("no_load_torque") && section.has("starting_torque");
+    if both && !section.has("no_load_torque_speed") {
+        section.missing("no_load_torque_speed", "\"2000 rpm\"");
+    }
+    if both && section.has("no_load_viscous") {
+        let message = "`no_load_viscous` follows from `starting_torque` and `no_load_torque`";
+        let problem = Problem::at(section.span_of("no_load_viscous"), message, "a second number of one thing");
+        section.note(problem.help("leave one of the three out"));
+    }
+    let friction = no_load_friction(starting, running, speed);
+    (Friction { viscous: friction.viscous + viscous, ..friction }, starting.or(running))
+}
+
+/// What a gear may bear beyond its continuous and its peak torque.
+fn read_ratings(section: &Section) -> GearRatings {
+    let torque =
+        |name: &'static str, about: &'static str| section.quantity(key(name, about), &units::TORQUE, Range::Positive);
+    let speed =
+        |name: &'static str, about: &'static str| section.quantity(key(name, about), &units::SPEED, Range::Positive);
+    GearRatings {
+        average_torque: torque("average_torque", "largest average, at the output"),
+        momentary_peak_torque: torque("momentary_peak_torque", "of a few shocks in a life, at the output"),
+        ratcheting_torque: torque("ratcheting_torque", "at which teeth skip, at the output"),
+        average_input_speed: speed("average_input_speed", "largest average, at the input"),
+        rated_speed: speed("rated_speed", "of the input, that `rated_life` holds at"),
+        rated_life: section.quantity(
+            key("rated_life", "at `continuous_torque` and `rated_speed`"),
+            &units::TIME,
+            Range::Positive,
+        ),
+        life_quantile: section.choice(
+            key("life_quantile", "what `rated_life` is: nine in ten gears last longer, or half of them"),
+            LifeQuantile::NAMES,
+        ),
+        continuous_torque_is: section.choice(
+            key("continuous_torque_is", "what `continuous_torque` is a limit of: that of the rated life, or of heat"),
+            ContinuousTorque::NAMES,
+        ),
+    }
 }

@@ -178,6 +178,11 @@ fn read_limits(section: &Section, ambient: f64, no_springs: Option<&str>, motion
     }
     if let Some((span, spring)) = in_limits.or(of_joint) {
         limits.spring = spring;
+        if limits.life.is_some() {
+            let message = "the `life` of a gear cannot be asked for where a spring is to be chosen";
+            let help = "leave `life` out, choose the spring, and ask for the life of the joint with the spring's torque in its motion";
+            section.note(Problem::at(span.clone(), message, "a spring, and [joint.limits] has `life`").help(help));
+        }
         if let Some(what) = no_springs {
             let message = format!("{what} cannot choose a spring");
             let help = "`optimize` and `explain` choose it with the ratio; or remove `spring`";

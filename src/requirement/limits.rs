@@ -1,5 +1,6 @@
 //! What a choice must keep: `limits` of a joint, with its `spring`.
 
+use crate::catalog::LifeQuantile;
 use crate::input::{Problem, Range, Section, key};
 use crate::units;
 
@@ -18,6 +19,16 @@ pub struct Limits {
     pub torque_bandwidth: Option<TorqueBandwidth>,
     /// Highest winding temperature \[K\].
     pub winding_temperature: Option<f64>,
+    /// Torque at the output of a few shocks in a life \[N·m\].
+    pub shock_torque: Option<f64>,
+    /// Life that the gear is to have \[s\], L10.
+    pub life: Option<f64>,
+    /// Largest backlash at the output \[rad\].
+    pub max_backlash: Option<f64>,
+    /// Smallest torsional stiffness of the gear at the output \[N·m/rad\].
+    pub min_stiffness: Option<f64>,
+    /// Largest torque at the output that sets the actuator going without current \[N·m\].
+    pub max_backdriving_torque: Option<f64>,
     /// Thermal resistance from housing to ambient as it is mounted here, in place of the row's \[K/W\].
     pub mount_resistance: Option<f64>,
     /// Factor on demanded torque and current in peak checks (not on heat).
@@ -65,6 +76,11 @@ impl Default for Limits {
             reflected_inertia: None,
             torque_bandwidth: None,
             winding_temperature: None,
+            shock_torque: None,
+            life: None,
+            max_backlash: None,
+            min_stiffness: None,
+            max_backdriving_torque: None,
             mount_resistance: None,
             safety: 1.0,
             reserves: Vec::new(),
@@ -99,6 +115,14 @@ pub const LIMIT_NAMES: &[&str] = &[
     "gear_input_speed",
     "gear_peak_torque",
     "gear_continuous_torque",
+    "gear_average_torque",
+    "gear_momentary_torque",
+    "gear_ratcheting_torque",
+    "gear_average_speed",
+    "gear_life",
+    "gear_backlash",
+    "gear_stiffness",
+    "backdriving_torque",
     "reflected_inertia",
     "torque_bandwidth_current",
     "torque_bandwidth_voltage",
@@ -141,6 +165,18 @@ pub(super) fn read_spring(section: Section) -> Option<Spring> {
     Some(Spring { stiffness: stiffness?, rest_angle: rest_angle? })
 }
 
+/// Reads the life that a gear is to have, as L10.
+fn read_life(section: &Section) -> Option<f64> {
+    let about = "of the gear, in hours of this motion; its pauses count, and rest that follows it does not";
+    let life = section.quantity(key("life", about), &units::TIME, Range::Positive);
+    let about = "what `life` is: nine in ten gears last longer, or half of them";
+    let quantile = section.choice(key("life_quantile", about).default("`L10`"), LifeQuantile::NAMES);
+    if quantile.is_some() && !section.has("life") {
+        section.missing("life", "\"10000 h\"");
+    }
+    life.map(|life| quantile.unwrap_or(LifeQuantile::L10).l10(life))
+}
+
 /// Reads `limits` of a joint; its spring apart.
 pub(super) fn read(section: Section, ambient: f64) -> Limits {
     let bandwidth =
@@ -155,6 +191,7 @@ pub(super) fn read(section: Section, ambient: f64) -> Limits {
             table.finish();
             Some(TorqueBandwidth { frequency: frequency?, amplitude: amplitude? })
         });
+    let life = read_life(&section);
     let limits = Limits {
         actuator_mass: section.quantity(
             key(
@@ -183,6 +220,30 @@ pub(super) fn read(section: Section, ambient: f64) -> Limits {
         winding_temperature: section.quantity(
             key("winding_temperature", "highest; the motor's own holds too"),
             &units::TEMPERATURE,
+            Range::Positive,
+        ),
+        shock_torque: section.quantity(
+            key(
+                "shock_torque",
+                "of a few shocks in a life, at the output; the gear's momentary peak and ratcheting torque are compared with it",
+            ),
+            &units::TORQUE,
+            Range::Positive,
+        ),
+        life,
+        max_backlash: section.quantity(
+            key("max_backlash", "largest of the gear, at the output"),
+            &units::ANGLE,
+            Range::Positive,
+        ),
+        min_stiffness: section.quantity(
+            key("min_stiffness", "smallest of the gear, torsional, at the output"),
+            &units::STIFFNESS,
+            Range::Positive,
+        ),
+        max_backdriving_torque: section.quantity(
+            key("max_backdriving_torque", "largest that sets the actuator going without current, at the output"),
+            &units::TORQUE,
             Range::Positive,
         ),
         mount_resistance: None,

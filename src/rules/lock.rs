@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::catalog::convention::word;
-use crate::catalog::{FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, Motor, SourceKind};
+use crate::catalog::{
+    ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, LifeQuantile, Motor, SourceKind,
+};
 use crate::input::kind::{self, FileKind};
 use crate::input::{Form, InputError, Problem, Section, Source, sha256};
 use crate::requirement::{Choice, DesignFile};
@@ -148,7 +150,11 @@ impl Row {
             ("source", gear.source.clone()),
             ("source_kind", word(SourceKind::NAMES, &gear.source_kind).into()),
         ];
-        let numbers = GEAR_FIELDS.iter().filter_map(number).chain(stages);
+        let of_life = gear.ratings.life_quantile.map(|q| ("life_quantile", word(LifeQuantile::NAMES, &q)));
+        let of_torque =
+            gear.ratings.continuous_torque_is.map(|is| ("continuous_torque_is", word(ContinuousTorque::NAMES, &is)));
+        let words = of_life.into_iter().chain(of_torque).map(|(name, word)| (name.to_string(), word.to_string()));
+        let numbers = GEAR_FIELDS.iter().filter_map(number).chain(stages).chain(words);
         let values = numbers.chain(texts.map(|(name, value)| (name.to_string(), value))).collect();
         Row::sorted(RowKind::Gear, &gear.id, values)
     }

@@ -36,6 +36,7 @@ impl Asked {
         };
         match self.demand {
             Demand::Fixed(value, sample) => (value, sample),
+            Demand::Constant(value) | Demand::AverageTorque(value) => (value, None),
             Demand::Polynomial(polynomial, sample) => (polynomial.at(ratio), sample),
             Demand::Samples(functional) => over(&candidate.load.waveform, functional),
             Demand::Bandwidth(functional) => match &candidate.load.bandwidth {
@@ -83,7 +84,7 @@ impl Asked {
                 let load = candidate.load;
                 Some((load.mean_current_squared_cut(actuator, standing, ratio) * load.share_of_time, None))
             }
-            Demand::Fixed(..) | Demand::Mass => None,
+            Demand::Fixed(..) | Demand::Constant(_) | Demand::AverageTorque(_) | Demand::Mass => None,
         }
     }
 

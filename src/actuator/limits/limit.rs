@@ -35,8 +35,12 @@ impl Class {
 /// What is compared with the limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Demand {
-    /// A number that does not depend on the ratio, and the sample that has it.
+    /// Root mean square of the load torque, or with its sample the largest \[N·m\].
     Fixed(f64, Option<usize>),
+    /// A number that depends on neither ratio nor motion.
+    Constant(f64),
+    /// The average torque at the gear's output, ∛(mean(|ω||τ|³)/mean|ω|) \[N·m\].
+    AverageTorque(f64),
     /// One polynomial in N.
     Polynomial(Laurent, Option<usize>),
     /// The largest of a functional over all samples.

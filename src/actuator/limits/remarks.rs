@@ -3,6 +3,7 @@
 use super::heat::STANDSTILL;
 use super::limit::{Asked, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
+use crate::catalog::Gear;
 use crate::catalog::estimate::Estimated;
 
 /// What a factor of safety below one means.
@@ -89,6 +90,12 @@ impl Candidate<'_> {
             assumed.push((
                 "winding_temperature",
                 "the row does not say what part of its thermal resistance is the winding's own: all of it is added to that of the mount",
+            ));
+        }
+        if self.catalog_gear.is_some_and(Gear::loss_is_in_efficiency) {
+            assumed.push((
+                "gear_friction",
+                "the gear's row does not say at which load its efficiency holds: the efficiency counts for all of the gear's loss, and its starting torque for backdriving alone",
             ));
         }
         if asked.iter().any(|a| a.limit.name == STANDSTILL) && self.share_of_winding().is_none() {

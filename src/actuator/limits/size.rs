@@ -37,7 +37,7 @@ pub(super) const LIMITS: &[Limit] = &[
 fn size(bound: Option<f64>, size: Option<Printed>, unknown: &'static str) -> Prepared {
     match (bound, size) {
         (None, _) => Prepared::NotAsked,
-        (Some(bound), Some(size)) => plain(Demand::Fixed(size.value, None), 1.0, bound, "requirement"),
+        (Some(bound), Some(size)) => plain(Demand::Constant(size.value), 1.0, bound, "requirement"),
         (Some(_), None) => Prepared::Unknown(unknown),
     }
 }

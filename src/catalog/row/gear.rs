@@ -2,7 +2,7 @@
 
 use super::{Column, Field, Holds, Need, Row, Side, States, find, identity, listed};
 use crate::catalog::convention::word;
-use crate::catalog::gear::{GEAR_FIELDS, Gear, GearKind};
+use crate::catalog::gear::{ContinuousTorque, GEAR_FIELDS, Gear, GearKind, LifeQuantile};
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::input::Stated;
 
@@ -32,6 +32,26 @@ impl Row for Gear {
     ];
 
     const AFTER: &'static [Column<Gear>] = &[
+        Column {
+            name: "life_quantile",
+            about: "what `rated_life` is: nine in ten gears last longer, or half of them",
+            need: Need::May,
+            holds: Holds::Choice(
+                LifeQuantile::WORDS,
+                |r| r.ratings.life_quantile.map(|quantile| word(LifeQuantile::NAMES, &quantile)),
+                |r, text| r.ratings.life_quantile = find(LifeQuantile::NAMES, text),
+            ),
+        },
+        Column {
+            name: "continuous_torque_is",
+            about: "what `continuous_torque` is a limit of: that of the rated life, or of heat",
+            need: Need::May,
+            holds: Holds::Choice(
+                ContinuousTorque::WORDS,
+                |r| r.ratings.continuous_torque_is.map(|is| word(ContinuousTorque::NAMES, &is)),
+                |r, text| r.ratings.continuous_torque_is = find(ContinuousTorque::NAMES, text),
+            ),
+        },
         Column {
             name: "fits",
             about: "motor ids or patterns, separated by blanks or `;`; blank where nothing is said",

@@ -3,7 +3,7 @@
 use super::cells::{Cells, Missing};
 use super::{Column, Field, Holds, MotorRow, Need, Row};
 use crate::catalog::convention::{Commutation, CurrentConvention};
-use crate::catalog::gear::{Gear, GearKind};
+use crate::catalog::gear::{Gear, GearKind, GearRatings};
 use crate::catalog::motor::{Incomplete, Motor};
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::input::{Problem, key};
@@ -205,7 +205,48 @@ pub(crate) fn check_gear(cells: &dyn Cells, gear: &Gear) {
             "the two may be swapped",
         ));
     }
+    if let Some((column, message, label, help)) = contradiction(gear) {
+        cells.note(Problem::at(cells.span(column), message, label).help(help));
+    }
 }
+
+/// What does not go together in what a gear says of its loss: the column, the message, what to see there and what to do.
+fn contradiction(gear: &Gear) -> Option<(&'static str, String, &'static str, &'static str)> {
+    if gear.no_load_torque.is_none() && gear.no_load_torque_speed.is_some() {
+        let message = "`no_load_torque_speed` is given without `no_load_torque`";
+        return Some(("no_load_torque_speed", message.into(), "the speed of nothing", "give both, or neither"));
+    }
+    if gear.starting_torque.is_some() && gear.no_load_torque.is_some() && gear.no_load_torque_speed.is_none() {
+        let message = "`no_load_torque` and `starting_torque` together need `no_load_torque_speed`";
+        let help = "what the one is more than the other grows with speed: say at which speed it was measured";
+        return Some(("no_load_torque", message.into(), "at which speed?", help));
+    }
+    gear.efficiency?;
+    let Some(torque) = gear.efficiency_torque else {
+        gear.no_load_torque?;
+        let message = "`efficiency` and `no_load_torque` count the same loss twice without `efficiency_torque`";
+        let help = "say at which output torque (and speed) the efficiency holds, or leave one of the two out";
+        return Some(("efficiency", message.into(), "at which torque?", help));
+    };
+    if gear.printed_friction().viscous > 0.0 && gear.efficiency_speed.is_none() {
+        let message = "`efficiency_torque` needs `efficiency_speed` where the torque without load grows with speed";
+        return Some(("efficiency_torque", message.into(), "at which speed?", "give both"));
+    }
+    let (efficiency, lost) = (gear.efficiency?, gear.ratio * gear.running_torque_at_efficiency() / torque);
+    if 1.0 / efficiency - lost >= 1.0 - ROUNDING {
+        return None;
+    }
+    let message = format!(
+        "`efficiency` leaves no room for the torque without load: that alone takes {} of the load, and all that is lost is {} of it",
+        crate::words::number(lost),
+        crate::words::number(1.0 / efficiency - 1.0),
+    );
+    let help = "look at the sides and speeds: `starting_torque` and `no_load_torque` are at the input, `efficiency_torque` at the output";
+    Some(("efficiency", message, "less than what is lost without load", help))
+}
+
+/// What rounding may leave of a difference of two shares.
+const ROUNDING: f64 = 1e-9;
 
 impl Gear {
     /// A row in which nothing stands yet.
@@ -226,6 +267,13 @@ impl Gear {
             max_input_speed: None,
             backlash: None,
             stiffness: None,
+            starting_torque: None,
+            no_load_torque: None,
+            no_load_torque_speed: None,
+            backdriving_torque: None,
+            efficiency_torque: None,
+            efficiency_speed: None,
+            ratings: GearRatings::default(),
             fits: Vec::new(),
             source: String::new(),
             source_kind: SourceKind::Datasheet,

@@ -7,7 +7,9 @@ use crate::catalog::audit::{Finding, audit_motor, conventions_line};
 use crate::catalog::convention::{Commutation, Winding, word};
 use crate::catalog::estimate::Estimate;
 use crate::catalog::row::{Convention, Field, Row, States};
-use crate::catalog::{Catalog, Construction, FIELDS, GEAR_FIELDS, Gear, GearKind, Motor, SourceKind};
+use crate::catalog::{
+    Catalog, Construction, ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor, SourceKind,
+};
 use crate::report::audit::word as severity;
 use crate::report::number;
 use crate::report::table::{Column, Table, paragraph};
@@ -283,6 +285,9 @@ fn conventions(card: &Card) -> Table {
 
 /// What a gear lacks and what that prevents.
 pub fn gear_lacks(gear: &Gear) -> Vec<(&'static str, &'static str)> {
+    let rated = gear.ratings.rated(gear.continuous_torque);
+    let skips = gear.kind == GearKind::StrainWave;
+    let starts = gear.friction_at_rest().is_some() || gear.backdriving_torque.is_some();
     let all = [
         (gear.efficiency.is_none(), "efficiency", "the gear cannot be chosen"),
         (gear.mass.is_none(), "mass", "a limit on mass cannot be judged"),
@@ -290,6 +295,12 @@ pub fn gear_lacks(gear: &Gear) -> Vec<(&'static str, &'static str)> {
         (gear.peak_torque.is_none(), "peak_torque", "its largest torque is not checked"),
         (gear.continuous_torque.is_none(), "continuous_torque", "its continuous torque is not checked"),
         (gear.max_input_speed.is_none(), "max_input_speed", "its input speed is not checked"),
+        (rated.is_err(), "rated_life, rated_speed, life_quantile, continuous_torque_is", "a `life` cannot be judged"),
+        (gear.ratings.momentary_peak_torque.is_none(), "momentary_peak_torque", "a `shock_torque` cannot be judged"),
+        (skips && gear.ratings.ratcheting_torque.is_none(), "ratcheting_torque", "a `shock_torque` cannot be judged"),
+        (gear.backlash.is_none(), "backlash", "a `max_backlash` cannot be judged"),
+        (gear.stiffness.is_none(), "stiffness", "a `min_stiffness` cannot be judged"),
+        (!starts, "starting_torque or backdriving_torque", "a `max_backdriving_torque` cannot be judged"),
         (gear.fits.is_empty(), "fits", "whether it can be mounted on a motor is not known"),
     ];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, column, why)| (column, why)).collect()
@@ -304,12 +315,21 @@ pub fn gear_text(gear: &Gear) -> String {
     line(&mut out, "source", &sourced(&gear.source, gear.source_kind));
     line(&mut out, "fits", &gear.fits.join(", "));
     line(&mut out, "note", &gear.note);
-    titled(&mut out, "Numbers (torques, backlash and stiffness at the output, inertia and speed at the input)");
+    titled(
+        &mut out,
+        "Numbers (torques, backlash and stiffness at the output; inertia, speed and torque without load at the input)",
+    );
     let rows = GEAR_FIELDS.iter().filter_map(|field| {
         let printed = (field.get)(gear.numbers())?;
         Some(number_row(field, printed.value, printed.tolerance))
     });
     out.push_str(&numbers_table().rows(rows).text());
+    if let Some(quantile) = gear.ratings.life_quantile {
+        line(&mut out, "rated_life is", word(LifeQuantile::NAMES, &quantile));
+    }
+    if let Some(is) = gear.ratings.continuous_torque_is {
+        line(&mut out, "continuous_torque is that of", word(ContinuousTorque::NAMES, &is));
+    }
     titled(&mut out, "What is not known");
     let lacks = gear_lacks(gear);
     for (column, why) in &lacks {

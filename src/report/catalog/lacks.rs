@@ -111,7 +111,7 @@ pub const LACKS: &[Lack] = &[
         columns: "no_load_current (with no_load_speed), or coulomb_friction and viscous_friction",
         is_lacking: |m| matches!(m.drag(), Drag::Unknown | Drag::Estimated { .. }),
         estimate: Some(Estimated::Drag),
-        limits: &["motor_drag"],
+        limits: &["motor_drag", "backdriving_torque"],
         prevents: "the loss and the energy of a joint cannot be judged",
     },
 ];
@@ -211,9 +211,10 @@ mod tests {
     /// Limits and needs of which nothing can be said.
     fn unknown(motor: &Motor) -> Result<Vec<&'static str>, String> {
         let robot = "name = \"x\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"40 A\"\n[budget]\nactuator_mass = \"9 kg\"\n[[joint]]\nname = \"j\"\n\
-             ratio = { min = 3, max = 20 }\ngear = { efficiency = 0.9, mass = \"1 kg\" }\n\
+             ratio = { min = 3, max = 20 }\ngear = { efficiency = 0.9, mass = \"1 kg\", starting_torque = \"0 N*m\" }\n\
              points = [ { torque = \"1 N*m\", speed = \"1 rad/s\", duration = \"1 s\" } ]\n[joint.limits]\nactuator_mass = \"9 kg\"\n\
-             outer_diameter = \"1 m\"\naxial_length = \"1 m\"\ntorque_bandwidth = { frequency = \"1 Hz\", amplitude = \"1 N*m\" }\n";
+             outer_diameter = \"1 m\"\naxial_length = \"1 m\"\ntorque_bandwidth = { frequency = \"1 Hz\", amplitude = \"1 N*m\" }\n\
+             max_backdriving_torque = \"9 N*m\"\n";
         let robot =
             requirement::read_source(&Source::new("x.toml", robot).into()).unwrap_or_else(|e| panic!("{}", e[0]));
         let joint = &robot.joints[0];

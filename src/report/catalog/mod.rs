@@ -18,6 +18,8 @@ pub(crate) fn unit_for(kind: &Kind, value: f64) -> &'static str {
         (Some((_, usual)), _) => usual,
         (None, "kg") if value.abs() < 1.0 => "g",
         (None, "kg*m^2*A^2/(N*m)^2") => "g*(A/N)^2",
+        // A life.
+        (None, "s") if value >= 1e5 => "h",
         (None, si) => handy(value, si).1,
     }
 }

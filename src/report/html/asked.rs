@@ -116,6 +116,11 @@ fn limits(joint: &Joint) -> String {
     };
     all.extend(l.torque_bandwidth.map(bandwidth));
     all.extend(l.winding_temperature.map(|t| format!("winding ≤ {} °C", number(in_unit(t, "degC")))));
+    all.extend(l.shock_torque.map(|t| format!("shocks of {} N·m", number(t))));
+    all.extend(l.life.map(|s| format!("gear life ≥ {} h (L10)", number(in_unit(s, "h")))));
+    all.extend(l.max_backlash.map(|a| format!("backlash ≤ {} arcmin", number(in_unit(a, "arcmin")))));
+    all.extend(l.min_stiffness.map(|k| format!("stiffness of the gear ≥ {} N·m/rad", number(k))));
+    all.extend(l.max_backdriving_torque.map(|t| format!("backdriving torque ≤ {} N·m", number(t))));
     if l.temperature_reserve > 0.0 {
         all.push(format!("{} K below the highest winding temperature", number(l.temperature_reserve)));
     }

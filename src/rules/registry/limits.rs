@@ -133,6 +133,46 @@ limits! {
         why "Width at a joint is what collides first: knees touch, arms cannot fold.",
         example "A motor of 60 mm in a knee that is 50 mm wide.",
         fix "A flat motor of more diameter, or a larger ratio with a smaller motor.";
+    "GW022" "gear-average-torque" "gear_average_torque",
+        "the average torque stays within the gear's average torque",
+        why "It is the maker's own limit for a torque that changes: what wears a gear is the cube of the torque times the speed, so that moments under load at speed count and holding does not.",
+        example "An average of 40 N*m through a strain wave gear whose average torque is 34 N*m.",
+        fix "A larger gear, or a motion that is slower where the torque is large.";
+    "GW023" "gear-momentary-torque" "gear_momentary_torque",
+        "shocks stay within the gear's momentary peak torque",
+        why "A stumble or a stop of emergency happens a few times in a life; beyond the momentary peak it is the last time.",
+        example "A fall of 120 N*m on a gear that bears 91 N*m for a moment.",
+        fix "A larger gear, a slip clutch, or compliance that takes the shock.";
+    "GW024" "gear-ratcheting-torque" "gear_ratcheting_torque",
+        "no torque makes the teeth of the gear skip",
+        why "A strain wave gear whose teeth skip keeps running, off centre and for a short life.",
+        example "A fall of 200 N*m on a gear that skips at 190 N*m.",
+        fix "A larger gear, or a slip clutch that gives way before.";
+    "GW025" "gear-average-speed" "gear_average_speed",
+        "the gear's input stays below its largest average speed",
+        why "Grease gets warm and thin: what a gear bears for a moment it does not bear for hours.",
+        example "4000 rpm on average at the input of a gear that may have 3500 rpm.",
+        fix "A smaller ratio, or a gear made for the speed.";
+    "GW026" "gear-life" "gear_life",
+        "the gear lasts as long as the joint has to",
+        why "A rated torque is that of a rated life at a rated speed, of nine gears in ten. Life falls with the speed and with the cube of the torque.",
+        example "10 000 h are asked for, and the motion leaves 6000 h of the rated 7000 h at 2000 rpm.",
+        fix "A smaller ratio, a larger gear, or a slower motion under load.";
+    "GW027" "gear-backlash" "gear_backlash",
+        "the gear's backlash stays within the joint's",
+        why "Within its backlash a joint has no stiffness: a controller hunts there, and a foot rattles.",
+        example "A planetary gear of 48 arcmin where 10 are allowed.",
+        fix "A gear with less backlash: strain wave, cycloidal, or a planetary one that is preloaded.";
+    "GW028" "gear-stiffness" "gear_stiffness",
+        "the gear is at least as stiff as the joint has to be",
+        why "Gear and load are a spring and an inertia: their frequency is above what the position controller can reach, or the arm swings.",
+        example "A gear of 13 000 N*m/rad where 20 000 N*m/rad are needed.",
+        fix "A larger gear, or one of a stiffer kind.";
+    "GW029" "backdriving-torque" "backdriving_torque",
+        "a person or the ground can move the actuator that has no current",
+        why "What the motor's and the gear's friction hold at the output is what a leg cannot feel, and what a person has to overcome.",
+        example "A strain wave gear of 9 N*m at a wrist that is to be led by hand with 3 N*m.",
+        fix "A smaller ratio, a gear with a smaller starting torque, or a motor with less drag.";
     "GW034" "drive-continuous-current" "drive_continuous_current",
         "the rms current stays within what the drive gives for ever",
         why "A drive's large current is for seconds: its switches warm up and it falls back to the continuous one, in the middle of the work.",

@@ -1,6 +1,7 @@
 //! Whether the equations are those of the literature and of the paper.
 
 mod audit;
+mod gear_limits;
 mod model_on_paper;
 mod one_place;
 mod worked_examples;

@@ -58,7 +58,7 @@ impl Case {
         let column = |values: &Option<Vec<f64>>, k: usize| values.as_ref().unwrap()[k];
         let (mut mean, mut peak, mut volt, mut watt, mut back, mut out) =
             (0.0, 0.0_f64, 0.0_f64, f64::MIN, f64::MIN, 0.0_f64);
-        let (mut drawn, mut lost) = (0.0, 0.0);
+        let (mut drawn, mut lost, mut wear, mut fast) = (0.0, 0.0, 0.0, 0.0);
         for k in 0..count {
             let (q, omega) = (column(&raw.position, k), column(&raw.velocity, k));
             let (alpha, jerk) = (column(&raw.acceleration, k), column(&raw.jerk, k));
@@ -79,6 +79,8 @@ impl Case {
                 if k + 1 < count { raw.time[k + 1] - raw.time[k] } else { self.period + raw.time[0] - raw.time[k] };
             let share = 0.5 * (before + after) / self.period;
             mean += share * i * i;
+            wear += share * omega.abs() * tau.abs().powi(3);
+            fast += share * omega.abs();
             let from_bus = power * if power > 0.0 { 1.0 / bus.drive_efficiency } else { bus.drive_efficiency };
             drawn += share * from_bus;
             // Copper, what the gear takes, what rubs, and what the drive takes.
@@ -99,6 +101,7 @@ impl Case {
         limit(mean.sqrt(), motor.continuous_current);
         limit(volt, Some(bus.voltage * 0.5_f64.sqrt()));
         limit(out, gear.peak_torque);
+        limit((wear / fast).cbrt(), gear.ratings.average_torque);
         limit(inertia, joint.limits.reflected_inertia);
         limit(watt / bus.drive_efficiency, bus.power);
         if let Regeneration::Limited(bound) = bus.regeneration {
@@ -170,6 +173,7 @@ enum Kind {
     Regeneration,
     WeightedPeak,
     SteppedMass,
+    AverageTorque,
 }
 
 fn draw(seed: u64, kind: Kind) -> Case {
@@ -265,6 +269,7 @@ fn draw(seed: u64, kind: Kind) -> Case {
     let thermal = need(&|c| c.motor.continuous_current = Some(1.0));
     let volt = need(&|c| c.robot.bus.voltage = 2.0_f64.sqrt());
     let torque = need(&|c| c.robot.joints[0].gear.peak_torque = Some(1.0));
+    let average = need(&|c| c.robot.joints[0].gear.ratings.average_torque = Some(1.0));
     let watt = need(&|c| c.robot.bus.power = Some(1.0));
     let back = need(&|c| c.robot.bus.regeneration = Regeneration::Limited(1.0));
     case.motor.peak_current = chance(0.6).then(|| current * around(0.85, 1.1));
@@ -274,6 +279,10 @@ fn draw(seed: u64, kind: Kind) -> Case {
     case.robot.bus.power = chance(0.2).then(|| watt.max(0.1) * around(0.8, 1.3));
     if kind == Kind::Regeneration {
         case.robot.bus.regeneration = Regeneration::Limited(back.max(0.0) * around(0.6, 1.2));
+    }
+    if kind == Kind::AverageTorque {
+        case.robot.joints[0].gear.peak_torque = None;
+        case.robot.joints[0].gear.ratings.average_torque = Some(average * around(0.94, 1.02));
     }
     case
 }
@@ -285,6 +294,32 @@ fn solved<T>(case: &Case, then: impl FnOnce(Result<&Design, String>) -> T) -> T 
     match joint.designs().next() {
         Some(design) => then(Ok(design)),
         None => then(Err(format!("{:?}", joint.rejected[0].reason))),
+    }
+}
+
+/// What neither ratio nor spring changes is compared with its own bound: a motor's size, a gear's backlash and stiffness.
+#[test]
+fn sizes_are_no_torques() {
+    let mut case = draw(4, Kind::Convex);
+    (case.motor.peak_current, case.motor.continuous_current) = (None, None);
+    (case.robot.joints[0].gear.peak_torque, case.robot.bus.power) = (None, None);
+    case.robot.bus.voltage *= 10.0;
+    let plain = solved(&case, |found| found.unwrap().optimum.objective);
+    let with = |diameter: f64, backlash: f64, shock: f64| {
+        let (mut motor, mut robot) = (case.motor.clone(), case.robot.clone());
+        motor.sheet.outer_diameter = Some(gearwise::catalog::Printed::exact(1e-6));
+        let joint = &mut robot.joints[0];
+        (joint.limits.outer_diameter, joint.limits.max_backlash) = (Some(diameter), Some(backlash));
+        (joint.limits.min_stiffness, joint.limits.shock_torque) = (Some(1e-6), Some(shock));
+        (joint.gear.backlash, joint.gear.stiffness) = (Some(1e-6), Some(2e-6));
+        joint.gear.ratings.momentary_peak_torque = Some(2e-6);
+        let case = Case { motor, robot, raw: case.raw.clone(), period: case.period };
+        solved(&case, |found| found.map(|design| design.optimum.objective))
+    };
+    let found = with(2e-6, 2e-6, 1e-6).unwrap();
+    assert!((found / plain - 1.0).abs() < 1e-9, "{found} {plain}");
+    for (diameter, backlash, shock) in [(5e-7, 2e-6, 1e-6), (2e-6, 5e-7, 1e-6), (2e-6, 2e-6, 3e-6)] {
+        assert!(with(diameter, backlash, shock).is_err());
     }
 }
 
@@ -443,6 +478,11 @@ fn ratio_and_spring_agree_with_a_scan_with_peak_current_in_a_weighted_sum() {
 #[test]
 fn ratio_and_spring_agree_with_a_scan_with_a_mass_that_steps_by_stages() {
     expect(&run(5000..5030, Kind::SteppedMass), 30);
+}
+
+#[test]
+fn ratio_and_spring_agree_with_a_scan_with_an_average_torque_of_the_gear() {
+    expect(&run(6000..6040, Kind::AverageTorque), 40);
 }
 
 /// An inverted pendulum, linearised: gravity asks for τ = −G q, with G = m g l, and a spring of stiffness G at

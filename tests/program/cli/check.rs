@@ -36,7 +36,7 @@ name = "knee"
 count = 2
 ratio = { min = 8, max = 9.5 }
 motor_drag = "off"
-gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque = "20 N*m", continuous_torque = "12 N*m", max_input_speed = "6000 rpm" }
+gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque = "20 N*m", continuous_torque = "12 N*m", max_input_speed = "6000 rpm", momentary_peak_torque = "44 N*m", ratcheting_torque = "45 N*m", average_input_speed = "3000 rpm", continuous_torque_is = "rated_life", rated_life = "7000 h", rated_speed = "2000 rpm", life_quantile = "L10", starting_torque = "0 N*m", backlash = "1 arcmin", stiffness = "9000 N*m/rad" }
 motion = "knee.csv"
 [joint.limits]
 actuator_mass = "0.6 kg"
@@ -46,11 +46,17 @@ reflected_inertia = "0.02 kg*m^2"
 torque_bandwidth = { frequency = "20 Hz", amplitude = "1 N*m" }
 winding_temperature = "110 degC"
 safety = 1.2
+shock_torque = "30 N*m"
+life = "10 h"
+max_backlash = "2 arcmin"
+min_stiffness = "5000 N*m/rad"
+max_backdriving_torque = "4 N*m"
 
 [[joint]]
 name = "hip"
 ratio = { min = 8, max = 9.5 }
 motor_drag = "off"
+gear = { average_torque = "5 N*m" }
 points = [ { torque = "1 N*m", speed = "1 rad/s", duration = "1 s" } ]
 "#;
 
@@ -212,6 +218,14 @@ fn breaking(code: &str) -> Case<'static> {
         "GW019" => robot(&[("\"0.6 kg\"", "\"0.3 kg\"")]),
         "GW020" => robot(&[("\"90 mm\"", "\"60 mm\"")]),
         "GW021" => robot(&[("\"40 mm\"", "\"20 mm\"")]),
+        "GW022" => robot(&[("average_torque = \"5 N*m\"", "average_torque = \"0.5 N*m\"")]),
+        "GW023" => robot(&[("\"44 N*m\"", "\"29 N*m\"")]),
+        "GW024" => robot(&[("\"45 N*m\"", "\"31 N*m\"")]),
+        "GW025" => robot(&[("\"3000 rpm\"", "\"10 rpm\"")]),
+        "GW026" => robot(&[("life = \"10 h\"", "life = \"9999999 h\"")]),
+        "GW027" => robot(&[("\"2 arcmin\"", "\"0.5 arcmin\"")]),
+        "GW028" => robot(&[("\"5000 N*m/rad\"", "\"50000 N*m/rad\"")]),
+        "GW029" => robot(&[("starting_torque = \"0 N*m\"", "starting_torque = \"1 N*m\"")]),
         "GW030" => motor(&[("rotor_inertia", "")]),
         "GW031" => motor(&[("inductance", "")]),
         "GW032" => motor(&[("viscous_friction", ""), ("coulomb_friction", "")]),

@@ -11,7 +11,7 @@ use crate::catalog::convention::{
 };
 use crate::catalog::row::{Field, MotorRow, Row, csv_text, toml_text};
 use crate::catalog::sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
-use crate::catalog::{GEAR_FIELDS, Gear, GearKind, Motor};
+use crate::catalog::{ContinuousTorque, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor};
 use crate::input::Range;
 use crate::input::csv::Content;
 
@@ -133,6 +133,7 @@ prop_compose! {
         manufacturer in text(), model in text(), source in text(), note in text(), fits in listed(),
         source_kind in any_of(SourceKind::NAMES), kind in any_of(GearKind::NAMES), stages in of(1..u32::MAX),
         printed in numbers(GEAR_FIELDS), ratio in number(Range::Positive),
+        life_quantile in of(0..2_usize), continuous_torque_is in of(0..2_usize),
     ) -> Gear {
         let mut gear = Gear {
             manufacturer, model, note, fits, source_kind, kind, stages,
@@ -147,6 +148,15 @@ prop_compose! {
         gear.ratio = ratio;
         gear.backdrive_efficiency = gear.backdrive_efficiency.map(|b| b.min(1.0));
         gear.peak_torque = gear.peak_torque.map(|peak| peak.max(gear.continuous_torque.unwrap_or(0.0)));
+        gear.ratings.life_quantile = life_quantile.map(|k| LifeQuantile::NAMES[k].1);
+        gear.ratings.continuous_torque_is = continuous_torque_is.map(|k| ContinuousTorque::NAMES[k].1);
+        // What goes together is there together, and leaves the load an efficiency.
+        if [gear.no_load_torque, gear.no_load_torque_speed, gear.efficiency_speed, gear.efficiency_torque].contains(&None) {
+            (gear.no_load_torque, gear.no_load_torque_speed) = (None, None);
+        }
+        if gear.load_efficiency().is_some_and(|efficiency| !(0.0..=1.0).contains(&efficiency)) {
+            (gear.starting_torque, gear.no_load_torque, gear.no_load_torque_speed) = (None, None, None);
+        }
         gear
     }
 }

@@ -1,7 +1,7 @@
 //! The joint with its spring left open: limits and objective at a point, and as forms on a region.
 
 use super::conic::Row;
-use super::form::{Affine, Form, Point, at};
+use super::form::{Affine, Form, Point, at, times};
 use super::model::{self, Sample};
 use super::region::Region;
 use crate::actuator::limits::{Asked, Class, Demand};
@@ -304,6 +304,7 @@ impl<'a> Problem<'a> {
                     let torques = self.output.iter().enumerate().map(|(k, e)| (at(e, z[1], z[2]).abs(), k));
                     torques.fold((f64::NEG_INFINITY, 0), |a, b| if b.0 > a.0 { b } else { a })
                 }
+                Demand::AverageTorque(_) => (self.average_torque(z).0, 0),
                 Demand::WindingPeak(_) => {
                     costly.push(index);
                     continue;
@@ -533,6 +534,17 @@ impl<'a> Problem<'a> {
                 }
                 Some(Row { form, bound: bound * bound })
             }
+            Demand::AverageTorque(_) => {
+                let mut form = Form::default();
+                let (average, slopes) = self.average_torque(z);
+                let mut here = 0.0;
+                for (e, slope) in self.output.iter().zip(slopes) {
+                    form.add_affine(&times(e, slope));
+                    here += slope * at(e, z[1], z[2]);
+                }
+                form.add_constant(average - here);
+                Some(Row { form, bound })
+            }
             Demand::WindingPeak(node) => {
                 let (rise, gradient) = self.load_at(z).winding_peak_gradient(actuator, &node, z[0].sqrt(), bound);
                 let mut form = Form::default();
@@ -545,8 +557,25 @@ impl<'a> Problem<'a> {
                 form.add_constant(rise - here);
                 Some(Row { form, bound })
             }
-            Demand::Mass => None,
+            // Neither ratio nor spring changes it.
+            Demand::Constant(_) | Demand::Mass => None,
         }
+    }
+
+    /// The average torque at the gear's output \[N·m\], and how it rises with the torque of each sample. It is a norm of the
+    /// torques, so that it is nowhere below its tangent.
+    fn average_torque(&self, z: Point) -> (f64, Vec<f64>) {
+        let speeds = self.motion.velocity.iter().zip(&self.motion.weight).map(|(v, w)| v.abs() * w);
+        let shares: Vec<f64> = speeds.collect();
+        let all: f64 = shares.iter().sum();
+        let torques: Vec<f64> = self.output.iter().map(|e| at(e, z[1], z[2])).collect();
+        let cube: f64 = torques.iter().zip(&shares).map(|(t, share)| share * t.abs().powi(3)).sum();
+        if !(cube > 0.0 && all > 0.0) {
+            return (0.0, vec![0.0; torques.len()]);
+        }
+        let average = (cube / all).cbrt();
+        let slope = |(t, share): (&f64, &f64)| share / all * t * t.abs() / (average * average);
+        (average, torques.iter().zip(&shares).map(slope).collect())
     }
 
     /// Whether a key can be used again on another region.
