@@ -151,7 +151,7 @@ impl Case {
         };
         let lowest = |p: &Point, x: f64| {
             let (mut a, mut b) = (-x, 0.0);
-            for _ in 0..200 {
+            for _ in 0..70 {
                 let (c, d) = (a + 0.382 * (b - a), a + 0.618 * (b - a));
                 if turned(p, c) < turned(p, d) { b = d } else { a = c }
             }
@@ -163,7 +163,7 @@ impl Case {
             if turned(p, enough) > bus.voltage * per_volt {
                 return enough;
             }
-            for _ in 0..100 {
+            for _ in 0..55 {
                 let middle = 0.5 * (enough + less);
                 if turned(p, middle) <= bus.voltage * per_volt { enough = middle } else { less = middle }
             }

@@ -125,7 +125,13 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
         }
         // Means of heat.
         Demand::Polynomial(mean, _) => Some(mean + squares(asked.standing)),
-        Demand::Bandwidth(Functional::VoltageSquared) => None,
+        // All phases have one current; that each has its own is less to ask for.
+        Demand::Bandwidth(Functional::VoltageSquared) => {
+            let most = candidate.weakening()? * actuator.torque_constant;
+            let waveform = load.bandwidth.as_ref()?;
+            let point = waveform.point(waveform.largest(Functional::LeastVoltage(most), actuator, ratio).index);
+            Some(voltage_row(actuator, &point, most, ratio, interval))
+        }
         _ => asked.polynomial_at(candidate, ratio).map(|(row, _)| row),
     }
 }

@@ -20,3 +20,4 @@ mod spring;
 mod stopped;
 mod supply;
 mod turns;
+mod weakening;

@@ -1,0 +1,154 @@
+//! A weakened field: on paper, and what must not be said of it. Random joints are in brute_force.rs.
+
+use gearwise::actuator::Load;
+use gearwise::actuator::metrics::metric;
+use gearwise::catalog::convention::Commutation;
+use gearwise::catalog::estimate::{Estimate, Estimated};
+use gearwise::catalog::rewound::NoTurns;
+use gearwise::catalog::{Catalog, Construction, Motor};
+use gearwise::design::turns::can_be_asked;
+use gearwise::design::{Mount, Prepared};
+use gearwise::requirement::*;
+
+use crate::common;
+
+/// A motor without resistance to speak of: ψ = 10 mV·s in the q frame per electrical radian, L = 1 mH, one pole pair.
+fn motor() -> Motor {
+    let catalog = Catalog::builtin().unwrap();
+    let mut motor = catalog.motor("t-motor-ri50").unwrap().clone();
+    (motor.resistance, motor.inductance, motor.pole_pairs) = (1e-9, Some(1e-3), Some(1));
+    (motor.torque_constant, motor.back_emf_constant) = (0.01, 0.01);
+    (motor.coulomb_friction, motor.viscous_friction, motor.no_load_torque) = (None, None, None);
+    (motor.peak_current, motor.peak_torque, motor.max_speed) = (Some(1e3), None, None);
+    (motor.continuous_current, motor.continuous_torque) = (Some(1e3), None);
+    motor.estimates.clear();
+    motor
+}
+
+/// A joint at a speed and torque of a motor without gear, with a circle of 10 V and so much current against the magnets.
+fn joint(torque: f64, speed: f64, amplitude: Option<f64>) -> Robot {
+    let mut robot = common::robot(common::hold(torque, speed, 0.0), GearModel::IDEAL);
+    robot.bus.voltage = 10.0 * 2.0_f64.sqrt();
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+    robot.bus.drive.field_weakening_current = amplitude;
+    robot
+}
+
+fn look<T>(robot: &Robot, motor: &Motor, look: impl FnOnce(&Prepared) -> T) -> T {
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    look(&Prepared::new(Mount::new(robot, joint, &load, motor).candidate().unwrap()))
+}
+
+fn margin(prepared: &Prepared, limit: &str) -> Option<f64> {
+    prepared.at(1.0).margins.iter().find(|m| m.limit == limit).map(|m| m.margin)
+}
+
+/// Soong and Miller's ψ = L I: with I_ch = ψ/L = 10 A as the current's limit, the largest torque at speed ω keeps the power at
+/// V I_ch towards high speeds, whatever the speed. i_d and i_q are on the circles of current and voltage.
+#[test]
+fn with_the_characteristic_current_power_stays_to_any_speed() {
+    let motor = motor();
+    assert!((metric("characteristic_current").unwrap().value(&motor).unwrap() - 10.0).abs() < 1e-12);
+    for speed in [3000.0, 10_000.0, 100_000.0] {
+        // On the voltage's circle (V/ω)² = (ψ + L x)² + (L i)², and x² + i² = I_ch²: x = (V/ω)²/(2ψL) − ψ/L.
+        let (psi, l, v) = (0.01, 1e-3, 10.0);
+        let x: f64 = (v / speed as f64).powi(2) / (2.0 * psi * l) - psi / l;
+        let i = (100.0 - x * x).sqrt();
+        let robot = |torque: f64| {
+            let mut robot = joint(torque, speed, Some(1e3));
+            robot.bus.drive_current = Some(10.0 / 1.5_f64.sqrt());
+            robot
+        };
+        look(&robot(0.01 * i * (1.0 - 1e-6)), &motor, |prepared| {
+            let at = prepared.at(1.0);
+            assert!(at.feasible, "{speed}: {:?}", at.margins);
+            assert!((at.weakening.unwrap().largest + x).abs() < 1e-3, "{speed}: {:?} {x}", at.weakening);
+            assert!((at.peak_current - 10.0).abs() < 1e-4 && margin(prepared, "peak_current").unwrap() < 1e-5);
+        });
+        look(&robot(0.01 * i * (1.0 + 1e-4)), &motor, |prepared| assert!(!prepared.at(1.0).feasible));
+        // Towards high speed the power is V I_ch.
+        let power = 0.01 * i * speed;
+        assert!(power <= 100.0 && power > 80.0, "{speed}: {power}");
+    }
+}
+
+/// Its copper counts in losses, heat and the rms current: 2 Ω and the i_d of a voltage that would be half as much again.
+#[test]
+fn its_current_counts_as_any_other() {
+    let mut motor = motor();
+    motor.resistance = 1e-3;
+    let robot = joint(0.01, 1500.0, Some(50.0));
+    let (weak, strong) = (look(&robot, &motor, |p| p.at(1.0)), look(&joint(0.01, 1500.0, None), &motor, |p| p.at(1.0)));
+    let weakening = weak.weakening.unwrap();
+    let x = weakening.largest;
+    assert!(weak.feasible && !strong.feasible && strong.weakening.is_none() && x > 3.0 && x < 4.0, "{x}");
+    assert!((weakening.rms - x).abs() < 1e-12 && weakening.share == 1.0);
+    assert!((weakening.loss - 1e-3 * x * x).abs() < 1e-12);
+    assert!((weak.copper_loss - strong.copper_loss - 1e-3 * x * x).abs() < 1e-12);
+    assert!((weak.loss - strong.loss - 1e-3 * x * x).abs() < 1e-9);
+    assert!((weak.rms_current.powi(2) - strong.rms_current.powi(2) - x * x).abs() < 1e-9);
+    // Where the voltage is enough nothing flows.
+    let slow = look(&joint(0.01, 500.0, Some(50.0)), &motor, |p| p.at(1.0));
+    assert!(slow.feasible && slow.weakening.unwrap().largest == 0.0 && slow.weakening.unwrap().share == 0.0);
+    // No more than is allowed, by the drive or by the magnets.
+    assert!(!look(&joint(0.01, 1500.0, Some(0.9 * x / 1.5_f64.sqrt())), &motor, |p| p.at(1.0)).feasible);
+    motor.demagnetization_current = Some(0.9 * x);
+    assert!(!look(&robot, &motor, |p| p.at(1.0)).feasible);
+    motor.demagnetization_current = Some(1.1 * x);
+    assert!(look(&robot, &motor, |p| p.at(1.0)).feasible);
+}
+
+/// What must not be said: that a field is weakened where nobody knows by how much a current would.
+#[test]
+fn no_field_is_weakened_on_a_guess() {
+    let why = |change: &dyn Fn(&mut Motor, &mut Robot)| {
+        let (mut motor, mut robot) = (motor(), joint(0.01, 1500.0, Some(50.0)));
+        change(&mut motor, &mut robot);
+        look(&robot, &motor, |prepared| {
+            let at = prepared.at(1.0);
+            let why = prepared.unchecked.iter().find(|(name, _)| *name == "field_weakening").map(|(_, why)| *why);
+            (at.feasible, at.weakening.is_some(), why)
+        })
+    };
+    assert_eq!(why(&|_, _| {}), (true, true, None));
+    let unknown = |found: (bool, bool, Option<&str>), word: &str| {
+        assert!(!found.0 && !found.1 && found.2.is_some_and(|why| why.contains(word)), "{found:?} {word}");
+    };
+    unknown(why(&|motor, _| motor.pole_pairs = None), "pole pairs");
+    // Without an inductance the voltage is that of the speed alone, and still too much.
+    unknown(why(&|motor, _| motor.inductance = None), "inductance");
+    unknown(
+        why(&|motor, _| {
+            let construction = Construction::Housed;
+            let of = Estimated::Inductance;
+            motor.estimates.push(Estimate { of, value: 1e-3, middle: 5e-4, rows: 9, construction });
+        }),
+        "estimated",
+    );
+    unknown(why(&|_, robot| robot.bus.internal_resistance = Some(1e-6)), "supply");
+    unknown(why(&|motor, _| motor.conventions.commutation = Commutation::Brushed), "brushed");
+    // What the magnets bear is not known: it is said.
+    let not_checked = look(&joint(0.01, 1500.0, Some(50.0)), &motor(), |prepared| prepared.unchecked.clone());
+    assert!(not_checked.iter().any(|(name, why)| *name == "demagnetisation" && why.contains("magnets")));
+    let mut known = motor();
+    known.demagnetization_current = Some(100.0);
+    let checked = look(&joint(0.01, 1500.0, Some(50.0)), &known, |prepared| prepared.unchecked.clone());
+    assert!(checked.iter().all(|(name, _)| *name != "demagnetisation"));
+    let robot = joint(0.01, 1500.0, Some(50.0));
+    assert_eq!(can_be_asked(&robot, &robot.joints[0], &motor()), Err(NoTurns::FieldWeakening));
+}
+
+/// At 1500 rad/s the motor puts √2 · 15 V between two phases: more than drives of 20 V bear, less than of 22 V.
+#[test]
+fn the_motor_s_own_voltage_is_a_limit_where_one_is_said() {
+    let of = |most: Option<f64>| {
+        let mut robot = joint(0.01, 1500.0, Some(50.0));
+        robot.bus.max_voltage = most;
+        look(&robot, &motor(), |prepared| (margin(prepared, "open_circuit_voltage"), prepared.at(1.0).feasible))
+    };
+    assert_eq!(of(None).0, None);
+    let demand = 2.0_f64.sqrt() * 15.0;
+    assert!((of(Some(22.0)).0.unwrap() - (1.0 - demand / 22.0)).abs() < 1e-12 && of(Some(22.0)).1);
+    assert!(of(Some(20.0)).0.unwrap() < 0.0 && !of(Some(20.0)).1);
+}
