@@ -31,11 +31,11 @@ impl Drawn {
         let most = match (bus.regeneration, bus.brake_power) {
             (Regeneration::Dissipated, _) => 0.0,
             // A brake takes what the supply does not.
-            (Regeneration::Limited(watts), Some(_)) => watts,
+            (Regeneration::Limited(watts), Some(_)) => watts * kept / bus.drive_efficiency,
             // What is more is a limit.
             (Regeneration::Limited(_), None) | (Regeneration::Allowed, _) => f64::INFINITY,
         };
-        Drawn { taken: 1.0 / bus.drive_efficiency, arrives: kept.max(bus.drive_efficiency), kept, most }
+        Drawn { taken: 1.0 / bus.drive_efficiency, arrives: bus.drive_efficiency, kept, most }
     }
 
     /// What is drawn for a power at the terminals \[W\], negative where it is kept, as a straight line that touches it and
@@ -86,6 +86,9 @@ pub struct Supply {
     /// Drawn per watt that the motor takes, and given per watt that it gives back.
     taken: f64,
     given: f64,
+    /// What reaches the bus per watt that the motor gives back, and the most of it that the supply takes \[W\].
+    arrives: f64,
+    takes: f64,
     /// Power that the drive takes whatever the motor does \[W\].
     standby: f64,
 }
@@ -104,6 +107,12 @@ impl Supply {
             lost: shortfall / circle,
             taken,
             given: if lifts { back } else { 0.0 },
+            arrives: bus.drive_efficiency,
+            takes: match (bus.regeneration, bus.brake_power) {
+                (Regeneration::Dissipated, _) => 0.0,
+                (Regeneration::Limited(watts), Some(_)) => watts,
+                _ => f64::INFINITY,
+            },
             standby,
         }
     }
@@ -166,7 +175,16 @@ impl Supply {
 
     /// Bus voltage \[V\] where so much is drawn at the terminals \[W\]; `None` where the supply cannot give it.
     pub fn voltage(&self, power: f64) -> Option<f64> {
-        let drawn = self.per_power(power) * power + self.standby;
+        self.at(self.per_power(power) * power + self.standby)
+    }
+
+    /// The highest bus voltage \[V\] where so much comes back at the terminals \[W\], from above.
+    pub fn lifted(&self, back: f64) -> f64 {
+        self.at((self.standby - self.arrives * back.max(0.0)).max(-self.takes)).unwrap_or(self.open)
+    }
+
+    /// Bus voltage where the supply gives so much \[W\].
+    fn at(&self, drawn: f64) -> Option<f64> {
         let root = self.open * self.open - 4.0 * self.resistance * drawn;
         (root >= 0.0).then(|| 0.5 * (self.open + root.sqrt()))
     }

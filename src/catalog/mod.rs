@@ -35,7 +35,7 @@ pub use gear::{
     ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, matches_pattern,
     no_load_friction,
 };
-pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE};
+pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE, Wound};
 pub use read::{VERSION, gear_columns, motor_columns, read_gears, read_motors};
 pub use row::Field;
 pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};

@@ -13,6 +13,15 @@ pub const REFERENCE_TEMPERATURE: f64 = 298.15;
 /// Torque constant and speed constant that differ by less (relative) say the same: sheets round both.
 const PRINTED_DIGITS: f64 = 0.01;
 
+/// What a motor is that has other turns than its row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wound {
+    /// Id of the row.
+    pub of: String,
+    /// Turns, as a multiple of the row's.
+    pub turns: f64,
+}
+
 /// A motor of the catalogue. Numbers are SI, on the q axis (power invariant), at the motor shaft.
 #[derive(Debug, Clone)]
 pub struct Motor {
@@ -54,6 +63,8 @@ pub struct Motor {
     pub continuous_current: Option<f64>,
     /// Largest current \[A\] (by its torque).
     pub peak_current: Option<f64>,
+    /// What it is where it has other turns than its row.
+    pub wound: Option<Wound>,
     /// Largest q-axis ampere against the magnets, at their hottest \[A\].
     pub demagnetization_current: Option<f64>,
     /// Torque that can be held for ever \[N·m\].
@@ -240,6 +251,7 @@ impl Motor {
                 .map(|i| i * conventions.of_continuous_current().heating_current(commutation)),
             peak_current: value(sheet.peak_current)
                 .map(|i| i * conventions.of_peak_current().torque_current(commutation)),
+            wound: None,
             demagnetization_current: value(sheet.demagnetization_current)
                 .map(|i| i * conventions.current.torque_current(commutation)),
             continuous_torque: value(sheet.continuous_torque),

@@ -8,7 +8,7 @@
 //! How far that holds was looked up in fifteen frames of one maker with two to five windings each: L/K_T² agrees to 1.8 %,
 //! K_M to 7 % in the median and 23 % at worst, as wires do not fill every slot alike ([`FILL`]).
 
-use super::{FIELDS, Motor};
+use super::{Catalog, FIELDS, Motor, Wound};
 use crate::units;
 
 /// What the resistance of a winding with another number of turns may differ from the law by, relative: what of the slot
@@ -22,6 +22,8 @@ pub enum NoTurns {
     InsideModule,
     /// Its numbers were fitted to logs of one winding.
     Fitted,
+    /// It is another winding of a row already.
+    Wound,
     /// Drive and leads have a resistance, which does not go with the turns: voltage and loss then depend on them otherwise.
     DriveResistance,
     /// The field is weakened: the loss of that depends on the turns.
@@ -36,6 +38,7 @@ impl NoTurns {
         match self {
             NoTurns::InsideModule => "it is only sold inside a module",
             NoTurns::Fitted => "its numbers were fitted to logs of this winding",
+            NoTurns::Wound => "it is another winding of its row already",
             NoTurns::FieldWeakening => "with field weakening other turns are not computed",
             NoTurns::SupplyResistance => "with a resistance of the supply other turns are not computed",
             NoTurns::DriveResistance => "with a resistance of drive and leads other turns are not computed",
@@ -43,7 +46,34 @@ impl NoTurns {
     }
 }
 
+impl Catalog {
+    /// The same with every motor that may have it wound with these multiples of its turns, next to it.
+    #[must_use]
+    pub fn with_turns(mut self, turns: &[f64]) -> Catalog {
+        if turns.is_empty() {
+            return self;
+        }
+        let windings = |motor: &Motor| turns.iter().filter_map(|a| motor.rewound(*a).ok()).collect::<Vec<_>>();
+        let all = |motor: Motor| {
+            let wound = windings(&motor);
+            std::iter::once(motor).chain(wound)
+        };
+        self.motors = std::mem::take(&mut self.motors).into_iter().flat_map(all).collect();
+        self
+    }
+}
+
 impl Motor {
+    /// Id of its row, whatever its turns.
+    pub fn row_id(&self) -> &str {
+        self.wound.as_ref().map_or(&self.id, |wound| &wound.of)
+    }
+
+    /// Its turns as a multiple of its row's.
+    pub fn turns(&self) -> f64 {
+        self.wound.as_ref().map_or(1.0, |wound| wound.turns)
+    }
+
     /// Whether its maker may be asked for another number of turns.
     ///
     /// # Errors
@@ -51,12 +81,13 @@ impl Motor {
     pub fn can_be_rewound(&self) -> Result<(), NoTurns> {
         match self {
             _ if !self.about.only_inside.is_empty() => Err(NoTurns::InsideModule),
+            _ if self.wound.is_some() => Err(NoTurns::Wound),
             _ if self.fit.is_some() || !self.effects.is_empty() => Err(NoTurns::Fitted),
             _ => Ok(()),
         }
     }
 
-    /// The motor with `turns` times its turns, by the law of this module. Its id says how many: `name@0.5`. Its resistance
+    /// The motor with `turns` times its turns, by the law of this module. Its id says how many: `name:0.5`. Its resistance
     /// has a ± of [`FILL`] more than the sheet's.
     ///
     /// # Errors
@@ -76,7 +107,8 @@ impl Motor {
         if let Some(resistance) = &mut motor.sheet.resistance {
             resistance.tolerance = Some(resistance.tolerance.unwrap_or(0.0) + FILL * resistance.value);
         }
-        motor.id = format!("{}@{turns}", self.id);
+        motor.id = format!("{}:{turns}", self.id);
+        motor.wound = Some(Wound { of: self.id.clone(), turns });
         motor.resistance *= of(&units::RESISTANCE);
         motor.inductance = self.inductance.map(|l| l * of(&units::INDUCTANCE));
         motor.torque_constant *= constant;

@@ -61,7 +61,7 @@ fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
     let settings = arguments.set.settings()?;
     let source = Source::argument(path).map_err(|e| vec![e])?;
     let robot = settings.read(&source, None)?;
-    let catalog = arguments.catalog.motors()?;
+    let catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
     super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
@@ -89,7 +89,7 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
     let design = DesignFile::read_set(&Source::argument(path).map_err(|e| vec![e])?, &settings)?;
     let named = arguments.catalog.paths();
     let paths = if named.is_empty() { &design.catalog } else { &named };
-    let catalog = arguments.catalog.prepared(super::catalog(paths)?);
+    let catalog = arguments.catalog.prepared(super::catalog(paths)?).with_turns(&design.robot.listed_turns());
     let choices = design.choices(&catalog).map_err(|e| vec![e])?;
     let only = match &arguments.joint {
         Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),

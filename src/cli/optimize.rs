@@ -138,7 +138,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let robot = arguments.set.read(&arguments.requirement, no_springs)?;
     read_again(arguments, &robot)?;
     let tolerance = super::tolerance(arguments.tolerance.as_deref())?;
-    let mut catalog = arguments.catalog.motors()?;
+    let mut catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
     if let Some(share) = tolerance {
         assume_tolerance(&mut catalog.motors, share);
     }

@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     super::check_plot(arguments.plot.as_ref())?;
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = arguments.set.read(&arguments.requirement, Some("`sweep`"))?;
-    let catalog = arguments.catalog.motors()?;
+    let catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
     super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
     let geared = |joint: &Joint| matches!(joint.ratio, RatioChoice::Catalog { .. });

@@ -466,8 +466,7 @@ impl<'a> Prepared<'a> {
             self.candidate.ends().map(of_end).fold(f64::NEG_INFINITY, f64::max)
         };
         let (taken, back) = (most(Functional::Power), most(Functional::PowerBack));
-        let open = self.candidate.robot.bus.voltage;
-        Some(BusVoltage { lowest: supply.voltage(taken), highest: supply.voltage(-back).unwrap_or(open) })
+        Some(BusVoltage { lowest: supply.voltage(taken), highest: supply.lifted(back) })
     }
 
     /// Winding temperature in steady state at a ratio.

@@ -106,7 +106,7 @@ impl Explanation<'_> {
     pub fn forbidden(&self) -> Option<Forbidden> {
         let ratio = self.evaluation.ratio;
         match (&self.joint.ratio, self.gear) {
-            (_, Some(gear)) if gear.fits(&self.motor.id) == Some(false) => Some(Forbidden::DoesNotFit),
+            (_, Some(gear)) if gear.fits(self.motor.row_id()) == Some(false) => Some(Forbidden::DoesNotFit),
             (RatioChoice::Catalog { patterns, .. }, Some(gear)) => {
                 let is_named = patterns.iter().any(|pattern| matches_pattern(pattern, &gear.id));
                 (!is_named).then_some(Forbidden::Gear)

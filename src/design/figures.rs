@@ -182,7 +182,16 @@ pub struct Figure {
     value: fn(&Facts) -> Option<f64>,
 }
 
+/// Figures of what a requirement may ask for: where it does not, they are no unknowns.
+const WHERE_ASKED: &[&str] =
+    &["field_weakening_current_a", "field_weakening_loss_w", "lowest_bus_voltage_v", "highest_bus_voltage_v"];
+
 impl Figure {
+    /// Whether it says something of every design; others are left out of a text where they have no value.
+    pub fn is_of_every_design(&self) -> bool {
+        !WHERE_ASKED.contains(&self.key)
+    }
+
     /// Its value, SI: infinite where it grows without end, `None` where it is not known or was not worked out.
     pub fn value(&self, facts: &Facts) -> Option<f64> {
         (self.value)(facts)

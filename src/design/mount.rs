@@ -177,7 +177,7 @@ impl<'a> JointDemand<'a> {
 
     /// The gears that may be mounted on a motor, each with its load.
     pub fn gears_for<'d>(&'d self, motor: &Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
-        let fitting: Vec<_> = self.gears.iter().filter(|(gear, _)| gear.fits(&motor.id) != Some(false)).collect();
+        let fitting: Vec<_> = self.gears.iter().filter(|(gear, _)| gear.fits(motor.row_id()) != Some(false)).collect();
         fitting.into_iter().map(|(gear, own)| (*gear, own.as_ref().unwrap_or(&self.load)))
     }
 }

@@ -59,7 +59,7 @@ pub fn nearby<'a>(robot: &Robot, joint: &Joint, catalog: &'a Catalog, design: &D
     let best = design.optimum.ratio;
     let away = |gear: &Gear| (gear.ratio / best).ln().abs();
     let mut gears: Vec<&'a Gear> = catalog.gears.iter().filter(|gear| away(gear) <= NEAR.ln()).collect();
-    gears.retain(|gear| gear.fits(&design.motor.id) != Some(false) && joint.ratio.allows(gear.ratio));
+    gears.retain(|gear| gear.fits(design.motor.row_id()) != Some(false) && joint.ratio.allows(gear.ratio));
     gears.retain(|gear| gear.peak_torque.is_some());
     gears.sort_by(|a, b| away(a).total_cmp(&away(b)).then(a.id.cmp(&b.id)));
     let mut found = Nearby { looked_at: gears.len(), ..Nearby::default() };

@@ -115,7 +115,7 @@ impl Chosen {
 /// stands beside the others where the catalogue has no such row.
 pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted: &Motor) -> Vec<Remade<'a>> {
     let fitted = completed(Motor { id: declared_id.to_string(), ..fitted.clone() });
-    let catalog = &with_declared(catalog, declared_id);
+    let catalog = &with_declared(catalog, declared_id).with_turns(&robot.listed_turns());
     let declared = catalog.motors.iter().find(|m| m.id == declared_id);
     let result = optimize(robot, catalog);
     let pairs = robot.joints.iter().zip(&result.joints);

@@ -274,6 +274,7 @@ fn same_frame<'a>(catalog: &'a Catalog, motor: &'a Motor) -> impl Iterator<Item 
     catalog.motors.iter().filter_map(move |row| {
         let turns = row.torque_constant / motor.torque_constant;
         let is_same = row.id != motor.id
+            && row.wound.is_none()
             && row.manufacturer == motor.manufacturer
             && row.pole_pairs == motor.pole_pairs
             && same(row.mass, motor.mass)

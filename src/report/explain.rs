@@ -174,7 +174,8 @@ pub(super) const RUNAWAY: &str = "thermal runaway: the copper's resistance rises
 /// What the design needs and weighs: name, value, unit.
 pub(super) fn quantities(story: &Explanation) -> Vec<(&'static str, Option<f64>, &'static str)> {
     let facts = story.facts();
-    let figures = FIGURES.iter().map(|f| (f.words, f.shown(&facts), f.unit_of(story.motor)));
+    let said = FIGURES.iter().filter(|f| f.is_of_every_design() || f.value(&facts).is_some());
+    let figures = said.map(|f| (f.words, f.shown(&facts), f.unit_of(story.motor)));
     let metrics = METRICS.iter().filter(|m| m.shown == Shown::AsOrder);
     let metrics = metrics.map(|m| (m.symbol, m.value(story.motor).map(|v| crate::units::in_unit(v, m.unit)), m.unit));
     figures.chain(metrics).collect()

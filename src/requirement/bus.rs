@@ -109,6 +109,15 @@ pub(super) fn read(section: Section) -> Option<Bus> {
             "`brake_power` of [bus] has nothing to take: `regeneration` is allowed, so that the supply takes all";
         contradicts("brake_power", message.into(), "say regeneration = \"none\", \"dissipated\", or a power");
     }
+    let drive_efficiency =
+        section.number(key("drive_efficiency", "efficiency of the drive, η_d").default("1"), Range::Fraction);
+    let passed = drive_efficiency.unwrap_or(1.0);
+    if let Some(kept) = regeneration_efficiency.filter(|kept| *kept > passed) {
+        let message =
+            format!("`regeneration_efficiency` of [bus] is {kept}, more than the `drive_efficiency` of {passed}");
+        let problem = Problem::at(section.span_of("regeneration_efficiency"), message, "more than reaches the bus");
+        section.note(problem.help("it is that of drive and supply together: at most the drive's own"));
+    }
     let keeps_nothing = matches!(regeneration, Regeneration::Dissipated | Regeneration::Limited(0.0));
     if regeneration_efficiency.is_some() && keeps_nothing {
         let message = "`regeneration_efficiency` of [bus] has nothing to act on: no power that comes back is kept";
@@ -164,9 +173,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         brake_power,
         internal_resistance,
         max_voltage,
-        drive_efficiency: section
-            .number(key("drive_efficiency", "efficiency of the drive, η_d").default("1"), Range::Fraction)
-            .unwrap_or(1.0),
+        drive_efficiency: passed,
         drive: Drive {
             continuous_current: section.quantity(
                 key(

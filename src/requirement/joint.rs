@@ -13,6 +13,33 @@ use crate::input::{Key, Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
 
+/// Numbers of turns that make sense of one frame.
+const TURNS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
+
+/// Reads `turns`: what other numbers of turns may be chosen.
+fn read_turns(section: &Section) -> Vec<f64> {
+    let about = "turns of the winding as multiples of the row's: 0.577 is a star connected in delta, 0.5 two halves in parallel; the row's own where it is not given";
+    let asked = key("turns", about);
+    if !section.has("turns") {
+        section.number_list(asked, Range::Positive);
+        return Vec::new();
+    }
+    let turns = section.number_list(asked, Range::Positive).unwrap_or_default();
+    let wrong = |message: String, label: &str| {
+        let problem = Problem::at(section.span_of("turns"), message, label);
+        section.note(problem.help("for example turns = [1, 0.577]"));
+        Vec::new()
+    };
+    if let Some(a) = turns.iter().find(|a| !TURNS.contains(*a)) {
+        return wrong(format!("{a} times the turns is no winding of one frame"), "expected 0.05 to 20");
+    }
+    match (1..turns.len()).find(|k| turns[..*k].contains(&turns[*k])) {
+        Some(k) => wrong(format!("{} times the turns is listed twice", turns[k]), "expected each once"),
+        None if turns.is_empty() => wrong("`turns` lists nothing".into(), "expected at least one number"),
+        None => turns,
+    }
+}
+
 const CONTINUOUS: Key = key(
     "continuous_current",
     "that the drive gives for ever: amplitude of a phase at constant speed, root mean square over the motion",
@@ -114,6 +141,7 @@ pub(super) fn read(
             "motors",
         ),
         excluded: names("motors that may not be chosen, by id or maker", "exclude"),
+        turns: read_turns(&section),
     };
     let phases = read_phases(&section, count, motion.as_deref());
     if let (Some(objective), Some(motion)) = (&objective, &motion) {
@@ -175,6 +203,11 @@ fn read_limits(section: &Section, ambient: f64, no_springs: Option<&str>, motion
     if let (Some(_), Some((span, _))) = (&in_limits, &of_joint) {
         let message = "a joint has one `spring`, in [joint.limits] or in [[joint]], not in both";
         section.note(Problem::at(span.clone(), message, "remove one of the two"));
+    }
+    if limits.life.is_some() && motion.is_some_and(|motion| !motion.has_durations()) {
+        let message = "the `life` of a gear needs to know how long the motion takes: its points have no durations";
+        let problem = Problem::at(section.span_of("limits"), message, "[joint.limits] has `life`");
+        section.note(problem.help("give each point a `duration`"));
     }
     if let Some((span, spring)) = in_limits.or(of_joint) {
         limits.spring = spring;

@@ -129,6 +129,7 @@ pub const LIMIT_NAMES: &[&str] = &[
     "bus_power",
     "bus_current",
     "regeneration",
+    "bus_overvoltage",
     "actuator_mass",
     "outer_diameter",
     "axial_length",

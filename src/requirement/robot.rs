@@ -134,24 +134,41 @@ pub struct Filter {
     pub allowed: Vec<String>,
     /// Patterns of which none may match.
     pub excluded: Vec<String>,
+    /// Numbers of turns, as multiples of those of a row; empty for a motor as it is wound.
+    pub turns: Vec<f64>,
 }
 
 impl Filter {
     /// Whether a motor may be chosen: by its id, or by its maker in letters of either case.
     pub fn allows(&self, motor: &Motor) -> bool {
         let is = |pattern: &String| Filter::matches(pattern, motor);
-        (self.allowed.is_empty() || self.allowed.iter().any(is)) && !self.excluded.iter().any(is)
+        let turns = match self.turns.as_slice() {
+            [] => motor.wound.is_none(),
+            listed => listed.contains(&motor.turns()),
+        };
+        turns && (self.allowed.is_empty() || self.allowed.iter().any(is)) && !self.excluded.iter().any(is)
     }
 
     /// Whether a pattern is of a motor.
     pub fn matches(pattern: &str, motor: &Motor) -> bool {
         let maker = || matches_pattern(&pattern.to_lowercase(), &motor.manufacturer.to_lowercase());
-        matches_pattern(pattern, &motor.id) || maker()
+        matches_pattern(pattern, &motor.id) || matches_pattern(pattern, motor.row_id()) || maker()
     }
 
     /// Every pattern.
     pub fn patterns(&self) -> impl Iterator<Item = &String> {
         self.allowed.iter().chain(&self.excluded)
+    }
+}
+
+impl Robot {
+    /// Numbers of turns that joints list beside that of the row, each once, ascending.
+    pub fn listed_turns(&self) -> Vec<f64> {
+        let mut turns: Vec<f64> = self.joints.iter().flat_map(|joint| &joint.motors.turns).copied().collect();
+        turns.retain(|a| *a != 1.0);
+        turns.sort_by(f64::total_cmp);
+        turns.dedup();
+        turns
     }
 }
 

@@ -238,11 +238,19 @@ impl Worker<'_> {
             let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
             return Ok(broken(read.name.clone(), Broken::of(&errors)));
         }
+        let wound;
+        let catalog = match read.listed_turns() {
+            none if none.is_empty() => self.catalog,
+            turns => {
+                wound = self.catalog.clone().with_turns(&turns);
+                &wound
+            }
+        };
         let keep = self.settings.top.map(|k| k as usize);
         let options =
             Options { only_checked: self.settings.only_checked, keep, reasons: false, stop, ..Options::default() };
-        let read = balanced(&read, self.catalog, options)?;
-        let result = optimize_with(&read, self.catalog, options)?;
+        let read = balanced(&read, catalog, options)?;
+        let result = optimize_with(&read, catalog, options)?;
         let joints = result.joints.iter().map(|joint| JointRecord {
             name: joint.joint.name.clone(),
             motors: standings(joint, self.catalog),
@@ -272,24 +280,25 @@ fn each_by_itself(robot: &Robot) -> Result<(), String> {
     }
 }
 
-/// What is known of every motor, a letter each.
+/// What is known of every motor, a letter each: of several windings of one that which does best.
 fn standings(joint: &JointResult, catalog: &Catalog) -> String {
     let mut standing: HashMap<&str, Standing> = HashMap::new();
     for (place, design) in joint.candidates.iter().enumerate() {
-        standing.insert(&design.motor.id, if place == 0 { Standing::First } else { Standing::Among });
+        standing.entry(design.motor.row_id()).or_insert(if place == 0 { Standing::First } else { Standing::Among });
     }
     for rejected in &joint.rejected {
         let known = rejected.reason.says() != Says::NotKnown;
-        standing.insert(&rejected.motor.id, if known { Standing::Cannot } else { Standing::Unjudged });
+        let said = if known { Standing::Cannot } else { Standing::Unjudged };
+        standing.entry(rejected.motor.row_id()).or_insert(said);
     }
     for unjudged in &joint.unjudged {
-        standing.insert(&unjudged.motor.id, Standing::Unjudged);
+        standing.entry(unjudged.motor.row_id()).or_insert(Standing::Unjudged);
     }
     for motor in joint.pruned.iter().flat_map(|p| &p.impossible) {
-        standing.insert(&motor.id, Standing::Cannot);
+        standing.entry(motor.row_id()).or_insert(Standing::Cannot);
     }
     for (motor, _) in joint.pruned.iter().flat_map(|p| &p.not_solved) {
-        standing.insert(&motor.id, Standing::Unknown);
+        standing.entry(motor.row_id()).or_insert(Standing::Unknown);
     }
     // What was solved, can do it and is not listed stands behind.
     catalog.motors.iter().map(|m| standing.get(m.id.as_str()).copied().unwrap_or(Standing::Behind).letter()).collect()

@@ -18,7 +18,7 @@ use rand_pcg::Pcg64;
 /// Ratios that are looked at before refining.
 const RATIOS: usize = 1201;
 /// Limits of the model; the two ends of the range come on top.
-pub const LIMITS: usize = 21;
+pub const LIMITS: usize = 22;
 
 /// A motor at the only joint of a robot, the motion sample by sample, the same with the superposed torque
 /// at all its phases, and each sample's share of the time (in all, at rest).
@@ -145,27 +145,28 @@ impl Case {
         let sags = bus.internal_resistance.unwrap_or(0.0) + of_drive.supply_lead_resistance.unwrap_or(0.0) > 0.0;
         let allowed = of_drive.field_weakening_current.filter(|_| brushless && l > 0.0 && poles > 0 && !sags);
         let allowed = allowed.map(|i| (i * 1.5_f64.sqrt()).min(motor.demagnetization_current.unwrap_or(f64::INFINITY)));
-        let turned = |p: &Point, x: f64| {
-            let across = f64::from(poles) * n * p.velocity * l;
-            (v_q(p) + across * x).hypot(v_d(p) + r_hot * x)
-        };
-        let lowest = |p: &Point, x: f64| {
+        // Squared voltage with a current along d, from both voltages without it and what couples across.
+        let parts = |p: &Point| [v_q(p), v_d(p), f64::from(poles) * n * p.velocity * l];
+        let turned = |[q, d, across]: [f64; 3], x: f64| (q + across * x).powi(2) + (d + r_hot * x).powi(2);
+        let lowest = |of: [f64; 3], x: f64| {
             let (mut a, mut b) = (-x, 0.0);
             for _ in 0..70 {
                 let (c, d) = (a + 0.382 * (b - a), a + 0.618 * (b - a));
-                if turned(p, c) < turned(p, d) { b = d } else { a = c }
+                if turned(of, c) < turned(of, d) { b = d } else { a = c }
             }
-            [-x, a, 0.0].into_iter().min_by(|a, b| turned(p, *a).total_cmp(&turned(p, *b))).unwrap()
+            [-x, a, 0.0].into_iter().min_by(|a, b| turned(of, *a).total_cmp(&turned(of, *b))).unwrap()
         };
+        let enough_voltage = (bus.voltage * per_volt).powi(2);
         let against = |p: &Point| {
-            let Some(x) = allowed.filter(|_| voltage(p) > bus.voltage * per_volt) else { return 0.0 };
-            let (mut enough, mut less) = (lowest(p, x), 0.0);
-            if turned(p, enough) > bus.voltage * per_volt {
+            let of = parts(p);
+            let Some(x) = allowed.filter(|_| turned(of, 0.0) > enough_voltage) else { return 0.0 };
+            let (mut enough, mut less) = (lowest(of, x), 0.0);
+            if turned(of, enough) > enough_voltage {
                 return enough;
             }
             for _ in 0..55 {
                 let middle = 0.5 * (enough + less);
-                if turned(p, middle) <= bus.voltage * per_volt { enough = middle } else { less = middle }
+                if turned(of, middle) <= enough_voltage { enough = middle } else { less = middle }
             }
             enough
         };
@@ -180,7 +181,7 @@ impl Case {
         let largest = |list: &[Point], f: &dyn Fn(&Point) -> f64| list.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
         let timed = raw.iter().zip(&self.shares);
         let mean = |at: usize, f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[at] * f(p).powi(2)).sum::<f64>();
-        let weakened: f64 = (0..raw.len()).map(|k| self.shares[k][0] * along(k).powi(2)).sum();
+        let weakened: f64 = self.shares.iter().enumerate().map(|(k, share)| share[0] * along(k).powi(2)).sum();
         let (square, at_rest, load) = (mean(0, &usual) + weakened, mean(1, &usual), mean(0, &|p| p.torque));
         let (most_torque, most_load) = (largest(raw, &torque), largest(raw, &|p| p.torque.abs()));
         let with = |list: &[Point], direct: &[f64]| -> f64 {
@@ -194,7 +195,7 @@ impl Case {
         let watt = most_power(&|p, k| with_heat(power(p), r_hot, k)) / bus.drive_efficiency;
         // What is kept of what comes back, and what of it reaches the bus.
         let kept = bus.regeneration_efficiency.unwrap_or(bus.drive_efficiency);
-        let back = most_power(&|p, k| -with_heat(cold_power(p), r + lead, k)) * kept.max(bus.drive_efficiency);
+        let back = most_power(&|p, k| -with_heat(cold_power(p), r + lead, k)) * bus.drive_efficiency;
         let speed = n * largest(raw, &|p| p.velocity.abs());
         let stages = |ratio: f64| (0..300).map(f64::from).find(|k| n <= ratio.powf(k + 1e-12)).unwrap();
         let of_gear = gear.mass_per_stage.map_or(gear.mass.unwrap_or(0.0), |(mass, ratio)| mass * stages(ratio));
@@ -218,11 +219,13 @@ impl Case {
         let volt = Some(if sags { bus.voltage } else { bus.voltage * per_volt });
         let voltages = |list: &[Point]| match (allowed, sags) {
             (_, true) => largest(list, &open),
-            (Some(x), _) => largest(list, &|p| turned(p, lowest(p, x))),
+            (Some(x), _) => largest(list, &|p| turned(parts(p), lowest(parts(p), x))).sqrt(),
             (None, _) => largest(list, &voltage),
         };
         let ripple_voltage = match allowed {
-            Some(_) => self.rippled.iter().zip(&rippled_direct).map(|(p, x)| turned(p, *x)).fold(0.0, f64::max),
+            Some(_) => {
+                self.rippled.iter().zip(&rippled_direct).map(|(p, x)| turned(parts(p), *x).sqrt()).fold(0.0, f64::max)
+            }
             None => voltages(&self.rippled),
         };
         let through = bus.current.map(|i| if sags { i.min(bus.voltage / (2.0 * series)) } else { i });
@@ -250,11 +253,17 @@ impl Case {
             Regeneration::Dissipated => bus.brake_power,
             Regeneration::Allowed => None,
         };
-        let lift = bus.max_voltage.filter(|_| sags && lifted).map(|most| most * (most - bus.voltage) / series);
+        let supply_takes = match bus.regeneration {
+            Regeneration::Limited(watt) => watt,
+            Regeneration::Dissipated => 0.0,
+            Regeneration::Allowed => f64::INFINITY,
+        };
+        let lift = bus.max_voltage.filter(|_| sags).map(|most| most * (most - bus.voltage) / series);
+        let lift = lift.filter(|lift| supply_takes > *lift).map(|lift| lift + bus.brake_power.unwrap_or(0.0));
         let braked = bus.brake_power.is_some() || bus.regeneration == Regeneration::Dissipated;
         let most_kept = match bus.regeneration {
             Regeneration::Dissipated => 0.0,
-            Regeneration::Limited(watt) if braked => watt,
+            Regeneration::Limited(watt) if braked => watt * kept / bus.drive_efficiency,
             _ => f64::INFINITY,
         };
         let rise = self.nodes().map(|nodes| {
@@ -296,7 +305,8 @@ impl Case {
                 watt / bus.voltage,
                 through.map(|i| i - series * i * i / bus.voltage - standby / bus.voltage),
             ),
-            ("regeneration", back, least(taken, lift)),
+            ("regeneration", back, taken),
+            ("bus_overvoltage", back, lift),
             ("actuator_mass", mass, asked.actuator_mass),
             ("ratio_min", min, Some(n)),
             ("ratio_max", n, Some(max)),

@@ -1,7 +1,7 @@
 //! What the supply gives and takes back.
 
 use super::limit::*;
-use crate::actuator::supply::Drawn;
+use crate::actuator::candidate::Candidate;
 use crate::actuator::waveform::Functional;
 use crate::requirement::{Bus, Regeneration, Robot};
 
@@ -47,35 +47,57 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "regeneration",
         unit: "W",
-        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration + P_brake, and ≤ V_max (V_max − V_bus)/R_s, with R at its reference temperature",
+        formula: "max −η_d (R i² + K_B N ω i) ≤ P_regeneration + P_brake, with R at its reference temperature",
         safety: false,
         of: Of::Other,
         class: Class::ReverseConvex,
         depends: Depends::PowerBack,
-        stated: |robot, _| most_back(robot, 0.0).is_some() || robot.bus.max_voltage.is_some(),
+        stated: |robot, _| taken_back(robot).is_some(),
         key: |_| Some(Key::Robot(&["bus", "regeneration"])),
-        prepare: |c| match most_back(c.robot, c.supply_resistance()) {
-            None => Prepared::NotAsked,
-            Some(bound) => {
-                plain(Demand::Samples(Functional::PowerBack), Drawn::new(&c.robot.bus).arrives(), bound, "bus")
-            }
-        },
+        prepare: |c| back(c, taken_back(c.robot)),
+    },
+    Limit {
+        name: "bus_overvoltage",
+        unit: "W",
+        formula: "max −η_d (R i² + K_B N ω i) ≤ V_max (V_max − V_bus)/R_s + P_brake, with a resistance R_s of the supply: more would lift the bus above V_max",
+        safety: false,
+        of: Of::Other,
+        class: Class::ReverseConvex,
+        depends: Depends::PowerBack,
+        stated: |robot, _| robot.bus.max_voltage.is_some(),
+        key: |_| Some(Key::Robot(&["bus", "max_voltage"])),
+        prepare: |c| back(c, lifting(c.robot, c.supply_resistance())),
     },
 ];
 
-/// The most that may come back to a bus with a resistance to the drive \[Ω\], \[W\]: what it takes and what a brake takes, and
-/// what lifts the bus to its highest voltage. `None` where nothing bounds it.
-fn most_back(robot: &Robot, resistance: f64) -> Option<f64> {
-    let Bus { voltage, regeneration, brake_power, max_voltage, .. } = robot.bus;
-    let taken = match regeneration {
+/// A limit on the power that comes back \[W\].
+fn back(candidate: &Candidate, bound: Option<f64>) -> Prepared {
+    let efficiency = candidate.robot.bus.drive_efficiency;
+    bound.map_or(Prepared::NotAsked, |bound| plain(Demand::Samples(Functional::PowerBack), efficiency, bound, "bus"))
+}
+
+/// The most that the bus takes back with its brake \[W\]; `None` where it takes all.
+fn taken_back(robot: &Robot) -> Option<f64> {
+    let brake = robot.bus.brake_power;
+    match robot.bus.regeneration {
         Regeneration::Allowed => None,
-        Regeneration::Dissipated => brake_power,
-        Regeneration::Limited(watts) => Some(watts + brake_power.unwrap_or(0.0)),
+        Regeneration::Dissipated => brake,
+        Regeneration::Limited(watts) => Some(watts + brake.unwrap_or(0.0)),
+    }
+}
+
+/// What lifts the bus to its highest voltage with a resistance to the drive \[Ω\], and what a brake takes on top \[W\]; `None`
+/// where the supply does not take as much.
+fn lifting(robot: &Robot, resistance: f64) -> Option<f64> {
+    let Bus { voltage, regeneration, brake_power, max_voltage, .. } = robot.bus;
+    let most = max_voltage.filter(|_| resistance > 0.0)?;
+    let lifted = most * (most - voltage) / resistance;
+    let takes = match regeneration {
+        Regeneration::Allowed => f64::INFINITY,
+        Regeneration::Dissipated => 0.0,
+        Regeneration::Limited(watts) => watts,
     };
-    // A brake holds the voltage down.
-    let holds = brake_power.is_some() || regeneration == Regeneration::Dissipated;
-    let lifted = max_voltage.filter(|_| resistance > 0.0 && !holds).map(|most| most * (most - voltage) / resistance);
-    [taken, lifted].into_iter().flatten().reduce(f64::min)
+    (takes > lifted).then(|| lifted + brake_power.unwrap_or(0.0))
 }
 
 /// The largest power that a joint draws, by a factor to the unit of the bound.

@@ -1,7 +1,7 @@
 //! What the limits of a candidate assume.
 
 use super::heat::STANDSTILL;
-use super::limit::{Asked, Remark};
+use super::limit::{Asked, Depends, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
 use crate::catalog::Gear;
 use crate::catalog::estimate::Estimated;
@@ -53,7 +53,7 @@ impl Candidate<'_> {
                 ),
             });
         }
-        if self.other.is_some() && asked.iter().any(|a| a.limit.name == "regeneration") {
+        if self.other.is_some() && asked.iter().any(|a| a.limit.depends == Depends::PowerBack) {
             assumed.push((
                 "regeneration",
                 "the motor's drag is known between two ends only, and power that comes back is computed at these: between them a little more may come back",
@@ -70,6 +70,12 @@ impl Candidate<'_> {
             assumed.push((
                 "continuous_current",
                 "the surroundings are hotter than 40 degC: the continuous rating is reduced by the root of the temperature rise that is left",
+            ));
+        }
+        if self.motor.wound.is_some() {
+            assumed.push((
+                "turns",
+                "another number of turns than that of the row, in the same copper: its resistance is within 10 % of that, to be asked of the maker",
             ));
         }
         if self.is_rated() {

@@ -92,6 +92,14 @@ impl<'a> Goal<'a> {
 
     fn peak_current(&self, ratio: f64, weight: f64) -> Laurent {
         let candidate = &self.program.prepared.candidate;
+        if candidate.load.waveform.is_weakened() {
+            // At the one ratio that the weakened field is of: currents along d have a part.
+            let (largest, actuator) = self.largest(Functional::CurrentSquared, ratio);
+            return Laurent::constant(match self.squared_peak {
+                true => largest.value,
+                false => weight * actuator.shortfall.peak_current(largest.value.sqrt()),
+            });
+        }
         let (largest, actuator) = self.largest(Functional::TorqueSquared, ratio);
         let point = candidate.load.waveform.point(largest.index);
         let torque = actuator.torque_form(point.flow).polynomial(&point.features);

@@ -5,6 +5,7 @@
 //! the same way. All text from outside passes one escape; the page forbids itself everything but its own
 //! script and style, which it names by their hashes. The page of a command is one file beside this one.
 
+mod bars;
 mod figure;
 mod render;
 
@@ -25,6 +26,7 @@ mod unjudged;
 
 use std::path::Path;
 
+pub use bars::Bars;
 pub use render::text;
 
 use super::plot::{self, Figure};
@@ -106,6 +108,8 @@ pub enum Part {
     Table(Table),
     /// A figure; choosing a thing in it chooses it everywhere.
     Figure(Figure),
+    /// What sums are made of.
+    Bars(Bars),
     /// A part that is closed at first, under its title.
     Folded(String, Box<Part>),
 }

@@ -1,6 +1,6 @@
 //! The page of the choice for each joint.
 
-use super::{Page, Part, Section, Table, Verdict, asked, estimated, group_of, robot as robot_page, tightest};
+use super::{Bars, Page, Part, Section, Table, Verdict, asked, estimated, group_of, robot as robot_page, tightest};
 use crate::actuator::metrics::METRICS;
 use crate::catalog::Catalog;
 use crate::design::answer::{Design, JointResult, RobotResult};
@@ -178,6 +178,7 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
     parts.extend(crate::report::balance::sentences(result).into_iter().map(Part::Text));
     parts.extend(figure);
     parts.extend(candidates(result, names).part());
+    parts.extend(losses(result, names));
     if let Some(first) = result.candidates.first() {
         let name = format!("{names}: limits of the first choice, {}", choice_text(first));
         let limits = Table::of(name, &limit_columns()).rows(limit_rows(&first.evaluation.margins, joint));
@@ -224,6 +225,21 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
 
 fn folded(title: &str, part: Part) -> Part {
     Part::Folded(title.into(), Box::new(part))
+}
+
+/// Designs whose losses are drawn.
+const DRAWN: usize = 8;
+
+/// Where the loss of the first designs is; nothing where none has any.
+fn losses(result: &JointResult, names: &str) -> Option<Part> {
+    let first = &result.candidates[..result.candidates.len().min(DRAWN)];
+    let rows: Vec<(String, Vec<f64>)> = first
+        .iter()
+        .map(|design| (choice_text(design), design.evaluation.losses.parts().iter().map(|part| part.1).collect()))
+        .collect();
+    let parts = first.first()?.evaluation.losses.parts().map(|(key, _)| crate::report::losses::name(key)).to_vec();
+    let title = format!("{names}: where the loss is, mean over the motion");
+    first.iter().any(|design| design.evaluation.loss > 0.0).then(|| Part::Bars(Bars { title, unit: "W", parts, rows }))
 }
 
 fn candidates(result: &JointResult, names: &str) -> Table {

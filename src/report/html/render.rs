@@ -15,7 +15,7 @@ fn turns(c: char) -> bool {
 }
 
 /// Text that stands safely in the page; what turns the direction is shown as a mark.
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     plot::escaped(text).replace(turns, "\u{fffd}")
 }
 
@@ -232,6 +232,7 @@ impl Body<'_> {
                 ));
                 self.figures.push(data);
             }
+            Part::Bars(bars) => self.put(&bars.svg()),
             Part::Folded(title, part) => {
                 self.put(&format!("<details><summary>{}</summary>\n", printed(title)));
                 self.part(part);

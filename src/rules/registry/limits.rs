@@ -183,6 +183,11 @@ limits! {
         why "When the drive lets go at speed, the motor charges the bus through the diodes of the drive up to its own voltage between two phases; drives and capacitors burst above theirs.",
         example "A motor that is run to twice its base speed with a weakened field: 92 V on drives of 60 V when a fault switches them off.",
         fix "A smaller ratio, a winding with fewer turns, or a brake that holds the bus.";
+    "GW036" "bus-overvoltage" "bus_overvoltage",
+        "what comes back does not lift the bus above what it bears",
+        why "A battery behind its own resistance and long leads rises with what flows back into it; drives switch off or burst above their voltage, in a landing.",
+        example "A landing that gives back 160 W through 1 ohm: a bus of 24 V is lifted to 29.5 V where drives bear 28 V.",
+        fix "Shorter or thicker leads, a braking resistor, or drives for a higher voltage.";
 }
 
 /// A motor and gear that cannot be evaluated at all.

@@ -242,10 +242,16 @@ fn supplied(i: u64) -> Case {
     let resistance = bus.voltage * bus.voltage / peak * around(1e-3, 0.25);
     bus.internal_resistance = Some(resistance).filter(|_| !i.is_multiple_of(7));
     case.robot.joints[0].drive.supply_lead_resistance = Some(0.1 * resistance).filter(|_| i.is_multiple_of(2));
-    bus.regeneration_efficiency = Some(around(0.4, 1.0)).filter(|_| i.is_multiple_of(3));
+    bus.regeneration_efficiency = Some(bus.drive_efficiency * around(0.4, 1.0)).filter(|_| i.is_multiple_of(3));
     match i % 5 {
         0 => bus.regeneration = Regeneration::Dissipated,
-        1 if back > 0.0 => bus.max_voltage = Some(bus.voltage * around(1.001, 1.3)),
+        1 if back > 0.0 => {
+            bus.max_voltage = Some(bus.voltage * around(1.001, 1.3));
+            if i.is_multiple_of(2) {
+                bus.regeneration = Regeneration::Limited(back * around(0.5, 2.0));
+                bus.brake_power = Some(back * around(0.01, 1.0));
+            }
+        }
         2 if back > 0.0 => {
             bus.regeneration = Regeneration::Limited(back * around(0.1, 2.0));
             bus.brake_power = Some(back * around(0.1, 2.0));

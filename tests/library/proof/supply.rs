@@ -143,6 +143,9 @@ fn what_is_kept_of_what_comes_back() {
     assert!((at(&half, 100.0) - 125.0).abs() < 1e-12 && (at(&half, -100.0) + 50.0).abs() < 1e-12);
     let braked = Bus { regeneration: Regeneration::Limited(30.0), brake_power: Some(200.0), ..plain };
     assert!((at(&braked, -100.0) + 30.0).abs() < 1e-12 && (at(&braked, -20.0) + 16.0).abs() < 1e-12);
+    // Of the 30 W that the supply takes at the bus it keeps what it keeps: 0.5/0.8.
+    let both = Bus { regeneration_efficiency: Some(0.5), ..braked };
+    assert!((at(&both, -100.0) + 30.0 * 0.5 / 0.8).abs() < 1e-12);
     assert_eq!(at(&Bus { regeneration: Regeneration::Dissipated, ..plain }, -100.0), 0.0);
     // Without a brake what is more is not lost, but not allowed.
     let limited = Bus { regeneration: Regeneration::Limited(30.0), ..plain };
@@ -150,6 +153,42 @@ fn what_is_kept_of_what_comes_back() {
     // What the drive alone takes of it, and what the bus sees.
     assert!((Drawn::new(&half).by_drive().line(-1.0).0 - 0.8).abs() < 1e-12 && Drawn::new(&half).arrives() == 0.8);
     assert!(Drawn::new(&bus(48.0)).is_lossless() && !Drawn::new(&half).is_lossless());
+}
+
+/// 60 W that come back to 24 V behind 1 Ω lift the bus to 26.27 V. A brake takes what the supply does not, and no more: where the
+/// supply takes 200 W and the brake 1 W, the bus still rises.
+#[test]
+fn a_small_brake_does_not_hold_the_bus() {
+    let lifted = |bus: &Bus| Supply::new(bus, 1.0, (1.0, 0.0), 0.0, 0.0).lifted(60.0);
+    let alone = 0.5 * (24.0 + (24.0_f64 * 24.0 + 240.0).sqrt());
+    assert!((lifted(&bus(24.0)) - alone).abs() < 1e-12);
+    // What the supply loses of it has lifted it before; it is from above.
+    let lossy = Bus { regeneration_efficiency: Some(0.5), ..bus(24.0) };
+    assert!((lifted(&lossy) - alone).abs() < 1e-12);
+    let braked = |watts: f64| Bus { regeneration: Regeneration::Limited(watts), brake_power: Some(1.0), ..bus(24.0) };
+    assert!((lifted(&braked(200.0)) - alone).abs() < 1e-12);
+    assert!((lifted(&braked(20.0)) - 0.5 * (24.0 + (24.0_f64 * 24.0 + 80.0).sqrt())).abs() < 1e-12);
+    assert_eq!(lifted(&Bus { regeneration: Regeneration::Dissipated, ..bus(24.0) }), 24.0);
+    // As a limit: V_max (V_max − V)/R of the supply's part, and the brake on top.
+    let catalog = Catalog::builtin().unwrap();
+    let motor = catalog.motor("t-motor-ri50").unwrap();
+    let limit = |change: &dyn Fn(&mut Bus)| {
+        let mut robot = common::robot(common::hold(-10.0, 10.0, 0.0), common::gear(1.0));
+        (robot.bus.voltage, robot.bus.internal_resistance, robot.bus.max_voltage) = (24.0, Some(1.0), Some(25.0));
+        change(&mut robot.bus);
+        let joint = &robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        let candidate = Mount::new(&robot, joint, &load, motor).candidate().unwrap();
+        let at = Prepared::new(candidate).at(7.0);
+        at.margins.iter().find(|m| m.limit == "bus_overvoltage").map(|m| (m.bound, m.margin > 0.0))
+    };
+    assert_eq!(limit(&|_| {}), Some((25.0, false)));
+    let set = |regeneration: Regeneration, brake: Option<f64>| {
+        limit(&move |bus: &mut Bus| (bus.regeneration, bus.brake_power) = (regeneration, brake))
+    };
+    assert_eq!(set(Regeneration::Limited(200.0), Some(1.0)), Some((26.0, false)));
+    assert_eq!(set(Regeneration::Limited(20.0), Some(1.0)), None);
+    assert_eq!(set(Regeneration::Dissipated, None), None);
 }
 
 /// A load that is lowered at 10 W: what is not kept is a part of the loss by itself.

@@ -178,3 +178,81 @@ fn a_rewound_motor_at_another_voltage_is_the_same_motor() {
     }
     assert!(solved_ones > 15, "{solved_ones}");
 }
+
+/// A requirement's joint with a list of turns, on the shipped catalogue.
+fn listed(turns: &str) -> (gearwise::requirement::Robot, Catalog) {
+    let text = format!(
+        "name = \"r\"\nbus = {{ voltage = \"24 V\", drive_current = \"60 A\" }}\n[[joint]]\nname = \"j\"\nratio = {{ min = 3, max = 30 }}\nobjective = \"copper_loss\"\nmotor_drag = \"off\"\nmotors = [\"tq-robodrive-ilm-70x18\", \"t-motor-ri50\"]\n{turns}\n\
+         points = [{{ torque = \"30 N*m\", speed = \"6 rad/s\", duration = \"1 s\" }}, {{ torque = \"2 N*m\", speed = \"14 rad/s\", duration = \"1 s\" }}]\n"
+    );
+    let source = std::sync::Arc::new(gearwise::input::Source::new("r.toml", text));
+    let robot = gearwise::requirement::read_source(&source).unwrap_or_else(|e| panic!("{}", e[0]));
+    let catalog = Catalog::builtin().unwrap().free(false).with_turns(&robot.listed_turns());
+    (robot, catalog)
+}
+
+/// The choice among windings is the best of the motors wound by hand; each is named by its row and its turns.
+#[test]
+fn listed_turns_are_motors_like_any_other() {
+    let best = |turns: &str| {
+        let (robot, catalog) = listed(turns);
+        let result = gearwise::design::optimize::optimize(&robot, &catalog);
+        let design = result.joints[0].designs().next().expect("one will do");
+        (design.motor.id.clone(), design.optimum.objective, design.assumed.iter().any(|(name, _)| *name == "turns"))
+    };
+    let builtin = Catalog::builtin().unwrap();
+    let by_hand = |turns: &[f64]| {
+        let (robot, _) = listed("");
+        let of = |id: &str, a: f64| {
+            let motor = wound(builtin.motor(id).unwrap(), a);
+            solved::solve(&motor, &robot).ok().map(|design| (format!("{id} {a}"), design.optimum.objective))
+        };
+        let ids = ["tq-robodrive-ilm-70x18", "t-motor-ri50"];
+        let all = ids.iter().flat_map(|id| turns.iter().filter_map(move |a| of(id, *a)));
+        all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap()
+    };
+    for (key, turns) in [("", vec![1.0]), ("turns = [1, 0.5]", vec![1.0, 0.5]), ("turns = [0.45]", vec![0.45])] {
+        let (id, objective, said) = best(key);
+        let (named, least) = by_hand(&turns);
+        assert!((objective / least - 1.0).abs() < 1e-6, "{key}: {id} {objective}, {named} {least}");
+        assert_eq!(id.contains(':'), said, "{id}: what is another winding is said to be one, and nothing else is");
+        assert!(key.is_empty() != id.contains(':') || key.contains("[1,"), "{key}: {id}");
+    }
+}
+
+/// A star connected in delta: K/√3, R/3, L/3. And nothing is chosen that no joint lists.
+#[test]
+fn a_delta_of_a_star_has_a_third_of_its_resistance() {
+    let (robot, catalog) = listed("turns = [1, 0.5773502691896258]");
+    let row = catalog.motor("t-motor-ri50").unwrap();
+    let delta = catalog.motor("t-motor-ri50:0.5773502691896258").unwrap();
+    assert!((3.0 * delta.resistance / row.resistance - 1.0).abs() < 1e-12);
+    assert!((3.0_f64.sqrt() * delta.torque_constant / row.torque_constant - 1.0).abs() < 1e-12);
+    assert!((3.0 * delta.inductance.unwrap() / row.inductance.unwrap() - 1.0).abs() < 1e-12);
+    assert!(robot.joints[0].motors.allows(delta) && robot.joints[0].motors.allows(row));
+    let (plain, _) = listed("");
+    assert!(!plain.joints[0].motors.allows(delta) && plain.joints[0].motors.allows(row));
+    let (only, _) = listed("turns = [0.5773502691896258]");
+    assert!(only.joints[0].motors.allows(delta) && !only.joints[0].motors.allows(row));
+    // Insides of modules and fitted motors have no other turns.
+    assert!(catalog.aside.iter().all(|motor| motor.wound.is_none()));
+}
+
+#[test]
+fn turns_that_are_none_are_refused_with_their_place() {
+    for (turns, what) in [
+        ("turns = []", "lists nothing"),
+        ("turns = [1, 1]", "listed twice"),
+        ("turns = [0.01]", "no winding"),
+        ("turns = [-1]", "turns"),
+        ("turns = [\"delta\"]", "turns"),
+    ] {
+        let text = format!(
+            "name = \"r\"\nbus = {{ voltage = \"24 V\" }}\n[[joint]]\nname = \"j\"\nratio = {{ min = 3, max = 30 }}\n{turns}\npoints = [{{ torque = \"3 N*m\", speed = \"6 rad/s\" }}]\n"
+        );
+        let source = std::sync::Arc::new(gearwise::input::Source::new("r.toml", text));
+        let errors = gearwise::requirement::read_source(&source).expect_err(turns);
+        let text = errors[0].to_string();
+        assert!(text.contains(what) && text.contains("turns"), "{turns}: {text}");
+    }
+}

@@ -99,6 +99,36 @@ fn its_current_counts_as_any_other() {
     assert!(look(&robot, &motor, |p| p.at(1.0)).feasible);
 }
 
+/// The objective is what the design is evaluated with, whatever it counts: the current against the magnets too.
+#[test]
+fn the_objective_has_the_current_against_the_magnets() {
+    for objective in ["peak_current", "copper_loss", "loss", "energy", "peak_power"] {
+        let quantity = Quantity::NAMES.iter().find(|(name, _)| *name == objective).unwrap().1;
+        let mut motor = motor();
+        motor.resistance = 1e-2;
+        let points = [
+            Point { torque: 0.3, velocity: 20.0, duration: Some(1.0), ..Point::default() },
+            Point { torque: 0.05, velocity: 150.0, duration: Some(1.0), ..Point::default() },
+        ];
+        let mut robot = joint(0.01, 1500.0, Some(50.0));
+        robot.joints[0].motion = Motion::from_points(&points).into();
+        robot.joints[0].ratio = RatioChoice::Continuous { min: 2.0, max: 40.0 };
+        robot.joints[0].objective = Objective::single(quantity);
+        let catalog = Catalog::of(vec![motor.clone()], Vec::new());
+        let result = gearwise::design::optimize::optimize(&robot, &catalog);
+        let design = result.joints[0].designs().next().unwrap();
+        let own = design.evaluation.objective(&robot.joints[0].objective).unwrap();
+        assert!((design.optimum.objective / own - 1.0).abs() < 1e-9, "{objective}: {} {own}", design.optimum.objective);
+        // And no ratio of a scan is better.
+        let best = look(&robot, &motor, |prepared| {
+            let at = (0..=2000).map(|k| prepared.at_in_full(2.0 * 20.0_f64.powf(f64::from(k) / 2000.0)));
+            let values = at.filter(|e| e.feasible).map(|e| e.objective(&robot.joints[0].objective).unwrap());
+            values.fold(f64::INFINITY, f64::min)
+        });
+        assert!(own <= best * (1.0 + 1e-6), "{objective}: {own} {best}");
+    }
+}
+
 /// What must not be said: that a field is weakened where nobody knows by how much a current would.
 #[test]
 fn no_field_is_weakened_on_a_guess() {
