@@ -176,12 +176,11 @@ impl Case {
             .chunks(32)
             .flat_map(|phases| vec![phases.iter().map(against).fold(0.0, f64::min); phases.len()])
             .collect();
-        let along = |k: usize| k_t * direct[k];
         let torque = |p: &Point| most(p).abs();
         let largest = |list: &[Point], f: &dyn Fn(&Point) -> f64| list.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
         let timed = raw.iter().zip(&self.shares);
         let mean = |at: usize, f: &dyn Fn(&Point) -> f64| timed.clone().map(|(p, s)| s[at] * f(p).powi(2)).sum::<f64>();
-        let weakened: f64 = self.shares.iter().enumerate().map(|(k, share)| share[0] * along(k).powi(2)).sum();
+        let weakened: f64 = self.shares.iter().zip(&direct).map(|(share, x)| share[0] * (k_t * x).powi(2)).sum();
         let (square, at_rest, load) = (mean(0, &usual) + weakened, mean(1, &usual), mean(0, &|p| p.torque));
         let (most_torque, most_load) = (largest(raw, &torque), largest(raw, &|p| p.torque.abs()));
         let with = |list: &[Point], direct: &[f64]| -> f64 {

@@ -130,7 +130,7 @@ impl<'a> Goal<'a> {
             return standby;
         }
         let point = candidate.load.waveform.point(largest.index);
-        let power = actuator.power(actuator.loss_taken(), point.flow, &point.features);
+        let power = Functional::Power.polynomial(actuator, &point, ratio);
         power * (1.0 / candidate.robot.bus.drive_efficiency) + standby
     }
 

@@ -173,7 +173,7 @@ fn a_small_brake_does_not_hold_the_bus() {
     let catalog = Catalog::builtin().unwrap();
     let motor = catalog.motor("t-motor-ri50").unwrap();
     let limit = |change: &dyn Fn(&mut Bus)| {
-        let mut robot = common::robot(common::hold(-10.0, 10.0, 0.0), common::gear(1.0));
+        let mut robot = common::robot(common::hold(-3.0, 30.0, 0.0), common::gear(1.0));
         (robot.bus.voltage, robot.bus.internal_resistance, robot.bus.max_voltage) = (24.0, Some(1.0), Some(25.0));
         change(&mut robot.bus);
         let joint = &robot.joints[0];
