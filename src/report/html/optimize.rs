@@ -239,7 +239,12 @@ fn losses(result: &JointResult, names: &str) -> Option<Part> {
         .collect();
     let parts = first.first()?.evaluation.losses.parts().map(|(key, _)| crate::report::losses::name(key)).to_vec();
     let title = format!("{names}: where the loss is, mean over the motion");
-    first.iter().any(|design| design.evaluation.loss > 0.0).then(|| Part::Bars(Bars { title, unit: "W", parts, rows }))
+    first.iter().any(|design| design.evaluation.loss > 0.0).then_some(Part::Bars(Bars {
+        title,
+        unit: "W",
+        parts,
+        rows,
+    }))
 }
 
 fn candidates(result: &JointResult, names: &str) -> Table {

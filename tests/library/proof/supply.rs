@@ -20,7 +20,7 @@ fn fixed_point(open: f64, resistance: f64, power: f64) -> Option<f64> {
     let mut voltage = open;
     for _ in 0..200_000 {
         let next = open - resistance * power / voltage;
-        if !(next > 0.0) {
+        if next.is_nan() || next <= 0.0 {
             return None;
         }
         if (next - voltage).abs() <= 1e-15 * open {

@@ -50,10 +50,10 @@ fn margin(prepared: &Prepared, limit: &str) -> Option<f64> {
 fn with_the_characteristic_current_power_stays_to_any_speed() {
     let motor = motor();
     assert!((metric("characteristic_current").unwrap().value(&motor).unwrap() - 10.0).abs() < 1e-12);
-    for speed in [3000.0, 10_000.0, 100_000.0] {
+    for speed in [3000.0_f64, 10_000.0, 100_000.0] {
         // On the voltage's circle (V/ω)² = (ψ + L x)² + (L i)², and x² + i² = I_ch²: x = (V/ω)²/(2ψL) − ψ/L.
         let (psi, l, v) = (0.01, 1e-3, 10.0);
-        let x: f64 = (v / speed as f64).powi(2) / (2.0 * psi * l) - psi / l;
+        let x: f64 = (v / speed).powi(2) / (2.0 * psi * l) - psi / l;
         let i = (100.0 - x * x).sqrt();
         let robot = |torque: f64| {
             let mut robot = joint(torque, speed, Some(1e3));
