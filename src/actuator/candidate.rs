@@ -230,7 +230,8 @@ impl Candidate<'_> {
         let bounds = [bound("voltage"), bound("torque_bandwidth_voltage")];
         let load = self.load.weakened(|point, rippled| {
             let of_end = |actuator: &Actuator| {
-                parabola(actuator, point, ratio).least(bounds[usize::from(rippled)], most * actuator.torque_constant)
+                parabola(actuator, (point.flow, &point.features), ratio)
+                    .least(bounds[usize::from(rippled)], most * actuator.torque_constant)
             };
             self.ends().map(of_end).fold(0.0, f64::min)
         });

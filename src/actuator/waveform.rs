@@ -63,7 +63,7 @@ impl Functional {
             Functional::CurrentSquared => actuator.torque_squared(*flow, features) + squared(1.0),
             Functional::VoltageSquared => weakened(actuator, point, *direct),
             Functional::LeastVoltage(most) => {
-                weakened(actuator, point, weakening::parabola(actuator, point, ratio).lowest(most))
+                weakened(actuator, point, weakening::parabola(actuator, (*flow, features), ratio).lowest(most))
             }
             Functional::Power => {
                 actuator.power(actuator.loss_taken(), *flow, features) + squared(actuator.loss_taken())

@@ -8,8 +8,7 @@
 //!
 //! Currents along d are carried as `K_T x` \[N·m\], what the same current along q would make, so that squares add.
 
-use super::shaft::{Actuator, Feature};
-use super::waveform::WavePoint;
+use super::shaft::{Actuator, FEATURES, Feature, Flow};
 use crate::numerics::laurent::Laurent;
 
 /// `|v|²` of a sample at a ratio as a parabola in `d = K_T i_d` \[N·m\]: `squared + 2 slope d + bend d²`.
@@ -59,11 +58,14 @@ impl Parabola {
     }
 }
 
+/// A sample: which way power flows, and its features.
+pub(crate) type Sample<'a> = (Flow, &'a [f64; FEATURES]);
+
 /// What a sample's voltage is at a ratio.
-pub(crate) fn parabola(actuator: &Actuator, point: &WavePoint, ratio: f64) -> Parabola {
-    let quadrature = actuator.voltage_form(point.flow).polynomial(&point.features).at(ratio);
-    let torque = actuator.torque_form(point.flow).polynomial(&point.features).at(ratio);
-    let across = actuator.cross_coupling * point.features[Feature::Velocity as usize] * ratio;
+pub(crate) fn parabola(actuator: &Actuator, sample: Sample, ratio: f64) -> Parabola {
+    let quadrature = actuator.voltage_form(sample.0).polynomial(sample.1).at(ratio);
+    let torque = actuator.torque_form(sample.0).polynomial(sample.1).at(ratio);
+    let across = actuator.cross_coupling * sample.1[Feature::Velocity as usize] * ratio;
     Parabola::new(quadrature, torque, across, actuator.resistance_per_torque())
 }
 
@@ -74,12 +76,12 @@ pub(crate) fn parabola(actuator: &Actuator, point: &WavePoint, ratio: f64) -> Pa
 /// `λ(|v₀|² − V²) − λ²β²/(λα + 1)`, and the fraction, an affine function of N² squared over another, is below its chord.
 pub(crate) fn least_square(
     actuator: &Actuator,
-    point: &WavePoint,
+    sample: Sample,
     bound: f64,
     ratio: f64,
     (a, b): (f64, f64),
 ) -> Option<Laurent> {
-    let here = parabola(actuator, point, ratio);
+    let here = parabola(actuator, sample, ratio);
     let excess = here.squared - bound;
     let root = here.slope * here.slope - here.bend * excess;
     if excess <= 0.0 || here.slope <= 0.0 || root <= 1e-12 * here.slope * here.slope {
@@ -87,38 +89,32 @@ pub(crate) fn least_square(
     }
     let d = -excess / (here.slope + root.sqrt());
     let price = -d / root.sqrt();
-    Some(relaxed(actuator, point, price, 1.0, (a, b)) + Laurent::constant(-price * bound))
+    Some(relaxed(actuator, sample, price, 1.0, (a, b)) + Laurent::constant(-price * bound))
 }
 
 /// A row that every ratio of `[a, b]` keeps at which a current of at most `most` \[N·m\] brings the voltage to `bound` \[V²\]; it
 /// touches the least voltage at `ratio` inside, up to the width of the interval.
-pub(crate) fn voltage_row(
-    actuator: &Actuator,
-    point: &WavePoint,
-    most: f64,
-    ratio: f64,
-    (a, b): (f64, f64),
-) -> Laurent {
-    let here = parabola(actuator, point, ratio);
+pub(crate) fn voltage_row(actuator: &Actuator, sample: Sample, most: f64, ratio: f64, (a, b): (f64, f64)) -> Laurent {
+    let here = parabola(actuator, sample, ratio);
     if here.slope <= 0.0 {
         // Not even at this ratio does it help; that it does not elsewhere is not known.
-        return relaxed(actuator, point, 1.0, 0.0, (a, b));
+        return relaxed(actuator, sample, 1.0, 0.0, (a, b));
     }
     // The price of current with which the end is the lowest point.
     let weight = if most > 0.0 { (here.slope / most - here.bend).max(0.0) } else { f64::INFINITY };
     if !weight.is_finite() {
-        return actuator.voltage_squared(point.flow, &point.features);
+        return actuator.voltage_squared(sample.0, sample.1);
     }
-    relaxed(actuator, point, 1.0, weight, (a, b)) + Laurent::constant(-weight * most * most)
+    relaxed(actuator, sample, 1.0, weight, (a, b)) + Laurent::constant(-weight * most * most)
 }
 
 /// Below the least of `price |v|² + weight d²` over all d, on an interval of ratios; it is met at its ends.
-fn relaxed(actuator: &Actuator, point: &WavePoint, price: f64, weight: f64, (a, b): (f64, f64)) -> Laurent {
+fn relaxed(actuator: &Actuator, sample: Sample, price: f64, weight: f64, (a, b): (f64, f64)) -> Laurent {
     let along = actuator.resistance_per_torque();
-    let across = actuator.cross_coupling * point.features[Feature::Velocity as usize];
+    let across = actuator.cross_coupling * sample.1[Feature::Velocity as usize];
     // β is κN times a voltage without its resistive part: powers 0 and 2 of N.
-    let free = actuator.voltage_form(point.flow).polynomial(&point.features)
-        + actuator.torque_form(point.flow).polynomial(&point.features) * -along;
+    let free = actuator.voltage_form(sample.0).polynomial(sample.1)
+        + actuator.torque_form(sample.0).polynomial(sample.1) * -along;
     let slope = free * Laurent::monomial(across, 1);
     let fraction = |u: f64| {
         let beta = slope[0] + slope[2] * u;
@@ -129,7 +125,7 @@ fn relaxed(actuator: &Actuator, point: &WavePoint, price: f64, weight: f64, (a, 
     let (at_low, at_high) = (fraction(low), fraction(high));
     let rise = if high > low { (at_high - at_low) / (high - low) } else { 0.0 };
     let chord = Laurent::constant(at_low - rise * low) + Laurent::monomial(rise, 2);
-    actuator.voltage_squared(point.flow, &point.features) * price + chord * -1.0
+    actuator.voltage_squared(sample.0, sample.1) * price + chord * -1.0
 }
 
 /// What weakening takes at a ratio.

@@ -178,7 +178,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
             continuous_current: section.quantity(
                 key(
                     "drive_continuous_current",
-                    "that a drive gives for ever: amplitude of a phase at constant speed, root mean square over the motion",
+                    "continuous, of a drive: amplitude of a phase at constant speed, root mean square over the motion",
                 ),
                 &units::CURRENT,
                 Range::Positive,

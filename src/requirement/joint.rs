@@ -42,7 +42,7 @@ fn read_turns(section: &Section) -> Vec<f64> {
 
 const CONTINUOUS: Key = key(
     "continuous_current",
-    "that the drive gives for ever: amplitude of a phase at constant speed, root mean square over the motion",
+    "continuous, of the drive: amplitude of a phase at constant speed, root mean square over the motion",
 );
 
 /// Reads a joint: with what it takes from a description of the robot, and whom it says that it carries.

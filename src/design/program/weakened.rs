@@ -23,7 +23,8 @@ fn voltage_bound(candidate: &Candidate) -> f64 {
 /// A lower bound of a sample's squared current along d, times K_T², on an interval: the better of both ends of the drag.
 fn direct_square(candidate: &Candidate, point: &WavePoint, ratio: f64, interval: (f64, f64)) -> Option<Laurent> {
     let bound = voltage_bound(candidate);
-    let of_ends = candidate.ends().filter_map(|end| least_square(end, point, bound, ratio, interval));
+    let of_ends =
+        candidate.ends().filter_map(|end| least_square(end, (point.flow, &point.features), bound, ratio, interval));
     of_ends.reduce(|x, y| if y.at(ratio) > x.at(ratio) { y } else { x })
 }
 
@@ -111,7 +112,7 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
     match asked.demand {
         Demand::Samples(functional @ Functional::LeastVoltage(most)) => {
             let point = load.waveform.point(load.waveform.largest(functional, actuator, ratio).index);
-            Some(voltage_row(actuator, &point, most, ratio, interval))
+            Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
         }
         // The motor's torque has no part in it, the current has.
         Demand::Samples(Functional::TorqueSquared) if asked.limit.is_q_axis() => {
@@ -130,7 +131,7 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
             let most = candidate.weakening()? * actuator.torque_constant;
             let waveform = load.bandwidth.as_ref()?;
             let point = waveform.point(waveform.largest(Functional::LeastVoltage(most), actuator, ratio).index);
-            Some(voltage_row(actuator, &point, most, ratio, interval))
+            Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
         }
         _ => asked.polynomial_at(candidate, ratio).map(|(row, _)| row),
     }

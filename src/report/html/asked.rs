@@ -30,7 +30,7 @@ fn supply(robot: &Robot) -> String {
     all.extend(bus.drive_current.map(|i| format!("drives of at most {} A (amplitude of a phase)", number(i))));
     all.extend(bus.power.map(|p| format!("at most {} W for one joint", number(p))));
     all.extend(bus.current.map(|i| format!("at most {} A of the bus for one joint", number(i))));
-    all.extend(bus.drive.continuous_current.map(|i| format!("drives of at most {} A for ever", number(i))));
+    all.extend(bus.drive.continuous_current.map(|i| format!("drives of at most {} A continuously", number(i))));
     all.extend(bus.internal_resistance.map(|r| format!("internal resistance {} ohm", number(r))));
     all.extend(bus.max_voltage.map(|v| format!("it may rise to {} V", number(v))));
     all.push(match bus.regeneration {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::render::escaped;
+use super::render::printed;
 use crate::report::number;
 use crate::report::plot::{Tone, text_width};
 
@@ -53,7 +53,7 @@ impl Bars {
                 y - 10.5,
                 Tone::nth(*k).colour(),
                 x + 17.0,
-                escaped(name)
+                printed(name)
             );
             x += wide;
         }
@@ -64,9 +64,9 @@ impl Bars {
                 out,
                 "<text x=\"{LEFT}\" y=\"{:.1}\">{}: {} {}</text>",
                 y - HEIGHT - 4.0,
-                escaped(name),
+                printed(name),
                 number(total),
-                escaped(self.unit)
+                printed(self.unit)
             );
             let mut x = LEFT;
             for k in &shown {
@@ -78,8 +78,8 @@ impl Bars {
                     "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"{wide:.1}\" height=\"{HEIGHT}\" fill=\"{}\"><title>{} {text} {}</title></rect>",
                     y - HEIGHT,
                     Tone::nth(*k).colour(),
-                    escaped(self.parts[*k]),
-                    escaped(self.unit)
+                    printed(self.parts[*k]),
+                    printed(self.unit)
                 );
                 if wide > text_width(&text, FONT) + 8.0 {
                     let ink = if is_light(Tone::nth(*k)) { "#000000" } else { "#ffffff" };
@@ -95,9 +95,9 @@ impl Bars {
         }
         format!(
             "<figure class=\"stack\"><figcaption>{}</figcaption><svg viewBox=\"0 0 {WIDTH} {:.0}\" role=\"img\" aria-label=\"{}\">{out}</svg></figure>\n",
-            escaped(&self.title),
+            printed(&self.title),
             y + 8.0,
-            escaped(&self.title)
+            printed(&self.title)
         )
     }
 }

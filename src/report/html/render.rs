@@ -15,13 +15,13 @@ fn turns(c: char) -> bool {
 }
 
 /// Text that stands safely in the page; what turns the direction is shown as a mark.
-pub(super) fn escaped(text: &str) -> String {
+fn escaped(text: &str) -> String {
     plot::escaped(text).replace(turns, "\u{fffd}")
 }
 
 /// Text for people, safe as [`escaped`], with units as print has them, wherever they stand in a sentence: `N·m`. Files and
 /// calls, which are typed again, are not changed.
-fn printed(text: &str) -> String {
+pub(super) fn printed(text: &str) -> String {
     let mut text = escaped(text);
     for (typed, print) in UNITS {
         if text.contains(typed) {

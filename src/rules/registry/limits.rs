@@ -11,9 +11,9 @@ use crate::rules::rule::{Remark, Rule, Severity, Test};
 use crate::words::with_unit;
 
 macro_rules! limits {
-    ($($code:literal $name:literal $limit:literal, $summary:literal, why $why:literal, example $example:literal, fix $fix:literal;)*) => {
-        /// One rule for each limit, in the order of their codes.
-        pub(super) const OF_LIMITS: &[Rule] = &[$(Rule {
+    ($all:ident: $($code:literal $name:literal $limit:literal, $summary:literal, why $why:literal, example $example:literal, fix $fix:literal;)*) => {
+        /// Rules of limits, in the order of their codes.
+        pub(super) const $all: &[Rule] = &[$(Rule {
             code: $code,
             name: $name,
             summary: $summary,
@@ -27,7 +27,7 @@ macro_rules! limits {
     };
 }
 
-limits! {
+limits! { OF_LIMITS:
     "GW001" "peak-current" "peak_current",
         "the largest current stays within that of motor and drive",
         why "The drive cuts off or limits the current, so the torque is not delivered at the very moment it is needed; above the motor's own limit magnets demagnetise.",
@@ -173,10 +173,14 @@ limits! {
         why "What the motor's and the gear's friction hold at the output is what a leg cannot feel, and what a person has to overcome.",
         example "A strain wave gear of 9 N*m at a wrist that is to be led by hand with 3 N*m.",
         fix "A smaller ratio, a gear with a smaller starting torque, or a motor with less drag.";
+}
+
+// Of limits that came after the rules below.
+limits! { OF_MORE_LIMITS:
     "GW034" "drive-continuous-current" "drive_continuous_current",
-        "the rms current stays within what the drive gives for ever",
+        "the rms current stays within the drive's continuous current",
         why "A drive's large current is for seconds: its switches warm up and it falls back to the continuous one, in the middle of the work.",
-        example "A hip with 24 A rms (amplitude) on a drive of 60 A for a second and 20 A for ever.",
+        example "A hip with 24 A rms (amplitude) on a drive of 60 A for a second and 20 A continuously.",
         fix "A larger drive or a better cooled one, or a motor with more torque per ampere.";
     "GW035" "open-circuit-voltage" "open_circuit_voltage",
         "the motor's own voltage at its top speed stays within what the bus bears",

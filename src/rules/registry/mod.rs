@@ -10,12 +10,15 @@ use super::rule::Rule;
 
 pub use robot::{SELECTS_NOTHING, UNUSED_ALLOW};
 
-/// Every rule but those of the limits, in the order of their codes.
+/// Every rule but those of the first limits, in the order of their codes.
 const OTHERS: &[&Rule] = &[
     &limits::NOT_EVALUATED,
     &limits::UNCHECKED_LIMIT,
     &limits::FRICTION_UNKNOWN,
     &limits::UNJUDGED_LIMIT,
+    &limits::OF_MORE_LIMITS[0],
+    &limits::OF_MORE_LIMITS[1],
+    &limits::OF_MORE_LIMITS[2],
     &robot::MASS_BUDGET,
     &robot::DISTINCT_MOTORS,
     &rows::GEAR_FIT,
@@ -39,7 +42,7 @@ const OTHERS: &[&Rule] = &[
     &robot::SELECTS_NOTHING,
 ];
 
-/// Every rule, in the order of their codes: first one for each limit of the model.
+/// Every rule, in the order of their codes: one for each limit of the model among them.
 pub const RULES: &[&Rule] = &all();
 
 const fn all() -> [&'static Rule; limits::OF_LIMITS.len() + OTHERS.len()] {

@@ -26,6 +26,9 @@ drive_current = "40 A"
 power = "200 W"
 current = "10 A"
 regeneration = "100 W"
+drive_continuous_current = "30 A"
+internal_resistance = "0.3 ohm"
+max_voltage = "48.5 V"
 
 [budget]
 actuator_mass = "6 kg"
@@ -230,6 +233,9 @@ fn breaking(code: &str) -> Case<'static> {
         "GW031" => motor(&[("inductance", "")]),
         "GW032" => motor(&[("viscous_friction", ""), ("coulomb_friction", "")]),
         "GW033" => motor(&[("mass", "")]),
+        "GW034" => robot(&[("\"30 A\"", "\"0.3 A\"")]),
+        "GW035" => robot(&[("\"48.5 V\"", "\"4.05 V\""), ("\"48 V\"", "\"4 V\"")]),
+        "GW036" => robot(&[("\"0.3 ohm\"", "\"2000 ohm\"")]),
         "GW040" => robot(&[("\"6 kg\"", "\"0.5 kg\"")]),
         "GW041" => design(&[("name = \"hip\"\nmotor = \"alpha-1\"", "name = \"hip\"\nmotor = \"alpha-2\"")]),
         "GW043" => robot(&[("\"6 kg\"", "\"6 kg\"\npower = \"1 W\"")]),

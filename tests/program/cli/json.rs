@@ -200,7 +200,7 @@ fn every_figure_of_a_design_is_everywhere() {
         assert!(headers.iter().all(|h| h.iter().any(|key| key == figure.key)), "{}: {headers:?}", figure.key);
         assert!(answers.iter().all(|a| a.get(figure.key).is_some()), "{}", figure.key);
         assert!(measure(figure.name).is_some(), "{}", figure.name);
-        assert!(explained.contains(figure.words), "{}", figure.words);
+        assert!(!figure.is_of_every_design() || explained.contains(figure.words), "{}", figure.words);
         // A page leaves out what it knows of no design.
         let known = chosen.as_array().unwrap().iter().any(|c| !c[figure.key].is_null());
         assert!(!known || page.contains(&format!(">{}", figure.heading)), "{}", figure.heading);
