@@ -27,7 +27,6 @@ power = "200 W"
 current = "10 A"
 regeneration = "100 W"
 drive_continuous_current = "30 A"
-internal_resistance = "0.3 ohm"
 max_voltage = "48.5 V"
 
 [budget]
@@ -235,7 +234,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW033" => motor(&[("mass", "")]),
         "GW034" => robot(&[("\"30 A\"", "\"0.3 A\"")]),
         "GW035" => robot(&[("\"48.5 V\"", "\"4.05 V\""), ("\"48 V\"", "\"4 V\"")]),
-        "GW036" => robot(&[("\"0.3 ohm\"", "\"2000 ohm\"")]),
+        "GW036" => robot(&[("\"48.5 V\"", "\"48.5 V\"\ninternal_resistance = \"2000 ohm\"")]),
         "GW040" => robot(&[("\"6 kg\"", "\"0.5 kg\"")]),
         "GW041" => design(&[("name = \"hip\"\nmotor = \"alpha-1\"", "name = \"hip\"\nmotor = \"alpha-2\"")]),
         "GW043" => robot(&[("\"6 kg\"", "\"6 kg\"\npower = \"1 W\"")]),
@@ -275,7 +274,8 @@ fn the_good_design_keeps_every_rule_that_it_can_be_judged_by() {
         assert!(found.is_empty(), "{found:#?}");
         for (index, rule) in RULES.iter().enumerate() {
             let judged = report.judged.iter().any(|j| j.rule == index && j.skipped.is_none());
-            assert!(judged || rule.code == "GW204", "{rule:?} was not judged");
+            // A supply without a resistance does not rise.
+            assert!(judged || ["GW204", "GW036"].contains(&rule.code), "{rule:?} was not judged");
         }
     });
 }
