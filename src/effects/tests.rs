@@ -104,7 +104,7 @@ const OTHER_MEANINGS: [(&str, &[&str]); 5] = [
         ],
     ),
     ("gravity", &["mechanism/", "requirement/", "pages/formats.rs"]),
-    ("backlash", &["catalog/gear.rs", "pages/formats.rs"]),
+    ("backlash", &["catalog/gear.rs", "pages/formats.rs", "report/catalog/card.rs", "requirement/gear.rs"]),
 ];
 
 /// Every place of a source file's code, without its tests, where a text is the name of an effect.

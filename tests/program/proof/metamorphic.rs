@@ -125,10 +125,15 @@ fn motors() -> Sheet {
 /// Some of the shipped gears of two kinds.
 fn gears() -> Sheet {
     let of = |file: &str| Sheet::parse(&read(repository("catalogs/gears").join(file)));
-    let (mut all, strain_wave) = (of("qdd.csv"), of("harmonic-drive.csv"));
-    assert_eq!(all.header, strain_wave.header);
+    let (planetary, mut all) = (of("qdd.csv"), of("harmonic-drive.csv"));
+    // One file has columns that the other's gears say nothing of.
+    assert!(planetary.header.iter().all(|column| all.header.contains(column)));
     all.rows.truncate(8);
-    all.rows.extend(strain_wave.rows.into_iter().take(8));
+    let cell = |row: &[String], column: &String| {
+        planetary.header.iter().position(|own| own == column).map_or_else(String::new, |k| row[k].clone())
+    };
+    let rows = planetary.rows.iter().take(8).map(|row| all.header.iter().map(|column| cell(row, column)).collect());
+    all.rows.extend(rows.collect::<Vec<Vec<String>>>());
     all
 }
 
@@ -298,6 +303,7 @@ const UNITS: &[(&str, &[(&str, f64)])] = &[
     ("g", &[("kg", 1e-3), ("oz", 0.016 / POUND), ("mg", 1e3)]),
     ("kg*m^2", &[("g*cm^2", 1e7), ("kg*mm^2", 1e6), ("lb*in^2", 1.0 / (POUND * INCH * INCH))]),
     ("g*cm^2", &[("kg*m^2", 1e-7), ("oz*in^2", 1.6e-6 / (POUND * INCH * INCH)), ("kg*cm^2", 1e-3)]),
+    ("h", &[("min", 60.0), ("s", 3600.0)]),
     ("s", &[("ms", 1e3), ("min", 1.0 / 60.0), ("us", 1e6)]),
     ("ms", &[("s", 1e-3), ("us", 1e3)]),
     ("V", &[("mV", 1e3), ("kV", 1e-3), ("W/A", 1.0)]),
