@@ -226,7 +226,7 @@ impl Candidate<'_> {
     fn weakened<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
         let Some(most) = self.weakening() else { return look(self) };
         // A hair less than there is, so that rounding does not break what is met with equality.
-        let bound = |limit: &str| (self.voltage() * (1.0 - self.joint.limits.reserve(limit))).powi(2) * (1.0 - 1e-12);
+        let bound = |limit: &str| (self.voltage() * (1.0 - self.joint.limits.reserve(limit))).powi(2) * (1.0 - 1e-13);
         let bounds = [bound("voltage"), bound("torque_bandwidth_voltage")];
         let load = self.load.weakened(|point, rippled| {
             let of_end = |actuator: &Actuator| {

@@ -232,7 +232,7 @@ impl Body<'_> {
                 ));
                 self.figures.push(data);
             }
-            Part::Bars(bars) => self.put(&bars.svg()),
+            Part::Bars(bars) => self.put(&bars.html()),
             Part::Folded(title, part) => {
                 self.put(&format!("<details><summary>{}</summary>\n", printed(title)));
                 self.part(part);

@@ -293,7 +293,7 @@ fn weakened(i: u64) -> Case {
         motor.pole_pairs = Some(poles);
         motor.inductance = Some(motor.emf_constant() / (f64::from(poles) * current) * around(0.1, 10.0));
     }
-    case.robot.bus.voltage = voltage.max(1e-9) * around(0.4, 1.5) / 0.6;
+    case.robot.bus.voltage = voltage.max(1e-9) * around(0.5, 2.5) / 0.6;
     case.robot.bus.drive.field_weakening_current = Some(current * around(0.05, 3.0));
     case.motor.demagnetization_current = Some(current * around(0.1, 3.0)).filter(|_| i.is_multiple_of(3));
     case.robot.bus.max_voltage = Some(case.robot.bus.voltage * around(1.0, 5.0)).filter(|_| i.is_multiple_of(5));
