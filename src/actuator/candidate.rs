@@ -165,6 +165,11 @@ impl Candidate<'_> {
         (circle - self.actuator.shortfall.voltage).max(0.0)
     }
 
+    /// The square of what a limit on the voltage leaves of it, by its name \[V²\].
+    pub fn voltage_squared(&self, limit: &str) -> f64 {
+        (self.voltage() * (1.0 - self.joint.limits.reserve(limit))).powi(2)
+    }
+
     /// Whether some effect of the motor, or the current that weakens its field, has to be evaluated at each ratio.
     pub fn is_evaluated(&self) -> bool {
         !self.folded && (self.has_evaluated_effects() || self.weakening().is_some())
@@ -226,7 +231,7 @@ impl Candidate<'_> {
     fn weakened<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
         let Some(most) = self.weakening() else { return look(self) };
         // A hair less than there is, so that rounding does not break what is met with equality.
-        let bound = |limit: &str| (self.voltage() * (1.0 - self.joint.limits.reserve(limit))).powi(2) * (1.0 - 1e-13);
+        let bound = |limit: &str| self.voltage_squared(limit) * (1.0 - 1e-13);
         let bounds = [bound("voltage"), bound("torque_bandwidth_voltage")];
         let load = self.load.weakened(|point, rippled| {
             let of_end = |actuator: &Actuator| {

@@ -4,8 +4,7 @@
 //! (τ̇ = 0); squared torque, squared voltage and power of such a sample are at most quadratic in the load
 //! torque, so that three samples give the whole parabola and the boundary is its root. The equations are
 //! those of [`super::shaft`], none is written twice. The voltage of a supply that sags, and that with a weakened
-//! field, are no parabolas: their boundary is found
-//! by halving.
+//! field, are no parabolas: their boundary is found by halving.
 //!
 //! Torque counts positive where it drives and negative where it brakes, speed is never negative.
 

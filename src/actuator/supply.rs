@@ -9,7 +9,7 @@
 
 use super::shaft::{Actuator, FEATURES, Flow};
 use crate::numerics::laurent::Laurent;
-use crate::requirement::{Bus, Regeneration};
+use crate::requirement::Bus;
 
 /// What power at the terminals costs, and what of it is kept where it comes back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,24 +28,20 @@ impl Drawn {
     /// Of a bus.
     pub fn new(bus: &Bus) -> Drawn {
         let kept = bus.regeneration_efficiency.unwrap_or(bus.drive_efficiency);
-        let most = match (bus.regeneration, bus.brake_power) {
-            (Regeneration::Dissipated, _) => 0.0,
-            // A brake takes what the supply does not.
-            (Regeneration::Limited(watts), Some(_)) => watts * kept / bus.drive_efficiency,
-            // What is more is a limit.
-            (Regeneration::Limited(_), None) | (Regeneration::Allowed, _) => f64::INFINITY,
-        };
+        // Without a brake what is more is a limit.
+        let most = if bus.is_braked() { bus.goes_back() * kept / bus.drive_efficiency } else { f64::INFINITY };
         Drawn { taken: 1.0 / bus.drive_efficiency, arrives: bus.drive_efficiency, kept, most }
+    }
+
+    /// What is drawn per power at the terminals, of what is kept without a cap.
+    pub fn per_power(&self, power: f64) -> f64 {
+        if power > 0.0 { self.taken } else { self.kept }
     }
 
     /// What is drawn for a power at the terminals \[W\], negative where it is kept, as a straight line that touches it and
     /// is nowhere above it: slope and constant.
     pub fn line(&self, power: f64) -> (f64, f64) {
-        match () {
-            () if power > 0.0 => (self.taken, 0.0),
-            () if -power * self.kept > self.most => (0.0, -self.most),
-            () => (self.kept, 0.0),
-        }
+        if -power * self.kept > self.most { (0.0, -self.most) } else { (self.per_power(power), 0.0) }
     }
 
     /// Share of what the motor gives back that reaches the bus.
@@ -63,13 +59,6 @@ impl Drawn {
     pub fn by_drive(self) -> Drawn {
         Drawn { kept: self.arrives, most: f64::INFINITY, ..self }
     }
-
-    /// What reaches the bus and what other joints can use of what one gives back, per watt that a motor takes and gives back:
-    /// from above.
-    pub fn shared(bus: &Bus) -> (f64, f64) {
-        let back = bus.regeneration_efficiency.map_or(bus.drive_efficiency, |kept| kept.min(bus.drive_efficiency));
-        (1.0 / bus.drive_efficiency, back)
-    }
 }
 
 /// A supply that sags.
@@ -83,12 +72,11 @@ pub struct Supply {
     circle: f64,
     /// Bus voltage that is lost in the drive whatever the modulation \[V\].
     lost: f64,
-    /// Drawn per watt that the motor takes, and given per watt that it gives back.
-    taken: f64,
-    given: f64,
-    /// What reaches the bus per watt that the motor gives back, and the most of it that the supply takes \[W\].
-    arrives: f64,
-    takes: f64,
+    /// What is drawn from the bus; of what comes back, what is kept is what lifts it for sure.
+    drawn: Drawn,
+    /// Whether a brake takes power that comes back, and the most that goes back into the supply then \[W\].
+    is_braked: bool,
+    goes_back: f64,
     /// Power that the drive takes whatever the motor does \[W\].
     standby: f64,
 }
@@ -97,29 +85,21 @@ impl Supply {
     /// Of a bus with a resistance to the drive \[Ω\]: the circle's radius is `circle` times its voltage, less `shortfall`
     /// \[V\]; `standby` is what the drive takes \[W\], `reserve` the share of the open-circuit voltage that is not used.
     pub fn new(bus: &Bus, resistance: f64, (circle, shortfall): (f64, f64), standby: f64, reserve: f64) -> Supply {
-        let (taken, back) = Drawn::shared(bus);
-        // What a brake takes does not lift the bus for sure.
-        let lifts = bus.brake_power.is_none() && bus.regeneration != Regeneration::Dissipated;
         Supply {
             open: bus.voltage * (1.0 - reserve),
             resistance,
             circle,
             lost: shortfall / circle,
-            taken,
-            given: if lifts { back } else { 0.0 },
-            arrives: bus.drive_efficiency,
-            takes: match (bus.regeneration, bus.brake_power) {
-                (Regeneration::Dissipated, _) => 0.0,
-                (Regeneration::Limited(watts), Some(_)) => watts,
-                _ => f64::INFINITY,
-            },
+            drawn: Drawn::new(bus),
+            is_braked: bus.is_braked(),
+            goes_back: bus.goes_back(),
             standby,
         }
     }
 
-    /// What a sample draws from the bus per power at the terminals \[W/W\].
+    /// What a sample draws from the bus per power at the terminals \[W/W\]. What a brake takes does not lift the bus for sure.
     fn per_power(&self, power: f64) -> f64 {
-        if power > 0.0 { self.taken } else { self.given }
+        if power <= 0.0 && self.is_braked { 0.0 } else { self.drawn.per_power(power) }
     }
 
     /// Bus voltage with which a sample is looked at \[V\], for the square of the voltage at the motor \[V²\].
@@ -180,7 +160,8 @@ impl Supply {
 
     /// The highest bus voltage \[V\] where so much comes back at the terminals \[W\], from above.
     pub fn lifted(&self, back: f64) -> f64 {
-        self.at((self.standby - self.arrives * back.max(0.0)).max(-self.takes)).unwrap_or(self.open)
+        let most = if self.is_braked { self.goes_back } else { f64::INFINITY };
+        self.at((self.standby - self.drawn.arrives * back.max(0.0)).max(-most)).unwrap_or(self.open)
     }
 
     /// Bus voltage where the supply gives so much \[W\].

@@ -295,6 +295,11 @@ impl Waveform {
         !self.direct.is_empty()
     }
 
+    /// What the largest current is read from.
+    pub fn of_current(&self) -> Functional {
+        if self.is_weakened() { Functional::CurrentSquared } else { Functional::TorqueSquared }
+    }
+
     fn without_tree(&self) -> Waveform {
         let mut wave = Waveform {
             columns: self.columns.clone(),

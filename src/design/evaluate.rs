@@ -289,20 +289,23 @@ impl<'a> Prepared<'a> {
         Some(drawn + behind * -1.0)
     }
 
-    /// Where the losses are at a ratio, at one end of the motor's drag.
-    fn losses_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Losses {
+    /// Where the losses are at a ratio, at one end of the motor's drag; and what of them the bus takes by its efficiencies.
+    fn losses_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> (Losses, f64) {
         let at = |polynomial: &Laurent| polynomial.at(ratio);
         let terms = &means.losses;
         let taken = |drawn| self.by_efficiency(drawn, actuator, means, ratio).map_or(0.0, |taken| taken.at(ratio));
-        let (all, drive) = (taken(self.drawn()), taken(self.drawn().by_drive()));
-        Losses {
+        let (drawn, by_drive) = (self.drawn(), self.drawn().by_drive());
+        let all = taken(drawn);
+        let drive = if drawn == by_drive { all } else { taken(by_drive) };
+        let losses = Losses {
             copper: self.copper_at(actuator, means, ratio),
             motor_drag: at(&terms.motor_drag),
             gear_load: at(&terms.gear_load),
             gear_no_load: at(&terms.gear_no_load),
             drive: at(&terms.drive) + drive,
             braking: (all - drive).max(0.0),
-        }
+        };
+        (losses, all)
     }
 
     fn copper_at(&self, actuator: &Actuator, means: &Means, ratio: f64) -> f64 {
@@ -329,10 +332,11 @@ impl<'a> Prepared<'a> {
     /// Where the losses are at a ratio, at the end of the motor's drag where they are larger, and the least that they come
     /// to along what is known of it.
     fn losses(&self, ratio: f64) -> (Losses, f64) {
-        let ends: Vec<Losses> = self.ends().map(|(actuator, means)| self.losses_of(actuator, means, ratio)).collect();
-        let first = ends[0];
-        let larger = ends.iter().copied().reduce(|a, b| if b.total() > a.total() { b } else { a }).unwrap_or(first);
-        let Some(other) = ends.get(1) else { return (larger, larger.total()) };
+        let ends: Vec<(Losses, f64)> =
+            self.ends().map(|(actuator, means)| self.losses_of(actuator, means, ratio)).collect();
+        let (first, of_first) = ends[0];
+        let Some((other, of_other)) = ends.get(1).copied() else { return (first, first.total()) };
+        let larger = if other.total() > first.total() { other } else { first };
         // Along the segment the torque is linear, so that the loss is a parabola through its ends; its bend is the heat of the
         // difference. What the drive's efficiency takes is none: of that it is at least nothing.
         let form = |actuator: &Actuator, flow| *actuator.torque_form(flow);
@@ -344,13 +348,7 @@ impl<'a> Prepared<'a> {
             squared.at(ratio).max(0.0) * (other.heating() + other.conduction())
         });
         let bend = difference.unwrap_or(0.0);
-        let by_efficiency: Vec<f64> = self
-            .ends()
-            .map(|(actuator, means)| {
-                self.by_efficiency(self.drawn(), actuator, means, ratio).map_or(0.0, |drive| drive.at(ratio))
-            })
-            .collect();
-        let (a, b) = (first.total() - by_efficiency[0], other.total() - by_efficiency[1]);
+        let (a, b) = (first.total() - of_first, other.total() - of_other);
         let least = |s: f64| a + (b - a - bend) * s + bend * s * s;
         let vertex = if bend > 0.0 { ((a + bend - b) / (2.0 * bend)).clamp(0.0, 1.0) } else { 0.0 };
         (larger, a.min(b).min(least(vertex)))
@@ -372,7 +370,7 @@ impl<'a> Prepared<'a> {
         }
         let candidate = &self.candidate;
         let waveform = &candidate.load.waveform;
-        let current = if waveform.is_weakened() { Functional::CurrentSquared } else { Functional::TorqueSquared };
+        let current = waveform.of_current();
         let of_end = |actuator| waveform.largest(current, actuator, ratio);
         let first = of_end(&candidate.actuator);
         let peaks = [first, candidate.other.as_ref().map_or(first, of_end)];

@@ -38,6 +38,22 @@ pub struct Bus {
     pub says_drive_loss: bool,
 }
 
+impl Bus {
+    /// Whether a brake takes power that the supply does not.
+    pub fn is_braked(&self) -> bool {
+        self.brake_power.is_some() || self.regeneration == Regeneration::Dissipated
+    }
+
+    /// Most power of one joint that goes back into the supply itself \[W\]; infinite where it takes all.
+    pub fn goes_back(&self) -> f64 {
+        match self.regeneration {
+            Regeneration::Allowed => f64::INFINITY,
+            Regeneration::Dissipated => 0.0,
+            Regeneration::Limited(watts) => watts,
+        }
+    }
+}
+
 /// What the bus does with power that comes back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regeneration {
@@ -75,7 +91,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
             }
         },
     });
-    let drive = drive::read(&section, ["drive_phase_resistance", "drive_standby_power"]);
+    let drive = drive::read(&section, ["drive_phase_resistance", "drive_standby_power", "drive_continuous_current"]);
     let regeneration = regeneration.flatten().unwrap_or(Regeneration::Allowed);
     let regeneration_efficiency = section.number(
         key("regeneration_efficiency", "share of what a motor gives back that is kept, drive and supply together")
@@ -174,18 +190,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         internal_resistance,
         max_voltage,
         drive_efficiency: passed,
-        drive: Drive {
-            continuous_current: section.quantity(
-                key(
-                    "drive_continuous_current",
-                    "continuous, of a drive: amplitude of a phase at constant speed, root mean square over the motion",
-                ),
-                &units::CURRENT,
-                Range::Positive,
-            ),
-            field_weakening_current: drive::read_weakening(&section, "field_weakening_current"),
-            ..drive
-        },
+        drive,
         says_drive_loss: section.has("drive_efficiency") || !drive.says_nothing(),
     };
     section.finish();

@@ -18,13 +18,6 @@ pub struct Drive {
     pub field_weakening_current: Option<f64>,
 }
 
-/// `field_weakening_current` of a drive, by its name.
-pub(super) fn read_weakening(section: &Section, name: &'static str) -> Option<f64> {
-    let about =
-        "largest current against the magnets, amplitude of a phase: where voltage ends, this much of it is used";
-    section.quantity(key(name, about).default("none: i_d = 0"), &units::CURRENT, Range::Positive)
-}
-
 impl Drive {
     /// Whether it says nothing of what the drive loses.
     pub fn says_nothing(&self) -> bool {
@@ -44,8 +37,9 @@ impl Drive {
     }
 }
 
-/// Reads the keys of a drive's losses; `before` stands before each name.
-pub(super) fn read(section: &Section, names: [&'static str; 2]) -> Drive {
+/// Reads what bus and joint may say of a drive; `names` are those of its resistance, its standby power and its continuous
+/// current there.
+pub(super) fn read(section: &Section, names: [&'static str; 3]) -> Drive {
     Drive {
         phase_resistance: section.quantity(
             key(names[0], "of switch and leads per phase, in series with the winding; loses r i²"),
@@ -57,7 +51,24 @@ pub(super) fn read(section: &Section, names: [&'static str; 2]) -> Drive {
             &units::POWER,
             Range::NonNegative,
         ),
-        ..Drive::default()
+        continuous_current: section.quantity(
+            key(
+                names[2],
+                "continuous, of a drive: amplitude of a phase at constant speed, root mean square over the motion",
+            ),
+            &units::CURRENT,
+            Range::Positive,
+        ),
+        field_weakening_current: section.quantity(
+            key(
+                "field_weakening_current",
+                "largest current against the magnets, amplitude of a phase: where voltage ends, this much of it is used",
+            )
+            .default("none: i_d = 0"),
+            &units::CURRENT,
+            Range::Positive,
+        ),
+        supply_lead_resistance: None,
     }
 }
 

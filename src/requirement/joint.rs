@@ -9,7 +9,7 @@ use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
 use super::{Drive, MotorDrag, Objective, Quantity, Turns, cases, drive, gear, objective};
-use crate::input::{Key, Problem, Range, Section, key};
+use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
 
@@ -39,11 +39,6 @@ fn read_turns(section: &Section) -> Vec<f64> {
         None => turns,
     }
 }
-
-const CONTINUOUS: Key = key(
-    "continuous_current",
-    "continuous, of the drive: amplitude of a phase at constant speed, root mean square over the motion",
-);
 
 /// Reads a joint: with what it takes from a description of the robot, and whom it says that it carries.
 pub(super) fn read(
@@ -91,15 +86,13 @@ pub(super) fn read(
         let current =
             table.quantity(key("current", "largest drive current, phase amplitude"), &units::CURRENT, Range::Positive);
         let drive = Drive {
-            continuous_current: table.quantity(CONTINUOUS, &units::CURRENT, Range::Positive),
-            field_weakening_current: drive::read_weakening(&table, "field_weakening_current"),
             supply_lead_resistance: table.quantity(
                 key("supply_lead_resistance", "of the leads between the supply and this drive, both ways")
                     .default("none"),
                 &units::RESISTANCE,
                 Range::NonNegative,
             ),
-            ..drive::read(&table, ["phase_resistance", "standby_power"])
+            ..drive::read(&table, ["phase_resistance", "standby_power", "continuous_current"])
         };
         let keys = [
             "current",

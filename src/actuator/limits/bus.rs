@@ -2,8 +2,9 @@
 
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
+use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::Functional;
-use crate::requirement::{Bus, Regeneration, Robot};
+use crate::requirement::{Regeneration, Robot};
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -72,7 +73,7 @@ pub(super) const LIMITS: &[Limit] = &[
 
 /// A limit on the power that comes back \[W\].
 fn back(candidate: &Candidate, bound: Option<f64>) -> Prepared {
-    let efficiency = candidate.robot.bus.drive_efficiency;
+    let efficiency = Drawn::new(&candidate.robot.bus).arrives();
     bound.map_or(Prepared::NotAsked, |bound| plain(Demand::Samples(Functional::PowerBack), efficiency, bound, "bus"))
 }
 
@@ -89,15 +90,10 @@ fn taken_back(robot: &Robot) -> Option<f64> {
 /// What lifts the bus to its highest voltage with a resistance to the drive \[Ω\], and what a brake takes on top \[W\]; `None`
 /// where the supply does not take as much.
 fn lifting(robot: &Robot, resistance: f64) -> Option<f64> {
-    let Bus { voltage, regeneration, brake_power, max_voltage, .. } = robot.bus;
-    let most = max_voltage.filter(|_| resistance > 0.0)?;
-    let lifted = most * (most - voltage) / resistance;
-    let takes = match regeneration {
-        Regeneration::Allowed => f64::INFINITY,
-        Regeneration::Dissipated => 0.0,
-        Regeneration::Limited(watts) => watts,
-    };
-    (takes > lifted).then(|| lifted + brake_power.unwrap_or(0.0))
+    let bus = &robot.bus;
+    let most = bus.max_voltage.filter(|_| resistance > 0.0)?;
+    let lifted = most * (most - bus.voltage) / resistance;
+    (bus.goes_back() > lifted).then(|| lifted + bus.brake_power.unwrap_or(0.0))
 }
 
 /// The largest power that a joint draws, by a factor to the unit of the bound.

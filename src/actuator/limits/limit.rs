@@ -321,11 +321,6 @@ pub(super) fn voltage(candidate: &Candidate, name: &str, over: fn(Functional) ->
     }
 }
 
-/// What the largest current is read from at every sample.
-pub(super) fn current_of(candidate: &Candidate) -> Functional {
-    if candidate.load.waveform.is_weakened() { Functional::CurrentSquared } else { Functional::TorqueSquared }
-}
-
 /// A limit on the largest current \[A\], of what the ripple leaves of it.
 pub(super) fn peak(candidate: &Candidate, demand: Demand, bound: f64, owner: &'static str) -> Prepared {
     let safety = candidate.joint.limits.safety;

@@ -20,7 +20,7 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: |robot, joint| joint.drive_current.or(robot.bus.drive_current).is_some(),
         key: by_drive,
         prepare: |c| match c.peak_current() {
-            Some((bound, owner)) => peak(c, Demand::Samples(current_of(c)), bound, owner),
+            Some((bound, owner)) => peak(c, Demand::Samples(c.load.waveform.of_current()), bound, owner),
             None if c.drive_current().is_some() => Prepared::NotAsked,
             None => Prepared::Unknown("neither motor nor drive says a largest current"),
         },

@@ -10,8 +10,8 @@ use std::collections::BinaryHeap;
 
 use super::objective::Goal;
 use super::{
-    Certificate, Class, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, ROW_TOLERANCE, RatioProgram, Refusal,
-    Unsolved, evaluated, prices, scan, weakened,
+    Certificate, Class, GAP_TOLERANCE, Infeasible, Limited, Optimum, Outcome, RatioProgram, Refusal, Unsolved,
+    evaluated, prices, scan, weakened,
 };
 use crate::actuator::Laurent;
 use crate::actuator::limits::Demand;
@@ -289,20 +289,13 @@ impl Search<'_> {
 
 /// The most violated row at a ratio among some of the limits, where one is violated.
 pub(super) fn worst_row(program: &RatioProgram, ratio: f64, among: impl Fn(&Demand) -> bool) -> Option<(Laurent, f64)> {
-    let mut worst: Option<(f64, Laurent, f64)> = None;
-    for (index, Limited { asked, .. }) in program.limits.iter().enumerate() {
+    program.most_violated(|index, Limited { asked, .. }| {
         if !matches!(asked.limit.class, Class::Convex | Class::ReverseConvex) || !among(&asked.demand) {
-            continue;
+            return None;
         }
-        let Some((polynomial, _)) = program.polynomial_at(index, ratio) else { continue };
-        let bound = asked.raw_bound();
-        let excess = program.excess(index, polynomial.at(ratio), ratio);
-        if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(e, ..)| excess > *e) {
-            worst = Some((excess, polynomial, bound));
-        }
-    }
-    // A limit counts as kept within the tolerance everywhere.
-    worst.map(|(_, polynomial, bound)| (polynomial, bound + ROW_TOLERANCE * bound.abs()))
+        let (polynomial, _) = program.polynomial_at(index, ratio)?;
+        Some((polynomial, program.excess(index, polynomial.at(ratio), ratio)))
+    })
 }
 
 #[cfg(test)]

@@ -292,6 +292,20 @@ impl<'a> RatioProgram<'a> {
         relative_excess(raw, self.limits[index].asked.raw_bound(), size)
     }
 
+    /// The most violated of the rows of all limits, where one is violated, and its bound; `row` gives that of a limit with its
+    /// excess.
+    fn most_violated(&self, row: impl Fn(usize, &Limited) -> Option<(Laurent, f64)>) -> Option<(Laurent, f64)> {
+        let mut worst: Option<(f64, Laurent, f64)> = None;
+        for (index, limited) in self.limits.iter().enumerate() {
+            let Some((polynomial, excess)) = row(index, limited) else { continue };
+            if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(most, ..)| excess > *most) {
+                worst = Some((excess, polynomial, limited.asked.raw_bound()));
+            }
+        }
+        // A limit counts as kept within the tolerance everywhere.
+        worst.map(|(_, polynomial, bound)| (polynomial, bound + ROW_TOLERANCE * bound.abs()))
+    }
+
     /// The row of a convex limit that is most violated (or least slack) at a ratio.
     fn row_at(&self, index: usize, ratio: f64) -> Option<Row> {
         let asked = self.limits[index].asked;

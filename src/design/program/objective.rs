@@ -92,20 +92,17 @@ impl<'a> Goal<'a> {
 
     fn peak_current(&self, ratio: f64, weight: f64) -> Laurent {
         let candidate = &self.program.prepared.candidate;
-        if candidate.load.waveform.is_weakened() {
-            // At the one ratio that the weakened field is of: currents along d have a part.
-            let (largest, actuator) = self.largest(Functional::CurrentSquared, ratio);
-            return Laurent::constant(match self.squared_peak {
-                true => largest.value,
-                false => weight * actuator.shortfall.peak_current(largest.value.sqrt()),
-            });
-        }
-        let (largest, actuator) = self.largest(Functional::TorqueSquared, ratio);
+        let functional = candidate.load.waveform.of_current();
+        let (largest, actuator) = self.largest(functional, ratio);
         let point = candidate.load.waveform.point(largest.index);
-        let torque = actuator.torque_form(point.flow).polynomial(&point.features);
         if self.squared_peak {
-            return torque.squared();
+            return functional.polynomial(actuator, &point, ratio);
         }
+        if functional != Functional::TorqueSquared {
+            // At the one ratio that the weakened field is of.
+            return Laurent::constant(weight * actuator.shortfall.peak_current(largest.value.sqrt()));
+        }
+        let torque = actuator.torque_form(point.flow).polynomial(&point.features);
         // |T| is at least T and at least −T.
         let shortfall = &actuator.shortfall;
         if shortfall.is_nothing() {

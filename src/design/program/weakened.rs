@@ -6,7 +6,7 @@
 //! in which such a current helps (power that comes back) is left out: what is ruled out is ruled out without it.
 
 use super::objective::Goal;
-use super::{Class, Limited, ROW_TOLERANCE, RatioProgram};
+use super::{Class, Limited, RatioProgram};
 use crate::actuator::limits::{Asked, Candidate, Demand};
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::{Functional, WavePoint};
@@ -15,17 +15,14 @@ use crate::actuator::{Actuator, Laurent};
 use crate::design::evaluate::violation;
 use crate::requirement::Quantity;
 
-/// Bound of the squared voltage at the motor \[V²\].
-fn voltage_bound(candidate: &Candidate) -> f64 {
-    (candidate.voltage() * (1.0 - candidate.joint.limits.reserve("voltage"))).powi(2)
-}
-
-/// A lower bound of a sample's squared current along d, times K_T², on an interval: the better of both ends of the drag.
+/// A lower bound of a sample's squared current along d, times K_T², on an interval: the better of both ends of the drag; nothing
+/// where none is needed at the ratio inside.
 fn direct_square(candidate: &Candidate, point: &WavePoint, ratio: f64, interval: (f64, f64)) -> Option<Laurent> {
-    let bound = voltage_bound(candidate);
+    let bound = candidate.voltage_squared("voltage");
     let of_ends =
         candidate.ends().filter_map(|end| least_square(end, (point.flow, &point.features), bound, ratio, interval));
-    of_ends.reduce(|x, y| if y.at(ratio) > x.at(ratio) { y } else { x })
+    let larger = of_ends.reduce(|x, y| if y.at(ratio) > x.at(ratio) { y } else { x });
+    larger.filter(|square| square.at(ratio) > 0.0)
 }
 
 /// The cut of the objective at a ratio, from below on the interval around it.
@@ -45,9 +42,6 @@ pub(super) fn cut(program: &RatioProgram, goal: &Goal, ratio: f64, interval: (f6
     let duration = candidate.load.duration.unwrap_or(0.0);
     for (point, share) in candidate.load.means() {
         let Some(square) = direct_square(candidate, point, ratio, interval) else { continue };
-        if square.at(ratio) <= 0.0 {
-            continue;
-        }
         let power = actuator.power(actuator.loss_given(), point.flow, &point.features).at(ratio);
         // What is drawn is convex in the power: its slope where nothing is added is the least.
         let (slope, _) = drawn.line(power);
@@ -79,20 +73,13 @@ fn peak(candidate: &Candidate, actuator: &Actuator, ratio: f64, interval: (f64, 
 
 /// The most violated row at a ratio, where one is: it holds on the interval.
 pub(super) fn worst_row(program: &RatioProgram, ratio: f64, interval: (f64, f64)) -> Option<(Laurent, f64)> {
-    let mut worst: Option<(f64, Laurent, f64)> = None;
-    for Limited { candidate, asked } in &program.limits {
+    program.most_violated(|_, Limited { candidate, asked }| {
         if asked.limit.class != Class::Convex {
-            continue;
+            return None;
         }
-        let Some(row) = row(candidate, asked, ratio, interval) else { continue };
-        let bound = asked.raw_bound();
-        let excess = violation(row.at(ratio), bound);
-        if excess > ROW_TOLERANCE && worst.as_ref().is_none_or(|(most, ..)| excess > *most) {
-            worst = Some((excess, row, bound));
-        }
-    }
-    // A limit counts as kept within the tolerance everywhere.
-    worst.map(|(_, row, bound)| (row, bound + ROW_TOLERANCE * bound.abs()))
+        let row = row(candidate, asked, ratio, interval)?;
+        Some((row, violation(row.at(ratio), asked.raw_bound())))
+    })
 }
 
 /// The row of a limit, by its worst sample at a ratio.
@@ -103,7 +90,7 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
         let shares = load.means().zip(load.rests()).map(|((point, share), (_, rest))| (point, share + standing * rest));
         let mut sum = Laurent::default();
         for (point, share) in shares.filter(|(_, share)| *share > 0.0) {
-            if let Some(square) = direct_square(candidate, point, ratio, interval).filter(|s| s.at(ratio) > 0.0) {
+            if let Some(square) = direct_square(candidate, point, ratio, interval) {
                 sum = sum + square * share;
             }
         }
@@ -121,7 +108,7 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
         Demand::Samples(Functional::Power) => {
             let point = load.waveform.point(load.waveform.largest(Functional::Power, actuator, ratio).index);
             let own = actuator.power(actuator.loss_taken(), point.flow, &point.features);
-            let more = direct_square(candidate, &point, ratio, interval).filter(|s| s.at(ratio) > 0.0);
+            let more = direct_square(candidate, &point, ratio, interval);
             Some(more.map_or(own, |square| own + square * actuator.loss_taken()))
         }
         // Means of heat.

@@ -180,31 +180,31 @@ pub(super) struct Profile {
     points: Vec<Vec<WavePoint>>,
     /// The equations at each end of what is known of the motor's drag.
     ends: Vec<Actuator>,
-    /// Drawn from the bus per watt that the motor takes, and given per watt that it gives back.
-    drive: (f64, f64),
+    /// What is drawn from the bus; of what a joint gives back others can use what would be kept.
+    drawn: Drawn,
     standby: f64,
 }
 
 impl Profile {
-    fn new(candidate: &Candidate, samples: usize, drive: (f64, f64)) -> Profile {
+    fn new(candidate: &Candidate, samples: usize) -> Profile {
         let load = candidate.load;
+        let drawn = Drawn::new(&candidate.robot.bus);
         let mut points = vec![Vec::new(); samples];
         for index in 0..load.waveform.len() {
             let point = load.waveform.point(index);
             points[point.origin].push(point);
         }
-        Profile { points, ends: candidate.ends().copied().collect(), drive, standby: candidate.standby_power() }
+        Profile { points, ends: candidate.ends().copied().collect(), drawn, standby: candidate.standby_power() }
     }
 
     /// Of a candidate at a ratio.
     pub(super) fn of(prepared: &Prepared, ratio: f64) -> Profile {
         let candidate = &prepared.candidate;
-        let drive = Drawn::shared(&candidate.robot.bus);
         let samples = candidate.joint.motion.len();
         if candidate.is_evaluated() {
-            return candidate.at_ratio(ratio, |here| Profile::new(here, samples, drive));
+            return candidate.at_ratio(ratio, |here| Profile::new(here, samples));
         }
-        Profile::new(candidate, samples, drive)
+        Profile::new(candidate, samples)
     }
 
     /// Power that the bus gives at a sample \[W\], and the polynomial that touches it at this ratio and is
@@ -215,7 +215,7 @@ impl Profile {
         for (point, end) in points {
             let polynomial = Functional::Power.polynomial(end, point, ratio);
             let power = polynomial.at(ratio);
-            let factor = if power > 0.0 { self.drive.0 } else { self.drive.1 };
+            let factor = self.drawn.per_power(power);
             let drawn = power * factor + self.standby;
             if most.as_ref().is_none_or(|(m, _)| drawn > *m) {
                 most = Some((drawn, polynomial * factor + Laurent::constant(self.standby)));

@@ -226,11 +226,10 @@ pub(super) fn functional(
         Functional::LeastVoltage(_) => return None,
         Functional::VoltageSquared => return voltage_squared(actuator, sample, region, z),
         Functional::OpenVoltage(supply) => {
-            let [of_voltage, of_power, constant] = supply.row(
-                voltage_squared_at(actuator, sample, torque_at(actuator, sample, z), z),
-                power_at((actuator, actuator.loss_taken()), sample, torque_at(actuator, sample, z), z),
-            );
-            add_power((actuator, actuator.loss_taken()), sample, &mut form, of_power, region, z);
+            let (torque, taken) = (torque_at(actuator, sample, z), (actuator, actuator.loss_taken()));
+            let voltage = voltage_squared_at(actuator, sample, torque, z);
+            let [of_voltage, of_power, constant] = supply.row(voltage, power_at(taken, sample, torque, z));
+            add_power(taken, sample, &mut form, of_power, region, z);
             if of_voltage > 0.0 {
                 form.add(of_voltage, &voltage_squared(actuator, sample, region, z)?);
             }

@@ -249,17 +249,9 @@ impl<'a> Problem<'a> {
 
     /// The point as the model sees it.
     pub(super) fn look(&self, z: Point) -> Look {
-        // The reserve of both limits on the voltage is in the supply.
-        let supply_of = |over: &dyn Fn(&Demand) -> Option<Functional>| {
-            self.prepared.asked.iter().find_map(|asked| match over(&asked.demand) {
-                Some(Functional::OpenVoltage(supply)) => Some(supply),
-                _ => None,
-            })
-        };
-        let supplies = [
-            supply_of(&|demand| if let Demand::Samples(f) = demand { Some(*f) } else { None }),
-            supply_of(&|demand| if let Demand::Bandwidth(f) = demand { Some(*f) } else { None }),
-        ];
+        let candidate = &self.prepared.candidate;
+        let supplies = ["voltage", "torque_bandwidth_voltage"]
+            .map(|limit| candidate.supply(candidate.joint.limits.reserve(limit)));
         let worst = |actuator: &Actuator, samples: &[Sample], supply: Option<Supply>| {
             let mut best = [(f64::NEG_INFINITY, 0_usize); FUNCTIONALS];
             for (i, sample) in samples.iter().enumerate() {
