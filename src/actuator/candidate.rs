@@ -4,10 +4,10 @@ use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
 use super::load::Load;
 use super::shaft::{Actuator, Feature, Flow};
-use super::supply::Supply;
+use super::supply::{Drawn, Supply};
 use super::thermal;
 use super::thermal_motion::TwoNode;
-use super::weakening::parabola;
+use super::weakening::{AlongD, braking_square, parabola};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::Estimated;
@@ -107,7 +107,7 @@ impl Candidate<'_> {
     /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is. Where the winding is open,
     /// the drive's is no limit.
     pub fn peak_current(&self) -> Option<(f64, &'static str)> {
-        let drive = self.drive_current().filter(|_| self.joint.turns == Turns::AsWound).map(|i| (i, "drive"));
+        let drive = self.drive_current().zip(self.joint.turns.of_current()).map(|(i, times)| (i * times, "drive"));
         let motor = self.motor.peak_current.map(|i| (i, "motor"));
         match (motor, drive) {
             (Some(m), Some(d)) => Some(if d.0 < m.0 { d } else { m }),
@@ -172,7 +172,7 @@ impl Candidate<'_> {
 
     /// Whether some effect of the motor, or the current that weakens its field, has to be evaluated at each ratio.
     pub fn is_evaluated(&self) -> bool {
-        !self.folded && (self.has_evaluated_effects() || self.weakening().is_some())
+        !self.folded && (self.has_evaluated_effects() || self.along_d().is_some())
     }
 
     /// Whether some effect of the motor has to be evaluated at each ratio.
@@ -180,11 +180,39 @@ impl Candidate<'_> {
         fitted::evaluated(self.motor).next().is_some()
     }
 
+    /// What a current along d is for; `None` where there is none.
+    #[inline]
+    pub fn along_d(&self) -> Option<AlongD> {
+        let bears = self.motor.demagnetization_current.unwrap_or(f64::INFINITY);
+        if let Some(drive) = self.field_weakening_current() {
+            return self.why_no_current_along_d().is_none().then(|| AlongD::Weakening(drive.min(bears)));
+        }
+        let beyond = self.beyond_which_braked()?;
+        self.why_no_current_along_d().is_none().then_some(AlongD::Braking { beyond, most: bears })
+    }
+
     /// The largest current against the magnets that may weaken the field \[A, q axis\]; `None` where it is not weakened.
     pub fn weakening(&self) -> Option<f64> {
-        let drive = self.field_weakening_current()?;
-        let most = self.motor.demagnetization_current.map_or(drive, |magnets| magnets.min(drive));
-        self.why_not_weakened().is_none().then_some(most)
+        match self.along_d()? {
+            AlongD::Weakening(most) => Some(most),
+            AlongD::Braking { .. } => None,
+        }
+    }
+
+    /// Power that comes back \[W, at the drive's output\] beyond which flux braking turns it into heat, where that is asked for.
+    fn beyond_which_braked(&self) -> Option<f64> {
+        let bus = &self.robot.bus;
+        let taken = bus.takes_back().filter(|_| bus.flux_braking)?;
+        Some(taken * (1.0 - self.joint.limits.reserve("regeneration")) / Drawn::new(bus).arrives())
+    }
+
+    /// Why nothing is turned into heat by a current along d, where the requirement asks for that.
+    pub fn why_not_braked(&self) -> Option<&'static str> {
+        self.beyond_which_braked()?;
+        match self.field_weakening_current() {
+            Some(_) => Some("it is not combined with a weakened field: i_d is that of the voltage alone"),
+            None => self.why_no_current_along_d(),
+        }
     }
 
     fn field_weakening_current(&self) -> Option<f64> {
@@ -195,6 +223,11 @@ impl Candidate<'_> {
     /// Why the field is not weakened, where the requirement asks for it.
     pub fn why_not_weakened(&self) -> Option<&'static str> {
         self.field_weakening_current()?;
+        self.why_no_current_along_d()
+    }
+
+    /// Why there is no current along d, whoever asks for one.
+    fn why_no_current_along_d(&self) -> Option<&'static str> {
         let motor = self.motor;
         match () {
             () if motor.conventions.commutation == Commutation::Brushed => {
@@ -208,7 +241,7 @@ impl Candidate<'_> {
             () if self.joint.limits.spring.is_some() => {
                 Some("it is not combined with a spring that is chosen: i_d = 0")
             }
-            () if self.joint.turns == Turns::Any => Some("it is not combined with other turns: i_d = 0"),
+            () if self.joint.turns != Turns::AsWound => Some("it is not combined with other turns: i_d = 0"),
             () => None,
         }
     }
@@ -226,17 +259,22 @@ impl Candidate<'_> {
         Candidate { load: &load, actuator: self.actuator.folded(), other, folded: true, ..*self }.weakened(ratio, look)
     }
 
-    /// The same with the least currents against the magnets that keep the voltage at a ratio: with the winding at its hottest,
-    /// and at the end of the motor's drag that asks for more.
+    /// The same with the least currents against the magnets that do at a ratio what they are for: keep the voltage, with the
+    /// winding at its hottest, or burn power that comes back. At the end of the motor's drag that asks for more.
     fn weakened<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
-        let Some(most) = self.weakening() else { return look(self) };
+        let Some(along) = self.along_d() else { return look(self) };
         // A hair less than there is, so that rounding does not break what is met with equality.
         let bound = |limit: &str| self.voltage_squared(limit) * (1.0 - 1e-13);
         let bounds = [bound("voltage"), bound("torque_bandwidth_voltage")];
         let load = self.load.weakened(|point, rippled| {
-            let of_end = |actuator: &Actuator| {
-                parabola(actuator, (point.flow, &point.features), ratio)
-                    .least(bounds[usize::from(rippled)], most * actuator.torque_constant)
+            let sample = (point.flow, &point.features);
+            let of_end = |actuator: &Actuator| match along {
+                AlongD::Weakening(most) => parabola(actuator, sample, ratio)
+                    .least(bounds[usize::from(rippled)], most * actuator.torque_constant),
+                AlongD::Braking { beyond, most } => {
+                    let square = braking_square(actuator, sample, beyond).at(ratio).max(0.0) * (1.0 + 1e-13);
+                    -square.sqrt().min(most * actuator.torque_constant)
+                }
             };
             self.ends().map(of_end).fold(0.0, f64::min)
         });

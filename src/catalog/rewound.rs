@@ -39,7 +39,7 @@ impl NoTurns {
             NoTurns::InsideModule => "it is only sold inside a module",
             NoTurns::Fitted => "its numbers were fitted to logs of this winding",
             NoTurns::Wound => "it is another winding of its row already",
-            NoTurns::FieldWeakening => "with field weakening other turns are not computed",
+            NoTurns::FieldWeakening => "with a current along d other turns are not computed",
             NoTurns::SupplyResistance => "with a resistance of the supply other turns are not computed",
             NoTurns::DriveResistance => "with a resistance of drive and leads other turns are not computed",
         }
@@ -60,6 +60,42 @@ impl Catalog {
         };
         self.motors = std::mem::take(&mut self.motors).into_iter().flat_map(all).collect();
         self
+    }
+}
+
+/// The winding that an id names beside a row: `row:0.5`.
+fn named(id: &str) -> Option<(&str, f64)> {
+    let (row, turns) = id.rsplit_once(':')?;
+    Some((row, turns.parse().ok()?))
+}
+
+impl Catalog {
+    /// The same with windings of its rows, by the ids of the rows and their turns, each next to its row; what is there already
+    /// is not added.
+    #[must_use]
+    pub fn with_windings(mut self, windings: &[(String, f64)]) -> Catalog {
+        let own = |motor: &Motor| {
+            let of_row = windings.iter().filter(|(row, turns)| *row == motor.id && *turns != 1.0);
+            let mut turns: Vec<f64> = of_row.map(|(_, turns)| *turns).collect();
+            turns.sort_by(f64::total_cmp);
+            turns.dedup();
+            turns.into_iter().filter_map(|a| motor.rewound(a).ok()).collect::<Vec<_>>()
+        };
+        let there: Vec<String> = self.motors.iter().map(|motor| motor.id.clone()).collect();
+        let all = |motor: Motor| {
+            let wound = own(&motor).into_iter().filter(|new| !there.contains(&new.id)).collect::<Vec<_>>();
+            std::iter::once(motor).chain(wound)
+        };
+        self.motors = std::mem::take(&mut self.motors).into_iter().flat_map(all).collect();
+        self
+    }
+
+    /// The same with the windings that ids name (`row:0.5`), where `allow` says so of their turns.
+    #[must_use]
+    pub fn with_named<'i>(self, ids: impl Iterator<Item = &'i str>, allow: impl Fn(f64) -> bool) -> Catalog {
+        let windings: Vec<(String, f64)> =
+            ids.filter_map(named).filter(|(_, a)| allow(*a)).map(|(row, a)| (row.to_string(), a)).collect();
+        self.with_windings(&windings)
     }
 }
 
@@ -94,6 +130,17 @@ impl Motor {
     /// Why it has no other number of turns.
     pub fn rewound(&self, turns: f64) -> Result<Motor, NoTurns> {
         self.can_be_rewound()?;
+        let mut motor = self.with_times_turns(turns);
+        motor.id = format!("{}:{turns}", self.id);
+        motor.wound = Some(Wound { of: self.id.clone(), turns });
+        motor
+            .assumptions
+            .push("another number of turns than its row: R within 10 % of the law, to be asked of the maker");
+        Ok(motor)
+    }
+
+    /// The numbers of the motor with so many times its turns, under its own name.
+    pub(crate) fn with_times_turns(&self, turns: f64) -> Motor {
         let of = |kind: &units::Kind| turns.powf(-kind.powers_of_ampere());
         let (current, constant) = (of(&units::CURRENT), of(&units::TORQUE_CONSTANT));
         let mut motor = self.clone();
@@ -107,8 +154,6 @@ impl Motor {
         if let Some(resistance) = &mut motor.sheet.resistance {
             resistance.tolerance = Some(resistance.tolerance.unwrap_or(0.0) + FILL * resistance.value);
         }
-        motor.id = format!("{}:{turns}", self.id);
-        motor.wound = Some(Wound { of: self.id.clone(), turns });
         motor.resistance *= of(&units::RESISTANCE);
         motor.inductance = self.inductance.map(|l| l * of(&units::INDUCTANCE));
         motor.torque_constant *= constant;
@@ -122,8 +167,5 @@ impl Motor {
             estimate.middle *= factor;
         }
         motor
-            .assumptions
-            .push("another number of turns than its row: R within 10 % of the law, to be asked of the maker");
-        Ok(motor)
     }
 }

@@ -119,7 +119,8 @@ impl Inputs {
         let mut design = DesignFile::read_set(&source, &settings)?;
         let named = arguments.catalog.paths();
         let paths = if named.is_empty() { &design.catalog } else { &named };
-        let catalog = arguments.catalog.prepared(super::catalog(paths)?).with_turns(&design.robot.listed_turns());
+        let catalog =
+            super::with_named(&design.robot, arguments.catalog.prepared(super::catalog(paths)?), design.motor_ids());
         design.robot = super::balanced(&design.robot, &catalog)?;
         let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {
             Some(path) => read(path).map_err(|e| vec![e])?,

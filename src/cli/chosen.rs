@@ -29,9 +29,14 @@ pub fn joint<'r>(robot: &'r Robot, name: Option<&str>) -> Result<&'r Joint, Fail
     }
 }
 
+/// The motor's id in `MOTOR`, `MOTOR@RATIO` or `MOTOR@GEAR`.
+pub fn id(text: &str) -> &str {
+    text.split_once('@').map_or(text, |(id, _)| id)
+}
+
 /// The design `MOTOR`, `MOTOR@RATIO` or `MOTOR@GEAR` at a joint.
 pub fn design<'c>(text: &str, joint: &Joint, catalog: &'c Catalog) -> Result<Chosen<'c>, Failure> {
-    let (id, place) = text.split_once('@').map_or((text, None), |(id, place)| (id, Some(place)));
+    let (id, place) = (id(text), text.split_once('@').map(|(_, place)| place));
     let motor = find_motor(catalog, id)?;
     let mut gear = None;
     let mut ratio = None;

@@ -40,7 +40,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let robot = arguments.set.read(&arguments.requirement, None)?;
-    let catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
+    let named = std::iter::once(super::chosen::id(&arguments.design));
+    let catalog = super::with_named(&robot, arguments.catalog.motors()?, named);
     super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;

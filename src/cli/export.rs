@@ -61,7 +61,8 @@ fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
     let settings = arguments.set.settings()?;
     let source = Source::argument(path).map_err(|e| vec![e])?;
     let robot = settings.read(&source, None)?;
-    let catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
+    let catalog =
+        super::with_named(&robot, arguments.catalog.motors()?, std::iter::once(super::chosen::id(&arguments.design)));
     super::check_patterns(&robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
@@ -89,7 +90,8 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
     let design = DesignFile::read_set(&Source::argument(path).map_err(|e| vec![e])?, &settings)?;
     let named = arguments.catalog.paths();
     let paths = if named.is_empty() { &design.catalog } else { &named };
-    let catalog = arguments.catalog.prepared(super::catalog(paths)?).with_turns(&design.robot.listed_turns());
+    let catalog =
+        super::with_named(&design.robot, arguments.catalog.prepared(super::catalog(paths)?), design.motor_ids());
     let choices = design.choices(&catalog).map_err(|e| vec![e])?;
     let only = match &arguments.joint {
         Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),

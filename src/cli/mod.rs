@@ -295,6 +295,19 @@ fn balanced(robot: &Robot, catalog: &Catalog) -> Result<Robot, Failure> {
     Ok(crate::design::balance::balanced(robot, catalog, Options::default())?)
 }
 
+/// The catalogue with the windings that joints list, and those that are best where a joint has a range of turns.
+fn wound(robot: &mut Robot, catalog: Catalog, only_checked: bool) -> Result<Catalog, Failure> {
+    crate::design::windings::wind(robot, catalog, only_checked).map_err(Failure::Argument)
+}
+
+/// The catalogue with the windings that joints list, and those that designs name.
+fn with_named<'i>(robot: &Robot, catalog: Catalog, ids: impl Iterator<Item = &'i str>) -> Catalog {
+    let within = |turns: f64, (min, max): (f64, f64)| min <= turns && turns <= max;
+    let allow =
+        |turns: f64| robot.joints.iter().filter_map(|j| j.motors.turns.range()).any(|range| within(turns, range));
+    catalog.with_turns(&robot.listed_turns()).with_named(ids, allow)
+}
+
 /// Every pattern of a robot must name a motor or gear of the catalogue.
 fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), Failure> {
     crate::design::check_patterns(robot, catalog).map_err(Failure::Argument)

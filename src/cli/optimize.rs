@@ -147,6 +147,12 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let writes = arguments.write_design.is_some();
     let mut ruled = Ruled::new(plain.clone(), arguments.rules.as_deref(), writes, arguments.no_rules)?;
     ruled.robot = super::balanced(&ruled.robot, &catalog)?;
+    let has_range = ruled.robot.joints.iter().any(|joint| joint.motors.turns.range().is_some());
+    if has_range && (arguments.pareto.is_some() || arguments.robust || arguments.robot) {
+        let message = "a range of `turns` is not combined with `--pareto`, `--robust` or `--robot`; give a list, as in turns = [1, 0.5]";
+        return Err(Failure::Argument(message.into()));
+    }
+    let catalog = super::wound(&mut ruled.robot, catalog, arguments.only_checked)?;
     let robot = &ruled.robot;
     if robot.is_coupled() && (arguments.pareto.is_some() || arguments.robust) {
         tell!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");

@@ -7,6 +7,7 @@
 use super::answer::Design;
 use super::optimize::optimize_with;
 use super::options::{Options, Stopped};
+use super::windings;
 use crate::catalog::Catalog;
 use crate::requirement::{Balance, Balancing, Extreme, Joint, Objective, Quantity, Robot};
 
@@ -50,18 +51,24 @@ fn ends(robot: &Robot, joint: &Joint, catalog: &Catalog, options: Options) -> Re
         Robot { joints: vec![joint], ..robot.clone() }
     };
     let options = Options { reasons: false, tick: &|| {}, ..options };
+    // Of each motor the winding that is best for that end.
+    let wound = |mut robot: Robot| {
+        let catalog =
+            windings::wind(&mut robot, catalog.clone(), options.only_checked).unwrap_or_else(|_| catalog.clone());
+        (robot, catalog)
+    };
     // A spring is searched for at length: once, for the least loss; no spring changes a mass.
     if joint.limits.spring.is_some() {
-        let robot = alone(Quantity::Loss);
-        let found = optimize_with(&robot, catalog, Options { keep: None, ..options })?;
+        let (robot, catalog) = wound(alone(Quantity::Loss));
+        let found = optimize_with(&robot, &catalog, Options { keep: None, ..options })?;
         let all = &found.joints[0].candidates;
         let mass = |design: &&Design| design.evaluation.mass.unwrap_or(f64::INFINITY);
         let lightest = all.iter().min_by(|a, b| mass(a).total_cmp(&mass(b)));
         return Ok((lightest.map(extreme), all.first().map(extreme)));
     }
     let first = |quantity: Quantity| {
-        let robot = alone(quantity);
-        let found = optimize_with(&robot, catalog, Options { keep: Some(1), ..options })?;
+        let (robot, catalog) = wound(alone(quantity));
+        let found = optimize_with(&robot, &catalog, Options { keep: Some(1), ..options })?;
         Ok(found.joints[0].candidates.first().map(extreme))
     };
     Ok((first(Quantity::Mass)?, first(Quantity::Loss)?))

@@ -33,6 +33,7 @@ mod solved;
 pub mod spring;
 pub mod sweep;
 pub mod turns;
+pub mod windings;
 
 pub use crate::actuator::limits::Candidate;
 pub use crate::numerics::grid::grid;

@@ -72,6 +72,12 @@ impl TurnsRange {
         self.min <= self.max
     }
 
+    /// The part of it between two numbers of turns.
+    #[must_use]
+    pub fn between(self, (min, max): (f64, f64)) -> TurnsRange {
+        TurnsRange { min: self.min.max(min), max: self.max.min(max), ..self }
+    }
+
     /// Whether a number of turns is in it.
     pub fn holds(&self, turns: f64) -> bool {
         self.min <= turns && turns <= self.max
@@ -129,7 +135,7 @@ pub fn can_be_asked(robot: &Robot, joint: &Joint, motor: &Motor) -> Result<(), N
     let counts = |resistance: Option<f64>| resistance.is_some_and(|ohms| ohms > 0.0);
     match () {
         () if counts(drive.phase_resistance) => Err(NoTurns::DriveResistance),
-        () if drive.field_weakening_current.is_some() => Err(NoTurns::FieldWeakening),
+        () if drive.field_weakening_current.is_some() || robot.bus.flux_braking => Err(NoTurns::FieldWeakening),
         () if of_supply.into_iter().any(counts) => Err(NoTurns::SupplyResistance),
         () => motor.can_be_rewound(),
     }
@@ -175,17 +181,17 @@ pub fn rewinding<'a>(site: Site<'a, '_>, motor: &'a Motor, catalog: &'a Catalog,
     if joint.limits.spring.is_some() {
         return Rewinding::NoneFound;
     }
-    search(site, open, motor, &best).map_or(Rewinding::NoneFound, |at| found(at, false))
+    search(site, open, motor, &best, |turns| turns).map_or(Rewinding::NoneFound, |at| found(at, false))
 }
 
 /// A ratio or gear at which some number of turns keeps every limit.
 #[derive(Debug, Clone)]
-struct Found<'a> {
-    ratio: f64,
+pub(super) struct Found<'a> {
+    pub(super) ratio: f64,
     gear: Option<&'a Gear>,
-    objective: f64,
+    pub(super) objective: f64,
     loss: f64,
-    turns: TurnsRange,
+    pub(super) turns: TurnsRange,
     unchecked: Vec<Remark>,
 }
 
@@ -201,7 +207,7 @@ fn refused<'a>(reason: Reason) -> Rewinding<'a> {
 }
 
 /// The numbers of turns at the best design, with its gear and its spring.
-fn at_best<'a>(site: Site<'a, '_>, design: &Design, gear: Option<&'a Gear>) -> Option<Found<'a>> {
+pub(super) fn at_best<'a>(site: Site<'a, '_>, design: &Design, gear: Option<&'a Gear>) -> Option<Found<'a>> {
     let joint = sprung(site.joint, design)?;
     let load = load_through(&joint, gear);
     let prepared = Mount::new(site.robot, &joint, &load, design.motor).with_gear(gear).prepared().ok()?;
@@ -216,14 +222,20 @@ fn at_best<'a>(site: Site<'a, '_>, design: &Design, gear: Option<&'a Gear>) -> O
     })
 }
 
-/// The best of some ratios at which a winding exists, where the best over all of them has none.
-fn search<'a>(site: Site<'a, '_>, open: Site, motor: &'a Motor, best: &Design) -> Option<Found<'a>> {
+/// The best of some ratios at which a winding exists, where the best over all of them has none; `allowed` narrows what would do.
+pub(super) fn search<'a>(
+    site: Site<'a, '_>,
+    open: Site,
+    motor: &'a Motor,
+    best: &Design,
+    allowed: impl Fn(TurnsRange) -> TurnsRange,
+) -> Option<Found<'a>> {
     let mut kept: Option<Found> = None;
     for (mount, free) in site.mounts(motor).zip(open.mounts(motor)) {
         let (Ok(wound), Ok(free)) = (mount.prepared(), free.prepared()) else { continue };
         let look = |ratio: f64| {
             let there = free.at(ratio);
-            let turns = TurnsRange::at(&wound, ratio);
+            let turns = allowed(TurnsRange::at(&wound, ratio));
             let is_kept = there.feasible && turns.is_possible();
             let objective = free.at_in_full(ratio).objective(&site.joint.objective).filter(|_| is_kept)?;
             let unchecked = wound.unchecked_at(ratio);

@@ -26,6 +26,8 @@ pub struct Bus {
     pub regeneration_efficiency: Option<f64>,
     /// Power that a brake takes of one joint's where the supply does not take it \[W\].
     pub brake_power: Option<f64>,
+    /// Whether what comes back beyond that is turned into heat of the winding by a current along d.
+    pub flux_braking: bool,
     /// Resistance of the supply and its main leads; `voltage` is then that without current \[Ω\].
     pub internal_resistance: Option<f64>,
     /// Voltage that the bus may rise to where power comes back \[V\].
@@ -42,6 +44,15 @@ impl Bus {
     /// Whether a brake takes power that the supply does not.
     pub fn is_braked(&self) -> bool {
         self.brake_power.is_some() || self.regeneration == Regeneration::Dissipated
+    }
+
+    /// Most power that one joint may give back, with what a brake takes \[W\]; `None` where all of it is taken.
+    pub fn takes_back(&self) -> Option<f64> {
+        match self.regeneration {
+            Regeneration::Allowed => None,
+            Regeneration::Dissipated => self.brake_power,
+            Regeneration::Limited(watts) => Some(watts + self.brake_power.unwrap_or(0.0)),
+        }
     }
 
     /// Most power of one joint that goes back into the supply itself \[W\]; infinite where it takes all.
@@ -154,6 +165,18 @@ pub(super) fn read(section: Section) -> Option<Bus> {
             "give the voltage that drives and capacitors bear, above that of a full supply",
         );
     }
+    let flux_braking = section
+        .boolean(
+            key("flux_braking", "whether power that would come back beyond `regeneration` is turned into heat of the winding, by a current along d")
+                .default("false"),
+        )
+        .unwrap_or(false);
+    let takes_all =
+        regeneration == Regeneration::Allowed || (regeneration == Regeneration::Dissipated && brake_power.is_none());
+    if flux_braking && takes_all {
+        let message = "`flux_braking` of [bus] has nothing to do: all power that comes back is taken";
+        contradicts("flux_braking", message.into(), "say regeneration = \"none\" or a power, or give a `brake_power`");
+    }
     let bus = Bus {
         voltage: voltage.unwrap_or(f64::NAN),
         modulation: section
@@ -187,6 +210,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         regeneration,
         regeneration_efficiency,
         brake_power,
+        flux_braking,
         internal_resistance,
         max_voltage,
         drive_efficiency: passed,

@@ -136,6 +136,14 @@ impl DesignFile {
         DesignFile::read_set(source, &Settings::default())
     }
 
+    /// Ids of the motors that it names in the catalogue.
+    pub fn motor_ids(&self) -> impl Iterator<Item = &str> {
+        self.joints.iter().filter_map(|design| match &design.motor {
+            MotorName::Catalog(id) => Some(id.as_str()),
+            MotorName::Fitted { .. } => None,
+        })
+    }
+
     /// Looks up motors and gears.
     ///
     /// # Errors

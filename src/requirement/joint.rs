@@ -8,37 +8,11 @@ use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
-use super::{Drive, MotorDrag, Objective, Quantity, Turns, cases, drive, gear, objective};
+use super::turns::{self, Turns};
+use super::{Drive, MotorDrag, Objective, Quantity, cases, drive, gear, objective};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
-
-/// Numbers of turns that make sense of one frame.
-const TURNS: std::ops::RangeInclusive<f64> = 0.05..=20.0;
-
-/// Reads `turns`: what other numbers of turns may be chosen.
-fn read_turns(section: &Section) -> Vec<f64> {
-    let about = "turns of the winding as multiples of the row's: 0.577 is a star connected in delta, 0.5 two halves in parallel; the row's own where it is not given";
-    let asked = key("turns", about);
-    if !section.has("turns") {
-        section.number_list(asked, Range::Positive);
-        return Vec::new();
-    }
-    let turns = section.number_list(asked, Range::Positive).unwrap_or_default();
-    let wrong = |message: String, label: &str| {
-        let problem = Problem::at(section.span_of("turns"), message, label);
-        section.note(problem.help("for example turns = [1, 0.577]"));
-        Vec::new()
-    };
-    if let Some(a) = turns.iter().find(|a| !TURNS.contains(*a)) {
-        return wrong(format!("{a} times the turns is no winding of one frame"), "expected 0.05 to 20");
-    }
-    match (1..turns.len()).find(|k| turns[..*k].contains(&turns[*k])) {
-        Some(k) => wrong(format!("{} times the turns is listed twice", turns[k]), "expected each once"),
-        None if turns.is_empty() => wrong("`turns` lists nothing".into(), "expected at least one number"),
-        None => turns,
-    }
-}
 
 /// Reads a joint: with what it takes from a description of the robot, and whom it says that it carries.
 pub(super) fn read(
@@ -134,7 +108,7 @@ pub(super) fn read(
             "motors",
         ),
         excluded: names("motors that may not be chosen, by id or maker", "exclude"),
-        turns: read_turns(&section),
+        turns: turns::read(&section),
     };
     let phases = read_phases(&section, count, motion.as_deref());
     if let (Some(objective), Some(motion)) = (&objective, &motion) {

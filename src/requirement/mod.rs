@@ -32,4 +32,4 @@ pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use read::{describe, read, read_changed, read_source, read_without_springs};
 pub use robot::{Budget, Carried, Filter, Joint, Robot, RobotCase};
 pub use set::Settings;
-pub use turns::Turns;
+pub use turns::{Turns, Windings};

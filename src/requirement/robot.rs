@@ -9,7 +9,7 @@ use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::limits::Limits;
 use super::objective::{Balancing, Objective};
-use super::turns::Turns;
+use super::turns::{Turns, Windings};
 use crate::catalog::{Motor, matches_pattern};
 use crate::input::{InputFile, Source};
 use crate::motion::Motion;
@@ -134,19 +134,17 @@ pub struct Filter {
     pub allowed: Vec<String>,
     /// Patterns of which none may match.
     pub excluded: Vec<String>,
-    /// Numbers of turns, as multiples of those of a row; empty for a motor as it is wound.
-    pub turns: Vec<f64>,
+    /// Which windings of them.
+    pub turns: Windings,
 }
 
 impl Filter {
     /// Whether a motor may be chosen: by its id, or by its maker in letters of either case.
     pub fn allows(&self, motor: &Motor) -> bool {
         let is = |pattern: &String| Filter::matches(pattern, motor);
-        let turns = match self.turns.as_slice() {
-            [] => motor.wound.is_none(),
-            listed => listed.contains(&motor.turns()),
-        };
-        turns && (self.allowed.is_empty() || self.allowed.iter().any(is)) && !self.excluded.iter().any(is)
+        self.turns.allow(motor)
+            && (self.allowed.is_empty() || self.allowed.iter().any(is))
+            && !self.excluded.iter().any(is)
     }
 
     /// Whether a pattern is of a motor.
@@ -164,7 +162,7 @@ impl Filter {
 impl Robot {
     /// Numbers of turns that joints list beside that of the row, each once, ascending.
     pub fn listed_turns(&self) -> Vec<f64> {
-        let mut turns: Vec<f64> = self.joints.iter().flat_map(|joint| &joint.motors.turns).copied().collect();
+        let mut turns: Vec<f64> = self.joints.iter().flat_map(|joint| joint.motors.turns.listed()).copied().collect();
         turns.retain(|a| *a != 1.0);
         turns.sort_by(f64::total_cmp);
         turns.dedup();

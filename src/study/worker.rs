@@ -12,9 +12,11 @@ use super::plan::Settings;
 use crate::catalog::Catalog;
 use crate::design::answer::{JointResult, Says};
 use crate::design::balance::balanced;
+
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::options::Stopped;
+use crate::design::windings;
 use crate::input::{Change, InputError, Problem, Source};
 use crate::motion::CarriedColumn;
 use crate::requirement::{self, Motion, Motions, Robot};
@@ -233,23 +235,31 @@ impl Worker<'_> {
             Ok(read) => read,
             Err(errors) => return Ok(broken(String::new(), Broken::of(&errors))),
         };
-        if let Err(message) = crate::design::check_patterns(&read, self.catalog).and_then(|()| each_by_itself(&read)) {
+        let refused = |name: &str, message: String| {
             let source = Arc::new(Source::new(requirement, ""));
             let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
-            return Ok(broken(read.name.clone(), Broken::of(&errors)));
-        }
-        let wound;
-        let catalog = match read.listed_turns() {
-            none if none.is_empty() => self.catalog,
-            turns => {
-                wound = self.catalog.clone().with_turns(&turns);
-                &wound
-            }
+            broken(name.to_string(), Broken::of(&errors))
         };
+        if let Err(message) = crate::design::check_patterns(&read, self.catalog).and_then(|()| each_by_itself(&read)) {
+            return Ok(refused(&read.name, message));
+        }
+        let wound = match read.listed_turns() {
+            none if none.is_empty() => None,
+            turns => Some(self.catalog.clone().with_turns(&turns)),
+        };
+        let catalog = wound.as_ref().unwrap_or(self.catalog);
         let keep = self.settings.top.map(|k| k as usize);
         let options =
             Options { only_checked: self.settings.only_checked, keep, reasons: false, stop, ..Options::default() };
-        let read = balanced(&read, catalog, options)?;
+        let mut read = balanced(&read, catalog, options)?;
+        let found = match read.joints.iter().any(|joint| joint.motors.turns.range().is_some()) {
+            true => match windings::wind(&mut read, catalog.clone(), options.only_checked) {
+                Ok(wound) => Some(wound),
+                Err(message) => return Ok(refused(&read.name, message)),
+            },
+            false => None,
+        };
+        let catalog = found.as_ref().unwrap_or(catalog);
         let result = optimize_with(&read, catalog, options)?;
         let joints = result.joints.iter().map(|joint| JointRecord {
             name: joint.joint.name.clone(),

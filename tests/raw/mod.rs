@@ -157,7 +157,19 @@ impl Case {
             [-x, a, 0.0].into_iter().min_by(|a, b| turned(of, *a).total_cmp(&turned(of, *b))).unwrap()
         };
         let enough_voltage = (bus.voltage * per_volt).powi(2);
+        // Or one that burns what would come back beyond what the bus takes, with the winding cold.
+        let can = brushless && l > 0.0 && poles > 0 && !sags && of_drive.field_weakening_current.is_none();
+        let takes = match bus.regeneration {
+            Regeneration::Limited(watt) => Some(watt + bus.brake_power.unwrap_or(0.0)),
+            Regeneration::Dissipated => bus.brake_power,
+            Regeneration::Allowed => None,
+        };
+        let burns = takes.filter(|_| bus.flux_braking && can).map(|watt| watt / bus.drive_efficiency);
         let against = |p: &Point| {
+            if let Some(beyond) = burns {
+                let heat = (-cold_power(p) - beyond).max(0.0);
+                return -(heat / (r + lead)).sqrt().min(motor.demagnetization_current.unwrap_or(f64::INFINITY));
+            }
             let of = parts(p);
             let Some(x) = allowed.filter(|_| turned(of, 0.0) > enough_voltage) else { return 0.0 };
             let (mut enough, mut less) = (lowest(of, x), 0.0);

@@ -4,7 +4,7 @@ use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::Functional;
-use crate::requirement::{Regeneration, Robot};
+use crate::requirement::Robot;
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -53,9 +53,9 @@ pub(super) const LIMITS: &[Limit] = &[
         of: Of::Other,
         class: Class::ReverseConvex,
         depends: Depends::PowerBack,
-        stated: |robot, _| taken_back(robot).is_some(),
+        stated: |robot, _| robot.bus.takes_back().is_some(),
         key: |_| Some(Key::Robot(&["bus", "regeneration"])),
-        prepare: |c| back(c, taken_back(c.robot)),
+        prepare: |c| back(c, c.robot.bus.takes_back()),
     },
     Limit {
         name: "bus_overvoltage",
@@ -75,16 +75,6 @@ pub(super) const LIMITS: &[Limit] = &[
 fn back(candidate: &Candidate, bound: Option<f64>) -> Prepared {
     let efficiency = Drawn::new(&candidate.robot.bus).arrives();
     bound.map_or(Prepared::NotAsked, |bound| plain(Demand::Samples(Functional::PowerBack), efficiency, bound, "bus"))
-}
-
-/// The most that the bus takes back with its brake \[W\]; `None` where it takes all.
-fn taken_back(robot: &Robot) -> Option<f64> {
-    let brake = robot.bus.brake_power;
-    match robot.bus.regeneration {
-        Regeneration::Allowed => None,
-        Regeneration::Dissipated => brake,
-        Regeneration::Limited(watts) => Some(watts + brake.unwrap_or(0.0)),
-    }
 }
 
 /// What lifts the bus to its highest voltage with a resistance to the drive \[Ω\], and what a brake takes on top \[W\]; `None`

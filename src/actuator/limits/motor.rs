@@ -2,7 +2,6 @@
 
 use super::limit::*;
 use crate::actuator::waveform::Functional;
-use crate::requirement::Turns;
 
 /// What a drive gives for ever.
 pub const DRIVE_CONTINUOUS_CURRENT: &str = "drive_continuous_current";
@@ -70,11 +69,10 @@ pub(super) const LIMITS: &[Limit] = &[
         depends: Depends::Current,
         stated: |robot, joint| joint.drive.or(robot.bus.drive).continuous_current.is_some(),
         key: |_| Some(Key::Robot(&["bus", "drive_continuous_current"])),
-        prepare: |c| match c.drive_continuous_current() {
+        prepare: |c| match c.drive_continuous_current().zip(c.joint.turns.of_current()) {
             None => Prepared::NotAsked,
-            Some(_) if c.joint.turns == Turns::Any => Prepared::NotAsked,
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-            Some(bound) => heating(c, 0.0, bound, "drive"),
+            Some((bound, times)) => heating(c, 0.0, bound * times, "drive"),
         },
     },
     Limit {

@@ -70,6 +70,14 @@ pub const NEEDS: &[Need] = &[
         at_ratio: |_| None,
     },
     Need {
+        name: "flux_braking",
+        of: Of::Other,
+        stated: by_data_sheets,
+        key: by_nobody,
+        missing: |c| c.why_not_braked(),
+        at_ratio: |_| None,
+    },
+    Need {
         name: "demagnetisation",
         of: Of::Other,
         stated: by_data_sheets,
@@ -77,10 +85,15 @@ pub const NEEDS: &[Need] = &[
         missing: |c| {
             let by_drive =
                 c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some();
-            let weakened = c.weakening().is_some() && c.motor.demagnetization_current.is_none();
+            let unknown = c.motor.demagnetization_current.is_none();
+            let weakened = c.weakening().is_some() && unknown;
+            let braked = c.along_d().is_some() && unknown;
             match () {
                 () if weakened => Some(
                     "the current against the magnets that they bear is not known: only the requirement's bounds that which weakens the field",
+                ),
+                () if braked => Some(
+                    "the current against the magnets that they bear is not known: that of flux braking is bounded by the largest current alone",
                 ),
                 () if by_drive => Some(
                     "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less",

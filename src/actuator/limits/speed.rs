@@ -17,8 +17,8 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: the_supply,
         key: |_| Some(Key::Robot(&["bus", "voltage"])),
         prepare: |c| match c.joint.turns {
-            Turns::AsWound => voltage(c, "voltage", Demand::Samples),
             Turns::Any => Prepared::NotAsked,
+            Turns::AsWound | Turns::UpTo(_) => voltage(c, "voltage", Demand::Samples),
         },
     },
     Limit {

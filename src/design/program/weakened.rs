@@ -5,12 +5,15 @@
 //! gives rows and cuts of the same kind, which the branch and bound takes as they are; they touch as intervals shrink. A row
 //! in which such a current helps (power that comes back) is left out: what is ruled out is ruled out without it.
 
+use super::branch::Underestimator;
 use super::objective::Goal;
 use super::{Class, Limited, RatioProgram};
 use crate::actuator::limits::{Asked, Candidate, Demand};
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::{Functional, WavePoint};
-use crate::actuator::weakening::{least_square, voltage_row};
+use crate::actuator::weakening::{
+    AlongD, any_voltage_row, braked_voltage_row, braking_square, least_square, voltage_row,
+};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::evaluate::violation;
 use crate::requirement::Quantity;
@@ -18,9 +21,12 @@ use crate::requirement::Quantity;
 /// A lower bound of a sample's squared current along d, times K_T², on an interval: the better of both ends of the drag; nothing
 /// where none is needed at the ratio inside.
 fn direct_square(candidate: &Candidate, point: &WavePoint, ratio: f64, interval: (f64, f64)) -> Option<Laurent> {
+    let (along, sample) = (candidate.along_d()?, (point.flow, &point.features));
     let bound = candidate.voltage_squared("voltage");
-    let of_ends =
-        candidate.ends().filter_map(|end| least_square(end, (point.flow, &point.features), bound, ratio, interval));
+    let of_ends = candidate.ends().filter_map(|end| match along {
+        AlongD::Weakening(_) => least_square(end, sample, bound, ratio, interval),
+        AlongD::Braking { beyond, .. } => Some(braking_square(end, sample, beyond)),
+    });
     let larger = of_ends.reduce(|x, y| if y.at(ratio) > x.at(ratio) { y } else { x });
     larger.filter(|square| square.at(ratio) > 0.0)
 }
@@ -71,6 +77,45 @@ fn peak(candidate: &Candidate, actuator: &Actuator, ratio: f64, interval: (f64, 
     best
 }
 
+/// The row of the squared voltage with currents that burn power that comes back, by its worst sample at a ratio.
+fn braked_voltage(candidate: &Candidate, actuator: &Actuator, ratio: f64, interval: (f64, f64)) -> Laurent {
+    let waveform = &candidate.load.waveform;
+    // With two ends of the drag the current may be that of the other one.
+    let alone = candidate.other.is_none();
+    let mut worst = (f64::NEG_INFINITY, Laurent::default());
+    for point in (0..waveform.len()).map(|k| waveform.point(k)) {
+        let sample = (point.flow, &point.features);
+        let plain = || actuator.voltage_squared(point.flow, &point.features);
+        let row = match candidate.along_d() {
+            Some(AlongD::Braking { beyond, .. }) => {
+                let square = braking_square(actuator, sample, beyond);
+                let (least, most) = range(&square, interval);
+                match alone {
+                    true if most <= 0.0 => plain(),
+                    true if least >= 0.0 => braked_voltage_row(actuator, sample, &square, ratio)
+                        .unwrap_or_else(|| any_voltage_row(actuator, sample, interval)),
+                    _ => any_voltage_row(actuator, sample, interval),
+                }
+            }
+            _ => plain(),
+        };
+        let here = row.at(ratio);
+        if here > worst.0 {
+            worst = (here, row);
+        }
+    }
+    worst.1
+}
+
+/// Bounds of a polynomial on an interval of ratios.
+fn range(polynomial: &Laurent, (a, b): (f64, f64)) -> (f64, f64) {
+    let least = |polynomial: &Laurent| {
+        let under = Underestimator::new(polynomial, a, b);
+        under.at(under.minimum(a, b)) - 1e-12 * under.size
+    };
+    (least(polynomial), -least(&(*polynomial * -1.0)))
+}
+
 /// The most violated row at a ratio, where one is: it holds on the interval.
 pub(super) fn worst_row(program: &RatioProgram, ratio: f64, interval: (f64, f64)) -> Option<(Laurent, f64)> {
     program.most_violated(|_, Limited { candidate, asked }| {
@@ -101,6 +146,7 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
             let point = load.waveform.point(load.waveform.largest(functional, actuator, ratio).index);
             Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
         }
+        Demand::Samples(Functional::VoltageSquared) => Some(braked_voltage(candidate, actuator, ratio, interval)),
         // The motor's torque has no part in it, the current has.
         Demand::Samples(Functional::TorqueSquared) if asked.limit.is_q_axis() => {
             Some(peak(candidate, actuator, ratio, interval).1)
@@ -115,10 +161,16 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
         Demand::Polynomial(mean, _) => Some(mean + squares(asked.standing)),
         // All phases have one current; that each has its own is less to ask for.
         Demand::Bandwidth(Functional::VoltageSquared) => {
-            let most = candidate.weakening()? * actuator.torque_constant;
             let waveform = load.bandwidth.as_ref()?;
+            let most = match candidate.along_d()? {
+                AlongD::Weakening(most) | AlongD::Braking { most, .. } => most * actuator.torque_constant,
+            };
             let point = waveform.point(waveform.largest(Functional::LeastVoltage(most), actuator, ratio).index);
-            Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
+            let sample = (point.flow, &point.features);
+            match candidate.weakening() {
+                Some(_) => Some(voltage_row(actuator, sample, most, ratio, interval)),
+                None => Some(any_voltage_row(actuator, sample, interval)),
+            }
         }
         _ => asked.polynomial_at(candidate, ratio).map(|(row, _)| row),
     }

@@ -309,6 +309,39 @@ fn programs_with_a_weakened_field_agree_with_a_scan_of_the_raw_waveforms() {
     run(cases(500_000, 400), false, 18, weakened);
 }
 
+/// A joint whose drive burns what comes back beyond what the bus takes by a current along d.
+fn burned(i: u64) -> Case {
+    let mut case = draw(i, i.is_multiple_of(2));
+    let mut random = Pcg64::seed_from_u64(i + 3);
+    let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
+    let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
+    let n = (min * max).sqrt();
+    let at = case.look(n);
+    let need = |name: &str| at.limits.iter().find(|limit| limit.0 == name).unwrap().1;
+    let speed = n * case.raw.iter().map(|p| p.velocity.abs()).fold(0.0, f64::max);
+    let (voltage, current) = (need("voltage").max(need("torque_bandwidth_voltage")), need("peak_current").max(1e-9));
+    let motor = &mut case.motor;
+    if motor.conventions.commutation == Commutation::Brushless && speed > 0.0 {
+        let poles = motor.pole_pairs.unwrap_or(7).max(1);
+        motor.pole_pairs = Some(poles);
+        motor.inductance = Some(motor.emf_constant() / (f64::from(poles) * current) * around(0.01, 3.0));
+    }
+    case.robot.bus.voltage = voltage.max(1e-9) * around(0.7, 5.0) / 0.6;
+    let back = need("regeneration").max(1e-3 * need("bus_power").abs()).max(1e-9);
+    case.robot.bus.regeneration = Regeneration::Limited(back * around(0.02, 1.5));
+    case.robot.bus.brake_power = Some(back * around(0.02, 0.5)).filter(|_| i.is_multiple_of(4));
+    case.robot.bus.flux_braking = true;
+    case.motor.demagnetization_current = Some(current * around(0.5, 5.0)).filter(|_| i.is_multiple_of(3));
+    Case::new(case.motor, case.robot, case.raw)
+}
+
+/// Flux braking: verdicts, best ratio, objective and every margin, against a scan over ratios with the current that burns it
+/// computed at every sample.
+#[test]
+fn programs_with_flux_braking_agree_with_a_scan_of_the_raw_waveforms() {
+    run(cases(600_000, 400), false, 18, burned);
+}
+
 /// Parts of constant heat are the model's own approximation: here heat is linear between samples, the
 /// equations are integrated by the classic Runge-Kutta rule, and a periodic motion is repeated until it
 /// repeats. The model is never below it, but for the fourth order of its parts, and above it by no more than it says.

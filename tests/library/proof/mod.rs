@@ -21,3 +21,4 @@ mod stopped;
 mod supply;
 mod turns;
 mod weakening;
+mod windings;

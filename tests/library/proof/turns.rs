@@ -12,7 +12,7 @@ use crate::raw::{Case, draw};
 use crate::solved;
 
 /// A motor with `a` times its turns, number by number.
-fn wound(motor: &Motor, a: f64) -> Motor {
+pub fn wound(motor: &Motor, a: f64) -> Motor {
     let mut motor = motor.clone();
     motor.resistance *= a * a;
     motor.inductance = motor.inductance.map(|l| l * a * a);
@@ -23,7 +23,7 @@ fn wound(motor: &Motor, a: f64) -> Motor {
     motor
 }
 
-fn with_turns(case: &Case, a: f64) -> Case {
+pub fn with_turns(case: &Case, a: f64) -> Case {
     Case::new(wound(&case.motor, a), case.robot.clone(), case.raw.clone())
 }
 

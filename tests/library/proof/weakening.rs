@@ -182,3 +182,48 @@ fn the_motor_s_own_voltage_is_a_limit_where_one_is_said() {
     assert!((of(Some(22.0)).0.unwrap() - (1.0 - demand / 22.0)).abs() < 1e-12 && of(Some(22.0)).1);
     assert!(of(Some(20.0)).0.unwrap() < 0.0 && !of(Some(20.0)).1);
 }
+
+/// A motor of 2 Ω and 0.5 N·m/A braked at 1 N·m and 30 rad/s: 2 A of q current, 15 V of back-EMF, −30 + 8 = −22 W. A bus that
+/// takes 4 W leaves 18 W to burn: 3 A along d. That costs 18 W of heat, keeps the limit, and is said.
+#[test]
+fn flux_braking_burns_what_the_bus_does_not_take() {
+    let mut motor = motor();
+    (motor.resistance, motor.torque_constant, motor.back_emf_constant) = (2.0, 0.5, 0.5);
+    motor.max_winding_temperature = None;
+    motor.inductance = Some(1e-3);
+    let mut robot = joint(-1.0, 30.0, None);
+    robot.bus.voltage = 60.0;
+    robot.bus.regeneration = Regeneration::Limited(4.0);
+    let at = |robot: &Robot, motor: &Motor| look(robot, motor, |prepared| prepared.at(1.0));
+    let margin =
+        |at: &gearwise::design::Evaluation| at.margins.iter().find(|m| m.limit == "regeneration").unwrap().margin;
+    let plain = at(&robot, &motor);
+    assert!(!plain.feasible && margin(&plain) < -1.0 && plain.weakening.is_none(), "{plain:?}");
+    robot.bus.flux_braking = true;
+    let burned = at(&robot, &motor);
+    let weakening = burned.weakening.unwrap();
+    assert!(burned.feasible && margin(&burned).abs() < 1e-9, "{burned:?}");
+    assert!((weakening.largest - 3.0).abs() < 1e-9 && (weakening.loss - 18.0).abs() < 1e-6, "{weakening:?}");
+    assert!((burned.copper_loss - plain.copper_loss - 18.0).abs() < 1e-6);
+    assert!((burned.peak_current - 13.0_f64.sqrt()).abs() < 1e-9, "{}", burned.peak_current);
+    // None at all may come back: 22 W are burned.
+    robot.bus.regeneration = Regeneration::Limited(0.0);
+    let none = at(&robot, &motor);
+    assert!(none.feasible && (none.weakening.unwrap().loss - 22.0).abs() < 1e-6, "{none:?}");
+    // Magnets that bear 2 A: the rest comes back, and that is too much.
+    robot.bus.regeneration = Regeneration::Limited(4.0);
+    motor.demagnetization_current = Some(2.0);
+    let weak = at(&robot, &motor);
+    assert!(!weak.feasible && (margin(&weak) + 10.0 / 4.0).abs() < 1e-6, "{weak:?}");
+    // Where nobody knows what the current does, none flows, and that is said.
+    let mut unknown = motor.clone();
+    unknown.pole_pairs = None;
+    let (feasible, said) = look(&robot, &unknown, |prepared| {
+        (
+            prepared.at(1.0).feasible,
+            prepared.unchecked.iter().any(|(name, why)| *name == "flux_braking" && why.contains("pole pairs")),
+        )
+    });
+    assert!(!feasible && said);
+    assert_eq!(can_be_asked(&robot, &robot.joints[0], &motor), Err(NoTurns::FieldWeakening));
+}

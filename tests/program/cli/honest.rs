@@ -219,3 +219,60 @@ fn other_turns_help_only_where_they_do() {
         run(&folder, &["optimize", "other.toml", "--catalog", "wound.csv", "--set", "bus.voltage=200 V", "--why"]);
     assert!(!says(&text, "could do it with another number of turns"), "{}", text.out);
 }
+
+/// A range of turns: the winding of it is chosen, proved over ratio and turns, no winding of a dense list is better, and the design
+/// file that is written from it passes its check. At a voltage that suits the row as it is wound, that stays.
+#[test]
+fn a_range_of_turns_is_chosen_from_with_its_proof() {
+    let folder = folder();
+    let head = "id,terminals,current,resistance [ohm],inductance [mH],speed_constant [rpm/V],speed_constant_convention,rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind";
+    let row = "fine,line_to_line,dc,8,3.2,47.75,dc,300,200,7,9,15,120,a sheet,datasheet";
+    fs::write(folder.path().join("wound.csv"), format!("{head}\n{row}\n")).unwrap();
+    let robot = REQUIREMENT.replace("motion = \"knee.csv\"", &POINTS.replace("4 rad/s", "30 rad/s"));
+    let robot = robot.replace("48 V", "6 V").replace("min = 3", "min = 8");
+    let with = |turns: &str| {
+        fs::write(folder.path().join("other.toml"), robot.replace("ratio =", &format!("{turns}\nratio ="))).unwrap();
+        let ran =
+            run(&folder, &["optimize", "other.toml", "--catalog", "wound.csv", "--json", "--write-design", "d.toml"]);
+        json(&ran)["joints"][0]["candidates"][0].clone()
+    };
+    let free = with("turns = { min = 0.05, max = 2 }");
+    let id = free["motor"].as_str().unwrap().to_string();
+    assert!(id.starts_with("fine:0."), "{free:#}");
+    assert_eq!(free["certificate"]["method"], "over ratio and turns", "{free:#}");
+    let objective = free["objective"].as_f64().unwrap();
+    let design = fs::read_to_string(folder.path().join("d.toml")).unwrap();
+    assert!(design.contains(&id), "{design}");
+    let checked = run(&folder, &["check", "d.toml", "--catalog", "wound.csv"]);
+    assert!(checked.status == 0, "{}", checked.out);
+    let explained = run(&folder, &["explain", &id, "other.toml", "--catalog", "wound.csv"]);
+    assert!(says(&explained, "over ratio and turns"), "{}", explained.out);
+    let list: Vec<String> = (1..40).map(|k| format!("{}", 0.05 * f64::from(k))).collect();
+    let listed = with(&format!("turns = [{}]", list.join(", ")));
+    assert!(objective <= listed["objective"].as_f64().unwrap() * (1.0 + 1e-6), "{free:#} {listed:#}");
+    assert_ne!(listed["certificate"]["method"], "over ratio and turns", "{listed:#}");
+    // None of these windings does it: none is chosen.
+    assert!(with("turns = { min = 0.9, max = 2 }").is_null());
+    let own =
+        run(&folder, &["optimize", "other.toml", "--catalog", "wound.csv", "--set", "bus.voltage=200 V", "--json"]);
+    assert_eq!(json(&own)["joints"][0]["candidates"][0]["motor"], "fine");
+    for (turns, more, what) in [
+        ("turns = { min = 2, max = 0.5 }", &[][..], "upside down"),
+        ("turns = { min = 0.01, max = 2 }", &[], "no winding of one frame"),
+        ("turns = { min = 0.5 }", &[], "max"),
+        ("turns = { min = 0.5, max = 2, step = 0.1 }", &[], "step"),
+        ("turns = { min = 0.5, max = \"2\" }", &[], "max"),
+        ("turns = { min = 0.5, max = 2 }", &["--set", "bus.internal_resistance=10 mohm"], "resistance of the supply"),
+        ("turns = { min = 0.5, max = 2 }", &["--set", "bus.drive_phase_resistance=10 mohm"], "drive and leads"),
+        ("turns = { min = 0.5, max = 2 }", &["--set", "bus.field_weakening_current=10 A"], "weakened field"),
+        ("turns = { min = 0.5, max = 2 }", &["--robust"], "--robust"),
+        ("turns = { min = 0.5, max = 2 }", &["--robot"], "--robot"),
+        ("turns = { min = 0.5, max = 2 }", &["--pareto", "loss,mass"], "--pareto"),
+        ("turns = { min = 0.5, max = 2 }\nobjective = \"peak_current\"", &[], "counts a current"),
+    ] {
+        let text = robot.replace("ratio =", &format!("{turns}\nratio ="));
+        fs::write(folder.path().join("wrong.toml"), text).unwrap();
+        let ran = run(&folder, &[&["optimize", "wrong.toml", "--catalog", "wound.csv"][..], more].concat());
+        assert!(ran.status == 2 && collapsed(&ran.err).contains(what), "{turns} {more:?}: {} {}", ran.out, ran.err);
+    }
+}
