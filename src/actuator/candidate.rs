@@ -7,7 +7,7 @@ use super::shaft::{Actuator, Feature, Flow};
 use super::supply::Supply;
 use super::thermal;
 use super::thermal_motion::TwoNode;
-use super::weakening::parabola;
+use super::weakening::{Weakening, parabola};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::Estimated;
@@ -185,6 +185,12 @@ impl Candidate<'_> {
         let drive = self.field_weakening_current()?;
         let most = self.motor.demagnetization_current.map_or(drive, |magnets| magnets.min(drive));
         self.why_not_weakened().is_none().then_some(most)
+    }
+
+    /// What weakening takes of a candidate at the ratio that its load is made for; `None` where the field is not weakened.
+    pub fn what_weakening_takes(&self) -> Option<Weakening> {
+        self.weakening()?;
+        Some(self.load.weakening(&self.actuator, self.voltage_squared("voltage").sqrt()))
     }
 
     fn field_weakening_current(&self) -> Option<f64> {

@@ -1,5 +1,7 @@
 //! Everything about a joint that does not depend on motor, gear or ratio, computed once.
 
+use std::sync::Arc;
+
 use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
@@ -7,7 +9,7 @@ use super::supply::Drawn;
 use super::thermal::winding_temperature;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
-use super::weakening::Weakening;
+use super::weakening::{Step, Weakening};
 use crate::numerics::laurent::Laurent;
 use crate::requirement::{Motion, TorqueBandwidth};
 
@@ -64,6 +66,8 @@ pub struct Load {
     samples: Vec<WavePoint>,
     weight: Vec<f64>,
     rest: Vec<f64>,
+    /// Which sample follows which.
+    steps: Arc<[Step]>,
 }
 
 impl Load {
@@ -143,6 +147,7 @@ impl Load {
             samples: in_means,
             weight: motion.weight.clone(),
             rest: motion.dwell.clone(),
+            steps: Step::all(motion).into(),
         }
     }
 
@@ -185,6 +190,7 @@ impl Load {
             course: self.course.clone(),
             weight: self.weight.clone(),
             rest: self.rest.clone(),
+            steps: self.steps.clone(),
             ..*self
         }
     }
@@ -220,8 +226,8 @@ impl Load {
         Some(Load { waveform: self.waveform.weakened(plain), bandwidth, samples, ..self.clone() })
     }
 
-    /// What weakening takes at the ratio that it was made for.
-    pub fn weakening(&self, actuator: &Actuator) -> Weakening {
+    /// What weakening takes at the ratio that it was made for, of the voltage that there is \[V\].
+    pub fn weakening(&self, actuator: &Actuator, voltage: f64) -> Weakening {
         let of_samples = |f: &dyn Fn(f64) -> f64| -> f64 {
             self.samples.iter().zip(&self.weight).map(|(s, w)| w * f(s.direct)).sum()
         };
@@ -232,7 +238,19 @@ impl Load {
             rms: squared.sqrt() / actuator.torque_constant,
             share: of_samples(&|d| f64::from(d != 0.0)),
             loss: squared * actuator.copper(),
+            rate: self.fastest_direct().map(|fastest| fastest * actuator.rate() / voltage),
         }
+    }
+
+    /// The fastest change of the currents along d from sample to sample, times the torque constant \[N·m/s\]; `None` of operating
+    /// points. Where power changes its direction through the gear the rate of the torque jumps: jumps are not differentiated.
+    fn fastest_direct(&self) -> Option<f64> {
+        let turns = |from: Flow, to: Flow| from != to && from != Flow::Holding && to != Flow::Holding;
+        let rate = |step: &Step| {
+            let (from, to) = (&self.samples[step.from], &self.samples[step.to]);
+            if turns(from.flow, to.flow) { 0.0 } else { (to.direct - from.direct).abs() / step.lasts }
+        };
+        self.steps.iter().map(rate).reduce(f64::max)
     }
 
     /// Samples in means with their share of the time.

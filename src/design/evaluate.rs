@@ -419,7 +419,7 @@ impl<'a> Prepared<'a> {
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
             bus_voltage: self.bus_voltage(ratio),
-            weakening: candidate.weakening().map(|_| candidate.load.weakening(actuator)),
+            weakening: candidate.what_weakening_takes(),
         }
     }
 

@@ -183,8 +183,13 @@ pub struct Figure {
 }
 
 /// Figures of what a requirement may ask for: where it does not, they are no unknowns.
-const WHERE_ASKED: &[&str] =
-    &["field_weakening_current_a", "field_weakening_loss_w", "lowest_bus_voltage_v", "highest_bus_voltage_v"];
+const WHERE_ASKED: &[&str] = &[
+    "field_weakening_current_a",
+    "field_weakening_loss_w",
+    "field_weakening_rate",
+    "lowest_bus_voltage_v",
+    "highest_bus_voltage_v",
+];
 
 impl Figure {
     /// Whether it says something of every design; others are left out of a text where they have no value.
@@ -337,6 +342,18 @@ pub const FIGURES: &[Figure] = &[
         frame: None,
         in_tables: None,
         value: |d| Some(d.evaluation.weakening?.loss),
+    },
+    Figure {
+        key: "field_weakening_rate",
+        name: "field_weakening_rate",
+        heading: "L di_d/dt",
+        words: "largest L di_d/dt, share of the voltage limit",
+        meaning: "largest voltage of a changing current against the magnets, which the voltage leaves out, as a share of the voltage limit; from one sample to the next",
+        kind: &units::RATIO,
+        unit: "%",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.weakening?.rate,
     },
     Figure {
         key: "lowest_bus_voltage_v",

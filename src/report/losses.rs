@@ -52,10 +52,14 @@ pub(super) fn of_supply(of: &Evaluation) -> Vec<String> {
     });
     let weakened = of.weakening.map(|weakening| match weakening.largest > 0.0 {
         true => format!(
-            "field weakened for {} % of the time, by at most {} A (amplitude): {} W of the copper loss",
+            "field weakened for {} % of the time, by at most {} A (amplitude): {} W of the copper loss{}",
             number(100.0 * weakening.share),
             number(weakening.largest / 1.5_f64.sqrt()),
-            number(weakening.loss)
+            number(weakening.loss),
+            weakening.rate.map_or_else(String::new, |rate| format!(
+                "; L di_d/dt, left out, is at most {} % of the voltage limit from sample to sample",
+                number(100.0 * rate)
+            ))
         ),
         false => "the field is not weakened at any instant: the voltage is enough".into(),
     });
