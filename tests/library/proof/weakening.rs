@@ -198,9 +198,11 @@ fn the_rate_of_the_current_is_that_on_paper() {
         let mut robot = joint(0.0, 1500.0, Some(50.0));
         robot.joints[0].motion = Motion::from_samples(given, course(1.0 / frequency)).into();
         look(&robot, &motor, |prepared| {
-            let said = prepared.judged(1.0).assumed.iter().any(|(name, what)| {
-                *name == "field_weakening" && what.contains("L di_d/dt")
-            });
+            let said = prepared
+                .judged(1.0)
+                .assumed
+                .iter()
+                .any(|(name, what)| *name == "field_weakening" && what.contains("L di_d/dt"));
             (prepared.at(1.0).weakening.unwrap().rate.unwrap(), said)
         })
     };
