@@ -4,7 +4,7 @@ use super::number;
 use crate::actuator::losses::UnknownLoss;
 use crate::catalog::Motor;
 use crate::catalog::drag::Drag;
-use crate::design::break_even::BreakEven;
+use crate::design::break_even::{BreakEven, OpenOrder};
 use crate::design::evaluate::Evaluation;
 
 /// What a part is called.
@@ -79,6 +79,43 @@ pub(super) fn break_even(of: &BreakEven, motor: &Motor) -> String {
         _ => String::new(),
     };
     let current = of.current.map_or_else(String::new, |i| format!(" (no-load current {})", super::with_unit(i, "A")));
-    let other = if of.other_is_estimated { " (with its own drag at the estimated end)" } else { "" };
+    let other = match () {
+        () if of.other_is_estimated => " (with its own drag at the estimated end)",
+        () if of.other_is_open => " (with its own drag at the worse end)",
+        () => "",
+    };
     format!("ahead of {}{other} up to a drag of {}{current}{known}", of.other, super::with_unit(of.torque, "N*m"))
+}
+
+/// Up to what share of a no-load torque, or from what share on, a first choice is ahead of the next.
+pub(super) fn open_order(of: &OpenOrder, motor: &Motor) -> String {
+    let at_worst = match motor.drag() {
+        Drag::NoLoad { speed: Some(_), .. } if !of.of_first => ", with its own drag at the worse end,",
+        _ => "",
+    };
+    let whose = if of.of_first { "its".to_string() } else { format!("{}'s", of.other) };
+    // Rounded to the side where it is ahead.
+    let tenths = 1000.0 * of.share;
+    let (word, share) = if of.at_most { ("most", tenths.floor()) } else { ("least", tenths.ceil()) };
+    format!(
+        "ahead of {}{at_worst} while at {word} {} % of {whose} no-load torque of {} is Coulomb friction and the rest viscous: the row does not say what part is",
+        of.other,
+        number(share / 10.0),
+        super::with_unit(of.torque, "N*m")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_rounded_to_the_side_where_the_first_is_ahead() {
+        let motor = crate::catalog::Catalog::builtin().unwrap().motors.remove(0);
+        let most = OpenOrder { other: "b".into(), of_first: true, torque: 0.05, share: 0.59996, at_most: true };
+        let text = open_order(&most, &motor);
+        assert!(text.starts_with("ahead of b while at most 59.9 % of its no-load torque of 0.05 N*m"), "{text}");
+        let text = open_order(&OpenOrder { of_first: false, at_most: false, share: 0.40004, ..most }, &motor);
+        assert!(text.contains("at least 40.1 % of b's no-load torque"), "{text}");
+    }
 }

@@ -28,6 +28,9 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     if let Some(found) = outlook.break_even(design.motor) {
         say(&losses::break_even(found, design.motor));
     }
+    if let Some(found) = &outlook.open_order {
+        say(&losses::open_order(found, design.motor));
+    }
     if let Balancing::Made(balance) = &joint.balancing {
         say(&balance::sentence(balance));
     }
