@@ -22,6 +22,20 @@ fn mean_wear(motion: &Motion) -> f64 {
     motion.mean(|k| motion.velocity[k].abs() * motion.torque[k].abs().powi(3))
 }
 
+/// The largest load torque \[N·m\] and |ω| \[rad/s\] at its sample.
+fn at_peak_torque(motion: &Motion) -> (f64, f64) {
+    let (torque, sample) = largest(&motion.torque);
+    (torque, motion.velocity[sample].abs())
+}
+
+/// Means of |τ| \[N·m\] and |ω| \[rad/s\] over the time that is not at standstill.
+fn running_load(motion: &Motion) -> (f64, f64) {
+    let moving = |k: usize| motion.weight[k] - motion.dwell[k];
+    let share: f64 = (0..motion.len()).map(moving).sum();
+    let mean = |values: &[f64]| (0..motion.len()).map(|k| moving(k) * values[k].abs()).sum::<f64>() / share;
+    if share > 1e-12 { (mean(&motion.torque), mean(&motion.velocity)) } else { (0.0, 0.0) }
+}
+
 /// Phases of the torque that is superposed for the bandwidth limit: between two of them it is at most
 /// 1 − cos(π/32) = 0.5 % larger.
 pub const BANDWIDTH_PHASES: usize = 32;
@@ -40,6 +54,10 @@ pub struct Load {
     pub peak_speed: (f64, usize),
     /// Largest load torque \[N·m\] and its sample.
     pub peak_torque: (f64, usize),
+    /// That torque, and |ω| at its sample \[rad/s\].
+    pub at_peak_torque: (f64, f64),
+    /// Mean of |τ| \[N·m\] and of |ω| \[rad/s\] over the time that is not at standstill; zero where nothing moves.
+    pub running_load: (f64, f64),
     /// Root mean square of the load torque \[N·m\].
     pub rms_torque: f64,
     /// Mean of |ω| over all of the motion \[rad/s\].
@@ -129,6 +147,8 @@ impl Load {
             bandwidth,
             peak_speed: largest(&motion.velocity),
             peak_torque: largest(&motion.torque),
+            at_peak_torque: at_peak_torque(motion),
+            running_load: running_load(motion),
             rms_torque: motion.mean(|k| motion.torque[k].powi(2)).sqrt(),
             mean_speed: motion.mean(|k| motion.velocity[k].abs()),
             mean_wear: mean_wear(motion),
@@ -164,6 +184,7 @@ impl Load {
         }
         let mut load = Load::new(&moved, bandwidth);
         load.peak_torque = largest(&motion.torque);
+        (load.at_peak_torque, load.running_load) = (at_peak_torque(motion), running_load(motion));
         load.rms_torque = motion.mean(|k| motion.torque[k].powi(2)).sqrt();
         load.mean_wear = mean_wear(motion);
         load

@@ -2,6 +2,7 @@
 
 use super::options::Stop;
 use crate::actuator::candidate::End;
+use crate::actuator::gear_figures::GearFigures;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
 use crate::actuator::losses::{LossTerms, Losses, UnknownLoss};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
@@ -137,6 +138,8 @@ pub struct Evaluation {
     pub peak_power: Option<f64>,
     /// What weakening of the field takes, where the requirement asks for it and it can be computed.
     pub weakening: Option<Weakening>,
+    /// What is asked of the gear beside its limits.
+    pub gear: GearFigures,
     /// Lowest and highest voltage of a bus whose supply has a resistance \[V\], by the power of this joint alone.
     pub bus_voltage: Option<BusVoltage>,
 }
@@ -418,6 +421,7 @@ impl<'a> Prepared<'a> {
             mean_power: mean_power + saturated,
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
+            gear: candidate.gear_figures(ratio),
             bus_voltage: self.bus_voltage(ratio),
             weakening: candidate.what_weakening_takes(),
         }

@@ -1,6 +1,7 @@
 //! Where the loss of a design is, in words.
 
 use super::number;
+use crate::actuator::gear_figures::GearFigures;
 use crate::actuator::losses::UnknownLoss;
 use crate::catalog::Motor;
 use crate::catalog::drag::Drag;
@@ -64,6 +65,25 @@ pub(super) fn of_supply(of: &Evaluation) -> Vec<String> {
         false => "the field is not weakened at any instant: the voltage is enough".into(),
     });
     bus.into_iter().chain(weakened).collect()
+}
+
+/// What is known of the gear at a design beside its limits; nothing where that is nothing.
+pub(super) fn of_gear(of: &Evaluation) -> Option<String> {
+    let GearFigures { efficiency_at_mean, efficiency_at_peak, backdriving_torque, life } = of.gear;
+    let share = |value: Option<f64>, at: &str| value.map(|value| format!("{} % at {at}", number(100.0 * value)));
+    let efficiency: Vec<String> =
+        [share(efficiency_at_mean, "the mean load"), share(efficiency_at_peak, "the peak load")]
+            .into_iter()
+            .flatten()
+            .collect();
+    let efficiency = (!efficiency.is_empty()).then(|| format!("efficiency {}", efficiency.join(", ")));
+    let back = backdriving_torque.map(|torque| match torque.is_finite() {
+        true => format!("{} at the output turn it and the motor without current", super::with_unit(torque, "N*m")),
+        false => "no torque at the output turns it".into(),
+    });
+    let life = life.map(|seconds| format!("life (L10) {} h of this motion", number(seconds / 3600.0)));
+    let said: Vec<String> = [efficiency, back, life].into_iter().flatten().collect();
+    (!said.is_empty()).then(|| format!("gear: {}", said.join("; ")))
 }
 
 /// What nobody knows of a loss, to go on a sentence.
