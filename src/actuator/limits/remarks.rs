@@ -83,6 +83,12 @@ impl Candidate<'_> {
                 "another number of turns than that of the row, in the same copper: its resistance is within 10 % of that, to be asked of the maker",
             ));
         }
+        if self.motor.saturation_current().is_some() {
+            assumed.push((
+                "peak_torque",
+                "the row's peak torque is the motor's own and less than K_T times its peak current: the iron is taken to saturate as T = K_T i_s tanh(i/i_s), through that one point",
+            ));
+        }
         if self.is_rated() {
             assumed.push((
                 "winding_temperature",
