@@ -399,6 +399,20 @@ impl Load {
         terms.fold(Laurent::default(), |a, b| a + b)
     }
 
+    /// Mean over time of what follows from the power at the terminals of every sample \[W\] at a ratio, with the winding at the reference
+    /// temperature; `None` where it follows from none of one.
+    pub fn mean_of_power(&self, actuator: &Actuator, ratio: f64, of: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let emf = actuator.back_emf_constant / actuator.torque_constant * ratio;
+        let of_sample = |(sample, weight): (&WavePoint, f64)| {
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let torque = a / ratio + c + b * ratio;
+            let heat = actuator.heat(torque * torque).0 + actuator.copper() * sample.direct * sample.direct;
+            let speed = sample.features[Feature::Velocity as usize];
+            Some(weight * of(heat * actuator.with_leads() + emf * speed * torque)?)
+        };
+        self.means().map(of_sample).sum()
+    }
+
     /// Whether the winding's temperature can be followed over the motion.
     pub fn has_course(&self) -> bool {
         self.course.is_some()

@@ -93,13 +93,16 @@ impl Margin {
     }
 }
 
-/// Between what voltages a bus moves whose supply has a resistance.
+/// Between what voltages a bus moves whose supply has a resistance, and what heats that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BusVoltage {
     /// The lowest \[V\]; `None` where the supply cannot give the power.
     pub lowest: Option<f64>,
     /// The highest \[V\].
     pub highest: f64,
+    /// Mean heat in the resistance \[W\], of the winding at the reference temperature, at the worse end of the motor's drag; `None`
+    /// where the supply cannot give the power of some sample.
+    pub heat: Option<f64>,
 }
 
 /// A design with all that is known of it. SI.
@@ -468,7 +471,9 @@ impl<'a> Prepared<'a> {
             self.candidate.ends().map(of_end).fold(f64::NEG_INFINITY, f64::max)
         };
         let (taken, back) = (most(Functional::Power), most(Functional::PowerBack));
-        Some(BusVoltage { lowest: supply.voltage(taken), highest: supply.lifted(back) })
+        let heat = |actuator| self.candidate.load.mean_of_power(actuator, ratio, |power| supply.heat(power));
+        let heat = self.candidate.ends().map(heat).reduce(|a, b| Some(a?.max(b?))).flatten();
+        Some(BusVoltage { lowest: supply.voltage(taken), highest: supply.lifted(back), heat })
     }
 
     /// Winding temperature in steady state at a ratio.

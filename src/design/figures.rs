@@ -193,6 +193,7 @@ const WHERE_ASKED: &[&str] = &[
     "field_weakening_rate",
     "lowest_bus_voltage_v",
     "highest_bus_voltage_v",
+    "supply_heat_w",
 ];
 
 impl Figure {
@@ -430,6 +431,18 @@ pub const FIGURES: &[Figure] = &[
         frame: None,
         in_tables: None,
         value: |d| Some(d.evaluation.bus_voltage?.highest),
+    },
+    Figure {
+        key: "supply_heat_w",
+        name: "supply_heat",
+        heading: "supply",
+        words: "heat in the supply's resistance",
+        meaning: "mean heat in the resistance of the supply and its leads, by this joint alone; not in the loss; where `internal_resistance` is given",
+        kind: &units::POWER,
+        unit: "W",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.bus_voltage?.heat,
     },
     Figure {
         key: "mean_electrical_power_w",

@@ -47,7 +47,14 @@ pub(super) fn sentence(of: &Evaluation) -> String {
 pub(super) fn of_supply(of: &Evaluation) -> Vec<String> {
     let bus = of.bus_voltage.map(|bus| match bus.lowest {
         Some(lowest) => {
-            format!("bus voltage {} to {} V, by the power of this joint alone", number(lowest), number(bus.highest))
+            let heat = bus.heat.map_or_else(String::new, |watts| {
+                format!("; {} W of heat in the supply's resistance, which the loss leaves out", number(watts))
+            });
+            format!(
+                "bus voltage {} to {} V, by the power of this joint alone{heat}",
+                number(lowest),
+                number(bus.highest)
+            )
         }
         None => "the supply cannot give the power: more than at half of its voltage".into(),
     });
