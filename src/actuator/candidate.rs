@@ -7,7 +7,7 @@ use super::shaft::{Actuator, Feature, Flow};
 use super::supply::{Drawn, Supply};
 use super::thermal;
 use super::thermal_motion::TwoNode;
-use super::weakening::{AlongD, braking_square, parabola};
+use super::weakening::{AlongD, Weakening, braking_square, parabola};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::Estimated;
@@ -213,6 +213,13 @@ impl Candidate<'_> {
             Some(_) => Some("it is not combined with a weakened field: i_d is that of the voltage alone"),
             None => self.why_no_current_along_d(),
         }
+    }
+
+    /// What currents along d take of a candidate at the ratio that its load is made for; `None` where there are none.
+    pub fn what_weakening_takes(&self) -> Option<Weakening> {
+        let burns = matches!(self.along_d()?, AlongD::Braking { .. });
+        let voltage = self.voltage_squared("voltage").sqrt();
+        Some(Weakening { burns, ..self.load.weakening(&self.actuator, voltage) })
     }
 
     fn field_weakening_current(&self) -> Option<f64> {

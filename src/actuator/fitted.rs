@@ -86,6 +86,9 @@ impl Shortfall {
                 _ => {}
             }
         }
+        if let Some(current) = motor.saturation_current() {
+            all.saturation = Some(Saturation::new(torque_constant, current, torque_constant, motor.peak_current));
+        }
         // Ripple as large as the torque itself leaves none: the heat has no end.
         all.proportional_heat = (1.0 - squares).max(0.0).powf(-1.5);
         all

@@ -1,5 +1,7 @@
 //! Everything about a joint that does not depend on motor, gear or ratio, computed once.
 
+use std::sync::Arc;
+
 use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
@@ -7,7 +9,7 @@ use super::supply::Drawn;
 use super::thermal::winding_temperature;
 use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
-use super::weakening::Weakening;
+use super::weakening::{Step, Weakening};
 use crate::numerics::laurent::Laurent;
 use crate::requirement::{Motion, TorqueBandwidth};
 
@@ -18,6 +20,20 @@ const FAR_BEYOND: f64 = 100.0;
 /// Mean of |ω||τ|³ over a motion.
 fn mean_wear(motion: &Motion) -> f64 {
     motion.mean(|k| motion.velocity[k].abs() * motion.torque[k].abs().powi(3))
+}
+
+/// The largest load torque \[N·m\] and |ω| \[rad/s\] at its sample.
+fn at_peak_torque(motion: &Motion) -> (f64, f64) {
+    let (torque, sample) = largest(&motion.torque);
+    (torque, motion.velocity[sample].abs())
+}
+
+/// Means of |τ| \[N·m\] and |ω| \[rad/s\] over the time that is not at standstill.
+fn running_load(motion: &Motion) -> (f64, f64) {
+    let moving = |k: usize| motion.weight[k] - motion.dwell[k];
+    let share: f64 = (0..motion.len()).map(moving).sum();
+    let mean = |values: &[f64]| (0..motion.len()).map(|k| moving(k) * values[k].abs()).sum::<f64>() / share;
+    if share > 1e-12 { (mean(&motion.torque), mean(&motion.velocity)) } else { (0.0, 0.0) }
 }
 
 /// Phases of the torque that is superposed for the bandwidth limit: between two of them it is at most
@@ -38,6 +54,10 @@ pub struct Load {
     pub peak_speed: (f64, usize),
     /// Largest load torque \[N·m\] and its sample.
     pub peak_torque: (f64, usize),
+    /// That torque, and |ω| at its sample \[rad/s\].
+    pub at_peak_torque: (f64, f64),
+    /// Mean of |τ| \[N·m\] and of |ω| \[rad/s\] over the time that is not at standstill; zero where nothing moves.
+    pub running_load: (f64, f64),
     /// Root mean square of the load torque \[N·m\].
     pub rms_torque: f64,
     /// Mean of |ω| over all of the motion \[rad/s\].
@@ -64,6 +84,8 @@ pub struct Load {
     samples: Vec<WavePoint>,
     weight: Vec<f64>,
     rest: Vec<f64>,
+    /// Which sample follows which.
+    steps: Arc<[Step]>,
 }
 
 impl Load {
@@ -125,6 +147,8 @@ impl Load {
             bandwidth,
             peak_speed: largest(&motion.velocity),
             peak_torque: largest(&motion.torque),
+            at_peak_torque: at_peak_torque(motion),
+            running_load: running_load(motion),
             rms_torque: motion.mean(|k| motion.torque[k].powi(2)).sqrt(),
             mean_speed: motion.mean(|k| motion.velocity[k].abs()),
             mean_wear: mean_wear(motion),
@@ -143,6 +167,7 @@ impl Load {
             samples: in_means,
             weight: motion.weight.clone(),
             rest: motion.dwell.clone(),
+            steps: Step::all(motion).into(),
         }
     }
 
@@ -159,6 +184,7 @@ impl Load {
         }
         let mut load = Load::new(&moved, bandwidth);
         load.peak_torque = largest(&motion.torque);
+        (load.at_peak_torque, load.running_load) = (at_peak_torque(motion), running_load(motion));
         load.rms_torque = motion.mean(|k| motion.torque[k].powi(2)).sqrt();
         load.mean_wear = mean_wear(motion);
         load
@@ -185,6 +211,7 @@ impl Load {
             course: self.course.clone(),
             weight: self.weight.clone(),
             rest: self.rest.clone(),
+            steps: self.steps.clone(),
             ..*self
         }
     }
@@ -220,8 +247,8 @@ impl Load {
         Some(Load { waveform: self.waveform.weakened(plain), bandwidth, samples, ..self.clone() })
     }
 
-    /// What weakening takes at the ratio that it was made for.
-    pub fn weakening(&self, actuator: &Actuator) -> Weakening {
+    /// What weakening takes at the ratio that it was made for, of the voltage that there is \[V\].
+    pub fn weakening(&self, actuator: &Actuator, voltage: f64) -> Weakening {
         let of_samples = |f: &dyn Fn(f64) -> f64| -> f64 {
             self.samples.iter().zip(&self.weight).map(|(s, w)| w * f(s.direct)).sum()
         };
@@ -232,7 +259,20 @@ impl Load {
             rms: squared.sqrt() / actuator.torque_constant,
             share: of_samples(&|d| f64::from(d != 0.0)),
             loss: squared * actuator.copper(),
+            burns: false,
+            rate: self.fastest_direct().map(|fastest| fastest * actuator.rate() / voltage),
         }
+    }
+
+    /// The fastest change of the currents along d from sample to sample, times the torque constant \[N·m/s\]; `None` of operating
+    /// points. Where power changes its direction through the gear the rate of the torque jumps: jumps are not differentiated.
+    fn fastest_direct(&self) -> Option<f64> {
+        let turns = |from: Flow, to: Flow| from != to && from != Flow::Holding && to != Flow::Holding;
+        let rate = |step: &Step| {
+            let (from, to) = (&self.samples[step.from], &self.samples[step.to]);
+            if turns(from.flow, to.flow) { 0.0 } else { (to.direct - from.direct).abs() / step.lasts }
+        };
+        self.steps.iter().map(rate).reduce(f64::max)
     }
 
     /// Samples in means with their share of the time.
@@ -358,6 +398,20 @@ impl Load {
         }
         let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(*c, power));
         terms.fold(Laurent::default(), |a, b| a + b)
+    }
+
+    /// Mean over time of what follows from the power at the terminals of every sample \[W\] at a ratio, with the winding at the reference
+    /// temperature; `None` where it follows from none of one.
+    pub fn mean_of_power(&self, actuator: &Actuator, ratio: f64, of: impl Fn(f64) -> Option<f64>) -> Option<f64> {
+        let emf = actuator.back_emf_constant / actuator.torque_constant * ratio;
+        let of_sample = |(sample, weight): (&WavePoint, f64)| {
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let torque = a / ratio + c + b * ratio;
+            let heat = actuator.heat(torque * torque).0 + actuator.copper() * sample.direct * sample.direct;
+            let speed = sample.features[Feature::Velocity as usize];
+            Some(weight * of(heat * actuator.with_leads() + emf * speed * torque)?)
+        };
+        self.means().map(of_sample).sum()
     }
 
     /// Whether the winding's temperature can be followed over the motion.

@@ -302,6 +302,11 @@ impl Actuator {
         self.per_square(self.drive_resistance) * self.shortfall.heat_factor()
     }
 
+    /// Inductance over the torque constant \[H·A/(N·m)\]; zero where unknown.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
     /// Resistance of the hottest winding, drive and leads over the torque constant \[V/(N·m)\].
     pub fn resistance_per_torque(&self) -> f64 {
         (self.hot_resistance + self.drive_resistance) / self.torque_constant

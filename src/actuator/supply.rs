@@ -160,8 +160,25 @@ impl Supply {
 
     /// The highest bus voltage \[V\] where so much comes back at the terminals \[W\], from above.
     pub fn lifted(&self, back: f64) -> f64 {
+        self.at(self.through(-back.max(0.0))).unwrap_or(self.open)
+    }
+
+    /// Heat in the resistance \[W\], R (P/V)², where so much is taken at the terminals \[W\], negative where it comes back; `None` where the
+    /// supply cannot give it.
+    pub fn heat(&self, power: f64) -> Option<f64> {
+        let through = self.through(power);
+        let current = through / self.at(through)?;
+        Some(self.resistance * current * current)
+    }
+
+    /// What goes through the resistance \[W\] where so much is taken at the terminals \[W\], negative where it goes back: of what comes
+    /// back all that reaches the bus and no brake takes for sure.
+    fn through(&self, power: f64) -> f64 {
+        if power > 0.0 {
+            return self.drawn.taken * power + self.standby;
+        }
         let most = if self.is_braked { self.goes_back } else { f64::INFINITY };
-        self.at((self.standby - self.drawn.arrives * back.max(0.0)).max(-most)).unwrap_or(self.open)
+        (self.standby + self.drawn.arrives * power).max(-most)
     }
 
     /// Bus voltage where the supply gives so much \[W\].

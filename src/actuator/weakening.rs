@@ -10,6 +10,7 @@
 
 use super::shaft::{Actuator, FEATURES, Feature, Flow};
 use crate::numerics::laurent::Laurent;
+use crate::requirement::{Course, Motion};
 
 /// `|v|²` of a sample at a ratio as a parabola in `d = K_T i_d` \[N·m\]: `squared + 2 slope d + bend d²`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,6 +185,46 @@ pub struct Weakening {
     pub share: f64,
     /// Copper loss of it \[W\].
     pub loss: f64,
+    /// Whether it burns power that comes back; else it keeps the voltage.
+    pub burns: bool,
+    /// Largest |L di_d/dt|, which the voltage leaves out, as a share of the voltage that there is: by the change from one sample
+    /// to the next. `None` of operating points, which have no order.
+    pub rate: Option<f64>,
+}
+
+impl Weakening {
+    /// From this share of the voltage on it is worth a word that L di_d/dt is left out.
+    pub const RATE_WORTH_A_WORD: f64 = 0.01;
+}
+
+/// Two samples of which one follows the other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// The earlier sample.
+    pub from: usize,
+    /// The later one.
+    pub to: usize,
+    /// The time between them \[s\], > 0.
+    pub lasts: f64,
+}
+
+impl Step {
+    /// All of a motion, in each case by itself; none of operating points.
+    pub fn all(motion: &Motion) -> Vec<Step> {
+        let mut steps = Vec::new();
+        for (samples, course) in motion.courses() {
+            if matches!(course, Course::Points(_)) || samples.is_empty() {
+                continue;
+            }
+            let (first, last, time) = (samples.start, samples.end - 1, &motion.time);
+            steps.extend((first..last).map(|k| Step { from: k, to: k + 1, lasts: time[k + 1] - time[k] }));
+            if let Course::Periodic(period) = course {
+                steps.push(Step { from: last, to: first, lasts: period - (time[last] - time[first]) });
+            }
+        }
+        steps.retain(|step| step.lasts > 0.0);
+        steps
+    }
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use about::{About, Construction};
+pub use about::{About, Construction, PeakTorqueOf};
 pub use fitted::{Fit, Provenance, read_fitted};
 pub use gear::{
     ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, matches_pattern,

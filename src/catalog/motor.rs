@@ -1,6 +1,6 @@
 //! A motor as the program computes with it: the power-invariant q-axis equivalent of its sheet.
 
-use super::about::About;
+use super::about::{About, PeakTorqueOf};
 use super::convention::{Commutation, Terminals};
 use super::estimate::{Estimate, Estimated};
 use super::fit::{Fit, FittedGear};
@@ -12,6 +12,9 @@ pub const REFERENCE_TEMPERATURE: f64 = 298.15;
 
 /// Torque constant and speed constant that differ by less (relative) say the same: sheets round both.
 const PRINTED_DIGITS: f64 = 0.01;
+
+/// Share by which a peak torque has to be less than K_T I_peak to be more than rounding.
+const SATURATES: f64 = 0.005;
 
 /// What a motor is that has other turns than its row.
 #[derive(Debug, Clone, PartialEq)]
@@ -285,6 +288,27 @@ impl Motor {
             estimates: Vec::new(),
             assumptions,
         })
+    }
+
+    /// The current i_s \[A\] of T = K_T i_s tanh(i/i_s) through the row's peak torque and peak current: where the row says that the
+    /// torque is the motor's own, and it is less than K_T I_peak by more than printed digits leave. `None` elsewhere, and of a motor with a
+    /// fit, whose logs say what its iron does.
+    pub fn saturation_current(&self) -> Option<f64> {
+        let own =
+            self.about.peak_torque_of == Some(PeakTorqueOf::Motor) && self.fit.is_none() && self.effects.is_empty();
+        let printed = self.sheet.peak_torque.is_some() && self.sheet.peak_current.is_some();
+        let (torque, current) = (self.peak_torque?, self.peak_current?);
+        let share = torque / (self.torque_constant * current);
+        if !own || !printed || share.is_nan() || share <= 0.0 || share >= 1.0 - SATURATES {
+            return None;
+        }
+        // tanh(x)/x falls from 1, and is below the share at 1/share.
+        let (mut low, mut high) = (0.0_f64, 1.0 / share);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if middle.tanh() > share * middle { low = middle } else { high = middle }
+        }
+        Some(current / high)
     }
 
     /// `L` and `p` where the dq voltage can be computed: an unknown inductance or unknown pole pairs

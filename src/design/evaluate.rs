@@ -2,6 +2,7 @@
 
 use super::options::Stop;
 use crate::actuator::candidate::End;
+use crate::actuator::gear_figures::GearFigures;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
 use crate::actuator::losses::{LossTerms, Losses, UnknownLoss};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
@@ -92,13 +93,16 @@ impl Margin {
     }
 }
 
-/// Between what voltages a bus moves whose supply has a resistance.
+/// Between what voltages a bus moves whose supply has a resistance, and what heats that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BusVoltage {
     /// The lowest \[V\]; `None` where the supply cannot give the power.
     pub lowest: Option<f64>,
     /// The highest \[V\].
     pub highest: f64,
+    /// Mean heat in the resistance \[W\], of the winding at the reference temperature, at the worse end of the motor's drag; `None`
+    /// where the supply cannot give the power of some sample.
+    pub heat: Option<f64>,
 }
 
 /// A design with all that is known of it. SI.
@@ -137,6 +141,8 @@ pub struct Evaluation {
     pub peak_power: Option<f64>,
     /// What weakening of the field takes, where the requirement asks for it and it can be computed.
     pub weakening: Option<Weakening>,
+    /// What is asked of the gear beside its limits.
+    pub gear: GearFigures,
     /// Lowest and highest voltage of a bus whose supply has a resistance \[V\], by the power of this joint alone.
     pub bus_voltage: Option<BusVoltage>,
 }
@@ -418,8 +424,9 @@ impl<'a> Prepared<'a> {
             mean_power: mean_power + saturated,
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),
+            gear: candidate.gear_figures(ratio),
             bus_voltage: self.bus_voltage(ratio),
-            weakening: candidate.along_d().map(|_| candidate.load.weakening(actuator)),
+            weakening: candidate.what_weakening_takes(),
         }
     }
 
@@ -464,7 +471,9 @@ impl<'a> Prepared<'a> {
             self.candidate.ends().map(of_end).fold(f64::NEG_INFINITY, f64::max)
         };
         let (taken, back) = (most(Functional::Power), most(Functional::PowerBack));
-        Some(BusVoltage { lowest: supply.voltage(taken), highest: supply.lifted(back) })
+        let heat = |actuator| self.candidate.load.mean_of_power(actuator, ratio, |power| supply.heat(power));
+        let heat = self.candidate.ends().map(heat).reduce(|a, b| Some(a?.max(b?))).flatten();
+        Some(BusVoltage { lowest: supply.voltage(taken), highest: supply.lifted(back), heat })
     }
 
     /// Winding temperature in steady state at a ratio.

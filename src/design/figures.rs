@@ -182,9 +182,19 @@ pub struct Figure {
     value: fn(&Facts) -> Option<f64>,
 }
 
-/// Figures of what a requirement may ask for: where it does not, they are no unknowns.
-const WHERE_ASKED: &[&str] =
-    &["field_weakening_current_a", "field_weakening_loss_w", "lowest_bus_voltage_v", "highest_bus_voltage_v"];
+/// Figures of what a requirement may ask for, or that few gears say: where they do not, they are no unknowns.
+const WHERE_ASKED: &[&str] = &[
+    "gear_efficiency_at_mean",
+    "gear_efficiency_at_peak",
+    "gear_backdriving_torque_nm",
+    "gear_l10_life_s",
+    "field_weakening_current_a",
+    "field_weakening_loss_w",
+    "field_weakening_rate",
+    "lowest_bus_voltage_v",
+    "highest_bus_voltage_v",
+    "supply_heat_w",
+];
 
 impl Figure {
     /// Whether it says something of every design; others are left out of a text where they have no value.
@@ -291,6 +301,54 @@ pub const FIGURES: &[Figure] = &[
         value: |d| Some(d.evaluation.losses.gear_load + d.evaluation.losses.gear_no_load),
     },
     Figure {
+        key: "gear_efficiency_at_mean",
+        name: "gear_efficiency_at_mean",
+        heading: "η mean",
+        words: "gear's efficiency at the mean load",
+        meaning: "efficiency of the gear with its torque without load, at the means of torque and speed over the time that is not at standstill; where both are known",
+        kind: &units::RATIO,
+        unit: "%",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.gear.efficiency_at_mean,
+    },
+    Figure {
+        key: "gear_efficiency_at_peak",
+        name: "gear_efficiency_at_peak",
+        heading: "η peak",
+        words: "gear's efficiency at the peak load",
+        meaning: "efficiency of the gear with its torque without load, at the largest load torque and the speed there; where both are known",
+        kind: &units::RATIO,
+        unit: "%",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.gear.efficiency_at_peak,
+    },
+    Figure {
+        key: "gear_backdriving_torque_nm",
+        name: "gear_backdriving_torque",
+        heading: "τ back",
+        words: "torque that turns it from the output",
+        meaning: "torque at the output that sets motor and gear going without current, N (c + c_g)/η_b, the motor's friction at its worse end; where it is known",
+        kind: &units::TORQUE,
+        unit: "N*m",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.gear.backdriving_torque.filter(|torque| torque.is_finite()),
+    },
+    Figure {
+        key: "gear_l10_life_s",
+        name: "gear_l10_life",
+        heading: "L10",
+        words: "gear's life in this motion (L10)",
+        meaning: "hours of the motion with its pauses that nine in ten gears last, from the rated life; where that is known",
+        kind: &units::TIME,
+        unit: "h",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.gear.life,
+    },
+    Figure {
         key: "drive_loss_w",
         name: "drive_loss",
         heading: "drive",
@@ -319,7 +377,7 @@ pub const FIGURES: &[Figure] = &[
         name: "field_weakening_current",
         heading: "i_d",
         words: "largest field weakening current (amplitude)",
-        meaning: "largest current against the magnets, amplitude of a phase; where `field_weakening_current` is given",
+        meaning: "largest current against the magnets, amplitude of a phase; where `field_weakening_current` or `flux_braking` is given",
         kind: &units::CURRENT,
         unit: "A",
         frame: None,
@@ -337,6 +395,18 @@ pub const FIGURES: &[Figure] = &[
         frame: None,
         in_tables: None,
         value: |d| Some(d.evaluation.weakening?.loss),
+    },
+    Figure {
+        key: "field_weakening_rate",
+        name: "field_weakening_rate",
+        heading: "L di_d/dt",
+        words: "largest L di_d/dt, share of the voltage limit",
+        meaning: "largest voltage of a changing current against the magnets, which the voltage leaves out, as a share of the voltage limit; from one sample to the next",
+        kind: &units::RATIO,
+        unit: "%",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.weakening?.rate,
     },
     Figure {
         key: "lowest_bus_voltage_v",
@@ -361,6 +431,18 @@ pub const FIGURES: &[Figure] = &[
         frame: None,
         in_tables: None,
         value: |d| Some(d.evaluation.bus_voltage?.highest),
+    },
+    Figure {
+        key: "supply_heat_w",
+        name: "supply_heat",
+        heading: "supply",
+        words: "heat in the supply's resistance",
+        meaning: "mean heat in the resistance of the supply and its leads, by this joint alone; not in the loss; where `internal_resistance` is given",
+        kind: &units::POWER,
+        unit: "W",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.bus_voltage?.heat,
     },
     Figure {
         key: "mean_electrical_power_w",

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::answer::{Design, JointResult, RobotResult};
 use super::best::best_design;
-use super::break_even::{BreakEven, break_even};
+use super::break_even::{BreakEven, OpenOrder, break_even, open_order};
 use super::flatness::{Flatness, OwnBound, at_design, flatness, own_bound};
 use super::mount::{JointDemand, Site};
 use super::nearby::{Nearby, nearby};
@@ -33,7 +33,9 @@ pub struct Outlook<'a> {
     /// Up to what drag motors lead whose drag nobody says, or is estimated: the first choice the next one, the others the
     /// first choice.
     pub break_evens: Vec<(&'a Motor, BreakEven)>,
-    /// The same for the first choice, where voltage or the drive's current holds its ratio back.
+    /// What share of a no-load torque the order of the first choice and the next depends on.
+    pub open_order: Option<OpenOrder>,
+    /// What another number of turns would do for the first choice, where voltage or the drive's current holds its ratio back.
     pub rewound: Option<Rewinding<'a>>,
 }
 
@@ -101,8 +103,10 @@ pub fn outlooks<'a>(
         let (flatness, own_bound) = seen.unwrap_or_default();
         let front = if with_front { front(robot, of, catalog, options)? } else { Vec::new() };
         let break_evens = break_evens(site, of);
+        let next = of.candidates.get(1);
+        let open_order = next.and_then(|next| open_order(site, design.motor, next.motor, design.optimum.objective));
         let nearby = nearby(robot, joint, catalog, design);
-        Ok((place, Outlook { flatness, own_bound, nearby, front, rewindings, rewound, break_evens }))
+        Ok((place, Outlook { flatness, own_bound, nearby, front, rewindings, rewound, break_evens, open_order }))
     };
     // Joints that ask the same have the same answer: it is found once.
     let alike = |j: usize| (0..j).find(|i| robot.joints[*i].asks_the_same(&robot.joints[j]));

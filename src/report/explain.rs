@@ -51,8 +51,7 @@ pub fn text(story: &Explanation) -> String {
     }
     out.push_str(&format!("\n{}", paragraph(&format!("Of the {}.", super::losses::sentence(e)), 0, 2)));
     for line in super::losses::of_supply(e) {
-        let line = format!("{}{}.", line[..1].to_uppercase(), &line[1..]);
-        out.push_str(&paragraph(&line, 0, 2));
+        out.push_str(&paragraph(&capitalised(&line), 0, 2));
     }
     match &story.spring {
         Some(Ok(spring)) => {
@@ -124,6 +123,12 @@ pub fn text(story: &Explanation) -> String {
         out.push_str(&paragraph(&format!("audit [{}]: {}", finding.code, finding.message), 2, 4));
     }
     out
+}
+
+/// A line as a sentence: with a capital letter and a full stop.
+pub(super) fn capitalised(line: &str) -> String {
+    let rest = line.chars().next().map_or(0, char::len_utf8);
+    format!("{}{}.", line[..rest].to_uppercase(), &line[rest..])
 }
 
 /// How the design stands.

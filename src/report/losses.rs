@@ -1,10 +1,11 @@
 //! Where the loss of a design is, in words.
 
 use super::number;
+use crate::actuator::gear_figures::GearFigures;
 use crate::actuator::losses::UnknownLoss;
 use crate::catalog::Motor;
 use crate::catalog::drag::Drag;
-use crate::design::break_even::BreakEven;
+use crate::design::break_even::{BreakEven, OpenOrder};
 use crate::design::evaluate::Evaluation;
 
 /// What a part is called.
@@ -46,20 +47,52 @@ pub(super) fn sentence(of: &Evaluation) -> String {
 pub(super) fn of_supply(of: &Evaluation) -> Vec<String> {
     let bus = of.bus_voltage.map(|bus| match bus.lowest {
         Some(lowest) => {
-            format!("bus voltage {} to {} V, by the power of this joint alone", number(lowest), number(bus.highest))
+            let heat = bus.heat.map_or_else(String::new, |watts| {
+                format!("; {} W of heat in the supply's resistance, which the loss leaves out", number(watts))
+            });
+            format!(
+                "bus voltage {} to {} V, by the power of this joint alone{heat}",
+                number(lowest),
+                number(bus.highest)
+            )
         }
         None => "the supply cannot give the power: more than at half of its voltage".into(),
     });
     let weakened = of.weakening.map(|weakening| match weakening.largest > 0.0 {
         true => format!(
-            "field weakened for {} % of the time, by at most {} A (amplitude): {} W of the copper loss",
+            "{} for {} % of the time, by at most {} A (amplitude): {} W of the copper loss{}",
+            if weakening.burns { "power that comes back burned along d" } else { "field weakened" },
             number(100.0 * weakening.share),
             number(weakening.largest / 1.5_f64.sqrt()),
-            number(weakening.loss)
+            number(weakening.loss),
+            weakening.rate.map_or_else(String::new, |rate| format!(
+                "; L di_d/dt, left out, is at most {} % of the voltage limit from sample to sample",
+                number(100.0 * rate)
+            ))
         ),
+        false if weakening.burns => "nothing is burned along d: the bus takes what comes back".into(),
         false => "the field is not weakened at any instant: the voltage is enough".into(),
     });
     bus.into_iter().chain(weakened).collect()
+}
+
+/// What is known of the gear at a design beside its limits; nothing where that is nothing.
+pub(super) fn of_gear(of: &Evaluation) -> Option<String> {
+    let GearFigures { efficiency_at_mean, efficiency_at_peak, backdriving_torque, life } = of.gear;
+    let share = |value: Option<f64>, at: &str| value.map(|value| format!("{} % at {at}", number(100.0 * value)));
+    let efficiency: Vec<String> =
+        [share(efficiency_at_mean, "the mean load"), share(efficiency_at_peak, "the peak load")]
+            .into_iter()
+            .flatten()
+            .collect();
+    let efficiency = (!efficiency.is_empty()).then(|| format!("efficiency {}", efficiency.join(", ")));
+    let back = backdriving_torque.map(|torque| match torque.is_finite() {
+        true => format!("{} at the output turn it and the motor without current", super::with_unit(torque, "N*m")),
+        false => "no torque at the output turns it".into(),
+    });
+    let life = life.map(|seconds| format!("life (L10) {} h of this motion", number(seconds / 3600.0)));
+    let said: Vec<String> = [efficiency, back, life].into_iter().flatten().collect();
+    (!said.is_empty()).then(|| format!("gear: {}", said.join("; ")))
 }
 
 /// What nobody knows of a loss, to go on a sentence.
@@ -75,6 +108,43 @@ pub(super) fn break_even(of: &BreakEven, motor: &Motor) -> String {
         _ => String::new(),
     };
     let current = of.current.map_or_else(String::new, |i| format!(" (no-load current {})", super::with_unit(i, "A")));
-    let other = if of.other_is_estimated { " (with its own drag at the estimated end)" } else { "" };
+    let other = match () {
+        () if of.other_is_estimated => " (with its own drag at the estimated end)",
+        () if of.other_is_open => " (with its own drag at the worse end)",
+        () => "",
+    };
     format!("ahead of {}{other} up to a drag of {}{current}{known}", of.other, super::with_unit(of.torque, "N*m"))
+}
+
+/// Up to what share of a no-load torque, or from what share on, a first choice is ahead of the next.
+pub(super) fn open_order(of: &OpenOrder, motor: &Motor) -> String {
+    let at_worst = match motor.drag() {
+        Drag::NoLoad { speed: Some(_), .. } if !of.of_first => ", with its own drag at the worse end,",
+        _ => "",
+    };
+    let whose = if of.of_first { "its".to_string() } else { format!("{}'s", of.other) };
+    // Rounded to the side where it is ahead.
+    let tenths = 1000.0 * of.share;
+    let (word, share) = if of.at_most { ("most", tenths.floor()) } else { ("least", tenths.ceil()) };
+    format!(
+        "ahead of {}{at_worst} while at {word} {} % of {whose} no-load torque of {} is Coulomb friction and the rest viscous: the row does not say what part is",
+        of.other,
+        number(share / 10.0),
+        super::with_unit(of.torque, "N*m")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_rounded_to_the_side_where_the_first_is_ahead() {
+        let motor = crate::catalog::Catalog::builtin().unwrap().motors.remove(0);
+        let most = OpenOrder { other: "b".into(), of_first: true, torque: 0.05, share: 0.59996, at_most: true };
+        let text = open_order(&most, &motor);
+        assert!(text.starts_with("ahead of b while at most 59.9 % of its no-load torque of 0.05 N*m"), "{text}");
+        let text = open_order(&OpenOrder { of_first: false, at_most: false, share: 0.40004, ..most }, &motor);
+        assert!(text.contains("at least 40.1 % of b's no-load torque"), "{text}");
+    }
 }

@@ -25,8 +25,12 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     say(&sure);
     say(&losses::sentence(&design.evaluation));
     losses::of_supply(&design.evaluation).iter().for_each(|line| say(line));
+    losses::of_gear(&design.evaluation).iter().for_each(|line| say(line));
     if let Some(found) = outlook.break_even(design.motor) {
         say(&losses::break_even(found, design.motor));
+    }
+    if let Some(found) = &outlook.open_order {
+        say(&losses::open_order(found, design.motor));
     }
     if let Balancing::Made(balance) = &joint.balancing {
         say(&balance::sentence(balance));

@@ -68,15 +68,16 @@ pub(super) fn read(
             ),
             ..drive::read(&table, ["phase_resistance", "standby_power", "continuous_current"])
         };
-        let keys = [
-            "current",
-            "continuous_current",
-            "field_weakening_current",
-            "phase_resistance",
-            "standby_power",
-            "supply_lead_resistance",
-        ];
-        if !keys.iter().any(|key| table.has(key)) {
+        // A key that is none is a mistake of its own.
+        if table.items().is_empty() {
+            let keys = [
+                "current",
+                "continuous_current",
+                "field_weakening_current",
+                "phase_resistance",
+                "standby_power",
+                "supply_lead_resistance",
+            ];
             let message = "[joint.drive] says nothing";
             let problem = Problem::at(table.span(), message, format!("expected one of {}", keys.join(", ")));
             table.note(problem.help("for example current = \"40 A\""));

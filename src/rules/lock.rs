@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::catalog::convention::word;
 use crate::catalog::{
-    ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, LifeQuantile, Motor, SourceKind,
+    ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, LifeQuantile, Motor, PeakTorqueOf, SourceKind,
 };
 use crate::input::kind::{self, FileKind};
 use crate::input::{Form, InputError, Problem, Section, Source, sha256};
@@ -127,6 +127,9 @@ impl Row {
         add("conventions", crate::catalog::audit::conventions_line(motor));
         add("commutation", format!("{:?}", conventions.commutation).to_lowercase());
         add("pole_pairs", motor.pole_pairs.map_or(String::new(), |p| p.to_string()));
+        if let Some(of) = &motor.about.peak_torque_of {
+            add("peak_torque_of", word(PeakTorqueOf::NAMES, of).into());
+        }
         for effect in &motor.effects {
             for (parameter, value) in effect.effect.parameters().iter().zip(&effect.values) {
                 add(&format!("effects.{}.{}", effect.name(), parameter.name), value.to_string());

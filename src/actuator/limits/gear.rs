@@ -220,6 +220,16 @@ pub(super) const LIMITS: &[Limit] = &[
     },
 ];
 
+/// The torque at the output that sets motor and gear going without current, from rest \[N·m\] at a ratio; `None` where it is not
+/// known, infinite where the gear locks.
+pub fn backdriving_torque(c: &Candidate, ratio: f64) -> Option<f64> {
+    match backdriving(c).ok()? {
+        Demand::Polynomial(torque, _) => Some(torque.at(ratio)),
+        Demand::Constant(torque) => Some(torque),
+        _ => None,
+    }
+}
+
 /// The torque at the output that sets motor and gear going without current, from rest.
 ///
 /// # Errors

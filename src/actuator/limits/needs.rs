@@ -3,6 +3,7 @@
 use super::heat::{STANDSTILL, heat_at_standstill};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
+use crate::actuator::weakening::Weakening;
 use crate::catalog::Motor;
 use crate::catalog::convention::Commutation;
 use crate::requirement::{Joint, MotorDrag, Quantity, Robot};
@@ -27,6 +28,17 @@ pub struct Need {
 impl std::fmt::Debug for Need {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name)
+    }
+}
+
+/// What is said of the rate of a current that weakens the field, which the voltage leaves out.
+fn rate_along_d(candidate: &Candidate, ratio: f64) -> Verdict {
+    let rate = candidate.at_ratio(ratio, |here| here.what_weakening_takes().and_then(|weakening| weakening.rate));
+    match rate.is_some_and(|rate| rate >= Weakening::RATE_WORTH_A_WORD) {
+        true => Verdict::Assumed(
+            "the voltage of a changing i_d, L di_d/dt, is left out: at some instant it is 1 % of the voltage limit or more",
+        ),
+        false => Verdict::Kept,
     }
 }
 
@@ -67,7 +79,7 @@ pub const NEEDS: &[Need] = &[
         stated: by_data_sheets,
         key: by_nobody,
         missing: |c| c.why_not_weakened(),
-        at_ratio: |_| None,
+        at_ratio: |c| c.weakening().map(|_| rate_along_d as Judge),
     },
     Need {
         name: "flux_braking",
@@ -75,7 +87,7 @@ pub const NEEDS: &[Need] = &[
         stated: by_data_sheets,
         key: by_nobody,
         missing: |c| c.why_not_braked(),
-        at_ratio: |_| None,
+        at_ratio: |c| c.along_d().filter(|_| c.weakening().is_none()).map(|_| rate_along_d as Judge),
     },
     Need {
         name: "demagnetisation",

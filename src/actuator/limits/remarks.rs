@@ -3,8 +3,13 @@
 use super::heat::STANDSTILL;
 use super::limit::{Asked, Depends, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
-use crate::catalog::Gear;
 use crate::catalog::estimate::Estimated;
+use crate::catalog::{Gear, GearKind};
+
+/// Temperature at which sheets of gears state what they lose \[K\].
+const SHEETS_AT: f64 = 293.15;
+/// So much colder grease is stiffer by more than a word's worth \[K\].
+const COLDER: f64 = 10.0;
 
 /// What a factor of safety below one means.
 pub const LOW_SAFETY: &str =
@@ -78,6 +83,12 @@ impl Candidate<'_> {
                 "another number of turns than that of the row, in the same copper: its resistance is within 10 % of that, to be asked of the maker",
             ));
         }
+        if self.motor.saturation_current().is_some() {
+            assumed.push((
+                "peak_torque",
+                "the row's peak torque is the motor's own and less than K_T times its peak current: the iron is taken to saturate as T = K_T i_s tanh(i/i_s), through that one point",
+            ));
+        }
         if self.is_rated() {
             assumed.push((
                 "winding_temperature",
@@ -102,6 +113,16 @@ impl Candidate<'_> {
             assumed.push((
                 "gear_friction",
                 "the gear's row does not say at which load its efficiency holds: the efficiency counts for all of the gear's loss, and its starting torque for backdriving alone",
+            ));
+        }
+        let greased = |gear: &Gear| {
+            let loses = gear.efficiency.is_some_and(|efficiency| efficiency < 1.0) || gear.friction_at_rest().is_some();
+            loses && !matches!(gear.kind, GearKind::Direct | GearKind::Belt)
+        };
+        if self.catalog_gear.is_some_and(greased) && self.robot.ambient < SHEETS_AT - COLDER {
+            assumed.push((
+                "gear_friction",
+                "the gear's efficiency and its torque without load are those of its sheet, at some 20 degC: colder grease is stiffer, and takes more (one maker prints 71 % at 20 degC and 54 % at 0 degC, at 1000 rpm)",
             ));
         }
         if asked.iter().any(|a| a.limit.name == STANDSTILL) && self.share_of_winding().is_none() {

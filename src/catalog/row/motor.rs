@@ -1,7 +1,7 @@
 //! The row of a motor.
 
 use super::{Column, Field, Holds, Need, Row, find, identity, listed};
-use crate::catalog::about::{About, Construction};
+use crate::catalog::about::{About, Construction, PeakTorqueOf};
 use crate::catalog::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
@@ -222,6 +222,16 @@ impl Row for MotorRow {
                 Construction::WORDS,
                 |r| r.about.construction.map(|c| word(Construction::NAMES, &c)),
                 |r, text| r.about.construction = find(Construction::NAMES, text),
+            ),
+        },
+        Column {
+            name: "peak_torque_of",
+            about: "what `peak_torque` is the torque of: where it is the motor's own and less than K_T I_peak, its iron saturates; of a module a gear's loss is in it",
+            need: Need::May,
+            holds: Holds::Choice(
+                PeakTorqueOf::WORDS,
+                |r| r.about.peak_torque_of.map(|of| word(PeakTorqueOf::NAMES, &of)),
+                |r, text| r.about.peak_torque_of = find(PeakTorqueOf::NAMES, text),
             ),
         },
         Column {

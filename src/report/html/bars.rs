@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 
 use super::render::printed;
+use crate::actuator::losses::Losses;
+use crate::report::losses::name;
 use crate::report::number;
 use crate::report::plot::Tone;
 
@@ -25,6 +27,16 @@ const LONGEST: f64 = 1000.0;
 const HEIGHT: f64 = 16.0;
 
 impl Bars {
+    /// Where the losses of designs are, by their names; nothing where none has any.
+    pub(super) fn of_losses(title: String, designs: &[(String, &Losses)]) -> Option<Bars> {
+        let (_, first) = designs.first()?;
+        let parts = first.parts().map(|(key, _)| name(key)).to_vec();
+        let values = |of: &Losses| of.parts().iter().map(|(_, watts)| *watts).collect();
+        let rows = designs.iter().map(|(of, losses)| (of.clone(), values(losses))).collect();
+        let any = designs.iter().any(|(_, losses)| losses.total() > 0.0);
+        any.then_some(Bars { title, unit: "W", parts, rows })
+    }
+
     /// The drawing: of each bar its name and parts in text, which breaks where there is no room, and the bar; nothing where
     /// every sum is zero.
     pub(super) fn html(&self) -> String {
@@ -78,6 +90,16 @@ impl Bars {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn losses_are_drawn_where_there_are_any() {
+        let none = Losses::default();
+        let some = Losses { copper: 3.0, gear_load: 1.0, ..none };
+        assert_eq!(Bars::of_losses(String::new(), &[]), None);
+        assert_eq!(Bars::of_losses(String::new(), &[("a".into(), &none)]), None);
+        let html = Bars::of_losses("losses".into(), &[("a".into(), &some)]).unwrap().html();
+        assert!(html.contains("= copper 3 + gear under load 1") && !html.contains("motor drag"));
+    }
 
     #[test]
     fn bars_are_as_long_as_their_sums() {

@@ -2,12 +2,13 @@
 
 use crate::words::{heat_or, with_unit};
 
-use super::{Page, Part, Section, Table, Verdict};
+use super::{Bars, Page, Part, Section, Table, Verdict};
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::explain::Explanation;
 use crate::report::currents::Q_AXIS;
 use crate::report::explain::{
-    RUNAWAY, best_line, limit_columns, limit_rows, no_spring, percent, quantities, remedy_text, verdict, would_do,
+    RUNAWAY, best_line, capitalised, limit_columns, limit_rows, no_spring, percent, quantities, remedy_text, verdict,
+    would_do,
 };
 use crate::report::optimize::fitted_notes;
 use crate::report::plot::design as plot;
@@ -59,6 +60,7 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
             ],
         ),
         Section::new("What it needs and weighs", vec![Part::Table(needs(story))]),
+        Section::new("Where the loss is", losses(story)),
     ];
     if !story.sensitivities.is_empty() {
         let rows = story.sensitivities.iter().map(|s| {
@@ -84,6 +86,16 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
         warnings: warnings(story),
         ..Page::default()
     }
+}
+
+/// The parts of the loss, drawn where there are any and in words, with what nobody knows of it.
+fn losses(story: &Explanation) -> Vec<Part> {
+    let e = &story.evaluation;
+    let name = format!("{} at N = {}", story.motor.id, number(e.ratio));
+    let bars = Bars::of_losses("Mean over the motion".into(), &[(name, &e.losses)]);
+    let sentence = format!("Of the {}.", crate::report::losses::sentence(e));
+    let supply = crate::report::losses::of_supply(e).into_iter().map(|line| capitalised(&line));
+    bars.map(Part::Bars).into_iter().chain(std::iter::once(sentence).chain(supply).map(Part::Text)).collect()
 }
 
 fn needs(story: &Explanation) -> Table {

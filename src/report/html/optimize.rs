@@ -233,18 +233,8 @@ const DRAWN: usize = 8;
 /// Where the loss of the first designs is; nothing where none has any.
 fn losses(result: &JointResult, names: &str) -> Option<Part> {
     let first = &result.candidates[..result.candidates.len().min(DRAWN)];
-    let rows: Vec<(String, Vec<f64>)> = first
-        .iter()
-        .map(|design| (choice_text(design), design.evaluation.losses.parts().iter().map(|part| part.1).collect()))
-        .collect();
-    let parts = first.first()?.evaluation.losses.parts().map(|(key, _)| crate::report::losses::name(key)).to_vec();
-    let title = format!("{names}: where the loss is, mean over the motion");
-    first.iter().any(|design| design.evaluation.loss > 0.0).then_some(Part::Bars(Bars {
-        title,
-        unit: "W",
-        parts,
-        rows,
-    }))
+    let losses: Vec<_> = first.iter().map(|design| (choice_text(design), &design.evaluation.losses)).collect();
+    Bars::of_losses(format!("{names}: where the loss is, mean over the motion"), &losses).map(Part::Bars)
 }
 
 fn candidates(result: &JointResult, names: &str) -> Table {

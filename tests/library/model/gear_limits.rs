@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use approx::assert_relative_eq;
 use gearwise::actuator::Load;
+use gearwise::actuator::gear_figures::GearFigures;
 use gearwise::actuator::limits::{Check, LIMITS, is_stated};
 use gearwise::actuator::shaft::{Feature, Flow};
 use gearwise::catalog::audit::{Severity, audit};
@@ -512,4 +513,105 @@ fn demands_are_those_of_the_waveforms() {
         }
     }
     assert!(looked > 800, "{looked}");
+}
+
+/// Figures of the first gear with the first motor at the first joint.
+fn figures(robot: &Robot, catalog: &Catalog) -> GearFigures {
+    let joint = &robot.joints[0];
+    let load = Load::new(&joint.motion, None);
+    let gear = catalog.gears.first();
+    let mount = Mount::new(robot, joint, &load, &catalog.motors[0]).with_gear(gear);
+    Prepared::new(mount.candidate().unwrap()).at(gear.map_or(50.0, |gear| gear.ratio)).gear
+}
+
+/// T_s = 0.02 N·m and T_0 = 0.05 N·m at 100 rad/s make T_0(n) = 0.02 + 0.0003 n; 80 % at 34 N·m and 100 rad/s 1/η_∞ = 1.25 − 50 · 0.05/34.
+/// Over the three seconds that are no pause the mean load is 6 N·m at 4/3 rad/s, that is 0.04 N·m at the input; the largest is
+/// 20 N·m at rest.
+#[test]
+fn figures_of_a_gear_are_those_on_paper() {
+    let columns = ",starting_torque [N*m],no_load_torque [N*m],no_load_torque_speed [rad/s],efficiency_torque [N*m],efficiency_speed [rad/s]";
+    let of = |limits: &str, columns: &str, cells: &str| {
+        figures(&robot(limits).unwrap(), &catalog(&row(columns, cells)).unwrap())
+    };
+    let found = of("", columns, ",0.02,0.05,100,34,100");
+    let load = 1.25 - 50.0 * 0.05 / 34.0;
+    assert_relative_eq!(found.efficiency_at_mean.unwrap(), 1.0 / (load + 50.0 * 0.04 / 6.0), max_relative = 1e-12);
+    assert_relative_eq!(found.efficiency_at_peak.unwrap(), 1.0 / (load + 50.0 * 0.02 / 20.0), max_relative = 1e-12);
+    // The motor's 0.02 N·m and the gear's 0.02 N·m through η_b = 2 − 1/η_∞.
+    assert_relative_eq!(found.backdriving_torque.unwrap(), 50.0 * 0.04 / (2.0 - load), max_relative = 1e-12);
+    assert_eq!(found.life, None);
+    // At the point of its sheet it is the efficiency of its sheet.
+    let mut steady = robot("").unwrap();
+    steady.joints[0].motion = requirement::Motion::from_points(&[requirement::Point {
+        torque: 34.0,
+        velocity: 2.0,
+        duration: Some(1.0),
+        ..Default::default()
+    }])
+    .into();
+    let at_its_point = figures(&steady, &catalog(&row(columns, ",0.02,0.05,100,34,100")).unwrap());
+    assert_relative_eq!(at_its_point.efficiency_at_mean.unwrap(), 0.8, max_relative = 1e-12);
+    assert_relative_eq!(at_its_point.efficiency_at_peak.unwrap(), 0.8, max_relative = 1e-12);
+    // 7000 h at 30 N·m and 200 rad/s: mean(|ω||τ|³) = 532.
+    let rated = ",continuous_torque [N*m],rated_speed [rad/s],rated_life [h],life_quantile,continuous_torque_is";
+    let life = of("", rated, ",30,200,7000,L10,rated_life").life.unwrap();
+    assert_relative_eq!(life / 3600.0, 7000.0 * 200.0 * 27_000.0 / (50.0 * 532.0), max_relative = 1e-12);
+    let of_half = of("", rated, ",30,200,35000,L50,rated_life").life.unwrap();
+    assert_relative_eq!(of_half, life, max_relative = 1e-12);
+    // It is what the limit compares: asked for so many hours, nothing is left.
+    let asked = format!("life = \"{} h\"", life / 3600.0);
+    assert!(check(&asked, rated, ",30,200,7000,L10,rated_life", "gear_life").unwrap().abs() < 1e-9);
+}
+
+/// What is not known is not said: no efficiency from an efficiency alone, whose loss without load is not known or in it already; no
+/// life without its point; nothing without durations; and no zero anywhere.
+#[test]
+fn no_figure_of_a_gear_is_a_guess() {
+    let of = |columns: &str, cells: &str| figures(&robot("").unwrap(), &catalog(&row(columns, cells)).unwrap());
+    assert_eq!(of("", ""), GearFigures::default());
+    // A starting torque whose loss is in the efficiency says backdriving alone.
+    let starting = of(",starting_torque [N*m]", ",0.02");
+    let back = GearFigures { backdriving_torque: starting.backdriving_torque, ..GearFigures::default() };
+    assert!(starting == back && starting.backdriving_torque.is_some_and(|torque| torque > 2.0), "{starting:?}");
+    let rated = ",continuous_torque [N*m],rated_speed [rad/s],rated_life [h],life_quantile,continuous_torque_is";
+    for cells in
+        [",30,200,7000,L10,", ",30,200,7000,,rated_life", ",30,200,,L10,rated_life", ",30,,7000,L10,rated_life"]
+    {
+        assert_eq!(of(rated, cells).life, None, "{cells}");
+    }
+    let gears = catalog(&row(rated, ",30,200,7000,L10,rated_life")).unwrap();
+    let mut untimed = robot("").unwrap();
+    let point = requirement::Point { torque: 10.0, velocity: 2.0, ..Default::default() };
+    untimed.joints[0].motion = requirement::Motion::from_points(&[point]).into();
+    assert_eq!(figures(&untimed, &gears), GearFigures::default());
+    // At rest nothing wears and nothing runs: a life without end is not said.
+    let mut held = robot("").unwrap();
+    let point = requirement::Point { torque: 10.0, duration: Some(1.0), ..Default::default() };
+    held.joints[0].motion = requirement::Motion::from_points(&[point]).into();
+    assert_eq!(figures(&held, &gears), GearFigures::default());
+    // A motor of whose drag nobody says anything is not turned by the gear's friction alone.
+    let mut catalog = catalog(&row(",starting_torque [N*m]", ",0.02")).unwrap();
+    (catalog.motors[0].coulomb_friction, catalog.motors[0].viscous_friction) = (None, None);
+    assert_eq!(figures(&robot("").unwrap(), &catalog), GearFigures::default());
+}
+
+/// Grease is stiffer in the cold: said of a gear of the catalogue from more than 10 K below 20 °C on, and of nothing else.
+#[test]
+fn cold_grease_is_said_where_a_gear_has_some() {
+    let said = |kelvin: f64, gears: &str| {
+        let mut robot = robot("").unwrap();
+        robot.ambient = kelvin;
+        let catalog = catalog(gears).unwrap();
+        let joint = &robot.joints[0];
+        let load = Load::new(&joint.motion, None);
+        let mount = Mount::new(&robot, joint, &load, &catalog.motors[0]).with_gear(Some(&catalog.gears[0]));
+        let assumed = Prepared::new(mount.candidate().unwrap()).judged(50.0).assumed;
+        assumed.iter().any(|(_, what)| what.contains("grease"))
+    };
+    let plain = row("", "");
+    assert!(said(283.14, &plain) && said(263.15, &plain));
+    assert!(!said(283.15, &plain) && !said(298.15, &plain));
+    // A belt has none, and a gear without loss takes no more of it.
+    assert!(!said(263.15, &plain.replace("strain_wave", "belt")));
+    assert!(!said(263.15, &plain.replace(",0.8,", ",1,")));
 }

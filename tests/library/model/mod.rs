@@ -4,4 +4,5 @@ mod audit;
 mod gear_limits;
 mod model_on_paper;
 mod one_place;
+mod saturation;
 mod worked_examples;

@@ -206,3 +206,85 @@ fn copper_loss_is_what_loss_was() {
         assert_eq!(ratio(&with), ratio(&without), "{}", catalog.motors[0].id);
     }
 }
+
+/// A motor of 0.1 N·m/A and 1 Ω without rotor to speak of, with a no-load torque at a no-load speed.
+fn with_no_load(id: &str, torque: f64, speed: f64) -> Motor {
+    let mut motor = common::motor(&[
+        ("resistance [ohm]", "1"),
+        ("torque_constant [N*m/A]", "0.1"),
+        ("rotor_inertia [kg*m^2]", "1e-12"),
+    ]);
+    motor.id = id.into();
+    motor.no_load_torque = Some(torque);
+    motor.sheet.no_load_speed = Some(Printed::exact(speed));
+    motor
+}
+
+/// Turning at 100 rad/s with 0.2 N·m, a drag d loses 100 d + (0.2 + d)²/0.01 W; a no-load torque T_0 at ω_0 with a share s of Coulomb
+/// friction drags d = T_0 (s + (1 − s) 100/ω_0).
+#[test]
+fn the_order_of_two_open_drags_turns_at_the_share_on_paper() {
+    use gearwise::design::break_even::{OpenOrder, open_order};
+    use gearwise::design::{JointDemand, Site};
+    let loss = |drag: f64| 100.0 * drag + (0.2 + drag).powi(2) / 0.01;
+    let drag = |torque: f64, speed: f64, share: f64| torque * (share + (1.0 - share) * 100.0 / speed);
+    let found = |first: &Motor, other: &Motor, change: &dyn Fn(&mut Robot)| -> Option<OpenOrder> {
+        let mut robot = common::robot(common::hold(0.2, 100.0, 0.0), common::gear(1.0));
+        robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+        robot.joints[0].objective = Objective::single(Quantity::Loss);
+        robot.joints[0].motor_drag = MotorDrag::Counted;
+        change(&mut robot);
+        let catalog = Catalog::of(vec![first.clone(), other.clone()], Vec::new());
+        let result = optimize(&robot, &catalog);
+        let order: Vec<&str> = result.joints[0].designs().map(|d| d.motor.id.as_str()).collect();
+        assert_eq!(order, [first.id.as_str(), other.id.as_str()]);
+        let joint = &robot.joints[0];
+        let demand = JointDemand::new(joint, &catalog);
+        open_order(
+            Site::new(&robot, joint, &demand),
+            first,
+            other,
+            result.joints[0].designs().next().unwrap().optimum.objective,
+        )
+    };
+    let same = |_: &mut Robot| {};
+    // Slower than without load: the loss rises with the share. The first is at 0.01 … 0.04, the other at 0.025 … 0.05 N·m.
+    let (first, other) = (with_no_load("a", 0.04, 400.0), with_no_load("b", 0.05, 200.0));
+    let order = found(&first, &other, &same).unwrap();
+    assert!(order.of_first && order.at_most && order.other == "b" && order.torque == 0.04);
+    let at = |share: f64| loss(drag(0.04, 400.0, share));
+    assert!(at(order.share) < loss(0.025) && at(order.share + 0.002) > loss(0.025), "{order:?}");
+    assert!((order.share - 0.5).abs() < 0.002);
+    // Faster than without load it falls: the first is at 0.04 … 0.02, the other at 0.05 … 0.025 N·m.
+    let (first, other) = (with_no_load("a", 0.02, 50.0), with_no_load("b", 0.025, 50.0));
+    let order = found(&first, &other, &same).unwrap();
+    // 0.025 = 0.02 (2 − s).
+    assert!(order.of_first && !order.at_most && (order.share - 0.75).abs() < 0.002, "{order:?}");
+    // Where even the best end of the first is behind the best of the other, it is the other's share: 0.03 = 0.05 (s + (1 − s)/4).
+    let mut known = with_no_load("a", 0.03, 400.0);
+    (known.coulomb_friction, known.viscous_friction) = (Some(0.03), Some(0.0));
+    let order = found(&known, &with_no_load("b", 0.05, 400.0), &same).unwrap();
+    let share = (0.03 / 0.05 - 0.25) / 0.75;
+    assert!(!order.of_first && !order.at_most && (order.share - share).abs() < 0.002, "{order:?} {share}");
+    assert!(loss(drag(0.05, 400.0, order.share)) > loss(0.03));
+    // And the same where the other's falls with the share: 0.03 = 0.025 (2 − s).
+    let order = found(&known, &with_no_load("b", 0.025, 50.0), &same).unwrap();
+    assert!(!order.of_first && order.at_most && (order.share - 0.8).abs() < 0.002, "{order:?}");
+
+    // What must not be said. The other's drag is known, or its best end is behind the first's worst: the order is what it is.
+    let mut settled = with_no_load("b", 0.05, 200.0);
+    (settled.coulomb_friction, settled.viscous_friction) = (Some(0.05), Some(0.0));
+    assert_eq!(found(&with_no_load("a", 0.04, 400.0), &settled, &same), None);
+    assert_eq!(found(&with_no_load("a", 0.02, 400.0), &with_no_load("b", 0.05, 200.0), &same), None);
+    // Brushes make the most of it.
+    let mut brushed = with_no_load("b", 0.05, 200.0);
+    brushed.conventions.commutation = Commutation::Brushed;
+    assert_eq!(found(&with_no_load("a", 0.04, 400.0), &brushed, &same), None);
+    // The objective does not count it.
+    let copper = |robot: &mut Robot| robot.joints[0].objective = Objective::single(Quantity::CopperLoss);
+    let (a, b) = (with_no_load("a", 0.04, 400.0), with_no_load("b", 0.05, 200.0));
+    assert_eq!(found(&a, &b, &copper), None);
+    let mut worse = b.clone();
+    worse.resistance = 1.1;
+    assert_eq!(found(&a, &worse, &|robot| robot.joints[0].motor_drag = MotorDrag::Off), None);
+}

@@ -274,3 +274,58 @@ fn the_current_that_a_drive_gives_for_ever_is_a_limit() {
     robot.joints[0].motion = free.into();
     assert!(optimize(&robot, &only).joints[0].candidates.is_empty(), "it cannot be judged");
 }
+
+/// Heat in the resistance against a bus that is solved by itself, point by point: taken, given back and standing still, with drive,
+/// standby, a brake that takes all, and one that leaves a part.
+#[test]
+fn the_heat_in_the_supply_is_that_of_every_sample_by_itself() {
+    let points = [(6.0, 20.0, 1.0), (2.0, 45.0, 2.0), (-9.0, 30.0, 0.5), (4.0, 0.0, 0.7)];
+    let motion = points.map(|(torque, velocity, seconds)| Point {
+        torque,
+        velocity,
+        duration: Some(seconds),
+        ..Point::default()
+    });
+    let mut motor = Catalog::builtin().unwrap().motor("t-motor-ri50").unwrap().clone();
+    motor.back_emf_constant = motor.torque_constant;
+    (motor.coulomb_friction, motor.viscous_friction) = (Some(0.0), Some(0.0));
+    let mut robot = common::robot(Motion::from_points(&motion), common::gear(1.0));
+    robot.bus.drive_efficiency = 0.9;
+    robot.joints[0].drive.standby_power = Some(3.0);
+    let (open, ratio) = (48.0, 7.0);
+    robot.bus.voltage = open;
+    let evaluated = |robot: &Robot| common::evaluate(robot, &motor, ratio);
+    assert!(evaluated(&robot).bus_voltage.is_none(), "a stiff supply has none");
+    for (internal, lead) in [(0.2, 0.0), (0.0, 0.15), (0.4, 0.1)] {
+        robot.bus.internal_resistance = Some(internal);
+        robot.joints[0].drive.supply_lead_resistance = Some(lead);
+        let resistance = internal + lead;
+        // Of what comes back goes at most so much into the supply.
+        for (regeneration, most) in [
+            (Regeneration::Allowed, f64::INFINITY),
+            (Regeneration::Dissipated, 0.0),
+            (Regeneration::Limited(40.0), 40.0),
+        ] {
+            robot.bus.regeneration = regeneration;
+            robot.bus.brake_power = matches!(regeneration, Regeneration::Limited(_)).then_some(1000.0);
+            let (mut energy, mut lasts) = (0.0, 0.0);
+            for (torque, velocity, seconds) in points {
+                let current = torque / ratio / motor.torque_constant;
+                let power = motor.resistance * current * current + torque * velocity;
+                let bus = if power > 0.0 { power / 0.9 + 3.0 } else { f64::max(0.9 * power + 3.0, -most) };
+                let volts = fixed_point(open, resistance, bus).unwrap();
+                energy += seconds * resistance * (bus / volts).powi(2);
+                lasts += seconds;
+            }
+            let found = evaluated(&robot).bus_voltage.unwrap().heat.unwrap();
+            assert!((found - energy / lasts).abs() < 1e-9 * found, "{resistance} {regeneration:?}: {found}");
+        }
+    }
+    // It is in no loss; and where the supply cannot give the power there is none to be said.
+    let with = evaluated(&robot);
+    (robot.bus.internal_resistance, robot.joints[0].drive.supply_lead_resistance) = (None, None);
+    assert_eq!(with.loss, evaluated(&robot).loss);
+    robot.bus.internal_resistance = Some(20.0);
+    let none = evaluated(&robot).bus_voltage.unwrap();
+    assert!(none.lowest.is_none() && none.heat.is_none());
+}

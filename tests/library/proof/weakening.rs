@@ -227,3 +227,53 @@ fn flux_braking_burns_what_the_bus_does_not_take() {
     assert!(!feasible && said);
     assert_eq!(can_be_asked(&robot, &robot.joints[0], &motor), Err(NoTurns::FieldWeakening));
 }
+
+/// Without current along q and resistance the circle is ω (ψ + L x) = V, so that L dx/dt = −V ω̇/ω²: of a speed W sin Ωt the share of
+/// V is largest where weakening begins, at ω₀ = V/ψ: Ω √(W² − ω₀²)/ω₀².
+#[test]
+fn the_rate_of_the_current_is_that_on_paper() {
+    let mut motor = motor();
+    motor.rotor_inertia = Some(1e-15);
+    let at = |frequency: f64, course: fn(f64) -> Course, amplitude: f64| {
+        let omega = std::f64::consts::TAU * frequency;
+        let samples = 2000;
+        let time: Vec<f64> = (0..samples).map(|k| f64::from(k) / (f64::from(samples) * frequency)).collect();
+        let velocity = time.iter().map(|t| amplitude * (omega * t).sin()).collect();
+        let given = Samples { torque: vec![0.0; time.len()], time, velocity: Some(velocity), ..Samples::default() };
+        let mut robot = joint(0.0, 1500.0, Some(50.0));
+        robot.joints[0].motion = Motion::from_samples(given, course(1.0 / frequency)).into();
+        look(&robot, &motor, |prepared| {
+            let said = prepared
+                .judged(1.0)
+                .assumed
+                .iter()
+                .any(|(name, what)| *name == "field_weakening" && what.contains("L di_d/dt"));
+            (prepared.at(1.0).weakening.unwrap().rate.unwrap(), said)
+        })
+    };
+    for course in [Course::Periodic, Course::Once] {
+        for (frequency, is_said) in [(0.5, false), (1.0, false), (2.0, true), (10.0, true)] {
+            let paper = std::f64::consts::TAU * frequency * (1500.0_f64.powi(2) - 1e6).sqrt() / 1e6;
+            let (found, said) = at(frequency, course, 1500.0);
+            assert!(found <= paper * (1.0 + 1e-6) && found > 0.98 * paper, "{frequency}: {found} {paper}");
+            assert_eq!(said, is_said, "{frequency}: {found}");
+        }
+        // Slow enough for the voltage nothing flows, and nothing changes.
+        assert_eq!(at(10.0, course, 900.0), (0.0, false));
+    }
+}
+
+/// Operating points have no order: how fast the current changes between them is not known, and not said, however far apart they are.
+#[test]
+fn of_operating_points_no_rate_is_said() {
+    for duration in [None, Some(1e-6)] {
+        let point = |velocity| Point { torque: 0.01, velocity, duration, ..Point::default() };
+        let mut robot = joint(0.01, 1500.0, Some(50.0));
+        robot.joints[0].motion = Motion::from_points(&[point(1500.0), point(100.0), point(1200.0)]).into();
+        look(&robot, &motor(), |prepared| {
+            let weakening = prepared.at(1.0).weakening.unwrap();
+            assert!(weakening.largest > 3.0 && weakening.rate.is_none(), "{weakening:?}");
+            assert!(prepared.judged(1.0).assumed.iter().all(|(name, _)| *name != "field_weakening"));
+        });
+    }
+}

@@ -133,7 +133,10 @@ fn every_command_has_a_page() {
         (&["optimize", quadruped, "--robust"], &["at worst", "over the tolerances", "is first then"]),
         (&["rank"], &["In short", "Motors", "Warnings", "Where this comes from"]),
         (&["compare", "t-motor-ri50", "t-motor-u8"], &["is ", "times as responsive", "Speed response"]),
-        (&["explain", "t-motor-ri50", quadruped, "--joint", "knee"], &["Limits", "What it needs and weighs", "sha256"]),
+        (
+            &["explain", "t-motor-ri50", quadruped, "--joint", "knee"],
+            &["Limits", "What it needs and weighs", "Where the loss is", "class=\"stack\"", "sha256"],
+        ),
         (&["sweep", quadruped, "--ratios", "9"], &["every design", "designs are feasible"]),
         (&["audit"], &["What was checked", "Findings"]),
         (&["optimize", quadruped, "--pareto", "loss,mass"], &["points on the front", "The ends of each front"]),

@@ -105,6 +105,11 @@ fn requirement_files() {
     let cases: &[(&str, &[(&str, &str)])] = &[
         ("typo in a key of the bus", &[("voltage =", "votlage =")]),
         ("typo in a key of a joint", &[("objective =", "objektive =")]),
+        (
+            "typo in the only key of a drive",
+            &[("objective = \"loss\"", "objective = \"loss\"\ndrive = { curent = \"40 A\" }")],
+        ),
+        ("a drive without a key", &[("objective = \"loss\"", "objective = \"loss\"\ndrive = {}")]),
         ("unknown key at the top", &[("name = \"leg\"", "name = \"leg\"\ncolour = \"red\"")]),
         ("missing unit", &[("\"48 V\"", "\"48\"")]),
         ("bare number where a unit is needed", &[("\"48 V\"", "48")]),

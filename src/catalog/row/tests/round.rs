@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 
 use super::{gears, motors};
-use crate::catalog::about::{About, Construction};
+use crate::catalog::about::{About, Construction, PeakTorqueOf};
 use crate::catalog::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding,
 };
@@ -90,6 +90,7 @@ prop_compose! {
     fn motor_row()(
         manufacturer in text(), model in text(), source in text(), note in text(), accepted_findings in listed(),
         source_kind in any_of(SourceKind::NAMES), construction in of(any_of(Construction::NAMES)),
+        peak_torque_of in of(any_of(PeakTorqueOf::NAMES)),
         only_inside in text(), same_as in text(), conventions in conventions(), pole_pairs in of(1..u32::MAX),
         printed in numbers(FIELDS), resistance in number(Range::Positive), torque_constant in number(Range::Positive),
     ) -> MotorRow {
@@ -109,7 +110,7 @@ prop_compose! {
             id: String::new(), manufacturer, model,
             source: if source.is_empty() { "a sheet".into() } else { source },
             source_kind, note, accepted_findings,
-            about: About { construction, only_inside, same_as },
+            about: About { construction, peak_torque_of, only_inside, same_as },
             pole_pairs: pole_pairs.filter(|_| conventions.commutation == Commutation::Brushless),
             conventions, sheet,
         }
