@@ -80,30 +80,6 @@ pub(crate) fn braking_square(actuator: &Actuator, sample: Sample, beyond: f64) -
     (actuator.power(loss, sample.0, sample.1) + Laurent::constant(beyond)) * (-1.0 / loss)
 }
 
-/// A row below the squared voltage of a sample \[V²\] with the current of [`braking_square`], on an interval of ratios on which
-/// one flows; it is met at `ratio` inside. `−2 β |d|` is at least `−β²/s − s d²` for any s > 0.
-pub(crate) fn braked_voltage_row(actuator: &Actuator, sample: Sample, square: &Laurent, ratio: f64) -> Option<Laurent> {
-    let slope = parabola(actuator, sample, ratio).slope;
-    let current = square.at(ratio).max(0.0).sqrt();
-    if slope <= 0.0 || current <= 0.0 {
-        return None;
-    }
-    let scale = slope / current;
-    let along = actuator.resistance_per_torque();
-    let across = actuator.cross_coupling * sample.1[Feature::Velocity as usize];
-    let free = actuator.voltage_form(sample.0).polynomial(sample.1)
-        + actuator.torque_form(sample.0).polynomial(sample.1) * -along;
-    let slope = free * Laurent::monomial(across, 1);
-    let bend = Laurent::constant(along * along - scale) + Laurent::monomial(across * across, 2);
-    let plain = actuator.voltage_squared(sample.0, sample.1);
-    Some(plain + bend * *square + slope.squared() * (-1.0 / scale))
-}
-
-/// A row below the squared voltage of a sample \[V²\] with any current along d, on an interval of ratios.
-pub(crate) fn any_voltage_row(actuator: &Actuator, sample: Sample, interval: (f64, f64)) -> Laurent {
-    relaxed(actuator, sample, 1.0, 0.0, interval)
-}
-
 /// A sample: which way power flows, and its features.
 pub(crate) type Sample<'a> = (Flow, &'a [f64; FEATURES]);
 

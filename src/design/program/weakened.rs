@@ -5,15 +5,15 @@
 //! gives rows and cuts of the same kind, which the branch and bound takes as they are; they touch as intervals shrink. A row
 //! in which such a current helps (power that comes back) is left out: what is ruled out is ruled out without it.
 
+use std::collections::BTreeMap;
+
 use super::branch::Underestimator;
 use super::objective::Goal;
 use super::{Class, Limited, RatioProgram};
 use crate::actuator::limits::{Asked, Candidate, Demand};
 use crate::actuator::supply::Drawn;
-use crate::actuator::waveform::{Functional, WavePoint};
-use crate::actuator::weakening::{
-    AlongD, any_voltage_row, braked_voltage_row, braking_square, least_square, voltage_row,
-};
+use crate::actuator::waveform::{Functional, WavePoint, Waveform};
+use crate::actuator::weakening::{AlongD, braking_square, least_square, voltage_row};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::evaluate::violation;
 use crate::requirement::Quantity;
@@ -77,43 +77,63 @@ fn peak(candidate: &Candidate, actuator: &Actuator, ratio: f64, interval: (f64, 
     best
 }
 
-/// The row of the squared voltage with currents that burn power that comes back, by its worst sample at a ratio.
-fn braked_voltage(candidate: &Candidate, actuator: &Actuator, ratio: f64, interval: (f64, f64)) -> Laurent {
-    let waveform = &candidate.load.waveform;
-    // With two ends of the drag the current may be that of the other one.
-    let alone = candidate.other.is_none();
+/// Of each sample the points among some that belong to it, as indices.
+fn by_sample(waveform: &Waveform) -> BTreeMap<usize, Vec<usize>> {
+    let mut points: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    (0..waveform.len()).for_each(|k| points.entry(waveform.origin(k)).or_default().push(k));
+    points
+}
+
+/// The row of the squared voltage with currents that burn power that comes back, by its worst point at a ratio: with at most the
+/// largest current that flows on the interval, at any point of the sample and either end of the drag.
+fn braked_voltage(
+    candidate: &Candidate,
+    waveform: &Waveform,
+    actuator: &Actuator,
+    ratio: f64,
+    interval: (f64, f64),
+) -> Laurent {
+    let Some(AlongD::Braking { beyond, .. }) = candidate.along_d() else { return Laurent::default() };
     let mut worst = (f64::NEG_INFINITY, Laurent::default());
-    for point in (0..waveform.len()).map(|k| waveform.point(k)) {
-        let sample = (point.flow, &point.features);
-        let plain = || actuator.voltage_squared(point.flow, &point.features);
-        let row = match candidate.along_d() {
-            Some(AlongD::Braking { beyond, .. }) => {
-                let square = braking_square(actuator, sample, beyond);
-                let (least, most) = range(&square, interval);
-                match alone {
-                    true if most <= 0.0 => plain(),
-                    true if least >= 0.0 => braked_voltage_row(actuator, sample, &square, ratio)
-                        .unwrap_or_else(|| any_voltage_row(actuator, sample, interval)),
-                    _ => any_voltage_row(actuator, sample, interval),
-                }
-            }
-            _ => plain(),
+    for points in by_sample(waveform).into_values() {
+        let points: Vec<WavePoint> = points.into_iter().map(|k| waveform.point(k)).collect();
+        let most = |point: &WavePoint| {
+            let of_end = |end| most_of(&braking_square(end, (point.flow, &point.features), beyond), interval);
+            candidate.ends().map(of_end).fold(0.0, f64::max)
         };
-        let here = row.at(ratio);
-        if here > worst.0 {
-            worst = (here, row);
+        let most = points.iter().map(most).fold(0.0, f64::max).sqrt();
+        for point in &points {
+            let row = match most > 0.0 {
+                true => voltage_row(actuator, (point.flow, &point.features), most, ratio, interval),
+                false => actuator.voltage_squared(point.flow, &point.features),
+            };
+            let here = row.at(ratio);
+            if here > worst.0 {
+                worst = (here, row);
+            }
         }
     }
     worst.1
 }
 
-/// Bounds of a polynomial on an interval of ratios.
-fn range(polynomial: &Laurent, (a, b): (f64, f64)) -> (f64, f64) {
-    let least = |polynomial: &Laurent| {
-        let under = Underestimator::new(polynomial, a, b);
-        under.at(under.minimum(a, b)) - 1e-12 * under.size
+/// The row of the squared current with the superposed torque, times K_T²: of a sample the largest along q and the largest that
+/// burns power.
+fn braked_ripple(candidate: &Candidate, actuator: &Actuator, ratio: f64, interval: (f64, f64)) -> Option<Laurent> {
+    let waveform = candidate.load.bandwidth.as_ref()?;
+    let larger = |a: Laurent, b: Laurent| if b.at(ratio) > a.at(ratio) { b } else { a };
+    let of_sample = |points: Vec<usize>| {
+        let points = || points.iter().map(|k| waveform.point(*k));
+        let along_q = points().map(|p| actuator.torque_squared(p.flow, &p.features)).reduce(larger)?;
+        let along_d = points().filter_map(|p| direct_square(candidate, &p, ratio, interval)).reduce(larger);
+        Some(along_d.map_or(along_q, |square| along_q + square))
     };
-    (least(polynomial), -least(&(*polynomial * -1.0)))
+    by_sample(waveform).into_values().filter_map(of_sample).reduce(larger)
+}
+
+/// A bound of a polynomial from above on an interval of ratios.
+fn most_of(polynomial: &Laurent, (a, b): (f64, f64)) -> f64 {
+    let under = Underestimator::new(&(*polynomial * -1.0), a, b);
+    1e-12 * under.size - under.at(under.minimum(a, b))
 }
 
 /// The most violated row at a ratio, where one is: it holds on the interval.
@@ -146,7 +166,9 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
             let point = load.waveform.point(load.waveform.largest(functional, actuator, ratio).index);
             Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
         }
-        Demand::Samples(Functional::VoltageSquared) => Some(braked_voltage(candidate, actuator, ratio, interval)),
+        Demand::Samples(Functional::VoltageSquared) => {
+            Some(braked_voltage(candidate, &load.waveform, actuator, ratio, interval))
+        }
         // The motor's torque has no part in it, the current has.
         Demand::Samples(Functional::TorqueSquared) if asked.limit.is_q_axis() => {
             Some(peak(candidate, actuator, ratio, interval).1)
@@ -162,15 +184,14 @@ fn row(candidate: &Candidate, asked: &Asked, ratio: f64, interval: (f64, f64)) -
         // All phases have one current; that each has its own is less to ask for.
         Demand::Bandwidth(Functional::VoltageSquared) => {
             let waveform = load.bandwidth.as_ref()?;
-            let most = match candidate.along_d()? {
-                AlongD::Weakening(most) | AlongD::Braking { most, .. } => most * actuator.torque_constant,
+            let Some(most) = candidate.weakening().map(|most| most * actuator.torque_constant) else {
+                return Some(braked_voltage(candidate, waveform, actuator, ratio, interval));
             };
             let point = waveform.point(waveform.largest(Functional::LeastVoltage(most), actuator, ratio).index);
-            let sample = (point.flow, &point.features);
-            match candidate.weakening() {
-                Some(_) => Some(voltage_row(actuator, sample, most, ratio, interval)),
-                None => Some(any_voltage_row(actuator, sample, interval)),
-            }
+            Some(voltage_row(actuator, (point.flow, &point.features), most, ratio, interval))
+        }
+        Demand::Bandwidth(Functional::TorqueSquared) if candidate.weakening().is_none() => {
+            braked_ripple(candidate, actuator, ratio, interval)
         }
         _ => asked.polynomial_at(candidate, ratio).map(|(row, _)| row),
     }

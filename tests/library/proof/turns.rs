@@ -113,7 +113,7 @@ fn look(i: u64, convex: bool) -> (Came, Vec<String>) {
 
 #[test]
 fn the_best_over_turns_agrees_with_a_scan_of_ratios_and_turns() {
-    let drawn = cases(0, 1200).map(|i| (i, true)).chain(cases(100_000, 400).map(|i| (i, false)));
+    let drawn = cases(0, 600).map(|i| (i, true)).chain(cases(100_000, 200).map(|i| (i, false)));
     let found: Vec<(Came, Vec<String>)> = drawn.collect::<Vec<_>>().into_par_iter().map(|(i, c)| look(i, c)).collect();
     let wrong: Vec<&String> = found.iter().flat_map(|f| &f.1).collect();
     let count = |came: &dyn Fn(Came) -> bool| found.iter().filter(|f| came(f.0)).count();
@@ -130,7 +130,7 @@ fn the_best_over_turns_agrees_with_a_scan_of_ratios_and_turns() {
     // What is only found is called so: it may be missed, and seldom is.
     assert!(far * 20 <= looked.max(20) && missed * 10 <= none.max(10), "{far} of {looked}, {missed} of {none}");
     if are_all() {
-        assert!(proved > 200 && looked > 50 && useless > 100, "{proved} {looked} {useless}");
+        assert!(proved > 80 && looked > 20 && useless > 50, "{proved} {looked} {useless}");
     }
 }
 
