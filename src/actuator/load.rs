@@ -1,5 +1,7 @@
 //! Everything about a joint that does not depend on motor, gear or ratio, computed once.
 
+mod piece;
+
 use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
@@ -64,6 +66,10 @@ pub struct Load {
     samples: Vec<WavePoint>,
     weight: Vec<f64>,
     rest: Vec<f64>,
+    /// Where the gear is one of a family: the same on each piece of it.
+    pieces: Vec<Load>,
+    /// On a piece of a family of gears: what its efficiency and its torque without load that falls with the ratio take \[W\].
+    gear_loss: Option<Laurent>,
 }
 
 impl Load {
@@ -143,6 +149,8 @@ impl Load {
             samples: in_means,
             weight: motion.weight.clone(),
             rest: motion.dwell.clone(),
+            pieces: Vec::new(),
+            gear_loss: None,
         }
     }
 
@@ -185,6 +193,7 @@ impl Load {
             course: self.course.clone(),
             weight: self.weight.clone(),
             rest: self.rest.clone(),
+            pieces: Vec::new(),
             ..*self
         }
     }

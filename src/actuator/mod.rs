@@ -9,6 +9,7 @@ pub mod candidate;
 pub mod envelope;
 pub mod estimate;
 pub mod fitted;
+pub(crate) mod gearing;
 mod heat_course;
 pub mod limits;
 pub mod load;
