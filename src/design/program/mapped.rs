@@ -65,6 +65,13 @@ struct Solved<'p> {
     piece: &'p GearPiece,
 }
 
+/// Why nothing of a piece, or of a part of it, keeps all limits.
+struct RuledOut {
+    why: Infeasible,
+    /// Whether that is said of the whole piece.
+    whole: bool,
+}
+
 /// The candidates of a program, each with its limits; the first is that of the objective.
 fn groups<'p>(program: &'p RatioProgram<'p>) -> Vec<Group<'p>> {
     let mut groups = vec![Group { candidate: &program.prepared.candidate, limits: Vec::new() }];
@@ -93,7 +100,7 @@ pub(super) fn solve(program: &RatioProgram, map: &GearMap) -> Outcome {
             &made
         }
     };
-    let (mut solved, mut ruled_out) = (Vec::new(), Vec::new());
+    let (mut solved, mut ruled_out): (Vec<Solved>, Vec<RuledOut>) = Default::default();
     for (piece, load) in map.pieces().iter().zip(loads) {
         let last = std::ptr::eq(piece, &map.pieces()[map.pieces().len() - 1]);
         let first = std::ptr::eq(piece, &map.pieces()[0]);
@@ -157,16 +164,15 @@ fn spans(
     map: &GearMap,
     piece: &GearPiece,
     (from, to): (f64, f64),
-) -> Result<Vec<Span>, Infeasible> {
+) -> Result<Vec<Span>, RuledOut> {
     let mut spans = vec![Span { from, to, low: None, high: None }];
-    for (name, of) in OF_THE_GEAR.iter().filter(|(_, of)| map.says(of)) {
+    for (name, _) in OF_THE_GEAR.iter().filter(|(_, of)| map.says(of)) {
         let Some(limit) = LIMITS.iter().find(|limit| limit.name == *name) else { continue };
         for group in groups.iter().filter(|group| group.counts(name)) {
-            let _ = of;
             let Some(kept) = kept(group.candidate, limit, piece, (from, to)) else { continue };
             let (parts, bind, nearest) = kept;
             if parts.is_empty() {
-                return Err(nearest);
+                return Err(RuledOut { why: nearest, whole: true });
             }
             let mut left = Vec::new();
             for span in &spans {
@@ -184,7 +190,8 @@ fn spans(
                 }
             }
             if left.is_empty() {
-                return Err(nearest);
+                // Each of two limits leaves what the other forbids.
+                return Err(RuledOut { why: nowhere(groups, (from * to).sqrt()).unwrap_or(nearest), whole: false });
             }
             spans = left;
         }
@@ -237,7 +244,7 @@ fn kept(
 }
 
 /// The answer of all pieces.
-fn combined(program: &RatioProgram, groups: &[Group], solved: Vec<Solved>, ruled_out: Vec<Infeasible>) -> Outcome {
+fn combined(program: &RatioProgram, groups: &[Group], solved: Vec<Solved>, ruled_out: Vec<RuledOut>) -> Outcome {
     let best = solved.iter().filter_map(|s| Some((s, s.outcome.as_ref().ok()?))).min_by(|(_, a), (_, b)| {
         let loss = |o: &Optimum| program.prepared.at(o.ratio).loss;
         let of_mass = program.objective.sole() == Some(Quantity::Mass);
@@ -359,41 +366,66 @@ fn forbids(groups: &[Group], ratio: f64) -> Option<Bind> {
     worst(groups, ratio).map(|(.., bind)| bind)
 }
 
+/// The limit that is most exceeded at a ratio, as a reason.
+fn nowhere(groups: &[Group], ratio: f64) -> Option<Infeasible> {
+    worst(groups, ratio).map(|(least, allowed, bind)| Infeasible::Nowhere { bind, least, allowed, ratio })
+}
+
+/// A contradiction on a part of a piece: what ends that part is the gear's own limit.
+fn on_span(why: Infeasible, span: &Span) -> Infeasible {
+    let named = |bind: Bind, range: &str, cut: &Option<Bind>| match cut {
+        Some(cut) if bind.limit == range => cut.clone(),
+        _ => bind,
+    };
+    match why {
+        Infeasible::Contradiction { low, at_least, high, at_most } => Infeasible::Contradiction {
+            low: named(low, "ratio_min", &span.low),
+            at_least,
+            high: named(high, "ratio_max", &span.high),
+            at_most,
+        },
+        why => why,
+    }
+}
+
 /// Why no piece has a ratio that keeps all limits.
-fn none(groups: &[Group], solved: Vec<Solved>, mut ruled_out: Vec<Infeasible>) -> Refusal {
-    for part in solved {
-        match part.outcome {
-            Err(Refusal::Infeasible(why)) => ruled_out.push(why),
+fn none(groups: &[Group], solved: Vec<Solved>, mut ruled_out: Vec<RuledOut>) -> Refusal {
+    for Solved { outcome, span, .. } in solved {
+        match outcome {
+            Err(Refusal::Infeasible(why)) => {
+                let whole = span.low.is_none() && span.high.is_none();
+                ruled_out.push(RuledOut { why: on_span(why, &span), whole });
+            }
             Err(other) => return other,
             Ok(_) => {}
         }
     }
-    let never = |why: &Infeasible| match why {
-        Infeasible::Never { bind, least, .. } => Some((bind.limit, *least)),
+    let is_never = |why: &Infeasible| matches!(why, Infeasible::Never { .. });
+    if let [RuledOut { why, whole }] = &ruled_out[..]
+        && (*whole || !is_never(why))
+    {
+        return Refusal::Infeasible(why.clone());
+    }
+    let never = |out: &RuledOut| match &out.why {
+        Infeasible::Never { bind, least, .. } if out.whole => Some((bind.limit, *least)),
         _ => None,
     };
-    if let [only] = &ruled_out[..] {
-        return Refusal::Infeasible(only.clone());
-    }
     let limits: Vec<Option<(&str, f64)>> = ruled_out.iter().map(never).collect();
     let same = limits.iter().all(|limit| limit.is_some() && limit.map(|l| l.0) == limits[0].map(|l| l.0));
+    let least = |out: &RuledOut| never(out).map_or(f64::INFINITY, |(_, least)| least);
     if same {
-        let nearest = ruled_out.into_iter().min_by(|a, b| {
-            let least = |why: &Infeasible| never(why).map_or(f64::INFINITY, |(_, least)| least);
-            least(a).total_cmp(&least(b))
-        });
-        return nearest.map_or(Refusal::NotSolved(Unsolved::NothingRuledOut), Refusal::Infeasible);
+        let nearest = ruled_out.into_iter().min_by(|a, b| least(a).total_cmp(&least(b)));
+        return nearest.map_or(Refusal::NotSolved(Unsolved::NothingRuledOut), |out| Refusal::Infeasible(out.why));
     }
     // One limit here and another there: the ratio that comes nearest.
-    let ratios = ruled_out.iter().map(|why| match why {
-        Infeasible::Never { ratio, .. } | Infeasible::Nowhere { ratio, .. } => *ratio,
-        Infeasible::Contradiction { at_least, at_most, .. } => (at_least * at_most).sqrt(),
+    let near = ruled_out.iter().filter_map(|out| match &out.why {
+        Infeasible::Never { ratio, .. } | Infeasible::Nowhere { ratio, .. } => nowhere(groups, *ratio),
+        Infeasible::Contradiction { at_least, at_most, .. } => nowhere(groups, (at_least * at_most).sqrt()),
     });
-    let near = ratios.filter_map(|ratio| worst(groups, ratio).map(|worst| (ratio, worst)));
-    match near.min_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
-        Some((ratio, (least, allowed, bind))) => {
-            Refusal::Infeasible(Infeasible::Nowhere { bind, least, allowed, ratio })
-        }
-        None => Refusal::NotSolved(Unsolved::NothingRuledOut),
-    }
+    let told = |why: &Infeasible| match why {
+        Infeasible::Nowhere { least, .. } => *least,
+        _ => f64::INFINITY,
+    };
+    let nearest = near.min_by(|a, b| told(a).total_cmp(&told(b)));
+    nearest.map_or(Refusal::NotSolved(Unsolved::NothingRuledOut), Refusal::Infeasible)
 }
