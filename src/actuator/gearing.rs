@@ -58,9 +58,6 @@ impl<'a> Candidate<'a> {
             inertia: piece.inertia(base).constant,
             mass: mass.map_or(base.mass, |mass| Some(mass.constant)),
             no_load: Friction { coulomb: piece.no_load(base).constant, ..base.no_load },
-            peak_torque: None,
-            continuous_torque: None,
-            max_input_speed: None,
             ..*base
         };
         let here: Candidate<'p> = Candidate { load, ..*self };

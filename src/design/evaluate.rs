@@ -175,6 +175,9 @@ impl<'a> Prepared<'a> {
 
     /// What could not be checked at a ratio, and what was assumed there.
     pub fn judged(&self, ratio: f64) -> Judged {
+        if self.candidate.whole_map().is_some() {
+            return self.at_ratio(ratio, |here| here.judged(ratio));
+        }
         let mut judged = Judged { unchecked: self.unchecked.clone(), assumed: self.assumed.clone() };
         let other = self.candidate.at_other_end();
         for (limit, judge) in &self.at_ratio {

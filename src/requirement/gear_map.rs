@@ -120,10 +120,7 @@ impl GearPiece {
     /// 1/η or η_b as it goes with N²: for what drives, and for what brakes.
     pub fn load(&self, base: &GearModel) -> [Line; 2] {
         let fixed = [1.0 / base.efficiency, base.backdrive_efficiency].map(Line::fixed);
-        [
-            self.line(2, |row| row.driving).unwrap_or(fixed[0]),
-            self.line(2, |row| row.braking).unwrap_or(fixed[1]),
-        ]
+        [self.line(2, |row| row.driving).unwrap_or(fixed[0]), self.line(2, |row| row.braking).unwrap_or(fixed[1])]
     }
 
     /// Inertia at the input \[kg·m²\] as it goes with 1/N².
@@ -159,10 +156,9 @@ impl GearMap {
         if !in_order || double || is_jump(0) || is_jump(last) {
             return None;
         }
-        let pieces = (0..=last).filter(|k| !is_jump(*k)).map(|k| GearPiece {
-            rows: [rows[k], rows[k + 1]],
-            after_jump: k > 0 && is_jump(k - 1),
-        });
+        let pieces = (0..=last)
+            .filter(|k| !is_jump(*k))
+            .map(|k| GearPiece { rows: [rows[k], rows[k + 1]], after_jump: k > 0 && is_jump(k - 1) });
         Some(GearMap { pieces: pieces.collect() })
     }
 
@@ -228,10 +224,10 @@ mod tests {
         // Just above a jump the second row holds; both rows of it have one torque without load.
         let above = map.gear(&base, 4.0_f64.next_up());
         assert_eq!((1.0 / above.efficiency, above.inertia), (1.0 / (1.0 / 1.2), 3e-6));
-        assert_eq!(map.pieces().iter().map(|p| (p.from(), p.to())).collect::<Vec<_>>(), [
-            (2.0, 4.0),
-            (4.0_f64.next_up(), 9.0)
-        ]);
+        assert_eq!(
+            map.pieces().iter().map(|p| (p.from(), p.to())).collect::<Vec<_>>(),
+            [(2.0, 4.0), (4.0_f64.next_up(), 9.0)]
+        );
         let piece = &map.pieces()[0];
         let (n, gear) = (3.0, map.gear(&base, 3.0));
         let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} {b}");
@@ -247,9 +243,11 @@ mod tests {
 
     #[test]
     fn rows_that_make_no_map() {
-        let ratios = |list: &[f64]| GearMap::new(&list.iter().map(|n| row(*n, 1.1, 1e-6)).collect::<Vec<_>>()).is_some();
+        let ratios =
+            |list: &[f64]| GearMap::new(&list.iter().map(|n| row(*n, 1.1, 1e-6)).collect::<Vec<_>>()).is_some();
         assert!(ratios(&[2.0, 3.0]) && ratios(&[2.0, 3.0, 3.0, 4.0]));
-        for bad in [&[2.0][..], &[], &[3.0, 2.0], &[2.0, 2.0], &[2.0, 2.0, 3.0], &[2.0, 3.0, 3.0], &[2.0, 3.0, 3.0, 3.0, 4.0]]
+        for bad in
+            [&[2.0][..], &[], &[3.0, 2.0], &[2.0, 2.0], &[2.0, 2.0, 3.0], &[2.0, 3.0, 3.0], &[2.0, 3.0, 3.0, 3.0, 4.0]]
         {
             assert!(!ratios(bad), "{bad:?}");
         }

@@ -52,11 +52,11 @@ pub(super) fn read(
     let name = section.required_text(key("name", "name of the joint"), "\"knee\"").map(|t| t.into_inner());
     let count = section.count(key("count", "how many joints like this").default("1")).unwrap_or(1);
     let ratio = gear::read_ratio(&section);
-    let (gear, map) = match section.section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one"))
-    {
-        Some(gear) => {
-            if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
-                section.note(
+    let (gear, map) =
+        match section.section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one")) {
+            Some(gear) => {
+                if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
+                    section.note(
                     Problem::at(
                         gear.span(),
                         "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue",
@@ -64,14 +64,14 @@ pub(super) fn read(
                     )
                     .help("remove one of the two"),
                 );
+                }
+                let model = gear::read_gear(&gear);
+                let map = map_file::read(&gear, reader);
+                gear.finish();
+                (model, map)
             }
-            let model = gear::read_gear(&gear);
-            let map = map_file::read(&gear, reader);
-            gear.finish();
-            (model, map)
-        }
-        None => (GearModel::IDEAL, None),
-    };
+            None => (GearModel::IDEAL, None),
+        };
     let scale = motions::read_scale(&section);
     let (read, taken) = if section.has("case") {
         (cases::read(&section, joints, name.as_ref(), scale, reader), None)

@@ -69,9 +69,10 @@ pub(super) fn read(section: &Section, motions: &mut MotionReader) -> Option<Read
             return None;
         }
     };
-    let said_twice = COLUMNS.iter().filter(|(name, ..)| columns.contains(name)).flat_map(|(name, .., keys)| {
-        keys.iter().filter(|key| section.has(**key)).map(move |key| (*name, *key))
-    });
+    let said_twice = COLUMNS
+        .iter()
+        .filter(|(name, ..)| columns.contains(name))
+        .flat_map(|(name, .., keys)| keys.iter().filter(|key| section.has(**key)).map(move |key| (*name, *key)));
     for (column, key) in said_twice.collect::<Vec<_>>() {
         let message = format!("`{key}` of [gear] and the column `{column}` of its `map` say one thing");
         let problem = Problem::at(section.span_of(key), message, "the map has it, too");
@@ -94,7 +95,10 @@ fn read_rows(source: &Arc<Source>) -> Result<(Vec<&'static str>, Vec<MapRow>), I
     let mut problems = Vec::new();
     let read = read_table(source, &mut problems);
     InputError::unless_empty(source, problems)?;
-    read.ok_or_else(|| InputError { source: source.clone(), problems: vec![Problem::whole("the map could not be read")] })
+    read.ok_or_else(|| InputError {
+        source: source.clone(),
+        problems: vec![Problem::whole("the map could not be read")],
+    })
 }
 
 fn read_table(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<(Vec<&'static str>, Vec<MapRow>)> {
@@ -103,7 +107,8 @@ fn read_table(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<(Vec<
         content: Content::Quantity(kind, *range),
         required: *name == "ratio",
     });
-    let aside = NOT_MODELLED.iter().map(|name| Column { name: (*name).into(), content: Content::Text, required: false });
+    let aside =
+        NOT_MODELLED.iter().map(|name| Column { name: (*name).into(), content: Content::Text, required: false });
     let header_alone = |name: &str| name.split('[').next().unwrap_or("").trim().to_string();
     let first = source.text().lines().find(|line| !line.starts_with('#') && !line.trim().is_empty());
     if let Some(name) =
@@ -138,7 +143,9 @@ fn read_table(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<(Vec<
             if table.text(row, name).is_none() {
                 let message = format!("`{name}` is missing in row {}", row + 1);
                 let problem = Problem::at(table.row_span(row), message, "a blank cell");
-                problems.push(problem.help("a map says each of its columns in every row: fill the cell, or remove the column"));
+                problems.push(
+                    problem.help("a map says each of its columns in every row: fill the cell, or remove the column"),
+                );
                 return None;
             }
             table.number(row, name, problems).map(|number| number.value)
@@ -155,7 +162,8 @@ fn read_table(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<(Vec<
             max_input_speed: cell("max_input_speed"),
         };
         if let Some(above) = read.braking.filter(|braking| *braking > 1.0) {
-            let message = format!("`backdrive_efficiency` of {} is out of range in row {}", crate::words::number(above), row + 1);
+            let message =
+                format!("`backdrive_efficiency` of {} is out of range in row {}", crate::words::number(above), row + 1);
             problems.push(Problem::at(table.cell_span(row, "backdrive_efficiency"), message, "expected at most 1"));
         }
         rows.push(read);
@@ -175,7 +183,12 @@ fn check_order(table: &Table, rows: &[MapRow], problems: &mut Vec<Problem>) {
     if rows.len() < 2 {
         if let Some(only) = rows.first() {
             let message = format!("the map has one row, of ratio {}", crate::words::number(only.ratio));
-            wrong(0, message, "expected at least two rows", "a gear that is the same at all ratios has no `map`: give its numbers as keys of [joint.gear]");
+            wrong(
+                0,
+                message,
+                "expected at least two rows",
+                "a gear that is the same at all ratios has no `map`: give its numbers as keys of [joint.gear]",
+            );
         }
         return;
     }
@@ -184,14 +197,34 @@ fn check_order(table: &Table, rows: &[MapRow], problems: &mut Vec<Problem>) {
         let (said, after) = (crate::words::number(here), crate::words::number(before));
         let to = format!("row {}", k + 1);
         if here < before {
-            wrong(k, format!("the ratios do not rise: {said} in {to} after {after}"), "less than the row above", "sort the rows by ratio");
+            wrong(
+                k,
+                format!("the ratios do not rise: {said} in {to} after {after}"),
+                "less than the row above",
+                "sort the rows by ratio",
+            );
         } else if here != before && here - before < APART * here {
-            wrong(k, format!("the ratio {said} in {to} is nearly that of the row above"), "neither a jump nor a piece", "give both rows the same ratio for a jump, or leave one out");
+            wrong(
+                k,
+                format!("the ratio {said} in {to} is nearly that of the row above"),
+                "neither a jump nor a piece",
+                "give both rows the same ratio for a jump, or leave one out",
+            );
         } else if here == before && (k == 1 || k + 1 == rows.len()) {
             let end = if k == 1 { "begins" } else { "ends" };
-            wrong(k, format!("the map {end} with a jump: the ratio {said} twice"), "a jump needs a piece on both sides", "leave one of the two rows out");
+            wrong(
+                k,
+                format!("the map {end} with a jump: the ratio {said} twice"),
+                "a jump needs a piece on both sides",
+                "leave one of the two rows out",
+            );
         } else if here == before && rows[k - 2].ratio == here {
-            wrong(k, format!("the ratio {said} is there three times"), "a jump has two rows", "leave the row between out");
+            wrong(
+                k,
+                format!("the ratio {said} is there three times"),
+                "a jump has two rows",
+                "leave the row between out",
+            );
         }
     }
 }

@@ -178,7 +178,9 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
                 samples += joint.motion.len();
                 if samples > limits::SAMPLES {
                     let message = limits::too_many("samples of all joints together", samples, limits::SAMPLES);
-                    root.note(Problem::at(span.clone(), message, "reached here").help("take every n-th row of the motions"));
+                    root.note(
+                        Problem::at(span.clone(), message, "reached here").help("take every n-th row of the motions"),
+                    );
                     return None;
                 }
                 joints.push(joint);

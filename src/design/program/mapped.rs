@@ -134,9 +134,8 @@ fn solve_span(
         .iter()
         .map(|group| {
             let mut own = Prepared::new(group.candidate.on_piece(piece, load)).stopping(program.prepared.stop);
-            let counts = |asked: &Asked| {
-                group.limits.iter().any(|a| a.limit.name == asked.limit.name && a.end == asked.end)
-            };
+            let counts =
+                |asked: &Asked| group.limits.iter().any(|a| a.limit.name == asked.limit.name && a.end == asked.end);
             own.asked.retain(|asked| !cut(asked.limit.name) && counts(asked));
             own
         })
@@ -145,7 +144,8 @@ fn solve_span(
         .iter()
         .flat_map(|own| own.asked.iter().map(|asked| Limited { candidate: &own.candidate, asked }))
         .collect();
-    let own = RatioProgram { prepared: &prepared[0], objective: program.objective, range: (span.from, span.to), limits };
+    let own =
+        RatioProgram { prepared: &prepared[0], objective: program.objective, range: (span.from, span.to), limits };
     let outcome = own.solve();
     let bound = match &outcome {
         Ok(Optimum { certificate: Certificate::Certified { lower_bound, .. }, .. }) => Some(*lower_bound),
@@ -159,12 +159,7 @@ fn solve_span(
 ///
 /// # Errors
 /// What leaves none.
-fn spans(
-    groups: &[Group],
-    map: &GearMap,
-    piece: &GearPiece,
-    (from, to): (f64, f64),
-) -> Result<Vec<Span>, RuledOut> {
+fn spans(groups: &[Group], map: &GearMap, piece: &GearPiece, (from, to): (f64, f64)) -> Result<Vec<Span>, RuledOut> {
     let mut spans = vec![Span { from, to, low: None, high: None }];
     for (name, _) in OF_THE_GEAR.iter().filter(|(_, of)| map.says(of)) {
         let Some(limit) = LIMITS.iter().find(|limit| limit.name == *name) else { continue };
@@ -256,7 +251,10 @@ fn combined(program: &RatioProgram, groups: &[Group], solved: Vec<Solved>, ruled
     let clamp = |ratio: f64, span: &Span| ratio.clamp(span.from, span.to);
     let certificate = certificate(best, &solved);
     let ends = program.range;
-    let own = [of_best.span.low.is_none() && of_best.span.from <= ends.0, of_best.span.high.is_none() && of_best.span.to >= ends.1];
+    let own = [
+        of_best.span.low.is_none() && of_best.span.from <= ends.0,
+        of_best.span.high.is_none() && of_best.span.to >= ends.1,
+    ];
     // What is priced is a limit, or an end of the range; not that a piece ends.
     let is_priced = |price: &ShadowPrice| match price.limit {
         "ratio_min" => own[0],
@@ -322,9 +320,7 @@ fn united(groups: &[Group], mut parts: Vec<Part>) -> Vec<Window> {
     let mut united: Vec<Part> = Vec::new();
     for part in parts {
         match united.last_mut() {
-            Some(before)
-                if before.open[1] && part.open[0] && part.window.min <= before.window.max * (1.0 + NEXT) =>
-            {
+            Some(before) if before.open[1] && part.open[0] && part.window.min <= before.window.max * (1.0 + NEXT) => {
                 (before.window.max, before.window.high, before.open[1]) =
                     (part.window.max, part.window.high, part.open[1]);
             }
@@ -428,4 +424,60 @@ fn none(groups: &[Group], solved: Vec<Solved>, mut ruled_out: Vec<RuledOut>) -> 
     };
     let nearest = near.min_by(|a, b| told(a).total_cmp(&told(b)));
     nearest.map_or(Refusal::NotSolved(Unsolved::NothingRuledOut), Refusal::Infeasible)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn optimum(objective: f64, certificate: Certificate) -> Optimum {
+        let bind = Bind::of("ratio_min", None);
+        let window = Window { min: 2.0, max: 3.0, low: bind.clone(), high: bind };
+        Optimum { ratio: 2.5, objective, windows: vec![window], certificate, shadow_prices: Vec::new() }
+    }
+
+    fn row(ratio: f64) -> MapRow {
+        MapRow {
+            ratio,
+            mass: Some(1.0),
+            inertia: None,
+            driving: None,
+            braking: None,
+            no_load_torque: None,
+            peak_torque: None,
+            continuous_torque: None,
+            max_input_speed: None,
+        }
+    }
+
+    /// Proved is only what all pieces prove: one without a bound, or with one below the best, takes the proof away.
+    #[test]
+    fn one_piece_without_proof_is_none() {
+        let map = GearMap::new(&[row(2.0), row(3.0), row(4.0)]).expect("a map");
+        let proved = || Certificate::Certified { lower_bound: 5.0, gap: 0.0, method: "a test" };
+        let best = optimum(5.0, proved());
+        let solved = |k: usize, outcome: Outcome, bound: Option<f64>| {
+            let piece = &map.pieces()[k];
+            Solved { outcome, bound, piece, span: Span { from: piece.from(), to: piece.to(), low: None, high: None } }
+        };
+        let other = |bound: Option<f64>| {
+            let not = Err(Refusal::NotSolved(Unsolved::NothingRuledOut));
+            certificate(&best, &[solved(0, Ok(best.clone()), Some(5.0)), solved(1, not, bound)])
+        };
+        assert!(matches!(other(None), Certificate::NotCertified(why) if why.contains("from 3 to 4")));
+        assert!(matches!(other(Some(f64::NAN)), Certificate::NotCertified(_)));
+        assert!(matches!(other(Some(4.9)), Certificate::NotCertified(_)));
+        let certified = |certificate: Certificate| match certificate {
+            Certificate::Certified { lower_bound, gap, .. } => Some((lower_bound, gap)),
+            Certificate::NotCertified(_) => None,
+        };
+        assert_eq!(certified(other(Some(7.0))), Some((5.0, 0.0)));
+        assert_eq!(certified(other(Some(f64::INFINITY))), Some((5.0, 0.0)));
+        let (bound, gap) = certified(other(Some(5.0 - 2e-6))).expect("within the tolerance");
+        assert!(bound < 5.0 && gap > 0.0 && gap <= GAP_TOLERANCE);
+        // The best itself is not proved.
+        let open = optimum(5.0, Certificate::NotCertified("why".into()));
+        let all = [solved(0, Ok(open.clone()), Some(5.0))];
+        assert_eq!(certificate(&open, &all), Certificate::NotCertified("why".into()));
+    }
 }

@@ -46,22 +46,54 @@ fn every_mistake_of_a_map_has_its_place() {
         ("header alone", MAP.lines().next().unwrap().into(), &["planetary.csv:1", "a header but no rows"]),
         ("one row", MAP.lines().take(2).collect::<Vec<_>>().join("\n"), &["planetary.csv:2:1", "the map has one row"]),
         ("falling", row("6,  0.95", "2,  0.95"), &["planetary.csv:3:1", "the ratios do not rise: 2 in row 2 after 3"]),
-        ("nearly one ratio", row("10, 0.91", "10.000001, 0.91"), &["planetary.csv:5:1", "nearly that of the row above"]),
-        ("three of a ratio", row("30, 0.86", "10, 0.86") + "30,0.8,240,0.1,12,9000\n", &["planetary.csv:6:1", "three times"]),
+        (
+            "nearly one ratio",
+            row("10, 0.91", "10.000001, 0.91"),
+            &["planetary.csv:5:1", "nearly that of the row above"],
+        ),
+        (
+            "three of a ratio",
+            row("30, 0.86", "10, 0.86") + "30,0.8,240,0.1,12,9000\n",
+            &["planetary.csv:6:1", "three times"],
+        ),
         ("begins with a jump", row("6,  0.95", "3,  0.95"), &["planetary.csv:3:1", "begins with a jump"]),
-        ("ends with a jump", row("30, 0.86", "10.0, 0.86").replacen("10, 0.92", "9, 0.92", 1), &["planetary.csv:6:1", "ends with a jump"]),
-        ("an efficiency above one", row("0.95", "1.05"), &["planetary.csv:3:5", "`efficiency` is out of range", "greater than 0 and at most 1"]),
+        (
+            "ends with a jump",
+            row("30, 0.86", "10.0, 0.86").replacen("10, 0.92", "9, 0.92", 1),
+            &["planetary.csv:6:1", "ends with a jump"],
+        ),
+        (
+            "an efficiency above one",
+            row("0.95", "1.05"),
+            &["planetary.csv:3:5", "`efficiency` is out of range", "greater than 0 and at most 1"],
+        ),
         ("an efficiency of nothing", row("0.95", "0"), &["planetary.csv:3:5", "`efficiency` is out of range"]),
         ("not a number", row("0.95", "nan"), &["planetary.csv:3:5", "`efficiency`"]),
         ("a missing cell", row("6,  0.95,", "6,  ,"), &["planetary.csv:3", "`efficiency` is missing in row 2"]),
         ("a wrong unit", row("[g*cm^2]", "[g]"), &["planetary.csv:1", "column `inertia`"]),
         ("no unit", row("mass [g]", "mass"), &["planetary.csv:1", "column `mass`"]),
-        ("an unknown column", row("peak_torque [N*m]", "peak_torqe [N*m]"), &["planetary.csv:1", "unknown column `peak_torqe`", "peak_torque"]),
-        ("a size", row("peak_torque [N*m]", "length [mm]"), &["planetary.csv:1", "column `length`", "nothing is computed with it"]),
+        (
+            "an unknown column",
+            row("peak_torque [N*m]", "peak_torqe [N*m]"),
+            &["planetary.csv:1", "unknown column `peak_torqe`", "peak_torque"],
+        ),
+        (
+            "a size",
+            row("peak_torque [N*m]", "length [mm]"),
+            &["planetary.csv:1", "column `length`", "nothing is computed with it"],
+        ),
         ("the ratio alone", "ratio\n3\n30\n".into(), &["planetary.csv:1", "says nothing but the ratio"]),
         ("no ratio", row("ratio,", "mass_of,"), &["planetary.csv:1", "unknown column `mass_of`"]),
-        ("a backdrive efficiency above one", MAP.replacen("efficiency,", "backdrive_efficiency,", 1).replace("0.95", "1.5"), &["planetary.csv:3:5", "`backdrive_efficiency` of 1.5 is out of range in row 2"]),
-        ("a catalogue of gears", "id,kind,ratio,efficiency,source,source_kind\na,planetary,5,0.9,a,datasheet\n".into(), &["a catalogue of gears", "a gear map"]),
+        (
+            "a backdrive efficiency above one",
+            MAP.replacen("efficiency,", "backdrive_efficiency,", 1).replace("0.95", "1.5"),
+            &["planetary.csv:3:5", "`backdrive_efficiency` of 1.5 is out of range in row 2"],
+        ),
+        (
+            "a catalogue of gears",
+            "id,kind,ratio,efficiency,source,source_kind\na,planetary,5,0.9,a,datasheet\n".into(),
+            &["a catalogue of gears", "a gear map"],
+        ),
     ];
     for (name, map, says) in cases {
         let ran = with(map, &[], OPTIMIZE);
@@ -76,16 +108,51 @@ fn every_mistake_of_a_map_has_its_place() {
 fn what_does_not_go_with_a_map_is_refused_with_its_place() {
     let key = |key: &'static str| ("map = \"planetary.csv\"", key);
     let cases: &[(&str, &[(&str, &str)], &[&str])] = &[
-        ("beyond the map", &[("max = 30", "max = 31")], &["robot.toml:10", "the ratios go from 3 to 31, the gear's `map` from 3 to 30", "narrow `ratio`"]),
+        (
+            "beyond the map",
+            &[("max = 30", "max = 31")],
+            &["robot.toml:10", "the ratios go from 3 to 31, the gear's `map` from 3 to 30", "narrow `ratio`"],
+        ),
         ("below the map", &[("min = 3", "min = 2")], &["robot.toml:10", "from 2 to 30"]),
-        ("a listed ratio outside", &[("{ min = 3, max = 30 }", "{ values = [2, 5] }")], &["robot.toml:10", "from 2 to 5"]),
-        ("a key that it gives", &[key("map = \"planetary.csv\", efficiency = 0.9")], &["robot.toml:12", "`efficiency` of [gear] and the column `efficiency` of its `map` say one thing"]),
-        ("a mass by stages", &[key("map = \"planetary.csv\", mass_per_stage = \"90 g\", stage_ratio = 5")], &["robot.toml:12", "`mass_per_stage` of [gear] and the column `mass`"]),
+        (
+            "a listed ratio outside",
+            &[("{ min = 3, max = 30 }", "{ values = [2, 5] }")],
+            &["robot.toml:10", "from 2 to 5"],
+        ),
+        (
+            "a key that it gives",
+            &[key("map = \"planetary.csv\", efficiency = 0.9")],
+            &["robot.toml:12", "`efficiency` of [gear] and the column `efficiency` of its `map` say one thing"],
+        ),
+        (
+            "a mass by stages",
+            &[key("map = \"planetary.csv\", mass_per_stage = \"90 g\", stage_ratio = 5")],
+            &["robot.toml:12", "`mass_per_stage` of [gear] and the column `mass`"],
+        ),
         ("no such file", &[key("map = \"none.csv\"")], &["robot.toml:12", "gear map `none.csv`"]),
-        ("gears of the catalogue", &[("ratio = { min = 3, max = 30 }", "gears = [\"*\"]")], &["robot.toml:12", "`gears` takes them from the catalogue"]),
-        ("a spring", &[("[joint.limits]", "[joint.limits]\nspring = { stiffness = [\"0 N*m/rad\", \"4 N*m/rad\"], rest_angle = [\"0 deg\", \"5 deg\"] }")], &["robot.toml:12", "a spring is not chosen together with a gear `map`"]),
-        ("a torque that backdrives", &[("[joint.limits]", "[joint.limits]\nmax_backdriving_torque = \"1 N*m\"")], &["robot.toml:15", "`max_backdriving_torque` is not judged"]),
-        ("a budget of power", &[("[[joint]]", "[budget]\npower = \"90 W\"\n[[joint]]")], &["robot.toml:9", "joint `knee` has a gear `map` and shares a budget of power"]),
+        (
+            "gears of the catalogue",
+            &[("ratio = { min = 3, max = 30 }", "gears = [\"*\"]")],
+            &["robot.toml:12", "`gears` takes them from the catalogue"],
+        ),
+        (
+            "a spring",
+            &[(
+                "[joint.limits]",
+                "[joint.limits]\nspring = { stiffness = [\"0 N*m/rad\", \"4 N*m/rad\"], rest_angle = [\"0 deg\", \"5 deg\"] }",
+            )],
+            &["robot.toml:12", "a spring is not chosen together with a gear `map`"],
+        ),
+        (
+            "a torque that backdrives",
+            &[("[joint.limits]", "[joint.limits]\nmax_backdriving_torque = \"1 N*m\"")],
+            &["robot.toml:15", "`max_backdriving_torque` is not judged"],
+        ),
+        (
+            "a budget of power",
+            &[("[[joint]]", "[budget]\npower = \"90 W\"\n[[joint]]")],
+            &["robot.toml:9", "joint `knee` has a gear `map` and shares a budget of power"],
+        ),
     ];
     for (name, changes, says) in cases {
         let ran = with(MAP, changes, OPTIMIZE);
@@ -112,7 +179,10 @@ fn a_ratio_outside_the_map_is_not_answered() {
         let ran = with(&map, &narrow, words);
         assert_ne!(ran.status, 0, "{words:?}: {}", ran.out);
         let all = collapsed(&format!("{}{}", ran.out, ran.err));
-        assert!(all.contains("the gear's `map` says nothing of this ratio") || all.contains("unexpected argument"), "{words:?}: {all}");
+        assert!(
+            all.contains("the gear's `map` says nothing of this ratio") || all.contains("unexpected argument"),
+            "{words:?}: {all}"
+        );
     }
 }
 
@@ -133,7 +203,12 @@ fn commands_agree_on_a_map() {
     let digits = |x: f64| format!("{x}").chars().take(9).collect::<String>();
     assert!(there.contains(&digits(loss)), "{loss} is not in {there}");
     // A design at that ratio is checked with the same numbers.
-    for words in [&["sweep", "robot.toml", "--catalog", "motors.csv"][..], &["optimize", "robot.toml", "--catalog", "motors.csv", "--pareto", "loss,mass"], &["optimize", "robot.toml", "--catalog", "motors.csv", "--robust"], &["check", "design.toml"]] {
+    for words in [
+        &["sweep", "robot.toml", "--catalog", "motors.csv"][..],
+        &["optimize", "robot.toml", "--catalog", "motors.csv", "--pareto", "loss,mass"],
+        &["optimize", "robot.toml", "--catalog", "motors.csv", "--robust"],
+        &["check", "design.toml"],
+    ] {
         let ran = with(MAP, &[], words);
         assert!(ran.status <= 1 && !ran.err.contains("panicked"), "{words:?}: {}{}", ran.out, ran.err);
     }
