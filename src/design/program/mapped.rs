@@ -20,8 +20,11 @@ const NEXT: f64 = 1e-9;
 /// So far beyond an end of a window it is looked at what forbids it.
 const BEYOND: f64 = 1e-6;
 
+/// A number of a row.
+type Number = fn(&MapRow) -> Option<f64>;
+
 /// The limits whose demand or bound a family of gears changes with the ratio, with the number that does.
-const OF_THE_GEAR: &[(&str, fn(&MapRow) -> Option<f64>)] = &[
+const OF_THE_GEAR: &[(&str, Number)] = &[
     ("gear_peak_torque", |row| row.peak_torque),
     ("gear_continuous_torque", |row| row.continuous_torque),
     ("gear_input_speed", |row| row.max_input_speed),
@@ -165,7 +168,7 @@ fn spans(groups: &[Group], map: &GearMap, piece: &GearPiece, (from, to): (f64, f
         let Some(limit) = LIMITS.iter().find(|limit| limit.name == *name) else { continue };
         for group in groups.iter().filter(|group| group.counts(name)) {
             let Some(kept) = kept(group.candidate, limit, piece, (from, to)) else { continue };
-            let (parts, bind, nearest) = kept;
+            let Kept { parts, bind, nearest } = kept;
             if parts.is_empty() {
                 return Err(RuledOut { why: nearest, whole: true });
             }
@@ -194,14 +197,19 @@ fn spans(groups: &[Group], map: &GearMap, piece: &GearPiece, (from, to): (f64, f
     Ok(spans)
 }
 
+/// What a limit of the gear leaves of an interval.
+struct Kept {
+    /// The parts on which it is kept.
+    parts: Vec<(f64, f64)>,
+    /// The limit.
+    bind: Bind,
+    /// How near it comes to being kept.
+    nearest: Infeasible,
+}
+
 /// Where a limit of the gear is kept on an interval of a piece, what it is, and how near it comes; `None` where it does not
 /// count.
-fn kept(
-    candidate: &Candidate,
-    limit: &'static Limit,
-    piece: &GearPiece,
-    (a, b): (f64, f64),
-) -> Option<(Vec<(f64, f64)>, Bind, Infeasible)> {
+fn kept(candidate: &Candidate, limit: &'static Limit, piece: &GearPiece, (a, b): (f64, f64)) -> Option<Kept> {
     let at = |ratio: f64| {
         let here = Candidate { folded: true, ..candidate.with_gear(piece.gear(&candidate.gear, ratio), None) };
         match limit.check(&here) {
@@ -235,7 +243,7 @@ fn kept(
     };
     let bind = Bind::of(limit.name, sample);
     let nearest = Infeasible::Never { bind: bind.clone(), least, allowed, ratio };
-    Some((parts, bind, nearest))
+    Some(Kept { parts, bind, nearest })
 }
 
 /// The answer of all pieces.

@@ -57,7 +57,7 @@ fn family(case: &Case, i: u64) -> Vec<MapRow> {
             driving,
             braking,
             inertia: number(says[2], 0.02 * rotor, 2.0 * rotor),
-            no_load_torque: number(says[3] && i % 4 == 0, 1e-3 * rub, 0.2 * rub),
+            no_load_torque: number(says[3] && i.is_multiple_of(4), 1e-3 * rub, 0.2 * rub),
             mass: number(says[4], 0.05, 2.0),
             peak_torque: number(says[5], 0.8 * need("gear_peak_torque"), 4.0 * need("gear_peak_torque")),
             continuous_torque: number(
