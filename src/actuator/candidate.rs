@@ -12,7 +12,7 @@ use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::Estimated;
 use crate::catalog::{Gear, Motor};
-use crate::requirement::{GearModel, Joint, MotorDrag, Robot, Turns};
+use crate::requirement::{GearMap, GearModel, GearPiece, Joint, MotorDrag, Robot, Turns};
 
 /// A motor and a gear for a joint, before the ratio is chosen.
 #[derive(Debug, Clone, Copy)]
@@ -33,11 +33,48 @@ pub struct Candidate<'a> {
     pub actuator: Actuator,
     /// The same at the other end, where only a range is known.
     pub other: Option<Actuator>,
+    /// What of a family of gears it has, where the gear is one of a family.
+    pub map: Option<MapPart<'a>>,
     /// Whether load and actuator are those of one ratio, with the evaluated effects in them.
     pub folded: bool,
 }
 
+/// What of a family of gears a candidate has.
+#[derive(Debug, Clone, Copy)]
+pub enum MapPart<'a> {
+    /// All of it: at each ratio the gear is another, and is looked at there.
+    Whole(&'a GearMap),
+    /// What lies between two rows: the load has what goes with the ratio in it.
+    Piece(&'a GearPiece),
+}
+
 impl<'a> Candidate<'a> {
+    /// The family of gears, of which one is known at each ratio.
+    pub fn whole_map(&self) -> Option<&'a GearMap> {
+        match self.map {
+            Some(MapPart::Whole(map)) => Some(map),
+            _ => None,
+        }
+    }
+
+    /// The piece of a family of gears that it is made for.
+    pub fn piece(&self) -> Option<&'a GearPiece> {
+        match self.map {
+            Some(MapPart::Piece(piece)) => Some(piece),
+            _ => None,
+        }
+    }
+
+    /// By how much the mass rises with N² \[kg\]: within a piece of a family of gears.
+    pub fn mass_slope(&self) -> f64 {
+        self.piece().and_then(|piece| piece.mass()).map_or(0.0, |mass| mass.per_power)
+    }
+
+    /// Inertia at the output that no ratio changes \[kg·m²\]: within a piece of a family of gears.
+    pub fn inertia_at_output(&self) -> f64 {
+        self.piece().map_or(0.0, |piece| piece.inertia(&self.gear).per_power)
+    }
+
     /// The equations at each end of what is known of the motor's drag: one, or two.
     pub fn ends(&self) -> impl Iterator<Item = &Actuator> {
         std::iter::once(&self.actuator).chain(&self.other)
@@ -96,12 +133,13 @@ pub enum End {
 impl Candidate<'_> {
     /// Mass of motor and gear at a ratio \[kg\]; `None` where either is unknown.
     pub fn mass_at(&self, ratio: f64) -> Option<f64> {
-        Some(self.motor.mass? + self.gear.mass_at(ratio)?)
+        Some(self.motor.mass? + self.gear.mass_at(ratio)? + self.mass_slope() * ratio * ratio)
     }
 
     /// What is known of that mass \[kg\]: the actuator weighs at least this.
     pub fn known_mass_at(&self, ratio: f64) -> f64 {
-        self.motor.mass.unwrap_or(0.0) + self.gear.mass_at(ratio).unwrap_or(0.0)
+        let gear = self.gear.mass_at(ratio).unwrap_or(0.0) + self.mass_slope() * ratio * ratio;
+        self.motor.mass.unwrap_or(0.0) + gear
     }
 
     /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is. Where the winding is open,
@@ -172,7 +210,7 @@ impl Candidate<'_> {
 
     /// Whether some effect of the motor, or the current that weakens its field, has to be evaluated at each ratio.
     pub fn is_evaluated(&self) -> bool {
-        !self.folded && (self.has_evaluated_effects() || self.along_d().is_some())
+        !self.folded && (self.has_evaluated_effects() || self.along_d().is_some() || self.whole_map().is_some())
     }
 
     /// Whether some effect of the motor has to be evaluated at each ratio.
@@ -248,6 +286,9 @@ impl Candidate<'_> {
             () if self.joint.limits.spring.is_some() => {
                 Some("it is not combined with a spring that is chosen: i_d = 0")
             }
+            () if self.joint.gear_map.is_some() && self.catalog_gear.is_none() => {
+                Some("it is not combined with a gear map: i_d = 0")
+            }
             () if self.joint.turns != Turns::AsWound => Some("it is not combined with other turns: i_d = 0"),
             () => None,
         }
@@ -255,6 +296,9 @@ impl Candidate<'_> {
 
     /// The candidate at one ratio, with the effects that have to be evaluated there in its samples.
     pub fn at_ratio<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
+        if let Some(map) = self.whole_map() {
+            return look(&Candidate { folded: true, ..self.with_gear(map.gear(&self.gear, ratio), None) });
+        }
         if !self.has_evaluated_effects() {
             return Candidate { folded: true, ..*self }.weakened(ratio, look);
         }

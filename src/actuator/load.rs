@@ -1,5 +1,7 @@
 //! Everything about a joint that does not depend on motor, gear or ratio, computed once.
 
+mod piece;
+
 use std::sync::Arc;
 
 use super::heat_course::HeatCourse;
@@ -86,6 +88,10 @@ pub struct Load {
     rest: Vec<f64>,
     /// Which sample follows which.
     steps: Arc<[Step]>,
+    /// Where the gear is one of a family: the same on each piece of it.
+    pieces: Vec<Load>,
+    /// On a piece of a family of gears: what its efficiency and its torque without load that falls with the ratio take \[W\].
+    gear_loss: Option<Laurent>,
 }
 
 impl Load {
@@ -168,6 +174,8 @@ impl Load {
             weight: motion.weight.clone(),
             rest: motion.dwell.clone(),
             steps: Step::all(motion).into(),
+            pieces: Vec::new(),
+            gear_loss: None,
         }
     }
 
@@ -212,6 +220,7 @@ impl Load {
             weight: self.weight.clone(),
             rest: self.rest.clone(),
             steps: self.steps.clone(),
+            pieces: Vec::new(),
             ..*self
         }
     }

@@ -67,7 +67,7 @@ impl LossTerms {
         let through = |flow| ShaftForm::of(Feature::Load, actuator.torque_form(flow)[Feature::Load] - 1.0);
         LossTerms {
             motor_drag: power(actuator.drag_form()),
-            gear_load: load.mean_shaft_power(through),
+            gear_load: load.gear_loss().unwrap_or_else(|| load.mean_shaft_power(through)),
             gear_no_load: power(actuator.gear_drag_form()),
             drive: torque_squared * actuator.conduction() + Laurent::constant(standby),
         }

@@ -10,6 +10,7 @@ pub mod envelope;
 pub mod estimate;
 pub mod fitted;
 pub mod gear_figures;
+pub(crate) mod gearing;
 mod heat_course;
 pub mod limits;
 pub mod load;

@@ -185,6 +185,14 @@ impl Actuator {
         self
     }
 
+    /// The same for samples whose features `Speed` and `SpeedRate` are a load torque, and its rate, that comes with N in place
+    /// of 1/N: see [`Load::on_piece`](super::Load::on_piece).
+    #[must_use]
+    pub(crate) fn with_rising_load(mut self) -> Actuator {
+        self.add_torque(&ShaftForm::of(Feature::Speed, 1.0));
+        self
+    }
+
     fn add_torque(&mut self, own: &ShaftForm) {
         let per_torque = (self.hot_resistance + self.drive_resistance) / self.torque_constant;
         for (torque, voltage) in self.torque.iter_mut().zip(&mut self.voltage) {

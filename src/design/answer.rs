@@ -334,6 +334,10 @@ pub enum Unusable {
     NoGearFits,
     /// The gear's efficiency is not known.
     GearEfficiency,
+    /// Its row was fitted with its gear, and the requirement has a family of gears.
+    GearMap,
+    /// The requirement's family of gears says nothing of the ratio.
+    OutsideMap,
     /// The objective needs a mass that is not known.
     Mass,
     /// Energy per cycle needs a cycle: durations of points, numbers of cycles of load cases.
@@ -347,7 +351,11 @@ impl Unusable {
             Unusable::RotorInertia => "rotor_inertia",
             Unusable::GearEfficiency => "gear_efficiency",
             Unusable::Mass => "mass",
-            Unusable::NotAllowed | Unusable::NoGearFits | Unusable::Durations => return None,
+            Unusable::NotAllowed
+            | Unusable::NoGearFits
+            | Unusable::GearMap
+            | Unusable::OutsideMap
+            | Unusable::Durations => return None,
         };
         Some((what, self.reason()))
     }
@@ -359,6 +367,11 @@ impl Unusable {
             Unusable::RotorInertia => "its rotor inertia is not known",
             Unusable::NoGearFits => "no allowed gear of the catalogue fits it",
             Unusable::GearEfficiency => "the gear's efficiency is not known",
+            Unusable::GearMap => {
+                "it was fitted with its gear, and a gear `map` does not go with fitted effects: give the gear's numbers as \
+                 keys of [joint.gear]"
+            }
+            Unusable::OutsideMap => "the gear's `map` says nothing of this ratio",
             Unusable::Mass => "the objective needs a mass that is not known",
             Unusable::Durations => {
                 "energy is that of a cycle: points need durations, load cases `cycles` or an `order`"

@@ -181,6 +181,9 @@ impl<'a> Prepared<'a> {
 
     /// What could not be checked at a ratio, and what was assumed there.
     pub fn judged(&self, ratio: f64) -> Judged {
+        if self.candidate.whole_map().is_some() {
+            return self.at_ratio(ratio, |here| here.judged(ratio));
+        }
         let mut judged = Judged { unchecked: self.unchecked.clone(), assumed: self.assumed.clone() };
         let other = self.candidate.at_other_end();
         for (limit, judge) in &self.at_ratio {
@@ -369,10 +372,16 @@ impl<'a> Prepared<'a> {
         self.ends().map(of).fold(0.0, f64::max)
     }
 
+    /// Whether the gear is known at a ratio: a family of gears says nothing beyond its rows.
+    pub fn says_gear_at(&self, ratio: f64) -> bool {
+        self.candidate.whole_map().is_none_or(|map| map.covers(ratio))
+    }
+
     /// Evaluates the design at a ratio.
     pub fn at(&self, ratio: f64) -> Evaluation {
         if self.candidate.is_evaluated() {
-            return self.at_ratio(ratio, |here| here.at(ratio));
+            let there = self.at_ratio(ratio, |here| here.at(ratio));
+            return Evaluation { feasible: there.feasible && self.says_gear_at(ratio), ..there };
         }
         let candidate = &self.candidate;
         let waveform = &candidate.load.waveform;
@@ -504,6 +513,9 @@ impl<'a> Prepared<'a> {
     /// `L |Δi|/(V − R |i|)`. Efficiency and Coulomb friction jump there; voltage rows leave the jump
     /// out. `None` where the inductance is unknown; infinite where no voltage is left for it.
     pub fn reversal_time(&self, ratio: f64) -> Option<f64> {
+        if self.candidate.whole_map().is_some() {
+            return self.at_ratio(ratio, |here| here.reversal_time(ratio));
+        }
         let candidate = &self.candidate;
         let inductance = candidate.motor.inductance?;
         let motion = &candidate.joint.motion;

@@ -97,6 +97,9 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
     let (motor, ratio) = (choice.motor, choice.ratio);
     let load = load_through(&joint, choice.gear);
     let prepared = Mount::new(robot, &joint, &load, motor).with_gear(choice.gear).prepared()?;
+    if !prepared.says_gear_at(ratio) {
+        return Err(Unusable::OutsideMap);
+    }
     let range = joint.ratio.range().filter(|_| choice.gear.is_none());
     let best = range.and_then(|range| solve(&prepared, &joint, range).ok());
     let best = best.map(|optimum| (optimum.ratio, optimum.objective));

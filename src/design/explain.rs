@@ -199,6 +199,9 @@ fn explain_as_it_is<'a>(
     let load = load_through(joint, gear);
     let mount = Mount::new(robot, joint, &load, motor).with_gear(gear);
     let prepared = mount.prepared()?;
+    if ratio.is_some_and(|ratio| !prepared.says_gear_at(ratio)) {
+        return Err(Unusable::OutsideMap);
+    }
     let range = joint.ratio.range().filter(|_| gear.is_none());
     let solved = |range| solve(&prepared, joint, range).map(|optimum| judged_part(&prepared, optimum, false));
     let best = range.map(solved);
@@ -302,8 +305,8 @@ fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<R
             }
         }
         if let Some((ratio, raw)) = least {
-            let needed = asked.natural(raw);
-            found.push(Remedy::new(asked, needed, ratio));
+            let there = asked.at(&prepared.candidate, ratio);
+            found.push(Remedy::new(&there, there.natural(raw), ratio));
         }
     }
     found.retain(|r| r.needed > r.bound);

@@ -153,7 +153,7 @@ pub fn own_bound(prepared: &Prepared, joint: &Joint, optimum: &Optimum) -> Optio
         _ => return None,
     };
     let beyond = |far: f64| if is_largest { ratio * (1.0 + far) } else { ratio / (1.0 + far) };
-    BEYOND.into_iter().map(beyond).find_map(|beyond| {
+    BEYOND.into_iter().map(beyond).filter(|beyond| prepared.says_gear_at(*beyond)).find_map(|beyond| {
         let saves = 1.0 - objective_at(prepared, joint, beyond) / optimum.objective;
         let is_better = saves > LEAST_SAVING && is_kept(prepared, beyond);
         is_better.then_some(OwnBound { ratio, is_largest, beyond, saves })

@@ -7,12 +7,13 @@
 use super::Prepared;
 use super::answer::Unusable;
 use super::options::Stop;
+use crate::actuator::candidate::MapPart;
 use crate::actuator::fitted::gear_with_fit;
+use crate::actuator::gearing::{complete, described};
 use crate::actuator::limits::{Candidate, hottest};
 use crate::actuator::{Actuator, Load};
-use crate::catalog::drag::Friction;
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
-use crate::requirement::{EfficiencyCovers, GearModel, Joint, MotorDrag, RatioChoice, Robot, backdrive_efficiency};
+use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
 
 /// A motor at a joint, with a gear of the catalogue or with a ratio that is still free.
 #[derive(Debug, Clone, Copy)]
@@ -67,10 +68,12 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
         let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
         let hottest = hottest(motor, joint).0;
         let (gear, actuator) = match catalog_gear {
+            None if joint.gear_map.is_some() && (motor.fitted_gear.is_some() || !motor.effects.is_empty()) => {
+                return Err(Unusable::GearMap);
+            }
             None => {
                 let gear = gear_with_fit(motor, &joint.gear);
-                let actuator = Actuator::at_temperature(motor, rotor, &gear, Some(hottest), true);
-                (gear, actuator.with_winding_at(hottest, motor.reference_temperature))
+                (gear, described(motor, joint, rotor, &gear))
             }
             Some(printed) => {
                 let gear = gear_model(printed).ok_or(Unusable::GearEfficiency)?;
@@ -83,17 +86,9 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
                 (gear, actuator)
             }
         };
-        let drive = joint.drive.or(robot.bus.drive);
-        let actuator =
-            actuator.with_gear_friction(gear.no_load).with_drive_resistance(drive.phase_resistance.unwrap_or(0.0));
-        let (first, second) = match joint.motor_drag {
-            MotorDrag::Counted => motor.drag().ends(),
-            MotorDrag::Off => (Friction::default(), None),
-        };
-        let actuators = [first, second.unwrap_or(first)].map(|friction| actuator.with_friction(friction));
-        let [actuator, other] = actuators;
-        let other = second.map(|_| other);
-        Ok(Candidate { robot, joint, load, motor, catalog_gear, gear, actuator, other, folded: false })
+        let (actuator, other) = complete(actuator, robot, joint, motor, &gear);
+        let map = joint.gear_map.as_deref().filter(|_| catalog_gear.is_none()).map(MapPart::Whole);
+        Ok(Candidate { robot, joint, load, motor, catalog_gear, gear, actuator, other, map, folded: false })
     }
 
     /// The candidate with its limits gathered.
@@ -147,7 +142,11 @@ pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
 
 /// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
 pub(crate) fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
-    Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, covered.unwrap_or(0.0))
+    let load = Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, covered.unwrap_or(0.0));
+    match &joint.gear_map {
+        Some(map) if covered.is_none() => load.with_pieces(map, &joint.gear),
+        _ => load,
+    }
 }
 
 /// What a joint asks, made ready once for all motors: its load, and the gears it allows, each with the

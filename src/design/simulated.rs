@@ -62,6 +62,9 @@ pub struct SimulatedJoint {
 impl SimulatedJoint {
     /// The actuator of a candidate at a ratio.
     pub fn new(candidate: &Candidate, ratio: f64) -> SimulatedJoint {
+        if candidate.whole_map().is_some() {
+            return candidate.at_ratio(ratio, |here| SimulatedJoint::new(here, ratio));
+        }
         let motor = candidate.motor;
         let rotor_inertia = motor.rotor_inertia.unwrap_or(candidate.actuator.inertia);
         let mut joint = SimulatedJoint {

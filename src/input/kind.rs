@@ -28,6 +28,8 @@ pub enum FileKind {
     Motors,
     /// Rows of gears.
     Gears,
+    /// The gears of a family over the ratio.
+    GearMap,
     /// Torque and speed of a joint over time.
     Motion,
     /// Any other table over time: positions of joints, a log.
@@ -61,6 +63,7 @@ impl FileKind {
             FileKind::Fitted => "a fitted actuator",
             FileKind::Motors => "a catalogue of motors",
             FileKind::Gears => "a catalogue of gears",
+            FileKind::GearMap => "a gear map",
             FileKind::Motion => "a motion",
             FileKind::OverTime => "a table over time",
             FileKind::Description => "a description of a robot",
@@ -78,6 +81,7 @@ impl FileKind {
         match self {
             FileKind::OverTime => "a trajectory (`time`, and a column for each joint)",
             FileKind::Motors => "a catalogue of motors or gears",
+            FileKind::GearMap => "a gear map (`ratio`, and a column for each number of the gear)",
             other => other.name(),
         }
     }
@@ -94,6 +98,7 @@ impl FileKind {
             FileKind::Fitted => "`--also` takes it in place of a row, or `actuator = ` of a joint in a design",
             FileKind::Motors | FileKind::Gears => "`--also` and `--catalog` take a catalogue",
             FileKind::Motion => "a joint of a requirement names it: `motion = `",
+            FileKind::GearMap => "the gear of a joint in a requirement names it: `map = `",
             FileKind::Description => "`gearwise torques` takes it, or `[mechanism]` in a requirement",
             _ => return None,
         })
@@ -211,6 +216,8 @@ fn table(source: &Source) -> Option<(FileKind, String)> {
         FileKind::Gears
     } else if has("id") && ["torque_constant", "terminals", "resistance"].iter().any(|n| has(n)) {
         FileKind::Motors
+    } else if has("ratio") && !has("id") && !has("time") {
+        FileKind::GearMap
     } else if has("torque") && has("time") {
         FileKind::Motion
     } else if has("time") {
@@ -244,6 +251,7 @@ mod tests {
             ("time [s], torque [N*m], velocity [rad/s]\n0,1,2", FileKind::Motion),
             ("# who\n\nid,kind,ratio\n", FileKind::Gears),
             ("id,terminals,torque_constant [N*m/A]\n", FileKind::Motors),
+            ("ratio,efficiency,mass [g]\n", FileKind::GearMap),
             ("time [s], knee [rad]\n", FileKind::OverTime),
             ("<?xml version='1.0'?>\n<!-- a -->\n<robot name='a'/>", FileKind::Description),
             ("<mujoco/>", FileKind::Description),

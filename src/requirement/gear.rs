@@ -316,8 +316,8 @@ fn read_values(table: &Section, values: Vec<f64>) -> Option<RatioChoice> {
     Some(RatioChoice::Listed { values, step: None })
 }
 
-/// Reads `gear` of a joint.
-pub(super) fn read_gear(section: Section) -> GearModel {
+/// Reads `gear` of a joint, but for its `map`.
+pub(super) fn read_gear(section: &Section) -> GearModel {
     let efficiency =
         section.number(key("efficiency", "when the motor drives, η").default("1"), Range::Fraction).unwrap_or(1.0);
     let backdrive = section
@@ -361,7 +361,7 @@ pub(super) fn read_gear(section: Section) -> GearModel {
             "remove one of the two",
         ));
     }
-    let (no_load, friction_at_rest) = read_no_load(&section);
+    let (no_load, friction_at_rest) = read_no_load(section);
     let gear = GearModel {
         efficiency,
         backdrive_efficiency: backdrive.unwrap_or_else(|| backdrive_efficiency(efficiency)),
@@ -381,7 +381,7 @@ pub(super) fn read_gear(section: Section) -> GearModel {
             &units::SPEED,
             Range::Positive,
         ),
-        ratings: read_ratings(&section),
+        ratings: read_ratings(section),
         backlash: section.quantity(key("backlash", "at the output"), &units::ANGLE, Range::NonNegative),
         stiffness: section.quantity(key("stiffness", "torsional, at the output"), &units::STIFFNESS, Range::Positive),
         no_load,
@@ -398,7 +398,6 @@ pub(super) fn read_gear(section: Section) -> GearModel {
                 .help("which way power flows through the gear then depends on the ratio; use `gears`, or cover the load alone"),
         );
     }
-    section.finish();
     gear
 }
 

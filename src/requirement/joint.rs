@@ -9,7 +9,7 @@ use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
 use super::turns::{self, Turns};
-use super::{Drive, MotorDrag, Objective, Quantity, cases, drive, gear, objective};
+use super::{Drive, MotorDrag, Objective, Quantity, cases, drive, gear, map_file, objective};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
@@ -26,11 +26,11 @@ pub(super) fn read(
     let name = section.required_text(key("name", "name of the joint"), "\"knee\"").map(|t| t.into_inner());
     let count = section.count(key("count", "how many joints like this").default("1")).unwrap_or(1);
     let ratio = gear::read_ratio(&section);
-    let gear = match section.section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one"))
-    {
-        Some(gear) => {
-            if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
-                section.note(
+    let (gear, map) =
+        match section.section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one")) {
+            Some(gear) => {
+                if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
+                    section.note(
                     Problem::at(
                         gear.span(),
                         "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue",
@@ -38,11 +38,14 @@ pub(super) fn read(
                     )
                     .help("remove one of the two"),
                 );
+                }
+                let model = gear::read_gear(&gear);
+                let map = map_file::read(&gear, reader);
+                gear.finish();
+                (model, map)
             }
-            gear::read_gear(gear)
-        }
-        None => GearModel::IDEAL,
-    };
+            None => (GearModel::IDEAL, None),
+        };
     let scale = motions::read_scale(&section);
     let (read, taken) = if section.has("case") {
         (cases::read(&section, joints, name.as_ref(), scale, reader), None)
@@ -56,6 +59,9 @@ pub(super) fn read(
     let (objective, balancing) = objective::read(&section).unzip();
     let limits = read_limits(&section, ambient, no_springs, motion.as_deref());
     let limits = Limits { mount_resistance: read_mount(&section), ..limits };
+    if let Some(map) = &map {
+        map_file::check(&section, map, ratio.as_ref(), &limits);
+    }
     let own_drive = section.section(key("drive", "the drive of this joint, in place of the bus's")).map(|table| {
         let current =
             table.quantity(key("current", "largest drive current, phase amplitude"), &units::CURRENT, Range::Positive);
@@ -119,8 +125,9 @@ pub(super) fn read(
     let joint = Joint {
         name: name?,
         count,
+        gear: map.as_ref().map_or(gear, |read| map_file::gear(&gear, &read.map, ratio.as_ref())),
+        gear_map: map.map(|read| read.map),
         ratio: ratio?,
-        gear,
         motors,
         motion: motion?,
         objective: objective?,

@@ -10,8 +10,10 @@ pub mod design_file;
 mod drive;
 mod driven;
 mod gear;
+mod gear_map;
 mod joint;
 mod limits;
+mod map_file;
 pub mod mechanism;
 mod motions;
 mod objective;
@@ -26,6 +28,7 @@ pub use design_file::{Choice, DesignFile, FixedSpring, JointDesign, MotorName, R
 pub use drive::{Drive, MotorDrag};
 pub use driven::Driven;
 pub use gear::{EfficiencyCovers, GearModel, RatioChoice, backdrive_efficiency, stages};
+pub use gear_map::{GearMap, GearPiece, Line, MapRow};
 pub use limits::{LIMIT_NAMES, Limits, Spring, TorqueBandwidth};
 pub use motions::{FromDisk, Motions};
 pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};

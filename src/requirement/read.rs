@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::motions::{FromDisk, MotionReader, Motions};
 use super::robot::{Budget, Robot};
-use super::{bus, carried, cases, joint, mechanism};
+use super::{bus, carried, cases, joint, map_file, mechanism};
 use crate::input::kind::{self, FileKind};
 use crate::input::{Change, Description, Form, InputError, Problem, Range, Section, Source, key, limits};
 use crate::units;
@@ -164,7 +164,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
     let model = mechanism::read(root, motions);
     let all: Vec<String> = sections.iter().filter_map(|s| s.text("name")).map(|n| n.into_inner()).collect();
     let mut names = HashSet::new();
-    let (mut joints, mut uses, mut carried) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut joints, mut uses, mut carried, mut places) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut complete = true;
     let mut samples = 0;
     for section in sections {
@@ -178,10 +178,13 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
                 samples += joint.motion.len();
                 if samples > limits::SAMPLES {
                     let message = limits::too_many("samples of all joints together", samples, limits::SAMPLES);
-                    root.note(Problem::at(span, message, "reached here").help("take every n-th row of the motions"));
+                    root.note(
+                        Problem::at(span.clone(), message, "reached here").help("take every n-th row of the motions"),
+                    );
                     return None;
                 }
                 joints.push(joint);
+                places.push(span);
                 uses.push(taken);
                 carried.push(carries);
             }
@@ -198,6 +201,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         mechanism::load(driven, &mut joints);
     }
     carried::resolve(root, &mut joints, carried, spans)?;
+    map_file::check_robot(root, &joints, &places, budget.unwrap_or_default());
     let cases = cases::resolve(root, told, &joints)?;
     Some(Robot {
         name: name?,

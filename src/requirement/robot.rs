@@ -7,6 +7,7 @@ use super::bus::Bus;
 use super::drive::{Drive, MotorDrag};
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
+use super::gear_map::GearMap;
 use super::limits::Limits;
 use super::objective::{Balancing, Objective};
 use super::turns::{Turns, Windings};
@@ -103,6 +104,8 @@ pub struct Joint {
     pub ratio: RatioChoice,
     /// The gear that goes with a continuous ratio.
     pub gear: GearModel,
+    /// The gear over the ratio, where it is one of a family; `gear` is then that of the smallest ratio.
+    pub gear_map: Option<Arc<GearMap>>,
     /// Which motors may be chosen: patterns of ids or makers.
     pub motors: Filter,
     /// What the joint does.
@@ -202,6 +205,7 @@ impl Joint {
             count: _,
             ratio,
             gear,
+            gear_map,
             motors,
             motion,
             objective,
@@ -216,6 +220,7 @@ impl Joint {
         } = self;
         *ratio == other.ratio
             && *gear == other.gear
+            && *gear_map == other.gear_map
             && *motors == other.motors
             && *objective == other.objective
             && *balancing == other.balancing

@@ -53,6 +53,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         count: 1,
         ratio: RatioChoice::Continuous { min: 1.0, max: 1000.0 },
         gear,
+        gear_map: None,
         motors: gearwise::requirement::Filter::default(),
         motion: motion.into(),
         objective: Objective::single(Quantity::CopperLoss),

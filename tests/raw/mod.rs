@@ -28,6 +28,8 @@ pub struct Case {
     pub raw: Vec<Point>,
     pub rippled: Vec<Point>,
     pub shares: Vec<[f64; 2]>,
+    /// Rows of a family of gears, where the joint has one: the gear goes with the ratio.
+    pub family: Vec<MapRow>,
 }
 
 /// What a ratio comes to: the quantities in the order of their type; limits with name, demand and, where
@@ -71,7 +73,30 @@ impl Case {
                 rippled.push(Point { torque: p.torque + amplitude * cos, torque_rate, ..*p });
             }
         }
-        Case { motor, robot, raw, rippled, shares }
+        Case { motor, robot, raw, rippled, shares, family: Vec::new() }
+    }
+
+    /// The joint's gear at a ratio, from the two rows about it: numbers of the load, of mass and of limits go with the square
+    /// of the ratio, inertia with its inverse, torque without load with the inverse of the ratio.
+    pub fn gear(&self, n: f64) -> GearModel {
+        let (mut gear, rows) = (self.robot.joints[0].gear, &self.family);
+        let Some(k) = (1..rows.len()).find(|k| n <= rows[*k].ratio && rows[*k].ratio > rows[k - 1].ratio) else {
+            return gear;
+        };
+        let (a, b) = (&rows[k - 1], &rows[k]);
+        let along = |power: f64, of: fn(&MapRow) -> Option<f64>| {
+            let way = (n.powf(power) - a.ratio.powf(power)) / (b.ratio.powf(power) - a.ratio.powf(power));
+            Some(of(a)? + (of(b)? - of(a)?) * way)
+        };
+        gear.efficiency = along(2.0, |r| r.driving).map_or(gear.efficiency, |per_load| 1.0 / per_load);
+        gear.backdrive_efficiency = along(2.0, |r| r.braking).unwrap_or(gear.backdrive_efficiency);
+        gear.inertia = along(-2.0, |r| r.inertia).unwrap_or(gear.inertia);
+        gear.no_load.coulomb = along(-1.0, |r| r.no_load_torque).unwrap_or(gear.no_load.coulomb);
+        gear.mass = along(2.0, |r| r.mass).or(gear.mass);
+        gear.peak_torque = along(2.0, |r| r.peak_torque).or(gear.peak_torque);
+        gear.continuous_torque = along(2.0, |r| r.continuous_torque).or(gear.continuous_torque);
+        gear.max_input_speed = along(2.0, |r| r.max_input_speed).or(gear.max_input_speed);
+        gear
     }
 
     /// The ends between which the motor's drag lies that its row does not declare as friction: Coulomb and viscous.
@@ -110,7 +135,7 @@ impl Case {
     /// The same with so much more Coulomb and viscous friction of the motor.
     pub fn look_at(&self, n: f64, drag: [f64; 2]) -> Look {
         let (motor, bus, joint, raw) = (&self.motor, &self.robot.bus, &self.robot.joints[0], &self.raw);
-        let (gear, asked, r, k_t) = (&joint.gear, &joint.limits, motor.resistance, motor.torque_constant);
+        let (gear, asked, r, k_t) = (&self.gear(n), &joint.limits, motor.resistance, motor.torque_constant);
         // A brushed motor has no d axis. Without inductance the voltage is R i + K_B N ω, without pole pairs v_q alone.
         let brushless = motor.conventions.commutation == Commutation::Brushless;
         let l = motor.inductance.unwrap_or(0.0);
@@ -392,7 +417,7 @@ impl Case {
     }
 
     fn copper_heat_at(&self, n: f64, drag: [f64; 2]) -> Heat {
-        let (motor, gear) = (&self.motor, &self.robot.joints[0].gear);
+        let (motor, gear) = (&self.motor, &self.gear(n));
         let j = motor.rotor_inertia.unwrap() + gear.inertia;
         let b = motor.viscous_friction.unwrap_or(0.0) + gear.no_load.viscous + drag[1];
         let rubbing = motor.coulomb_friction.unwrap_or(0.0) + gear.no_load.coulomb + drag[0];
@@ -635,6 +660,8 @@ impl Scan {
         grid.extend([min, max]);
         let stages = case.robot.joints[0].gear.mass_per_stage.map(|(_, ratio)| (0..30).map(move |k| ratio.powi(k)));
         grid.extend(stages.into_iter().flatten().filter(|n| (min..max).contains(n)));
+        let rows = case.family.iter().flat_map(|row| [row.ratio, row.ratio.next_up()]);
+        grid.extend(rows.filter(|n| (min..max).contains(n)));
         grid.sort_by(f64::total_cmp);
         // A feasible ratio may hide between infeasible ones, and the other way round.
         let seen: Vec<[f64; 2]> = grid.iter().map(|n| [*n, case.worst(*n).0]).collect();

@@ -22,6 +22,6 @@ pub fn solve(motor: &Motor, robot: &Robot) -> Result<Solved, Reason> {
     let prepared = Prepared::new(Mount::new(robot, joint, &load, motor).candidate().map_err(Reason::Unusable)?);
     let optimum = RatioProgram::new(&prepared, &joint.objective, min, max).solve()?;
     let evaluation = prepared.at_in_full(optimum.ratio);
-    assert!(evaluation.feasible, "the best design keeps its limits");
+    assert!(evaluation.feasible, "the best design keeps its limits: {:?} of {optimum:?}", evaluation.tightest());
     Ok(Solved { optimum, evaluation })
 }

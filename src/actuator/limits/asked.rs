@@ -1,7 +1,7 @@
 //! How a candidate stands against a limit that applies to it.
 
 use super::limit::{Asked, Check, Demand};
-use crate::actuator::candidate::Candidate;
+use crate::actuator::candidate::{Candidate, End};
 use crate::actuator::waveform::Waveform;
 use crate::numerics::laurent::Laurent;
 
@@ -23,10 +23,14 @@ impl Asked {
     /// The functional's value at a ratio, and the sample of the motion that has it.
     pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
         if candidate.is_evaluated() {
-            // What has effects that are evaluated has its friction declared: one end.
-            return candidate.at_ratio(ratio, |here| match self.limit.check(here) {
-                Check::Asked(asked) => asked.raw_demand(here, ratio),
-                _ => (0.0, None),
+            return candidate.at_ratio(ratio, |here| {
+                // What has effects that are evaluated has its friction declared: one end.
+                let other = here.at_other_end().filter(|_| self.end == End::Other);
+                let here = other.as_ref().unwrap_or(here);
+                match self.limit.check(here) {
+                    Check::Asked(asked) => asked.raw_demand(here, ratio),
+                    _ => (0.0, None),
+                }
             });
         }
         let actuator = candidate.end(self.end);
@@ -50,6 +54,17 @@ impl Asked {
                 (load.share_of_time * load.mean_current_squared(actuator, standing, ratio), None)
             }
         }
+    }
+
+    /// The limit as it is at a ratio: with a family of gears its bound goes with the ratio.
+    pub fn at(&self, candidate: &Candidate, ratio: f64) -> Asked {
+        if candidate.whole_map().is_none() {
+            return *self;
+        }
+        candidate.at_ratio(ratio, |here| match self.limit.check(here) {
+            Check::Asked(there) => Asked { end: self.end, ..there },
+            _ => *self,
+        })
     }
 
     /// Whether the limit is certainly kept at a ratio, where that is seen without computing the demand.

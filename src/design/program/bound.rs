@@ -44,7 +44,7 @@ impl RatioProgram<'_> {
             return None;
         }
         let (low, high) = self.ends().ok()?;
-        if self.objective.sole() == Some(Quantity::Mass) {
+        if self.objective.sole() == Some(Quantity::Mass) && self.prepared.candidate.mass_slope() == 0.0 {
             return self.prepared.candidate.mass_at(low.ratio);
         }
         let goal = Goal::new(self);

@@ -15,6 +15,7 @@ mod certificate;
 mod conic;
 mod evaluated;
 mod line;
+mod mapped;
 mod objective;
 mod prices;
 mod refusal;
@@ -104,7 +105,8 @@ pub struct RatioProgram<'a> {
 fn with_constant_mass(prepared: &Prepared, objective: &Objective) -> Option<(Objective, f64)> {
     let (rest, weight) = objective.apart_from_mass()?;
     let candidate = &prepared.candidate;
-    let mass = candidate.mass_at(1.0).filter(|_| candidate.gear.mass_per_stage.is_none())?;
+    let is_fixed = candidate.gear.mass_per_stage.is_none() && candidate.mass_slope() == 0.0;
+    let mass = candidate.mass_at(1.0).filter(|_| is_fixed)?;
     Some((rest, weight * mass))
 }
 
@@ -144,6 +146,9 @@ impl<'a> RatioProgram<'a> {
 
     /// Solves it.
     pub fn solve(&self) -> Outcome {
+        if let Some(map) = self.prepared.candidate.whole_map() {
+            return mapped::solve(self, map);
+        }
         if let Some((quantity, weight)) = self.objective.weighed() {
             let single = Objective::single(quantity);
             let program = RatioProgram { objective: &single, limits: self.limits.clone(), ..*self };
@@ -159,7 +164,7 @@ impl<'a> RatioProgram<'a> {
         if let Some(infeasible) = self.fixed_limits() {
             return Err(Refusal::Infeasible(infeasible));
         }
-        if self.objective.sole() == Some(Quantity::Mass) {
+        if self.objective.sole() == Some(Quantity::Mass) && self.prepared.candidate.mass_slope() == 0.0 {
             return self.least_mass();
         }
         let candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);

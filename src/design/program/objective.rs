@@ -54,10 +54,13 @@ impl<'a> Goal<'a> {
             false => [Laurent::default(); 2],
         };
         let losses = copper * objective.weight(Quantity::CopperLoss) + loss * objective.weight(Quantity::Loss);
-        let mut smooth = losses + Laurent::monomial(inertia, 2);
+        let at_output = objective.weight(Quantity::ReflectedInertia) * prepared.candidate.inertia_at_output();
+        let mut smooth = losses + Laurent::monomial(inertia, 2) + Laurent::constant(at_output);
         let mass = objective.weight(Quantity::Mass);
         if mass > 0.0 && prepared.candidate.gear.mass_per_stage.is_none() {
-            smooth = smooth + Laurent::constant(mass * prepared.candidate.mass_at(1.0).unwrap_or(f64::NAN));
+            let slope = prepared.candidate.mass_slope();
+            let fixed = prepared.candidate.mass_at(1.0).map_or(f64::NAN, |at_one| at_one - slope);
+            smooth = smooth + Laurent::constant(mass * fixed) + Laurent::monomial(mass * slope, 2);
         }
         Goal { program, smooth, is_plain, squared_peak: objective.sole() == Some(Quantity::PeakCurrent) }
     }

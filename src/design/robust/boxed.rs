@@ -167,7 +167,7 @@ impl<'p> Boxed<'p> {
     /// The smallest margin over the limits of all corners at a ratio.
     fn tightest(&self, ratio: f64) -> Option<Margin> {
         let margin = |Limited { candidate, asked }: Limited| {
-            Margin::new(asked, candidate, ratio, asked.raw_demand(candidate, ratio))
+            Margin::new(&asked.at(candidate, ratio), candidate, ratio, asked.raw_demand(candidate, ratio))
         };
         limits_of(&self.nominal, &self.corners).into_iter().map(margin).min_by(|a, b| a.margin.total_cmp(&b.margin))
     }

@@ -28,6 +28,9 @@ pub const CAPTION: &str = "At the output, at steady speed and torque (Î± = 0, dÏ
 
 /// The diagram of a design at a ratio.
 pub fn panel(prepared: &Prepared, ratio: f64, title: String) -> Panel {
+    if prepared.candidate.whole_map().is_some() {
+        return prepared.candidate.at_ratio(ratio, |here| panel(&Prepared::new(*here), ratio, title));
+    }
     let candidate = &prepared.candidate;
     let all = cloud(candidate, ratio);
     let motion: Vec<(usize, (f64, f64))> = thinned(all.len(), SAMPLES).map(|k| all[k]).collect();

@@ -142,7 +142,7 @@ fn compare_designs(case: &Case, convex: bool, design: &Solved, scan: &Scan, v: &
 }
 
 /// Compares cases in parallel and says how it went; `limits` is the number of limits that bind somewhere.
-fn run(cases: std::ops::Range<u64>, convex: bool, limits: usize, draw: impl Fn(u64) -> Case + Sync) {
+pub(super) fn run(cases: std::ops::Range<u64>, convex: bool, limits: usize, draw: impl Fn(u64) -> Case + Sync) {
     let verdicts: Vec<_> = cases.into_par_iter().map(|i| (i, compare(&draw(i), convex, false))).collect();
     let count = |f: fn(&Verdict) -> bool| verdicts.iter().filter(|(_, v)| f(v)).count();
     let (all, feasible, close) = (verdicts.len(), count(|v| v.feasible), count(|v| v.close));
@@ -185,7 +185,7 @@ fn other_programs_agree_with_a_scan_of_the_raw_waveforms() {
 
 /// A joint whose motor says its drag by one torque without load, or by an estimate; with a gear that takes some without
 /// load, a drive with resistance and standby, and all losses minimised where it was that in the copper.
-fn dragged(i: u64) -> Case {
+pub(super) fn dragged(i: u64) -> Case {
     let mut case = draw(i, !i.is_multiple_of(3));
     let mut random = Pcg64::seed_from_u64(i);
     let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
@@ -229,7 +229,7 @@ fn programs_with_drag_between_two_ends_agree_with_a_scan_of_the_raw_waveforms() 
 
 /// A joint on a supply with a resistance: with leads of its own, a bus that may rise, a brake, what comes back kept in part or
 /// not at all, and a drive whose current for ever is a limit.
-fn supplied(i: u64) -> Case {
+pub(super) fn supplied(i: u64) -> Case {
     let mut case = if i.is_multiple_of(4) { dragged(i) } else { draw(i, !i.is_multiple_of(3)) };
     let mut random = Pcg64::seed_from_u64(i + 1);
     let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));

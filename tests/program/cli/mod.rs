@@ -11,6 +11,7 @@ mod check_input;
 mod colour;
 mod export;
 mod folder;
+mod gear_map;
 mod help;
 mod honest;
 mod html;
