@@ -192,7 +192,8 @@ impl Case {
         let burns = takes.filter(|_| bus.flux_braking && can).map(|watt| watt / bus.drive_efficiency);
         let against = |p: &Point| {
             if let Some(beyond) = burns {
-                let heat = (-cold_power(p) - beyond).max(0.0);
+                // A hair more than that, so that rounding does not break what is met with equality.
+                let heat = (-cold_power(p) - beyond).max(0.0) * (1.0 + 1e-12);
                 return -(heat / (r + lead)).sqrt().min(motor.demagnetization_current.unwrap_or(f64::INFINITY));
             }
             let of = parts(p);

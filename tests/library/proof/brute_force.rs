@@ -155,6 +155,10 @@ pub(super) fn run(cases: std::ops::Range<u64>, convex: bool, limits: usize, draw
     println!(
         "{all} cases, {feasible} feasible, {certified} proved, {open} open, {close} too close to call; binding {binding:?}; most apart {apart:?}"
     );
+    if std::env::var_os("GEARWISE_TELL").is_some() {
+        let open = verdicts.iter().filter(|(_, v)| v.feasible && !v.certified);
+        println!("not proved: {:?}", open.map(|(i, v)| (*i, &v.binding)).collect::<Vec<_>>());
+    }
     let apart = |v: &Verdict| v.apart.iter().copied().filter(|(_, x, most)| x.is_nan() || x > most).collect::<Vec<_>>();
     let wrong: Vec<_> = verdicts.iter().map(|(i, v)| (*i, apart(v))).filter(|(_, apart)| !apart.is_empty()).collect();
     for (i, apart) in wrong.iter().take(20) {
