@@ -118,17 +118,19 @@ pub(super) fn break_even(of: &BreakEven, motor: &Motor) -> String {
 
 /// Up to what share of a no-load torque, or from what share on, a first choice is ahead of the next.
 pub(super) fn open_order(of: &OpenOrder, motor: &Motor) -> String {
-    let at_worst = match motor.drag() {
-        Drag::NoLoad { speed: Some(_), .. } if !of.of_first => ", with its own drag at the worse end,",
-        _ => "",
+    let other = &of.other;
+    let (where_else, whose) = match (of.of_first, motor.drag()) {
+        (true, _) => (format!(", wherever the drag of {other} lies,"), motor.id.as_str()),
+        (false, Drag::NoLoad { speed: Some(_), .. }) => {
+            (", with its own drag at the worse end,".into(), other.as_str())
+        }
+        (false, _) => (String::new(), other.as_str()),
     };
-    let whose = if of.of_first { "its".to_string() } else { format!("{}'s", of.other) };
     // Rounded to the side where it is ahead.
     let tenths = 1000.0 * of.share;
     let (word, share) = if of.at_most { ("most", tenths.floor()) } else { ("least", tenths.ceil()) };
     format!(
-        "ahead of {}{at_worst} while at {word} {} % of {whose} no-load torque of {} is Coulomb friction and the rest viscous: the row does not say what part is",
-        of.other,
+        "ahead of {other}{where_else} while at {word} {} % of the no-load torque of {whose}, {}, is Coulomb friction and the rest viscous: the row does not say what part is",
         number(share / 10.0),
         super::with_unit(of.torque, "N*m")
     )
@@ -143,8 +145,10 @@ mod tests {
         let motor = crate::catalog::Catalog::builtin().unwrap().motors.remove(0);
         let most = OpenOrder { other: "b".into(), of_first: true, torque: 0.05, share: 0.59996, at_most: true };
         let text = open_order(&most, &motor);
-        assert!(text.starts_with("ahead of b while at most 59.9 % of its no-load torque of 0.05 N*m"), "{text}");
+        let own =
+            format!("the drag of b lies, while at most 59.9 % of the no-load torque of {}, 0.05 N*m, is", motor.id);
+        assert!(text.contains(&own), "{text}");
         let text = open_order(&OpenOrder { of_first: false, at_most: false, share: 0.40004, ..most }, &motor);
-        assert!(text.contains("at least 40.1 % of b's no-load torque"), "{text}");
+        assert!(text.contains("at least 40.1 % of the no-load torque of b, 0.05 N*m,"), "{text}");
     }
 }

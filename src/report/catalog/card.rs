@@ -8,7 +8,8 @@ use crate::catalog::convention::{Commutation, Winding, word};
 use crate::catalog::estimate::Estimate;
 use crate::catalog::row::{Convention, Field, Row, States};
 use crate::catalog::{
-    Catalog, Construction, ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor, SourceKind,
+    Catalog, Construction, ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor, PeakTorqueOf,
+    SourceKind,
 };
 use crate::report::audit::word as severity;
 use crate::report::number;
@@ -184,6 +185,18 @@ pub fn motor_text(card: &Card) -> String {
     line(&mut out, "motor", &format!("{}; {built}, {commutation}", name.trim()));
     line(&mut out, "source", &sourced(&motor.source, motor.source_kind));
     line(&mut out, "note", &motor.note);
+    line(
+        &mut out,
+        "peak torque",
+        match (about.peak_torque_of, motor.saturation_current().is_some()) {
+            (Some(PeakTorqueOf::Motor), true) => {
+                "of the motor by itself: less than K_T I_peak, so that its iron saturates"
+            }
+            (Some(PeakTorqueOf::Motor), false) => "of the motor by itself",
+            (Some(PeakTorqueOf::Module), _) => "of a module, with the loss of its gear",
+            (None, _) => "",
+        },
+    );
     if !about.only_inside.is_empty() {
         line(
             &mut out,
