@@ -33,6 +33,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
             inertia: 2e-6,
             ..GearModel::IDEAL
         },
+        gear_map: None,
         motors: gearwise::requirement::Filter::default(),
         motion: motion(samples, i as f64).into(),
         objective: Objective::single(Quantity::CopperLoss),
