@@ -63,6 +63,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
             regeneration: Regeneration::Allowed,
             regeneration_efficiency: None,
             brake_power: None,
+            flux_braking: false,
             internal_resistance: None,
             max_voltage: None,
             drive_efficiency: 1.0,

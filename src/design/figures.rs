@@ -341,7 +341,7 @@ pub const FIGURES: &[Figure] = &[
         name: "gear_l10_life",
         heading: "L10",
         words: "gear's life in this motion (L10)",
-        meaning: "hours of the motion with its pauses that nine in ten gears last, from the rated life; where that is known",
+        meaning: "how long nine in ten gears last in this motion with its pauses, from the rated life; where that is known",
         kind: &units::TIME,
         unit: "h",
         frame: None,

@@ -85,17 +85,17 @@ pub fn mapped(case: Case, i: u64) -> Case {
 
 #[test]
 fn families_without_friction_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(600_000, 800), false, 18, |i| mapped(draw(i, true), i * 4 + 1));
+    run(cases(600_000, 320), false, 16, |i| mapped(draw(i, true), i * 4 + 1));
 }
 
 #[test]
 fn families_with_friction_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(620_000, 480), false, 18, |i| mapped(dragged(i), i));
+    run(cases(620_000, 160), false, 12, |i| mapped(dragged(i), i));
 }
 
 #[test]
 fn families_on_a_supply_that_sags_agree_with_a_scan_of_the_raw_waveforms() {
-    run(cases(640_000, 320), false, 18, |i| mapped(supplied(i), i));
+    run(cases(640_000, 120), false, 10, |i| mapped(supplied(i), i));
 }
 
 /// The rows of a family that is the same gear at all ratios.
