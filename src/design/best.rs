@@ -5,7 +5,7 @@ use super::mount::{Mount, Site};
 use super::program::{Certificate, Optimum, RatioProgram};
 use super::selection::Selection;
 use super::solved::{design, one_gear, solve};
-use super::{Prepared, judge, spring, windings};
+use super::{Prepared, judge, spring};
 use crate::actuator::limits::Remark;
 use crate::catalog::Motor;
 use crate::requirement::{Joint, Quantity};
@@ -15,13 +15,12 @@ use crate::requirement::{Joint, Quantity};
 /// # Errors
 /// Why the motor is no choice: it cannot do it, or that it can is not known.
 pub fn best_design<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
-    let found = best_known(site, motor, only_checked).map_err(|why| match why {
+    best_known(site, motor, only_checked).map_err(|why| match why {
         Refused::Rejected(why) if why.reason == Reason::Unusable(Unusable::Mass) => {
             without_mass(site, motor, only_checked)
         }
         why => why.told_apart(),
-    });
-    found.map(|design| windings::over_all(site, design, only_checked))
+    })
 }
 
 /// What the objective is of a design whose mass is not known.

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::agreement::kendall_tau;
 use super::answer::{Agreement, Design, JointResult, Refused, RobotResult, Sorted};
-use super::best::best_design;
 use super::mount::{JointDemand, Site};
 use super::options::{Options, Stop, Stopped};
 use super::prune;
+use super::windings::best_wound;
 use crate::actuator::metrics::{METRICS, Shown};
 use crate::catalog::Catalog;
 use crate::requirement::{Joint, Robot};
@@ -63,7 +63,7 @@ fn solve_joint<'a>(
         .motors
         .par_iter()
         .map(|motor| {
-            let found = best_design(site, motor, options.only_checked);
+            let found = best_wound(site, motor, options.only_checked);
             (options.tick)();
             stop.unless(found)
         })

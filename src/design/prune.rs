@@ -9,10 +9,11 @@
 use rayon::prelude::*;
 
 use super::answer::{Design, Pruned, Refused, Sorted};
-use super::best::{best_design, is_impossible, lacking};
+use super::best::{is_impossible, lacking};
 use super::mount::{Mount, Site};
 use super::options::{Options, Stopped};
 use super::program::RatioProgram;
+use super::windings::best_wound;
 use crate::catalog::{Catalog, Motor};
 
 /// Motors that are solved together.
@@ -56,7 +57,7 @@ pub(super) fn first<'a>(
         let solve = |index: &usize| {
             let motor = &catalog.motors[*index];
             let certain = !options.reasons && is_impossible(site, motor);
-            let found = (!certain).then(|| best_design(site, motor, options.only_checked));
+            let found = (!certain).then(|| best_wound(site, motor, options.only_checked));
             (options.tick)();
             site.stop.unless(found)
         };
@@ -74,7 +75,7 @@ pub(super) fn first<'a>(
     }
     if objectives.is_empty() {
         // What stands in the way of a joint without a design is told of every motor.
-        let why = |index: &usize| site.stop.unless(best_design(site, &catalog.motors[*index], options.only_checked));
+        let why = |index: &usize| site.stop.unless(best_wound(site, &catalog.motors[*index], options.only_checked));
         let solved: Vec<_> = impossible.par_iter().map(why).collect::<Result<_, _>>()?;
         found.extend(impossible.drain(..).zip(solved));
     }

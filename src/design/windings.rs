@@ -181,8 +181,20 @@ fn look(
     Ok(Interval { ends, bound, split })
 }
 
+/// [`best_design`], with what is proved over all turns where the joint has a range of them.
+///
+/// # Errors
+/// As of that.
+pub(super) fn best_wound<'a>(
+    site: Site<'a, '_>,
+    motor: &'a Motor,
+    only_checked: bool,
+) -> Result<Design<'a>, Refused<'a>> {
+    best_design(site, motor, only_checked).map(|design| over_all(site, design, only_checked))
+}
+
 /// A design of a motor with a range of turns, with what is proved over all of the range.
-pub(super) fn over_all<'a>(site: Site<'a, '_>, design: Design<'a>, only_checked: bool) -> Design<'a> {
+fn over_all<'a>(site: Site<'a, '_>, design: Design<'a>, only_checked: bool) -> Design<'a> {
     let Some((min, max)) = site.joint.motors.turns.range() else { return design };
     let motor = design.motor;
     let alone = !matches!(can_be_asked(site.robot, site.joint, motor), Ok(()) | Err(NoTurns::Wound));

@@ -259,7 +259,11 @@ impl Case {
             (Some(x), _) => largest(list, &|p| turned(parts(p), lowest(parts(p), x))).sqrt(),
             (None, _) => largest(list, &voltage),
         };
-        let ripple_voltage = match allowed {
+        let with_direct = |list: &[Point], direct: &[f64]| {
+            list.iter().zip(direct).map(|(p, x)| turned(parts(p), *x).sqrt()).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let own_voltage = if burns.is_some() { with_direct(raw, &direct) } else { voltages(raw) };
+        let ripple_voltage = match allowed.or(burns) {
             Some(_) => {
                 self.rippled.iter().zip(&rippled_direct).map(|(p, x)| turned(parts(p), *x).sqrt()).fold(0.0, f64::max)
             }
@@ -323,7 +327,7 @@ impl Case {
             ("winding_temperature", square.sqrt() / k_t, meant(hot)),
             ("winding_peak_temperature", rise.unwrap_or(0.0), hottest),
             ("standstill_holding", (square + own * at_rest).sqrt() / k_t, held),
-            ("voltage", voltages(raw), volt),
+            ("voltage", own_voltage, volt),
             (
                 "open_circuit_voltage",
                 speed * motor.emf_constant() * if brushless { 2.0_f64.sqrt() } else { 1.0 },

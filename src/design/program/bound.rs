@@ -5,9 +5,10 @@
 //! value bounds the piece. The least of the pieces bounds the program. It costs a few looks at the limits,
 //! where solving takes many. In the same way it is proved that a limit is exceeded all over an interval.
 
-use super::branch::{Underestimator, worst_row};
+use super::branch::worst_row;
 use super::objective::Goal;
 use super::scan::{self, CLEARLY};
+use super::underestimate::Underestimator;
 use super::{Demand, Limited, RatioProgram};
 use crate::actuator::Laurent;
 use crate::numerics::grid::grid;

@@ -21,6 +21,7 @@ mod prices;
 mod refusal;
 mod scan;
 pub mod spring;
+mod underestimate;
 mod weakened;
 mod window;
 

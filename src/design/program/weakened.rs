@@ -7,8 +7,8 @@
 
 use std::collections::BTreeMap;
 
-use super::branch::Underestimator;
 use super::objective::Goal;
+use super::underestimate::Underestimator;
 use super::{Class, Limited, RatioProgram};
 use crate::actuator::limits::{Asked, Candidate, Demand};
 use crate::actuator::supply::Drawn;

@@ -32,7 +32,7 @@ fn look(i: u64, convex: bool) -> Option<Came> {
     let mut case = draw(i, convex);
     // A supply that is far too low or far too high as often as one that suits, and a drive that is too small.
     case.robot.bus.voltage *= [0.05, 0.3, 1.0, 3.0][(i % 4) as usize];
-    if i % 3 == 0 {
+    if i.is_multiple_of(3) {
         let drive = &mut case.robot.joints[0].drive_current;
         *drive = drive.or(case.robot.bus.drive_current).map(|current| 0.2 * current);
     }
