@@ -269,7 +269,7 @@ fn a_range_of_turns_is_chosen_from_with_its_proof() {
         ("turns = { min = 0.5, max = 2 }", &["--robust"], "--robust"),
         ("turns = { min = 0.5, max = 2 }", &["--robot"], "--robot"),
         ("turns = { min = 0.5, max = 2 }", &["--pareto", "loss,mass"], "--pareto"),
-        ("turns = { min = 0.5, max = 2 }\nobjective = \"peak_current\"", &[], "counts a current"),
+        ("turns = { min = 0.5, max = 2 }", &["--set", "joint.knee.objective=peak_current"], "counts a current"),
     ] {
         let text = robot.replace("ratio =", &format!("{turns}\nratio ="));
         fs::write(folder.path().join("wrong.toml"), text).unwrap();
