@@ -3,11 +3,11 @@
 use super::estimate::ASSUMED_WINDING_TEMPERATURE;
 use super::fitted;
 use super::load::Load;
-use super::shaft::{Actuator, Feature, Flow};
+use super::shaft::{Actuator, Feature};
 use super::supply::{Drawn, Supply};
 use super::thermal;
 use super::thermal_motion::TwoNode;
-use super::weakening::{AlongD, Weakening, braking_square, parabola};
+use super::weakening::{AlongD, Weakening};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::Estimated;
@@ -257,7 +257,7 @@ impl Candidate<'_> {
     pub fn what_weakening_takes(&self) -> Option<Weakening> {
         let burns = matches!(self.along_d()?, AlongD::Braking { .. });
         let voltage = self.voltage_squared("voltage").sqrt();
-        Some(Weakening { burns, ..self.load.weakening(&self.actuator, voltage) })
+        Some(self.load.weakening(&self.actuator, voltage, burns))
     }
 
     fn field_weakening_current(&self) -> Option<f64> {
@@ -291,47 +291,6 @@ impl Candidate<'_> {
             }
             () if self.joint.turns != Turns::AsWound => Some("it is not combined with other turns: i_d = 0"),
             () => None,
-        }
-    }
-
-    /// The candidate at one ratio, with the effects that have to be evaluated there in its samples.
-    pub fn at_ratio<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
-        if let Some(map) = self.whole_map() {
-            return look(&Candidate { folded: true, ..self.with_gear(map.gear(&self.gear, ratio), None) });
-        }
-        if !self.has_evaluated_effects() {
-            return Candidate { folded: true, ..*self }.weakened(ratio, look);
-        }
-        let form = self.actuator.torque_form(Flow::Driving);
-        let load = self.load.folded(|velocity, towards, acceleration| {
-            fitted::folded(self.motor, form, ratio, velocity, towards, acceleration)
-        });
-        let other = self.other.map(|other| other.folded());
-        Candidate { load: &load, actuator: self.actuator.folded(), other, folded: true, ..*self }.weakened(ratio, look)
-    }
-
-    /// The same with the least currents against the magnets that do at a ratio what they are for: keep the voltage, with the
-    /// winding at its hottest, or burn power that comes back. At the end of the motor's drag that asks for more.
-    fn weakened<T>(&self, ratio: f64, look: impl FnOnce(&Candidate) -> T) -> T {
-        let Some(along) = self.along_d() else { return look(self) };
-        // A hair less than there is, so that rounding does not break what is met with equality.
-        let bound = |limit: &str| self.voltage_squared(limit) * (1.0 - 1e-13);
-        let bounds = [bound("voltage"), bound("torque_bandwidth_voltage")];
-        let load = self.load.weakened(|point, rippled| {
-            let sample = (point.flow, &point.features);
-            let of_end = |actuator: &Actuator| match along {
-                AlongD::Weakening(most) => parabola(actuator, sample, ratio)
-                    .least(bounds[usize::from(rippled)], most * actuator.torque_constant),
-                AlongD::Braking { beyond, most } => {
-                    let square = braking_square(actuator, sample, beyond).at(ratio).max(0.0) * (1.0 + 1e-13);
-                    -square.sqrt().min(most * actuator.torque_constant)
-                }
-            };
-            self.ends().map(of_end).fold(0.0, f64::min)
-        });
-        match &load {
-            Some(load) => look(&Candidate { load, ..*self }),
-            None => look(self),
         }
     }
 

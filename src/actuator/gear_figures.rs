@@ -26,7 +26,7 @@ impl Candidate<'_> {
     /// Figures of the gear at a ratio.
     pub fn gear_figures(&self, ratio: f64) -> GearFigures {
         let load = self.load;
-        let [mean, peak] = [load.running_load, load.at_peak_torque];
+        let [mean, peak] = [load.running_load, load.at_peak_torque()];
         GearFigures {
             efficiency_at_mean: load.has_durations.then(|| self.gear_efficiency(ratio, mean)).flatten(),
             efficiency_at_peak: self.gear_efficiency(ratio, peak),

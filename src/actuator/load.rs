@@ -2,8 +2,9 @@
 
 mod piece;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
+use super::along_d::Needs;
 use super::heat_course::HeatCourse;
 use super::shaft::{Actuator, FEATURE_POWER, FEATURES, FLOWS, Feature, Flow, ShaftForm, sign};
 use super::stretch::Piece;
@@ -22,12 +23,6 @@ const FAR_BEYOND: f64 = 100.0;
 /// Mean of |ω||τ|³ over a motion.
 fn mean_wear(motion: &Motion) -> f64 {
     motion.mean(|k| motion.velocity[k].abs() * motion.torque[k].abs().powi(3))
-}
-
-/// The largest load torque \[N·m\] and |ω| \[rad/s\] at its sample.
-fn at_peak_torque(motion: &Motion) -> (f64, f64) {
-    let (torque, sample) = largest(&motion.torque);
-    (torque, motion.velocity[sample].abs())
 }
 
 /// Means of |τ| \[N·m\] and |ω| \[rad/s\] over the time that is not at standstill.
@@ -56,8 +51,6 @@ pub struct Load {
     pub peak_speed: (f64, usize),
     /// Largest load torque \[N·m\] and its sample.
     pub peak_torque: (f64, usize),
-    /// That torque, and |ω| at its sample \[rad/s\].
-    pub at_peak_torque: (f64, f64),
     /// Mean of |τ| \[N·m\] and of |ω| \[rad/s\] over the time that is not at standstill; zero where nothing moves.
     pub running_load: (f64, f64),
     /// Root mean square of the load torque \[N·m\].
@@ -79,13 +72,19 @@ pub struct Load {
     /// The share of all time that the motion takes: less than one where rest follows it.
     pub share_of_time: f64,
     /// The course of heat in time; `None` for operating points.
-    course: Option<HeatCourse>,
+    course: Option<Arc<HeatCourse>>,
     mean: Moments,
     standstill: Moments,
     /// The samples as they are in means: no friction and no loss of the gear at standstill.
-    samples: Vec<WavePoint>,
-    weight: Vec<f64>,
-    rest: Vec<f64>,
+    samples: Arc<[WavePoint]>,
+    /// Currents along d of the samples, times the torque constant \[N·m\]; empty where there are none.
+    direct: Vec<f64>,
+    /// What they are for.
+    needs: Option<Needs>,
+    /// `bandwidth` with the currents along d that it needs, once they were asked for.
+    rippled: OnceLock<Waveform>,
+    weight: Arc<[f64]>,
+    rest: Arc<[f64]>,
     /// Which sample follows which.
     steps: Arc<[Step]>,
     /// Where the gear is one of a family: the same on each piece of it.
@@ -153,7 +152,6 @@ impl Load {
             bandwidth,
             peak_speed: largest(&motion.velocity),
             peak_torque: largest(&motion.torque),
-            at_peak_torque: at_peak_torque(motion),
             running_load: running_load(motion),
             rms_torque: motion.mean(|k| motion.torque[k].powi(2)).sqrt(),
             mean_speed: motion.mean(|k| motion.velocity[k].abs()),
@@ -167,12 +165,15 @@ impl Load {
             },
             has_steady_heat: motion.has_steady_heat(),
             share_of_time: motion.share_of_time(),
-            course: HeatCourse::new(motion),
+            course: HeatCourse::new(motion).map(Arc::new),
             mean,
             standstill,
-            samples: in_means,
-            weight: motion.weight.clone(),
-            rest: motion.dwell.clone(),
+            samples: in_means.into(),
+            direct: Vec::new(),
+            needs: None,
+            rippled: OnceLock::new(),
+            weight: motion.weight.as_slice().into(),
+            rest: motion.dwell.as_slice().into(),
             steps: Step::all(motion).into(),
             pieces: Vec::new(),
             gear_loss: None,
@@ -192,7 +193,7 @@ impl Load {
         }
         let mut load = Load::new(&moved, bandwidth);
         load.peak_torque = largest(&motion.torque);
-        (load.at_peak_torque, load.running_load) = (at_peak_torque(motion), running_load(motion));
+        load.running_load = running_load(motion);
         load.rms_torque = motion.mean(|k| motion.torque[k].powi(2)).sqrt();
         load.mean_wear = mean_wear(motion);
         load
@@ -208,58 +209,86 @@ impl Load {
             x[Feature::One as usize] = torque;
             x[Feature::SpeedRate as usize] = rate;
         };
-        let mut samples = self.samples.clone();
+        let mut samples = self.samples.to_vec();
         samples.iter_mut().for_each(|sample| change(&mut sample.features));
+        self.with_points(samples, |wave| wave.changed(change))
+    }
+
+    /// The same with other samples in means, and what a change makes of those of limits.
+    fn with_points(&self, samples: Vec<WavePoint>, changed: impl Fn(&Waveform) -> Waveform) -> Load {
         Load {
-            waveform: self.waveform.changed(change),
-            bandwidth: self.bandwidth.as_ref().map(|b| b.changed(change)),
+            waveform: changed(&self.waveform),
+            bandwidth: self.bandwidth.as_ref().map(changed),
             mean: moments(&samples, &self.weight),
             standstill: moments(&samples, &self.rest),
-            samples,
-            course: self.course.clone(),
-            weight: self.weight.clone(),
-            rest: self.rest.clone(),
-            steps: self.steps.clone(),
+            samples: samples.into(),
             pieces: Vec::new(),
-            ..*self
+            ..self.clone()
         }
     }
 
-    /// The same for one ratio with currents along d that weaken the field, times the torque constant \[N·m\]: `least` gives that of
-    /// a point, or of the same with the bandwidth torque on top, where all of a sample have the largest of them. `None` where
-    /// none needs any.
-    pub fn weakened(&self, least: impl Fn(&WavePoint, bool) -> f64) -> Option<Load> {
-        let of = |wave: &Waveform, rippled: bool| -> Vec<f64> {
-            (0..wave.len()).map(|k| least(&wave.point(k), rippled)).collect()
-        };
-        let plain = of(&self.waveform, false);
-        let rippled = self.bandwidth.as_ref().map(|wave| {
-            let mut most = vec![0.0_f64; self.samples.len()];
-            let own = of(wave, true);
-            for (k, d) in own.iter().enumerate() {
-                let here = &mut most[wave.origin(k)];
-                *here = here.min(*d);
-            }
-            (0..wave.len()).map(|k| most[wave.origin(k)]).collect::<Vec<f64>>()
-        });
-        let mut samples = self.samples.clone();
-        samples.iter_mut().for_each(|sample| sample.direct = least(sample, false));
-        let any = |list: &[f64]| list.iter().any(|d| *d != 0.0);
-        let none = !any(&plain) && !rippled.as_deref().is_some_and(any) && samples.iter().all(|s| s.direct == 0.0);
-        if none {
+    /// The largest load torque \[N·m\], and |ω| at its sample \[rad/s\].
+    pub fn at_peak_torque(&self) -> (f64, f64) {
+        let (torque, sample) = self.peak_torque;
+        (torque, self.samples[sample].features[Feature::Velocity as usize].abs())
+    }
+
+    /// The same for one ratio with currents along d. `None` where no sample needs any, nor with the bandwidth torque on top.
+    pub(crate) fn weakened(&self, needs: Needs) -> Option<Load> {
+        let points = needs.currents(&self.waveform, false);
+        let rippled = || self.bandwidth.as_ref().is_some_and(|wave| needs.any(wave, true));
+        if points.is_empty() && !rippled() {
             return None;
         }
-        let bandwidth = match (&self.bandwidth, rippled) {
-            (Some(wave), Some(direct)) => Some(wave.weakened(direct)),
-            _ => None,
-        };
-        Some(Load { waveform: self.waveform.weakened(plain), bandwidth, samples, ..self.clone() })
+        // A sample at standstill, whose two points are not the sample of means, needs none.
+        let mut direct = vec![0.0_f64; self.samples.len()];
+        let mut of_points = vec![0.0_f64; self.waveform.len()];
+        for (k, d) in points {
+            of_points[k] = d.min(of_points[k]);
+            let sample = &mut direct[self.waveform.origin(k)];
+            *sample = sample.min(d);
+        }
+        let waveform = self.waveform.weakened(of_points);
+        Some(Load { waveform, direct, needs: Some(needs), rippled: OnceLock::new(), ..self.clone() })
     }
 
-    /// What weakening takes at the ratio that it was made for, of the voltage that there is \[V\].
-    pub fn weakening(&self, actuator: &Actuator, voltage: f64) -> Weakening {
+    /// The samples with the bandwidth torque on top, and with the currents along d that they need: all points of a sample have the
+    /// largest of theirs. Made where it is asked for: it is many points.
+    pub(crate) fn rippled(&self) -> Option<&Waveform> {
+        let wave = self.bandwidth.as_ref()?;
+        let Some(needs) = &self.needs else { return Some(wave) };
+        Some(self.rippled.get_or_init(|| {
+            let mut of_points = vec![0.0_f64; wave.len()];
+            for (k, d) in needs.currents(wave, true) {
+                for other in wave.of_sample(wave.origin(k)) {
+                    of_points[*other] = of_points[*other].min(d);
+                }
+            }
+            wave.weakened(of_points)
+        }))
+    }
+
+    /// Whether the samples with the bandwidth torque on top have currents along d that were not asked for yet.
+    pub(crate) fn ripples_along_d(&self) -> bool {
+        self.needs.is_some()
+    }
+
+    /// More than any squared current with the bandwidth torque on top, times K_T² \[N²·m²\].
+    pub(crate) fn rippled_at_most(&self, actuator: &Actuator, ratio: f64) -> Option<f64> {
+        let along_q = self.bandwidth.as_ref()?.largest(Functional::TorqueSquared, actuator, ratio).value;
+        let along_d = self.needs.map_or(0.0, |needs| needs.most());
+        Some(along_q + along_d * along_d)
+    }
+
+    /// Current along d of a sample in means, times the torque constant \[N·m\].
+    fn direct(&self, k: usize) -> f64 {
+        self.direct.get(k).copied().unwrap_or(0.0)
+    }
+
+    /// What currents along d take at the ratio that it was made for, of the voltage that there is \[V\]; `burns` says what for.
+    pub fn weakening(&self, actuator: &Actuator, voltage: f64, burns: bool) -> Weakening {
         let of_samples = |f: &dyn Fn(f64) -> f64| -> f64 {
-            self.samples.iter().zip(&self.weight).map(|(s, w)| w * f(s.direct)).sum()
+            self.weight.iter().enumerate().map(|(k, w)| w * f(self.direct(k))).sum()
         };
         let squared = of_samples(&|d| d * d);
         let points = (0..self.waveform.len()).map(|k| self.waveform.point(k).direct);
@@ -268,7 +297,7 @@ impl Load {
             rms: squared.sqrt() / actuator.torque_constant,
             share: of_samples(&|d| f64::from(d != 0.0)),
             loss: squared * actuator.copper(),
-            burns: false,
+            burns,
             rate: self.fastest_direct().map(|fastest| fastest * actuator.rate() / voltage),
         }
     }
@@ -279,7 +308,11 @@ impl Load {
         let turns = |from: Flow, to: Flow| from != to && from != Flow::Holding && to != Flow::Holding;
         let rate = |step: &Step| {
             let (from, to) = (&self.samples[step.from], &self.samples[step.to]);
-            if turns(from.flow, to.flow) { 0.0 } else { (to.direct - from.direct).abs() / step.lasts }
+            if turns(from.flow, to.flow) {
+                0.0
+            } else {
+                (self.direct(step.to) - self.direct(step.from)).abs() / step.lasts
+            }
         };
         self.steps.iter().map(rate).reduce(f64::max)
     }
@@ -289,17 +322,9 @@ impl Load {
         self.samples.iter().zip(self.weight.iter().copied())
     }
 
-    /// Samples in means with their share of the time at standstill.
-    pub(crate) fn rests(&self) -> impl Iterator<Item = (&WavePoint, f64)> {
-        self.samples.iter().zip(self.rest.iter().copied())
-    }
-
     /// Mean of the square of the currents along d, times the torque constant \[N²·m²\], with these shares of the time.
     fn mean_direct_squared(&self, shares: &[f64]) -> f64 {
-        if !self.waveform.is_weakened() {
-            return 0.0;
-        }
-        self.samples.iter().zip(shares).map(|(s, share)| share * s.direct * s.direct).sum()
+        self.direct.iter().zip(shares).map(|(d, share)| share * d * d).sum()
     }
 
     /// Mean of `T²` over time \[N²·m²\]; with a weakened field of what heats as much.
@@ -316,7 +341,7 @@ impl Load {
     pub fn mean_current_squared(&self, actuator: &Actuator, standing: f64, ratio: f64) -> f64 {
         let square = |k: usize| {
             let [a, c, b] = actuator.torque_terms(self.samples[k].flow, &self.samples[k].features);
-            let along_d = (self.samples[k].direct / actuator.torque_constant).powi(2);
+            let along_d = (self.direct(k) / actuator.torque_constant).powi(2);
             let squared = actuator.shortfall.current_squared((a / ratio + c + b * ratio).powi(2)).0;
             self.share(k, standing) * (squared + along_d)
         };
@@ -335,7 +360,8 @@ impl Load {
         squares + Laurent::constant(self.mean_current_squared(actuator, standing, ratio) - squares.at(ratio))
     }
 
-    fn share(&self, k: usize, standing: f64) -> f64 {
+    /// The share of the time that a sample has, with the share `standing` of that at standstill once more.
+    pub(crate) fn share(&self, k: usize, standing: f64) -> f64 {
         self.weight[k] + standing * self.rest[k]
     }
 
@@ -379,8 +405,9 @@ impl Load {
         let linear = (!shortfall.saturates()).then(|| (heating, heating * shortfall.mean_square()));
         let (up, down) = (ratio, 1.0 / ratio);
         let mut sum = [0.0; 5];
-        for (sample, weight) in self.samples.iter().zip(&self.weight) {
+        for (k, (sample, weight)) in self.means().enumerate() {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let direct = self.direct(k);
             let speed = emf * sample.features[Feature::Velocity as usize];
             // Heat is a straight line in T², or is above its tangent at this ratio.
             let (copper, constant) = match linear {
@@ -394,7 +421,7 @@ impl Load {
             let power = [
                 copper * a * a,
                 2.0 * copper * a * c,
-                copper * (c * c + 2.0 * a * b) + speed * a + constant + along_d * sample.direct * sample.direct,
+                copper * (c * c + 2.0 * a * b) + speed * a + constant + along_d * direct * direct,
                 2.0 * copper * b * c + speed * c,
                 copper * b * b + speed * b,
             ];
@@ -413,14 +440,14 @@ impl Load {
     /// temperature; `None` where it follows from none of one.
     pub fn mean_of_power(&self, actuator: &Actuator, ratio: f64, of: impl Fn(f64) -> Option<f64>) -> Option<f64> {
         let emf = actuator.back_emf_constant / actuator.torque_constant * ratio;
-        let of_sample = |(sample, weight): (&WavePoint, f64)| {
+        let of_sample = |(k, (sample, weight)): (usize, (&WavePoint, f64))| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
             let torque = a / ratio + c + b * ratio;
-            let heat = actuator.heat(torque * torque).0 + actuator.copper() * sample.direct * sample.direct;
+            let heat = actuator.heat(torque * torque).0 + actuator.copper() * self.direct(k).powi(2);
             let speed = sample.features[Feature::Velocity as usize];
             Some(weight * of(heat * actuator.with_leads() + emf * speed * torque)?)
         };
-        self.means().map(of_sample).sum()
+        self.means().enumerate().map(of_sample).sum()
     }
 
     /// Whether the winding's temperature can be followed over the motion.
@@ -497,16 +524,16 @@ impl Load {
         let middle = 0.5 * (low + high);
         // 1/N is convex: towards the lower end it moves furthest.
         let (down, up) = (1.0 / low - 1.0 / middle, high - middle);
-        let ends = |sample: &WavePoint| {
+        let ends = |(k, sample): (usize, &WavePoint)| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
             let (load, inertia) = (a / middle, b * middle);
             let moves = a.abs() * down + b.abs() * up + 1e-14 * (load.abs() + c.abs() + inertia.abs());
             let here = (load + c + inertia).abs();
-            let along_d = sample.direct * sample.direct;
+            let along_d = self.direct(k).powi(2);
             let squares = [(here - moves).max(0.0).powi(2), (here + moves).powi(2)].map(|square| square + along_d);
             (actuator.copper() * squares[0], actuator.copper() * squares[1])
         };
-        let (least, most) = self.samples.iter().map(ends).unzip();
+        let (least, most) = self.samples.iter().enumerate().map(ends).unzip();
         Some([least, most])
     }
 
@@ -519,7 +546,7 @@ impl Load {
         let squares = if actuator.shortfall.saturates() {
             let weights: Vec<f64> = gradient
                 .iter()
-                .zip(&self.samples)
+                .zip(self.samples.iter())
                 .map(|(weight, sample)| {
                     let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
                     weight * actuator.heat((a / ratio + c + b * ratio).powi(2)).1
@@ -604,12 +631,12 @@ impl Load {
     /// \[s\]; and after what time it is made again \[s\], infinite where it is made once.
     pub fn standing(&self, actuator: &Actuator, ratio: f64) -> (f64, f64, f64) {
         let duration = self.moves;
-        let cycle = match &self.course {
+        let cycle = match self.course.as_deref() {
             None => duration,
             Some(HeatCourse { course: Course::Periodic, lasts, .. }) => *lasts,
             Some(_) => f64::INFINITY,
         };
-        let heat = self.copper_heat(actuator, ratio).into_iter().zip(&self.rest);
+        let heat = self.copper_heat(actuator, ratio).into_iter().zip(self.rest.iter());
         let largest = heat.filter(|(_, rest)| **rest > 0.0).map(|(heat, _)| heat).fold(0.0, f64::max);
         (largest, self.dwell * duration, cycle)
     }
@@ -639,7 +666,7 @@ impl Load {
         let squares: Vec<f64> = heat.map(|(k, heat)| self.held(k, standing) * heat / actuator.resistance).collect();
         let Some(course) = &self.course else {
             let Some(lasts) = self.duration else { return (Vec::new(), true) };
-            let points = squares.iter().zip(&self.weight);
+            let points = squares.iter().zip(self.weight.iter());
             let mut pieces: Vec<Piece> =
                 points.map(|(i, share)| Piece { duration: share * lasts, from: *i, to: *i }).collect();
             pieces.sort_by(|a, b| a.from.total_cmp(&b.from));
@@ -650,14 +677,14 @@ impl Load {
 
     /// Copper heat of every sample at a ratio, at the reference temperature \[W\].
     fn copper_heat(&self, actuator: &Actuator, ratio: f64) -> Vec<f64> {
-        let square = |sample: &WavePoint| {
+        let square = |(k, sample): (usize, &WavePoint)| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
             let squared = (a / ratio + c + b * ratio).powi(2);
             let own =
                 if actuator.shortfall.is_nothing() { actuator.copper() * squared } else { actuator.heat(squared).0 };
-            own + actuator.copper() * sample.direct * sample.direct
+            own + actuator.copper() * self.direct(k).powi(2)
         };
-        self.samples.iter().map(square).collect()
+        self.samples.iter().enumerate().map(square).collect()
     }
 
     /// `Σ weight T²` over the samples \[N²·m²\].

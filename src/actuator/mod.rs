@@ -5,6 +5,8 @@
 //! polynomials in N ([`Laurent`]); the [`waveform`] finds their largest value over all samples, and
 //! each limit says once which of them it bounds ([`limits`]).
 
+mod along_d;
+mod at_ratio;
 pub mod candidate;
 pub mod envelope;
 pub mod estimate;

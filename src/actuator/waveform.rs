@@ -6,6 +6,8 @@
 //! ratio, bounds each form over a box; a box whose bound cannot beat the largest value found so far
 //! is skipped. The result is the exact maximum.
 
+use std::sync::Arc;
+
 use super::shaft::{Actuator, FEATURES, Feature, Flow, USUAL_FEATURES};
 use super::supply::Supply;
 use super::weakening::{self, Parabola};
@@ -122,13 +124,65 @@ pub struct WavePoint {
 /// A set of samples with its trees, one for each direction of power.
 #[derive(Debug, Clone, Default)]
 pub struct Waveform {
-    columns: [Vec<f64>; FEATURES],
-    origin: Vec<usize>,
+    points: Arc<Points>,
     /// Currents along d, of each point; empty where there are none.
     direct: Vec<f64>,
+    /// The points that have one.
+    along_d: Vec<usize>,
+}
+
+/// The points and the trees over them.
+#[derive(Debug, Clone, Default)]
+struct Points {
+    columns: [Vec<f64>; FEATURES],
+    origin: Vec<usize>,
+    /// Indices in the order of what they belong to.
+    by_origin: Vec<usize>,
     driving: usize,
     nodes: Vec<Node>,
     roots: Vec<(Flow, usize)>,
+}
+
+/// What a walk through the trees keeps.
+trait Keep {
+    /// What is not larger is of no interest.
+    fn limit(&self) -> f64;
+    /// A point with its value.
+    fn see(&mut self, index: usize, value: f64);
+}
+
+impl Keep for Largest {
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        self.value
+    }
+
+    #[inline(always)]
+    fn see(&mut self, index: usize, value: f64) {
+        if value > self.value {
+            *self = Largest { value, index };
+        }
+    }
+}
+
+/// All points beyond a bound.
+struct Beyond {
+    bound: f64,
+    found: Vec<usize>,
+}
+
+impl Keep for Beyond {
+    #[inline(always)]
+    fn limit(&self) -> f64 {
+        self.bound
+    }
+
+    #[inline(always)]
+    fn see(&mut self, index: usize, value: f64) {
+        if value > self.bound {
+            self.found.push(index);
+        }
+    }
 }
 
 /// Coefficients of one actuator at one ratio, for one direction of power.
@@ -157,20 +211,24 @@ impl Waveform {
             if high > low { high - low } else { f64::INFINITY }
         };
         let spreads: [f64; FEATURES] = std::array::from_fn(spread);
-        let mut wave = Waveform { driving, ..Waveform::default() };
+        let mut all = Points { driving, ..Points::default() };
         for (flow, start, end) in [(Flow::Driving, 0, driving), (Flow::Braking, driving, points.len())] {
             if start < end {
-                let root = wave.grow(points, &mut order, start, end, &spreads);
-                wave.roots.push((flow, root));
+                let root = all.grow(points, &mut order, start, end, &spreads);
+                all.roots.push((flow, root));
             }
         }
         for f in 0..FEATURES {
-            wave.columns[f] = order.iter().map(|i| points[*i].features[f]).collect();
+            all.columns[f] = order.iter().map(|i| points[*i].features[f]).collect();
         }
-        wave.origin = order.iter().map(|i| points[*i].origin).collect();
-        wave
+        all.origin = order.iter().map(|i| points[*i].origin).collect();
+        all.by_origin = (0..points.len()).collect();
+        all.by_origin.sort_by_key(|k| all.origin[*k]);
+        Waveform { points: Arc::new(all), ..Waveform::default() }
     }
+}
 
+impl Points {
     fn grow(
         &mut self,
         points: &[WavePoint],
@@ -211,27 +269,69 @@ impl Waveform {
         node
     }
 
+    fn without_tree(&self) -> Points {
+        let mut points = Points {
+            columns: self.columns.clone(),
+            origin: self.origin.clone(),
+            by_origin: self.by_origin.clone(),
+            driving: self.driving,
+            ..Points::default()
+        };
+        for (flow, start, end) in [(Flow::Driving, 0, self.driving), (Flow::Braking, self.driving, self.origin.len())] {
+            if start < end {
+                points.roots.push((flow, points.nodes.len()));
+                points.nodes.push(Node {
+                    center: [0.0; FEATURES],
+                    radius: [f64::INFINITY; FEATURES],
+                    start,
+                    end,
+                    children: None,
+                });
+            }
+        }
+        points
+    }
+}
+
+impl Waveform {
     /// Number of points.
     pub fn len(&self) -> usize {
-        self.origin.len()
+        self.points.origin.len()
     }
 
     /// Whether there is no point.
     pub fn is_empty(&self) -> bool {
-        self.origin.is_empty()
+        self.points.origin.is_empty()
     }
 
     /// The sample of the motion that a point belongs to.
     pub fn origin(&self, index: usize) -> usize {
-        self.origin[index]
+        self.points.origin[index]
+    }
+
+    fn flow(&self, index: usize) -> Flow {
+        if index < self.points.driving { Flow::Driving } else { Flow::Braking }
+    }
+
+    /// The points that belong to a sample of the motion, as indices.
+    pub fn of_sample(&self, sample: usize) -> &[usize] {
+        let by = &self.points.by_origin;
+        let first = by.partition_point(|k| self.origin(*k) < sample);
+        &by[first..by.partition_point(|k| self.origin(*k) <= sample)]
+    }
+
+    /// The samples of the motion that have points, in their order.
+    pub fn samples(&self) -> impl Iterator<Item = usize> {
+        let mut last = None;
+        self.points.by_origin.iter().map(|k| self.origin(*k)).filter(move |k| last.replace(*k) != Some(*k))
     }
 
     /// A point as it went in.
     pub fn point(&self, index: usize) -> WavePoint {
         WavePoint {
-            features: std::array::from_fn(|f| self.columns[f][index]),
-            flow: if index < self.driving { Flow::Driving } else { Flow::Braking },
-            origin: self.origin[index],
+            features: std::array::from_fn(|f| self.points.columns[f][index]),
+            flow: self.flow(index),
+            origin: self.origin(index),
             direct: self.direct.get(index).copied().unwrap_or(0.0),
         }
     }
@@ -241,24 +341,44 @@ impl Waveform {
     /// # Panics
     /// If there is no point.
     pub fn largest(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
+        let mut largest = Largest { value: f64::NEG_INFINITY, index: 0 };
+        self.walk(functional, actuator, ratio, &mut largest);
+        largest
+    }
+
+    /// The points at which a functional is more than so much at a ratio, as indices.
+    pub fn beyond(&self, functional: Functional, actuator: &Actuator, ratio: f64, bound: f64) -> Vec<usize> {
+        let mut beyond = Beyond { bound, found: Vec::new() };
+        self.walk(functional, actuator, ratio, &mut beyond);
+        beyond.found
+    }
+
+    fn walk(&self, functional: Functional, actuator: &Actuator, ratio: f64, keep: &mut impl Keep) {
         // Most motors have no effect that needs the last features: they are not multiplied with zero.
         if actuator.has_unusual_features() {
-            self.largest_over::<FEATURES>(functional, actuator, ratio)
+            self.walk_over::<FEATURES>(functional, actuator, ratio, keep);
         } else {
-            self.largest_over::<USUAL_FEATURES>(functional, actuator, ratio)
+            self.walk_over::<USUAL_FEATURES>(functional, actuator, ratio, keep);
         }
     }
 
-    fn largest_over<const D: usize>(&self, functional: Functional, actuator: &Actuator, ratio: f64) -> Largest {
+    fn walk_over<const D: usize>(&self, functional: Functional, actuator: &Actuator, ratio: f64, keep: &mut impl Keep) {
         match functional {
-            Functional::TorqueSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_torque::<D>),
-            Functional::CurrentSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_current::<D>),
-            Functional::LeastVoltage(most) => self.search::<D>(actuator, ratio, bound_voltage::<D>, |weights, x, _| {
-                value_least_voltage::<D>(weights, x, most)
-            }),
-            Functional::VoltageSquared => self.search::<D>(actuator, ratio, bound_voltage::<D>, value_voltage::<D>),
-            Functional::Power => self.search::<D>(actuator, ratio, bound_power::<D>, value_power::<D>),
-            Functional::PowerBack => self.search::<D>(actuator, ratio, bound_power_back::<D>, value_power_back::<D>),
+            Functional::TorqueSquared => self.search::<D>(actuator, ratio, bound_torque::<D>, value_torque::<D>, keep),
+            Functional::CurrentSquared => {
+                self.search::<D>(actuator, ratio, bound_torque::<D>, value_current::<D>, keep);
+            }
+            Functional::LeastVoltage(most) => {
+                let value = |weights: &Weights, x: &[f64; FEATURES], _| value_least_voltage::<D>(weights, x, most);
+                self.search::<D>(actuator, ratio, bound_voltage::<D>, value, keep);
+            }
+            Functional::VoltageSquared => {
+                self.search::<D>(actuator, ratio, bound_voltage::<D>, value_voltage::<D>, keep);
+            }
+            Functional::Power => self.search::<D>(actuator, ratio, bound_power::<D>, value_power::<D>, keep),
+            Functional::PowerBack => {
+                self.search::<D>(actuator, ratio, bound_power_back::<D>, value_power_back::<D>, keep);
+            }
             Functional::OpenVoltage(supply) => self.search::<D>(
                 actuator,
                 ratio,
@@ -268,26 +388,34 @@ impl Waveform {
                 |weights, x, direct| {
                     supply.needed(value_voltage::<D>(weights, x, direct), value_power::<D>(weights, x, direct))
                 },
+                keep,
             ),
         }
     }
 
+    /// Its points at a ratio, one by one.
+    pub fn at(&self, actuator: &Actuator, ratio: f64) -> AtRatio<'_> {
+        let weights = [Flow::Driving, Flow::Braking].map(|flow| Weights::new(actuator, flow, ratio));
+        AtRatio { points: &self.points, weights }
+    }
+
     /// The same points with some of their features changed, for one ratio: without a tree.
     pub fn changed(&self, change: impl Fn(&mut [f64; FEATURES])) -> Waveform {
-        let mut wave = self.without_tree();
+        let mut points = self.points.without_tree();
         for i in 0..self.len() {
-            let mut features = std::array::from_fn(|f| self.columns[f][i]);
+            let mut features = std::array::from_fn(|f| points.columns[f][i]);
             change(&mut features);
-            for (column, value) in wave.columns.iter_mut().zip(features) {
+            for (column, value) in points.columns.iter_mut().zip(features) {
                 column[i] = value;
             }
         }
-        wave
+        Waveform { points: Arc::new(points), ..self.clone() }
     }
 
-    /// The same points with currents along d, for one ratio: without a tree.
+    /// The same points with currents along d, for one ratio.
     pub fn weakened(&self, direct: Vec<f64>) -> Waveform {
-        Waveform { direct, ..self.without_tree() }
+        let along_d = (0..direct.len()).filter(|k| direct[*k] != 0.0).collect();
+        Waveform { points: Arc::clone(&self.points), direct, along_d }
     }
 
     /// Whether its points have currents along d.
@@ -300,29 +428,6 @@ impl Waveform {
         if self.is_weakened() { Functional::CurrentSquared } else { Functional::TorqueSquared }
     }
 
-    fn without_tree(&self) -> Waveform {
-        let mut wave = Waveform {
-            columns: self.columns.clone(),
-            origin: self.origin.clone(),
-            direct: self.direct.clone(),
-            driving: self.driving,
-            ..Waveform::default()
-        };
-        for (flow, start, end) in [(Flow::Driving, 0, self.driving), (Flow::Braking, self.driving, self.len())] {
-            if start < end {
-                wave.roots.push((flow, wave.nodes.len()));
-                wave.nodes.push(Node {
-                    center: [0.0; FEATURES],
-                    radius: [f64::INFINITY; FEATURES],
-                    start,
-                    end,
-                    children: None,
-                });
-            }
-        }
-        wave
-    }
-
     #[inline(always)]
     fn search<const D: usize>(
         &self,
@@ -330,25 +435,30 @@ impl Waveform {
         ratio: f64,
         bound: impl Fn(&Weights, &Node) -> f64 + Copy,
         value: impl Fn(&Weights, &[f64; FEATURES], f64) -> f64 + Copy,
-    ) -> Largest {
-        let mut best = Largest { value: f64::NEG_INFINITY, index: 0 };
+        keep: &mut impl Keep,
+    ) {
         let mut stack: [(usize, f64); 64] = [(0, 0.0); 64];
-        for (flow, root) in &self.roots {
+        for (flow, root) in &self.points.roots {
             let weights = Weights::new(actuator, *flow, ratio);
+            // The bounds of boxes are those without a current along d: points that have one are looked at by themselves.
+            for k in self.along_d.iter().copied().filter(|k| self.flow(*k) == *flow) {
+                let features = std::array::from_fn(|f| if f < D { self.points.columns[f][k] } else { 0.0 });
+                keep.see(k, value(&weights, &features, self.direct[k]));
+            }
             let mut depth = 1;
             stack[0] = (*root, f64::INFINITY);
             while depth > 0 {
                 depth -= 1;
                 let (node, limit) = stack[depth];
-                if limit <= best.value {
+                if limit <= keep.limit() {
                     continue;
                 }
-                let node = &self.nodes[node];
+                let node = &self.points.nodes[node];
                 let Some((left, right)) = node.children else {
-                    self.scan::<D>(node.start, node.end, &weights, value, &mut best);
+                    self.scan::<D>(node.start, node.end, &weights, value, keep);
                     continue;
                 };
-                let (a, b) = (bound(&weights, &self.nodes[left]), bound(&weights, &self.nodes[right]));
+                let (a, b) = (bound(&weights, &self.points.nodes[left]), bound(&weights, &self.points.nodes[right]));
                 // The more promising child is looked at first: it is pushed last.
                 let (first, second) = if a >= b { ((left, a), (right, b)) } else { ((right, b), (left, a)) };
                 stack[depth] = second;
@@ -356,7 +466,6 @@ impl Waveform {
                 depth += 2;
             }
         }
-        best
     }
 
     #[inline(always)]
@@ -366,18 +475,42 @@ impl Waveform {
         end: usize,
         weights: &Weights,
         value: impl Fn(&Weights, &[f64; FEATURES], f64) -> f64,
-        best: &mut Largest,
+        keep: &mut impl Keep,
     ) {
-        let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.columns[f][start..end]);
+        let columns: [&[f64]; FEATURES] = std::array::from_fn(|f| &self.points.columns[f][start..end]);
         #[expect(clippy::needless_range_loop, reason = "the columns are walked together")]
         for i in 0..end - start {
             let features = std::array::from_fn(|f| if f < D { columns[f][i] } else { 0.0 });
-            let direct = if self.direct.is_empty() { 0.0 } else { self.direct[start + i] };
-            let here = value(weights, &features, direct);
-            if here > best.value {
-                *best = Largest { value: here, index: start + i };
+            if self.direct.is_empty() || self.direct[start + i] == 0.0 {
+                keep.see(start + i, value(weights, &features, 0.0));
             }
         }
+    }
+}
+
+/// The points of a waveform at a ratio.
+pub struct AtRatio<'a> {
+    points: &'a Points,
+    weights: [Weights; 2],
+}
+
+impl AtRatio<'_> {
+    fn point(&self, index: usize) -> (&Weights, [f64; FEATURES]) {
+        let weights = &self.weights[usize::from(index >= self.points.driving)];
+        (weights, std::array::from_fn(|f| self.points.columns[f][index]))
+    }
+
+    /// The voltage of a point as a parabola in the current along d.
+    pub fn parabola(&self, index: usize) -> Parabola {
+        let (weights, x) = self.point(index);
+        let (quadrature, torque) = (dot::<FEATURES>(&weights.voltage, &x), dot::<FEATURES>(&weights.torque, &x));
+        Parabola::new(quadrature, torque, weights.direct * x[VELOCITY], weights.along)
+    }
+
+    /// Power that a point gives back without a current along d \[W\].
+    pub fn power_back(&self, index: usize) -> f64 {
+        let (weights, x) = self.point(index);
+        value_power_back::<FEATURES>(weights, &x, 0.0)
     }
 }
 

@@ -8,6 +8,8 @@
 //! How far that holds was looked up in fifteen frames of one maker with two to five windings each: L/K_T² agrees to 1.8 %,
 //! K_M to 7 % in the median and 23 % at worst, as wires do not fill every slot alike ([`FILL`]).
 
+use std::collections::HashSet;
+
 use super::{Catalog, FIELDS, Motor, Wound};
 use crate::units;
 
@@ -33,6 +35,16 @@ pub enum NoTurns {
 }
 
 impl NoTurns {
+    /// What of a requirement other turns are not computed with, in a few words; `None` where the motor has no other.
+    pub fn goes_without(self) -> Option<&'static str> {
+        match self {
+            NoTurns::InsideModule | NoTurns::Fitted | NoTurns::Wound => None,
+            NoTurns::DriveResistance => Some("a resistance of drive and leads"),
+            NoTurns::SupplyResistance => Some("a resistance of the supply"),
+            NoTurns::FieldWeakening => Some("a weakened field or flux braking"),
+        }
+    }
+
     /// In words.
     pub fn reason(self) -> &'static str {
         match self {
@@ -46,23 +58,6 @@ impl NoTurns {
     }
 }
 
-impl Catalog {
-    /// The same with every motor that may have it wound with these multiples of its turns, next to it.
-    #[must_use]
-    pub fn with_turns(mut self, turns: &[f64]) -> Catalog {
-        if turns.is_empty() {
-            return self;
-        }
-        let windings = |motor: &Motor| turns.iter().filter_map(|a| motor.rewound(*a).ok()).collect::<Vec<_>>();
-        let all = |motor: Motor| {
-            let wound = windings(&motor);
-            std::iter::once(motor).chain(wound)
-        };
-        self.motors = std::mem::take(&mut self.motors).into_iter().flat_map(all).collect();
-        self
-    }
-}
-
 /// The winding that an id names beside a row: `row:0.5`.
 fn named(id: &str) -> Option<(&str, f64)> {
     let (row, turns) = id.rsplit_once(':')?;
@@ -70,32 +65,34 @@ fn named(id: &str) -> Option<(&str, f64)> {
 }
 
 impl Catalog {
-    /// The same with windings of its rows, by the ids of the rows and their turns, each next to its row; what is there already
-    /// is not added.
+    /// The same with every motor that may have it wound with these multiples of its turns, next to it.
     #[must_use]
-    pub fn with_windings(mut self, windings: &[(String, f64)]) -> Catalog {
-        let own = |motor: &Motor| {
-            let of_row = windings.iter().filter(|(row, turns)| *row == motor.id && *turns != 1.0);
-            let mut turns: Vec<f64> = of_row.map(|(_, turns)| *turns).collect();
-            turns.sort_by(f64::total_cmp);
-            turns.dedup();
-            turns.into_iter().filter_map(|a| motor.rewound(a).ok()).collect::<Vec<_>>()
-        };
-        let there: Vec<String> = self.motors.iter().map(|motor| motor.id.clone()).collect();
-        let all = |motor: Motor| {
-            let wound = own(&motor).into_iter().filter(|new| !there.contains(&new.id)).collect::<Vec<_>>();
-            std::iter::once(motor).chain(wound)
-        };
-        self.motors = std::mem::take(&mut self.motors).into_iter().flat_map(all).collect();
-        self
+    pub fn with_turns(self, turns: &[f64]) -> Catalog {
+        if turns.is_empty() { self } else { self.with_windings(|_| turns.to_vec()) }
     }
 
     /// The same with the windings that ids name (`row:0.5`), where `allow` says so of their turns.
     #[must_use]
     pub fn with_named<'i>(self, ids: impl Iterator<Item = &'i str>, allow: impl Fn(f64) -> bool) -> Catalog {
-        let windings: Vec<(String, f64)> =
-            ids.filter_map(named).filter(|(_, a)| allow(*a)).map(|(row, a)| (row.to_string(), a)).collect();
-        self.with_windings(&windings)
+        let windings: Vec<(&str, f64)> = ids.filter_map(named).filter(|(_, turns)| allow(*turns)).collect();
+        self.with_windings(|motor| {
+            windings.iter().filter(|(row, _)| *row == motor.id).map(|(_, turns)| *turns).collect()
+        })
+    }
+
+    /// The same with windings of its rows, next to them: of each with multiples of its turns. What is there already is not added,
+    /// and the row itself is its own winding.
+    #[must_use]
+    pub(crate) fn with_windings(mut self, turns_of: impl Fn(&Motor) -> Vec<f64>) -> Catalog {
+        let mut there: HashSet<String> = self.motors.iter().map(|motor| motor.id.clone()).collect();
+        let all = |motor: Motor| {
+            let turns = turns_of(&motor).into_iter().filter(|turns| *turns != 1.0);
+            let wound = turns.filter_map(|turns| motor.rewound(turns).ok());
+            let new: Vec<Motor> = wound.filter(|wound| there.insert(wound.id.clone())).collect();
+            std::iter::once(motor).chain(new)
+        };
+        self.motors = std::mem::take(&mut self.motors).into_iter().flat_map(all).collect();
+        self
     }
 }
 

@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let actuator = fitted_actuator(&bench, &reports);
     // The balanced objective is that of the catalogue as one chooses from it.
     let robot = match robot {
-        Some(robot) if robot.joints.iter().any(|joint| joint.motors.turns.range().is_some()) => {
+        Some(robot) if robot.has_range_of_turns() => {
             let why = "`--requirement`: a range of `turns` is not combined with a fitted motor, which has those of its log; give a list, as in turns = [1, 0.5]";
             return Err(Failure::Argument(why.into()));
         }

@@ -32,6 +32,7 @@ mod sweep;
 mod torques;
 mod written;
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -295,8 +296,8 @@ fn balanced(robot: &Robot, catalog: &Catalog) -> Result<Robot, Failure> {
     Ok(crate::design::balance::balanced(robot, catalog, Options::default())?)
 }
 
-/// The catalogue with the windings that joints list, and those that are best where a joint has a range of turns.
-fn wound(robot: &mut Robot, catalog: Catalog, only_checked: bool) -> Result<Catalog, Failure> {
+/// The catalogue with the windings that are best where a joint has a range of turns.
+fn wound<'c>(robot: &mut Robot, catalog: &'c Catalog, only_checked: bool) -> Result<Cow<'c, Catalog>, Failure> {
     crate::design::windings::wind(robot, catalog, only_checked).map_err(Failure::Argument)
 }
 

@@ -147,12 +147,11 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let writes = arguments.write_design.is_some();
     let mut ruled = Ruled::new(plain.clone(), arguments.rules.as_deref(), writes, arguments.no_rules)?;
     ruled.robot = super::balanced(&ruled.robot, &catalog)?;
-    let has_range = ruled.robot.joints.iter().any(|joint| joint.motors.turns.range().is_some());
-    if has_range && (arguments.pareto.is_some() || arguments.robust || arguments.robot) {
+    if ruled.robot.has_range_of_turns() && (arguments.pareto.is_some() || arguments.robust || arguments.robot) {
         let message = "a range of `turns` is not combined with `--pareto`, `--robust` or `--robot`; give a list, as in turns = [1, 0.5]";
         return Err(Failure::Argument(message.into()));
     }
-    let catalog = super::wound(&mut ruled.robot, catalog, arguments.only_checked)?;
+    let catalog = &*super::wound(&mut ruled.robot, &catalog, arguments.only_checked)?;
     let robot = &ruled.robot;
     if robot.is_coupled() && (arguments.pareto.is_some() || arguments.robust) {
         tell!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
@@ -160,7 +159,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     if let Some(names) = &arguments.pareto {
         let points = arguments.points as usize;
         let options = Options { only_checked: arguments.only_checked, ..Options::default() };
-        let fronts = fronts(robot, &catalog, quantities(names)?, points, options)?;
+        let fronts = fronts(robot, catalog, quantities(names)?, points, options)?;
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
         arguments.html.write(
             call,
@@ -180,7 +179,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let search = Options { only_checked: arguments.only_checked, ..Options::default() };
     let options = Options { keep, tick: &|| work.step(), ..search };
     if arguments.robust {
-        let joints = robust(robot, &catalog, options)?;
+        let joints = robust(robot, catalog, options)?;
         work.end();
         let satisfied = joints.iter().all(|j| !j.designs.is_empty());
         let inputs = || [robot.files(), catalog.files()].concat();
@@ -192,10 +191,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         );
         return Ok(Done { text, satisfied });
     }
-    let mut result = optimize_with(robot, &catalog, options)?;
+    let mut result = optimize_with(robot, catalog, options)?;
     work.end();
     let paths = arguments.catalog.paths();
-    let files = (&catalog, paths.as_slice());
+    let files = (catalog, paths.as_slice());
     let target = arguments.write_design.as_deref();
     let whole = robot.is_coupled() || arguments.robot;
     let telling = if whole { arguments.telling } else { Telling { progress: false, quiet: true } };
@@ -204,7 +203,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         true => ruled.keep(&mut result, &arguments.requirement, files, target),
         false => Ok(None),
     };
-    super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, &catalog))?;
+    super::draw_plot(arguments.plot.as_ref(), || plot::design::optimized(&result, catalog))?;
     let shown = report::Shown {
         top: keep.or(arguments.top).unwrap_or(TOP),
         rejected: arguments.rejected,
@@ -212,7 +211,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         full: arguments.full || arguments.top.is_some() || keep.is_some(),
     };
     let with_front = arguments.why || arguments.full;
-    let outlooks = outlooks(&result, &catalog, with_front, search)?;
+    let outlooks = outlooks(&result, catalog, with_front, search)?;
     let of_joints = telling.counted(robot.joints.len(), "the whole robot: joints");
     let search = telling.search("the whole robot");
     let options = robot::Options {
@@ -222,13 +221,13 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         searched: &|branches, solved| search.at(branches, solved),
         ..robot::Options::default()
     };
-    let choice = whole.then(|| choose(robot, &catalog, options)).transpose()?;
+    let choice = whole.then(|| choose(robot, catalog, options)).transpose()?;
     of_joints.end();
     search.end();
     arguments.html.write(
         call,
         || [robot.files(), catalog.files()].concat(),
-        || html::optimize::page(&result, &outlooks, choice.as_ref(), &catalog),
+        || html::optimize::page(&result, &outlooks, choice.as_ref(), catalog),
     )?;
     let text = match (&choice, target) {
         (Some(whole), Some(path)) => ruled.whole(&result, whole, &arguments.requirement, files, path).map(Some),
@@ -258,7 +257,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         }
         (Ok(_), None) => {}
     }
-    let costs = ruled.costs(&plain, &catalog, &result)?;
+    let costs = ruled.costs(&plain, catalog, &result)?;
     let text = arguments.output.choose(
         || {
             let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));

@@ -77,11 +77,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     super::check_plot(arguments.plot.as_ref())?;
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = arguments.set.read(&arguments.requirement, Some("`sweep`"))?;
-    let catalog = arguments.catalog.motors()?;
+    let catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
     super::check_patterns(&robot, &catalog)?;
-    let catalog = catalog.with_turns(&robot.listed_turns());
     let mut robot = super::balanced(&robot, &catalog)?;
-    let catalog = super::wound(&mut robot, catalog, false)?;
+    let catalog = &*super::wound(&mut robot, &catalog, false)?;
     let geared = |joint: &Joint| matches!(joint.ratio, RatioChoice::Catalog { .. });
     if arguments.gears_per_motor.is_some() && !robot.joints.iter().any(geared) {
         let why = "`--gears-per-motor`: no joint of the requirement takes gears of the catalogue";
@@ -89,7 +88,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     }
     let work = arguments.telling.counted(robot.joints.len() * catalog.motors.len(), "sweeping");
     let options = Options { tick: &|| work.step(), ..Options::default() };
-    let mut sweeps = sweep_with(&robot, &catalog, arguments.ratios as usize, options)?;
+    let mut sweeps = sweep_with(&robot, catalog, arguments.ratios as usize, options)?;
     work.end();
     let mut left_out = 0;
     if let Some(most) = arguments.gears_per_motor {

@@ -4,6 +4,8 @@
 //! geometric means of these two designs are two pure numbers of like size; their sum is an ordinary weighted objective,
 //! with the certificate of one.
 
+use std::borrow::Cow;
+
 use super::answer::Design;
 use super::optimize::optimize_with;
 use super::options::{Options, Stopped};
@@ -53,8 +55,8 @@ fn ends(robot: &Robot, joint: &Joint, catalog: &Catalog, options: Options) -> Re
     let options = Options { reasons: false, tick: &|| {}, ..options };
     // Of each motor the winding that is best for that end.
     let wound = |mut robot: Robot| {
-        let catalog =
-            windings::wind(&mut robot, catalog.clone(), options.only_checked).unwrap_or_else(|_| catalog.clone());
+        let wound = windings::wind(&mut robot, catalog, options.only_checked);
+        let catalog = wound.unwrap_or(Cow::Borrowed(catalog));
         (robot, catalog)
     };
     // A spring is searched for at length: once, for the least loss; no spring changes a mass.

@@ -130,6 +130,15 @@ const HALVINGS: usize = 40;
 /// # Errors
 /// Why not.
 pub fn can_be_asked(robot: &Robot, joint: &Joint, motor: &Motor) -> Result<(), NoTurns> {
+    can_be_computed(robot, joint)?;
+    motor.can_be_rewound()
+}
+
+/// Whether what other turns would do at a joint can be computed, whichever its motor.
+///
+/// # Errors
+/// Why not.
+pub(super) fn can_be_computed(robot: &Robot, joint: &Joint) -> Result<(), NoTurns> {
     let drive = joint.drive.or(robot.bus.drive);
     let of_supply = [robot.bus.internal_resistance, drive.supply_lead_resistance];
     let counts = |resistance: Option<f64>| resistance.is_some_and(|ohms| ohms > 0.0);
@@ -137,7 +146,7 @@ pub fn can_be_asked(robot: &Robot, joint: &Joint, motor: &Motor) -> Result<(), N
         () if counts(drive.phase_resistance) => Err(NoTurns::DriveResistance),
         () if drive.field_weakening_current.is_some() || robot.bus.flux_braking => Err(NoTurns::FieldWeakening),
         () if of_supply.into_iter().any(counts) => Err(NoTurns::SupplyResistance),
-        () => motor.can_be_rewound(),
+        () => Ok(()),
     }
 }
 
@@ -148,7 +157,6 @@ pub fn rewinding<'a>(site: Site<'a, '_>, motor: &'a Motor, catalog: &'a Catalog,
     }
     let joint = Joint { turns: Turns::Any, ..site.joint.clone() };
     let open = Site { joint: &joint, ..site };
-    let gear = |id: Option<&str>| site.mounts(motor).filter_map(|m| m.gear).find(|g| Some(g.id.as_str()) == id);
     let best = match best_design(open, motor, only_checked) {
         Ok(design) => design,
         Err(Refused::Unjudged(apart)) => return Rewinding::Unjudged(apart.because),
@@ -173,7 +181,7 @@ pub fn rewinding<'a>(site: Site<'a, '_>, motor: &'a Motor, catalog: &'a Catalog,
             rows,
         }))
     };
-    let first = at_best(site, &best, gear(best.gear));
+    let first = at_best(site, motor, &best);
     if let Some(at) = first.filter(|at| at.turns.is_possible()) {
         let proved = matches!(best.optimum.certificate, Certificate::Certified { .. });
         return found(at, proved);
@@ -181,7 +189,8 @@ pub fn rewinding<'a>(site: Site<'a, '_>, motor: &'a Motor, catalog: &'a Catalog,
     if joint.limits.spring.is_some() {
         return Rewinding::NoneFound;
     }
-    search(site, open, motor, &best, |turns| turns).map_or(Rewinding::NoneFound, |at| found(at, false))
+    search(site, open, motor, &best, |turns| Some(turns).filter(TurnsRange::is_possible))
+        .map_or(Rewinding::NoneFound, |at| found(at, false))
 }
 
 /// A ratio or gear at which some number of turns keeps every limit.
@@ -206,11 +215,12 @@ fn refused<'a>(reason: Reason) -> Rewinding<'a> {
     }
 }
 
-/// The numbers of turns at the best design, with its gear and its spring.
-pub(super) fn at_best<'a>(site: Site<'a, '_>, design: &Design, gear: Option<&'a Gear>) -> Option<Found<'a>> {
+/// The numbers of turns at the best design of a motor, with its gear and its spring.
+pub(super) fn at_best<'a>(site: Site<'a, '_>, motor: &'a Motor, design: &Design) -> Option<Found<'a>> {
     let joint = sprung(site.joint, design)?;
+    let gear = site.mounts(motor).filter_map(|m| m.gear).find(|gear| design.gear == Some(gear.id.as_str()));
     let load = load_through(&joint, gear);
-    let prepared = Mount::new(site.robot, &joint, &load, design.motor).with_gear(gear).prepared().ok()?;
+    let prepared = Mount::new(site.robot, &joint, &load, motor).with_gear(gear).prepared().ok()?;
     let ratio = design.evaluation.ratio;
     Some(Found {
         ratio,
@@ -222,22 +232,22 @@ pub(super) fn at_best<'a>(site: Site<'a, '_>, design: &Design, gear: Option<&'a 
     })
 }
 
-/// The best of some ratios at which a winding exists, where the best over all of them has none; `allowed` narrows what would do.
+/// The best of some ratios at which a winding exists, where the best over all of them has none; `allowed` narrows what would do, to nothing
+/// where none is left.
 pub(super) fn search<'a>(
     site: Site<'a, '_>,
     open: Site,
     motor: &'a Motor,
     best: &Design,
-    allowed: impl Fn(TurnsRange) -> TurnsRange,
+    allowed: impl Fn(TurnsRange) -> Option<TurnsRange>,
 ) -> Option<Found<'a>> {
     let mut kept: Option<Found> = None;
     for (mount, free) in site.mounts(motor).zip(open.mounts(motor)) {
         let (Ok(wound), Ok(free)) = (mount.prepared(), free.prepared()) else { continue };
         let look = |ratio: f64| {
+            let turns = allowed(TurnsRange::at(&wound, ratio))?;
             let there = free.at(ratio);
-            let turns = allowed(TurnsRange::at(&wound, ratio));
-            let is_kept = there.feasible && turns.is_possible();
-            let objective = free.at_in_full(ratio).objective(&site.joint.objective).filter(|_| is_kept)?;
+            let objective = free.at_in_full(ratio).objective(&site.joint.objective).filter(|_| there.feasible)?;
             let unchecked = wound.unchecked_at(ratio);
             Some(Found { ratio, gear: mount.gear, objective, loss: there.loss, turns, unchecked })
         };

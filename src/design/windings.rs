@@ -5,13 +5,15 @@
 //! `a2/a1` times the drive's current bounds all of them from below. Where some winding does at its best ratio, that is the
 //! best of the interval; else the interval is halved, and the bound of what is left is that of the whole.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::answer::{Design, Reason, Refused};
 use super::best::best_design;
 use super::mount::{JointDemand, Mount, Site};
 use super::program::{Certificate, GAP_TOLERANCE};
-use super::turns::{Found, TurnsRange, at_best, can_be_asked, search};
+use super::turns::{Found, TurnsRange, at_best, can_be_asked, can_be_computed, search};
 use crate::catalog::rewound::NoTurns;
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Filter, Joint, Quantity, Robot, Turns, Windings};
@@ -45,19 +47,15 @@ pub fn best(site: Site, motor: &Motor, range: (f64, f64), only_checked: bool) ->
     let any = Joint { turns: Turns::Any, ..joint.clone() };
     let (site, open) = (Site { joint: &joint, ..site }, Site { joint: &any, ..site });
     let relaxed = best_design(open, &motor, only_checked).ok()?;
-    let gear = site.mounts(&motor).filter_map(|m| m.gear).find(|g| relaxed.gear == Some(g.id.as_str()));
-    let allowed = |turns: TurnsRange| turns.between(range);
-    if let Some(at) = at_best(site, &relaxed, gear).filter(|at| has_room(allowed(at.turns))) {
-        return Some(Best::of(&at, allowed(at.turns), lower_bound(&relaxed)));
+    let allowed = |turns: TurnsRange| Some(turns.between(range)).filter(has_room);
+    let first = at_best(site, &motor, &relaxed).and_then(|at| Some((allowed(at.turns)?, at)));
+    if let Some((turns, at)) = first {
+        return Some(Best::of(&at, turns, lower_bound(&relaxed)));
     }
     if joint.limits.spring.is_some() {
         return None;
     }
-    let with_room = |turns: TurnsRange| {
-        let within = allowed(turns);
-        if has_room(within) { within } else { TurnsRange { min: f64::INFINITY, ..within } }
-    };
-    let found = search(site, open, &motor, &relaxed, with_room);
+    let found = search(site, open, &motor, &relaxed, allowed);
     if site.is_geared() || joint.ratio.listed().is_some() {
         // All of them were looked at.
         return found.map(|at| Best::of(&at, at.turns, Some(at.objective)));
@@ -85,7 +83,7 @@ fn better_ratio(site: Site, motor: &Motor, found: Best, only_checked: bool) -> B
 }
 
 /// Whether a range is wider than rounding.
-fn has_room(turns: TurnsRange) -> bool {
+fn has_room(turns: &TurnsRange) -> bool {
     turns.min * (1.0 + ROOM) <= turns.max || (turns.min == turns.max && turns.min > 0.0)
 }
 
@@ -171,7 +169,7 @@ fn look(
     let (ratio, objective) = (design.evaluation.ratio, design.optimum.objective);
     let at = TurnsRange::at(&prepared, ratio);
     let within = at.between(ends);
-    if has_room(within) && best.is_none_or(|best| objective < best.objective) {
+    if has_room(&within) && best.is_none_or(|best| objective < best.objective) {
         *best = Some(Best { ratio, turns: chosen(within), objective, lower_bound: None });
     }
     // Between what voltage and current ask there, which none of its windings gives.
@@ -217,20 +215,28 @@ fn over_all<'a>(site: Site<'a, '_>, design: Design<'a>, only_checked: bool) -> D
 }
 
 /// Makes the windings that joints with a range of turns are best with part of a catalogue, and lets those joints choose no others of
-/// their rows.
+/// their rows. Where no joint has a range, all stays as it is.
 ///
 /// # Errors
 /// What a range of turns does not go with, in words.
-pub fn wind(robot: &mut Robot, catalog: Catalog, only_checked: bool) -> Result<Catalog, String> {
-    let catalog = catalog.with_turns(&robot.listed_turns());
-    let found = found(robot, &catalog, only_checked)?;
-    let all: Vec<(String, f64)> = found.iter().flatten().cloned().collect();
+pub fn wind<'c>(robot: &mut Robot, catalog: &'c Catalog, only_checked: bool) -> Result<Cow<'c, Catalog>, String> {
+    if !robot.has_range_of_turns() {
+        return Ok(Cow::Borrowed(catalog));
+    }
+    let found = found(robot, catalog, only_checked)?;
+    let of_row = |motor: &Motor| {
+        let windings = found.iter().flatten().filter(|(row, _)| *row == motor.id);
+        let mut turns: Vec<f64> = windings.map(|(_, turns)| *turns).collect();
+        turns.sort_by(f64::total_cmp);
+        turns
+    };
+    let wound = catalog.clone().with_windings(of_row);
     for (joint, of_joint) in robot.joints.iter_mut().zip(found) {
         if let Windings::Between { found, .. } = &mut joint.motors.turns {
             *found = of_joint;
         }
     }
-    Ok(catalog.with_windings(&all))
+    Ok(Cow::Owned(wound))
 }
 
 /// For each joint the rows of a catalogue with the turns that are best there, where it has a range of them.
@@ -262,18 +268,12 @@ fn found(robot: &Robot, catalog: &Catalog, only_checked: bool) -> Result<Vec<Vec
 
 /// Whether a range of turns goes with what else is asked at a joint.
 fn goes_with(robot: &Robot, joint: &Joint) -> Result<(), String> {
-    let drive = joint.drive.or(robot.bus.drive);
-    let counts = |resistance: Option<f64>| resistance.is_some_and(|ohms| ohms > 0.0);
-    let what = match () {
-        () if robot.is_coupled() => "what binds joints together",
-        () if joint.objective.weight(Quantity::PeakCurrent) > 0.0 => "an objective that counts a current",
-        () if counts(drive.phase_resistance) => "a resistance of drive and leads",
-        () if counts(robot.bus.internal_resistance) || counts(drive.supply_lead_resistance) => {
-            "a resistance of the supply"
-        }
-        () if drive.field_weakening_current.is_some() => "a weakened field",
-        () if robot.bus.flux_braking => "flux braking",
-        () => return Ok(()),
+    let alone = can_be_computed(robot, joint).err().and_then(NoTurns::goes_without);
+    let what = match alone {
+        _ if robot.is_coupled() => "what binds joints together",
+        _ if joint.objective.weight(Quantity::PeakCurrent) > 0.0 => "an objective that counts a current",
+        Some(what) => what,
+        None => return Ok(()),
     };
     let name = &joint.name;
     Err(format!("joint `{name}`: a range of `turns` is not combined with {what}; give a list, as in turns = [1, 0.5]"))

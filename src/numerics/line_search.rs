@@ -26,6 +26,41 @@ pub fn golden_section(f: &impl Fn(f64) -> f64, mut a: f64, mut b: f64, steps: us
     if fc <= fd { c } else { d }
 }
 
+/// Where `f` falls to zero between `outside`, where it is above, and `inside`, where it is not: the last places on both sides of
+/// it, as close together as `within` (relative). By the Illinois rule, and by halving where that is slow or `f` has no number.
+pub fn crossing(f: &impl Fn(f64) -> f64, outside: f64, inside: f64, within: f64) -> (f64, f64) {
+    let (mut above, mut below) = ((outside, f(outside)), (inside, f(inside)));
+    let mut last_was_above = None;
+    while (above.0 - below.0).abs() > within * below.0.abs() {
+        let width = (above.0 - below.0).abs();
+        for halves in [false, true] {
+            let middle = 0.5 * (above.0 + below.0);
+            let secant = (above.0 * below.1 - below.0 * above.1) / (below.1 - above.1);
+            let is_between = (secant - above.0) * (secant - below.0) < 0.0;
+            if halves && (above.0 - below.0).abs() < 0.5 * width {
+                break;
+            }
+            let at = if halves || !is_between { middle } else { secant };
+            if at == above.0 || at == below.0 {
+                return (above.0, below.0);
+            }
+            let here = f(at);
+            let is_above = here > 0.0;
+            if is_above {
+                above = (at, here)
+            } else {
+                below = (at, here)
+            }
+            // The end that stays for a second time counts half.
+            if last_was_above == Some(is_above) {
+                if is_above { below.1 *= 0.5 } else { above.1 *= 0.5 }
+            }
+            last_was_above = Some(is_above);
+        }
+    }
+    (above.0, below.0)
+}
+
 /// Bottom of the only valley of `f` over a range of positive numbers that may span decades, its ends among what is
 /// looked at.
 pub fn least_in_range(f: &impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
@@ -46,6 +81,31 @@ mod tests {
         // The ends are reached exactly.
         assert_eq!((least_in_range(&|x: f64| x, 0.3, 7.1), least_in_range(&|x: f64| -x, 0.3, 7.1)), (0.3, 7.1));
         assert_eq!(least_in_range(&|x: f64| x, 2.3, 2.3), 2.3);
+    }
+
+    /// To the last places on both sides, with few looks where the function is smooth, and where it has no slope or no number.
+    #[test]
+    fn a_crossing_is_found_from_both_sides() {
+        let looks = std::cell::Cell::new(0);
+        let of = |f: &dyn Fn(f64) -> f64, outside: f64, inside: f64, place: f64| {
+            looks.set(0);
+            let counted = |x: f64| {
+                looks.set(looks.get() + 1);
+                f(x)
+            };
+            let (above, below) = crossing(&counted, outside, inside, 1e-12);
+            assert!(f(above) > 0.0 && f(below) <= 0.0, "{above} {below}");
+            assert!((above - below).abs() <= 1e-12 * below.abs() && (below - place).abs() <= 1e-11 * place, "{below}");
+            looks.get()
+        };
+        for place in [1.1, 2.0, 7.3, 9.99] {
+            assert!(of(&|x| x - place, 10.0, 1.0, place) < 12);
+            assert!(of(&|x| place / x - 1.0, 1.0, 10.0, place) < 30);
+            assert!(of(&|x| (place / x).powi(6) - 1.0, 1.0, 10.0, place) < 50);
+            // Steps have no slope; beyond some place there is no number.
+            assert!(of(&|x| if x > place { 1.0 } else { -1.0 }, 10.0, 1.0, place) < 100);
+            assert!(of(&|x| if x > place { f64::INFINITY } else { x - place - 1e-9 }, 10.0, 1.0, place) < 100);
+        }
     }
 
     #[test]

@@ -163,6 +163,11 @@ impl Filter {
 }
 
 impl Robot {
+    /// Whether a joint may have any number of turns between two.
+    pub fn has_range_of_turns(&self) -> bool {
+        self.joints.iter().any(|joint| joint.motors.turns.range().is_some())
+    }
+
     /// Numbers of turns that joints list beside that of the row, each once, ascending.
     pub fn listed_turns(&self) -> Vec<f64> {
         let mut turns: Vec<f64> = self.joints.iter().flat_map(|joint| joint.motors.turns.listed()).copied().collect();

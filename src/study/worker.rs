@@ -252,15 +252,11 @@ impl Worker<'_> {
         let options =
             Options { only_checked: self.settings.only_checked, keep, reasons: false, stop, ..Options::default() };
         let mut read = balanced(&read, catalog, options)?;
-        let found = match read.joints.iter().any(|joint| joint.motors.turns.range().is_some()) {
-            true => match windings::wind(&mut read, catalog.clone(), options.only_checked) {
-                Ok(wound) => Some(wound),
-                Err(message) => return Ok(refused(&read.name, message)),
-            },
-            false => None,
+        let catalog = match windings::wind(&mut read, catalog, options.only_checked) {
+            Ok(wound) => wound,
+            Err(message) => return Ok(refused(&read.name, message)),
         };
-        let catalog = found.as_ref().unwrap_or(catalog);
-        let result = optimize_with(&read, catalog, options)?;
+        let result = optimize_with(&read, &catalog, options)?;
         let joints = result.joints.iter().map(|joint| JointRecord {
             name: joint.joint.name.clone(),
             motors: standings(joint, self.catalog),

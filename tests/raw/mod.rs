@@ -40,6 +40,8 @@ pub struct Look {
     pub limits: [(&'static str, f64, Option<f64>); LIMITS + 2],
     /// Of a supply with a resistance: bus voltage that each sample needs and power that it draws.
     pub bus: Vec<[f64; 2]>,
+    /// Currents along d of the samples, and of those with the superposed torque.
+    pub direct: [Vec<f64>; 2],
 }
 
 /// Shares of the time by the trapezoid rule (points: by duration): half an interval for each of its ends.
@@ -117,8 +119,24 @@ impl Case {
     /// A ratio: of what depends on the motor's drag the worst.
     pub fn look(&self, n: f64) -> Look {
         let limits = [("", f64::MIN, None); LIMITS + 2];
-        let mut worst = Look { quantities: [f64::MIN; 7], objective: 0.0, limits, bus: Vec::new() };
-        for look in self.drags().into_iter().map(|drag| self.look_at(n, drag)) {
+        let mut worst =
+            Look { quantities: [f64::MIN; 7], objective: 0.0, limits, bus: Vec::new(), direct: [vec![], vec![]] };
+        // The drive does not know the drag: its currents along d are those of the end that asks for more.
+        let drags = self.drags();
+        let mut shared: Option<[Vec<f64>; 2]> = None;
+        if drags.len() > 1 {
+            for drag in &drags {
+                let here = self.look_at(n, *drag, None).direct;
+                let Some(most) = &mut shared else {
+                    shared = Some(here);
+                    continue;
+                };
+                for (most, here) in most.iter_mut().flatten().zip(here.into_iter().flatten()) {
+                    *most = most.min(here);
+                }
+            }
+        }
+        for look in drags.into_iter().map(|drag| self.look_at(n, drag, shared.as_ref())) {
             worst.bus.extend(look.bus);
             for (most, here) in worst.quantities.iter_mut().zip(look.quantities) {
                 *most = most.max(here);
@@ -132,8 +150,8 @@ impl Case {
         worst
     }
 
-    /// The same with so much more Coulomb and viscous friction of the motor.
-    pub fn look_at(&self, n: f64, drag: [f64; 2]) -> Look {
+    /// The same with so much more Coulomb and viscous friction of the motor, and the currents along d that `shared` says.
+    fn look_at(&self, n: f64, drag: [f64; 2], shared: Option<&[Vec<f64>; 2]>) -> Look {
         let (motor, bus, joint, raw) = (&self.motor, &self.robot.bus, &self.robot.joints[0], &self.raw);
         let (gear, asked, r, k_t) = (&self.gear(n), &joint.limits, motor.resistance, motor.torque_constant);
         // A brushed motor has no d axis. Without inductance the voltage is R i + K_B N ω, without pole pairs v_q alone.
@@ -214,6 +232,7 @@ impl Case {
             .chunks(32)
             .flat_map(|phases| vec![phases.iter().map(against).fold(0.0, f64::min); phases.len()])
             .collect();
+        let [direct, rippled_direct] = shared.cloned().unwrap_or([direct, rippled_direct]);
         let torque = |p: &Point| most(p).abs();
         let largest = |list: &[Point], f: &dyn Fn(&Point) -> f64| list.iter().map(f).fold(f64::NEG_INFINITY, f64::max);
         let timed = raw.iter().zip(&self.shares);
@@ -380,7 +399,7 @@ impl Case {
         let quantities = [loss, copper, inertia, most_current / k_t, mass, energy, watt.max(0.0) + standby];
         let objective = joint.objective.terms.iter().map(|(q, weight)| weight * quantities[*q as usize]).sum();
         let bus = if sags { raw.iter().map(|p| [voltage(p) / per_volt, from_bus(p)]).collect() } else { Vec::new() };
-        Look { quantities, objective, limits, bus }
+        Look { quantities, objective, limits, bus, direct: [direct, rippled_direct] }
     }
 
     /// Radius of the q-axis circle per volt of the bus.

@@ -2,11 +2,20 @@
 
 use super::limit::{Asked, Check, Demand};
 use crate::actuator::candidate::{Candidate, End};
-use crate::actuator::waveform::Waveform;
+use crate::actuator::waveform::{Functional, Waveform};
 use crate::numerics::laurent::Laurent;
 
 /// What a demand may be of the terms whose sum it is and still count as nothing.
 const ROUNDING: f64 = 1e-9;
+
+/// The samples with the bandwidth torque on top, with their currents along d where a functional has a part of them that the
+/// voltage does not ask for by itself.
+fn bandwidth<'a>(candidate: &Candidate<'a>, functional: Functional) -> Option<&'a Waveform> {
+    match functional {
+        Functional::LeastVoltage(_) => candidate.load.bandwidth.as_ref(),
+        _ => candidate.load.rippled(),
+    }
+}
 
 impl Asked {
     /// The functional's value that the bound corresponds to.
@@ -20,17 +29,22 @@ impl Asked {
         self.factor * if self.squared { raw.max(0.0).sqrt() } else { raw }
     }
 
+    /// The limit as it is for the candidate at one ratio, and that candidate at the limit's end of the motor's drag.
+    pub(crate) fn there<'c>(&self, here: &Candidate<'c>) -> Option<(Asked, Candidate<'c>)> {
+        let other = here.at_other_end().filter(|_| self.end == End::Other);
+        let here = other.unwrap_or(*here);
+        match self.limit.check(&here) {
+            Check::Asked(asked) => Some((asked, here)),
+            _ => None,
+        }
+    }
+
     /// The functional's value at a ratio, and the sample of the motion that has it.
     pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
         if candidate.is_evaluated() {
-            return candidate.at_ratio(ratio, |here| {
-                // What has effects that are evaluated has its friction declared: one end.
-                let other = here.at_other_end().filter(|_| self.end == End::Other);
-                let here = other.as_ref().unwrap_or(here);
-                match self.limit.check(here) {
-                    Check::Asked(asked) => asked.raw_demand(here, ratio),
-                    _ => (0.0, None),
-                }
+            return candidate.at_ratio(ratio, |here| match self.there(here) {
+                Some((asked, here)) => asked.raw_demand(&here, ratio),
+                None => (0.0, None),
             });
         }
         let actuator = candidate.end(self.end);
@@ -43,7 +57,7 @@ impl Asked {
             Demand::Constant(value) | Demand::AverageTorque(value) => (value, None),
             Demand::Polynomial(polynomial, sample) => (polynomial.at(ratio), sample),
             Demand::Samples(functional) => over(&candidate.load.waveform, functional),
-            Demand::Bandwidth(functional) => match &candidate.load.bandwidth {
+            Demand::Bandwidth(functional) => match bandwidth(candidate, functional) {
                 Some(waveform) => over(waveform, functional),
                 None => (0.0, None),
             },
@@ -77,6 +91,22 @@ impl Asked {
         }
     }
 
+    /// Whether it takes a walk over all samples at the ratio that a candidate is of: see [`Demand::takes_a_walk`].
+    pub fn takes_a_walk(&self, candidate: &Candidate) -> bool {
+        let ripples = matches!(self.demand, Demand::Bandwidth(_)) && candidate.load.ripples_along_d();
+        self.demand.takes_a_walk() || ripples
+    }
+
+    /// A number that the functional's value is certainly not above, where one costs less than the value.
+    pub fn raw_at_most(&self, candidate: &Candidate, ratio: f64) -> Option<f64> {
+        match self.demand {
+            Demand::Bandwidth(Functional::CurrentSquared) => {
+                candidate.load.rippled_at_most(candidate.end(self.end), ratio)
+            }
+            _ => None,
+        }
+    }
+
     /// The polynomial of the ratio that is the demand's functional at a ratio (of a limit over samples: that of the
     /// sample that has it), and its sample. It is nowhere above the functional. `None` for limits that are no
     /// polynomial, or certainly kept.
@@ -85,8 +115,10 @@ impl Asked {
         match self.demand {
             Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
             Demand::Samples(functional) | Demand::Bandwidth(functional) => {
-                let bandwidth = matches!(self.demand, Demand::Bandwidth(_));
-                let waveform = if bandwidth { candidate.load.bandwidth.as_ref()? } else { &candidate.load.waveform };
+                let waveform = match self.demand {
+                    Demand::Bandwidth(_) => bandwidth(candidate, functional)?,
+                    _ => &candidate.load.waveform,
+                };
                 let point = waveform.point(waveform.largest(functional, actuator, ratio).index);
                 Some((functional.polynomial(actuator, &point, ratio), Some(point.origin)))
             }

@@ -36,7 +36,7 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| match (&c.load.bandwidth, c.peak_current()) {
             (None, _) => Prepared::NotAsked,
             (_, None) if c.joint.turns == Turns::Any => Prepared::NotAsked,
-            (Some(wave), Some((bound, owner))) => peak(c, Demand::Bandwidth(wave.of_current()), bound, owner),
+            (Some(_), Some((bound, owner))) => peak(c, Demand::Bandwidth(c.load.waveform.of_current()), bound, owner),
             (Some(_), None) => Prepared::Unknown("neither motor nor drive says a largest current"),
         },
     },

@@ -3,7 +3,7 @@
 use super::heat::{STANDSTILL, heat_at_standstill};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
-use crate::actuator::weakening::Weakening;
+use crate::actuator::weakening::{AlongD, Weakening};
 use crate::catalog::Motor;
 use crate::catalog::convention::Commutation;
 use crate::requirement::{Joint, MotorDrag, Quantity, Robot};
@@ -79,7 +79,7 @@ pub const NEEDS: &[Need] = &[
         stated: by_data_sheets,
         key: by_nobody,
         missing: |c| c.why_not_weakened(),
-        at_ratio: |c| c.weakening().map(|_| rate_along_d as Judge),
+        at_ratio: |c| matches!(c.along_d()?, AlongD::Weakening(_)).then_some(rate_along_d as Judge),
     },
     Need {
         name: "flux_braking",
@@ -87,7 +87,7 @@ pub const NEEDS: &[Need] = &[
         stated: by_data_sheets,
         key: by_nobody,
         missing: |c| c.why_not_braked(),
-        at_ratio: |c| c.along_d().filter(|_| c.weakening().is_none()).map(|_| rate_along_d as Judge),
+        at_ratio: |c| matches!(c.along_d()?, AlongD::Braking { .. }).then_some(rate_along_d as Judge),
     },
     Need {
         name: "demagnetisation",
@@ -97,20 +97,17 @@ pub const NEEDS: &[Need] = &[
         missing: |c| {
             let by_drive =
                 c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some();
-            let unknown = c.motor.demagnetization_current.is_none();
-            let weakened = c.weakening().is_some() && unknown;
-            let braked = c.along_d().is_some() && unknown;
-            match () {
-                () if weakened => Some(
+            match c.along_d().filter(|_| c.motor.demagnetization_current.is_none()) {
+                Some(AlongD::Weakening(_)) => Some(
                     "the current against the magnets that they bear is not known: only the requirement's bounds that which weakens the field",
                 ),
-                () if braked => Some(
+                Some(AlongD::Braking { .. }) => Some(
                     "the current against the magnets that they bear is not known: that of flux braking is bounded by the largest current alone",
                 ),
-                () if by_drive => Some(
+                None if by_drive => Some(
                     "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less",
                 ),
-                () => None,
+                None => None,
             }
         },
         at_ratio: |_| None,

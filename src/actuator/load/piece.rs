@@ -4,7 +4,7 @@
 //! folded into the samples once: (φ₀ τ + J₁ α + t₁ sgn ω)/N in place of the load, and φ₁ τ N in place of a feature that no
 //! catalogue row has. Every equation keeps its powers of the ratio.
 
-use super::{FEATURES, Feature, Flow, Laurent, Load, WavePoint, Waveform, moments};
+use super::{FEATURES, Feature, Flow, Laurent, Load, WavePoint, Waveform};
 use crate::requirement::{GearMap, GearModel, GearPiece, Line};
 
 impl Load {
@@ -60,20 +60,7 @@ impl Load {
                 + Laurent::constant((constant - 1.0) * mean(Feature::Load) + no_load * mean(Feature::Sign))
                 + Laurent::monomial(per_power * mean(Feature::Load), 2);
         }
-        Load {
-            waveform: wave(&self.waveform),
-            bandwidth: self.bandwidth.as_ref().map(wave),
-            mean: moments(&samples, &self.weight),
-            standstill: moments(&samples, &self.rest),
-            samples,
-            course: self.course.clone(),
-            weight: self.weight.clone(),
-            rest: self.rest.clone(),
-            pieces: Vec::new(),
-            gear_loss: Some(loss),
-            steps: self.steps.clone(),
-            ..*self
-        }
+        Load { gear_loss: Some(loss), ..self.with_points(samples, wave) }
     }
 }
 

@@ -68,12 +68,12 @@ pub(super) fn solve(program: &RatioProgram, why: &'static str) -> Outcome {
     let (min, max) = (low.ratio, high.ratio);
     let goal = Goal::new(program);
     let found = scan::scan(program, &goal, &low, &high);
-    let mut search = Search { program, best: found.best.map(|n| (n, goal.value(n))), goal };
+    let mut search = Search { program, best: found.best.as_ref().ok().map(|n| (*n, goal.value(*n))), goal };
     let (bound, finished) = search.run(min, max);
     let Some((ratio, value)) = search.best else {
-        return match found.nearest {
-            _ if finished => Err(Refusal::Infeasible(found.nearest)),
-            Infeasible::Nowhere { bind, least, ratio, .. } => {
+        return match found.best {
+            Err(nearest) if finished => Err(Refusal::Infeasible(nearest)),
+            Err(Infeasible::Nowhere { bind, least, ratio, .. }) => {
                 Err(Refusal::NotSolved(Unsolved::Nearly { limit: bind.limit, least, ratio }))
             }
             _ => Err(Refusal::NotSolved(Unsolved::NothingRuledOut)),

@@ -18,7 +18,7 @@ pub(super) fn solve(program: &RatioProgram) -> Outcome {
     };
     let goal = Goal::new(program);
     let found = scan::scan(program, &goal, &low, &high);
-    let Some(ratio) = found.best else { return Err(Refusal::Infeasible(found.nearest)) };
+    let ratio = found.best.map_err(Refusal::Infeasible)?;
     let objective = goal.natural(goal.value(ratio));
     Ok(Optimum {
         ratio,

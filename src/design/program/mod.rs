@@ -168,8 +168,7 @@ impl<'a> RatioProgram<'a> {
         if self.objective.sole() == Some(Quantity::Mass) && self.prepared.candidate.mass_slope() == 0.0 {
             return self.least_mass();
         }
-        let candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);
-        if candidates.clone().any(|c| !c.folded && c.has_evaluated_effects()) {
+        if self.has_evaluated_effects() {
             return evaluated::solve(self);
         }
         if self.is_evaluated() {
@@ -209,6 +208,12 @@ impl<'a> RatioProgram<'a> {
     /// Whether ratios have to be evaluated one by one.
     fn is_evaluated(&self) -> bool {
         self.prepared.candidate.is_evaluated()
+    }
+
+    /// Whether some effect of a motor has to be evaluated at each ratio.
+    fn has_evaluated_effects(&self) -> bool {
+        let mut candidates = self.limits.iter().map(|l| l.candidate).chain([&self.prepared.candidate]);
+        candidates.any(|c| !c.folded && c.has_evaluated_effects())
     }
 
     /// The reason why the program is not the convex one, if there is one.

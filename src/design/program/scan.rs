@@ -3,9 +3,9 @@
 
 use super::objective::Goal;
 use super::{Bind, Class, End, Infeasible, Limited, RatioProgram, Window};
-use crate::actuator::limits::{Asked, Check, Demand};
+use crate::actuator::limits::{Asked, Demand};
 use crate::design::evaluate::{FEASIBILITY_TOLERANCE, violation};
-use crate::numerics::line_search::{FULLY, golden_section};
+use crate::numerics::line_search::{FULLY, crossing, golden_section};
 
 /// What exceeds a limit by this (relative) exceeds it for everyone: more than any tolerance with which limits
 /// are looked at.
@@ -15,15 +15,21 @@ pub(super) const CLEARLY: f64 = 1e-7;
 const POINTS: usize = 1000;
 /// The same where effects have to be evaluated at each of them.
 const EVALUATED_POINTS: usize = 300;
+/// The same where a weakened field is evaluated at each of them: the branch and bound sees what lies between.
+const WEAKENED_POINTS: usize = 100;
+/// Narrowings of a valley there.
+const WEAKENED_STEPS: usize = 40;
+/// Where a current along d meets a limit with equality from point to point, the excess differs by no more than this: rounding.
+const EQUALITY: f64 = 1e-10;
+/// How near the end of a window is found where ratios are evaluated (relative).
+const END: f64 = 1e-13;
 
 /// What the grid shows.
 pub(super) struct Found {
-    /// The best feasible ratio that was seen.
-    pub(super) best: Option<f64>,
+    /// The best feasible ratio that was seen; else the limit that was nearest to be kept.
+    pub(super) best: Result<f64, Infeasible>,
     /// The windows that were seen.
     pub(super) windows: Vec<Window>,
-    /// The limit that was nearest to be kept where nothing is feasible.
-    pub(super) nearest: Infeasible,
 }
 
 /// A valley of the excess between two points of the grid (sign 1), or a hill (sign −1).
@@ -131,6 +137,10 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
         if left.0 >= right.0 || here.1 == f64::INFINITY || plain {
             continue;
         }
+        let is_met = |other: f64| other.abs() <= EQUALITY;
+        if program.is_evaluated() && is_met(here.1) && is_met(left.1) && is_met(right.1) {
+            continue;
+        }
         if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 {
             // Some valleys lie where every ratio is out of the question.
             let certain = !program.is_evaluated() && program.is_broken_between(left.0, right.0);
@@ -141,7 +151,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     }
     let feasible = |e: f64| e <= FEASIBILITY_TOLERANCE;
     let look = |turn: &Turn| {
-        let n = golden_section(&|n| turn.sign * excess(n), turn.ends.0, turn.ends.1, FULLY);
+        let n = golden_section(&|n| turn.sign * excess(n), turn.ends.0, turn.ends.1, steps(program));
         (n, excess(n))
     };
     let mut seen: Vec<Option<(f64, f64)>> = turns.iter().map(|t| (!t.certain).then(|| look(t))).collect();
@@ -171,8 +181,8 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
     if let Some((start, bind)) = open.take() {
         windows.push(Window { min: start, max, low: bind, high: high.bind.clone() });
     }
-    let best = best_of(program, goal, &windows).map(|(n, _)| n);
-    Found { best, windows, nearest: nowhere(program, &points) }
+    let best = best_of(program, goal, &windows).map(|(n, _)| n).ok_or_else(|| nowhere(program, &points));
+    Found { best, windows }
 }
 
 /// The limit that is most exceeded at a ratio: its relative excess, and itself. A limit that takes a walk over all samples
@@ -222,12 +232,20 @@ fn worst_by(
     while let Some(first) = rest.first() {
         let same = rest.iter().take_while(|l| std::ptr::eq(l.candidate, first.candidate)).count();
         first.candidate.at_ratio(ratio, |here| {
-            for Limited { asked, .. } in rest[..same].iter().filter(|l| is_convex(l.asked)) {
-                let Check::Asked(asked) = asked.limit.check(here) else { continue };
-                if !asked.is_certainly_kept(here, ratio) {
-                    let (raw, sample) = asked.raw_demand(here, ratio);
-                    let measured = measure(&asked, raw, violation(raw, asked.raw_bound()));
-                    offer(&mut worst, &asked, sample, measured);
+            for walks in [false, true] {
+                if walks && worst.0 > enough {
+                    break;
+                }
+                for Limited { asked, .. } in rest[..same].iter().filter(|l| is_convex(l.asked)) {
+                    let Some((asked, here)) = asked.there(here) else { continue };
+                    if asked.takes_a_walk(&here) != walks || asked.is_certainly_kept(&here, ratio) {
+                        continue;
+                    }
+                    let measured = |raw| measure(&asked, raw, violation(raw, asked.raw_bound()));
+                    if asked.raw_at_most(&here, ratio).is_none_or(|raw| measured(raw) > worst.0) {
+                        let (raw, sample) = asked.raw_demand(&here, ratio);
+                        offer(&mut worst, &asked, sample, measured(raw));
+                    }
                 }
             }
         });
@@ -238,11 +256,24 @@ fn worst_by(
 
 /// How many points the grid has: evaluating effects at each takes its time.
 fn count(program: &RatioProgram) -> usize {
-    if program.is_evaluated() { EVALUATED_POINTS } else { POINTS }
+    match program.is_evaluated() {
+        true if program.has_evaluated_effects() => EVALUATED_POINTS,
+        true => WEAKENED_POINTS,
+        false => POINTS,
+    }
+}
+
+/// How often a valley is narrowed.
+fn steps(program: &RatioProgram) -> usize {
+    if program.is_evaluated() && !program.has_evaluated_effects() { WEAKENED_STEPS } else { FULLY }
 }
 
 /// The feasible end of the bracket between an infeasible and a feasible ratio, and what binds there.
 fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
+    if program.is_evaluated() {
+        let (bad, good) = crossing(&|n| worst(program, n).0, outside, inside, END);
+        return (good, worst(program, bad).1.unwrap_or(Bind::of("ratio_min", None)));
+    }
     let (mut bad, mut good) = (outside, inside);
     for _ in 0..100 {
         let middle = 0.5 * (bad + good);
@@ -257,7 +288,7 @@ fn boundary(program: &RatioProgram, outside: f64, inside: f64) -> (f64, Bind) {
 
 /// The best ratio over all windows.
 fn best_of(program: &RatioProgram, goal: &Goal, windows: &[Window]) -> Option<(f64, f64)> {
-    least(&|n| goal.value(n), &pieces(program, windows), count(program))
+    least_by(&|n| goal.value(n), &pieces(program, windows), count(program), steps(program))
 }
 
 /// The windows, cut where the mass steps.
@@ -276,6 +307,11 @@ fn pieces(program: &RatioProgram, windows: &[Window]) -> Vec<(f64, f64)> {
 
 /// The least value over some intervals: a grid on each, then every valley refined.
 pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize) -> Option<(f64, f64)> {
+    least_by(value, intervals, count, FULLY)
+}
+
+/// The same with so many narrowings of a valley.
+fn least_by(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count: usize, steps: usize) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     let mut offer = |n: f64, f: f64| {
         if best.is_none_or(|(_, b)| f < b) {
@@ -289,7 +325,7 @@ pub(super) fn least(value: &impl Fn(f64) -> f64, intervals: &[(f64, f64)], count
             offer(grid[i], values[i]);
             let (left, right) = (i.saturating_sub(1), (i + 1).min(grid.len() - 1));
             if left < right && values[i] <= values[left] && values[i] <= values[right] {
-                let n = golden_section(value, grid[left], grid[right], FULLY);
+                let n = golden_section(value, grid[left], grid[right], steps);
                 offer(n, value(n));
             }
         }

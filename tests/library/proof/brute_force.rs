@@ -285,24 +285,32 @@ fn programs_on_a_supply_that_sags_agree_with_a_scan_of_the_raw_waveforms() {
     run(cases(400_000, 800), false, 18, supplied);
 }
 
-/// A joint whose drive may weaken the field, by more or less than the middle ratio asks for; some magnets bear less.
-fn weakened(i: u64) -> Case {
-    let mut case = draw(i, i.is_multiple_of(2));
-    let mut random = Pcg64::seed_from_u64(i + 2);
-    let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
+/// A joint with a brushless motor of which what couples across is `low` to `high` of its back-EMF at the middle ratio; what that
+/// ratio asks for by name, and draws between two numbers.
+fn coupled(i: u64, seed: u64, [low, high]: [f64; 2]) -> (Case, impl Fn(&str) -> f64, impl FnMut(f64, f64) -> f64) {
+    // Of some the drag lies between two ends.
+    let mut case = if i % 4 == 1 { dragged(i) } else { draw(i, i.is_multiple_of(2)) };
+    let mut random = Pcg64::seed_from_u64(seed);
+    let mut around = move |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
     let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
     let n = (min * max).sqrt();
     let at = case.look(n);
-    let need = |name: &str| at.limits.iter().find(|limit| limit.0 == name).unwrap().1;
+    let need = move |name: &str| at.limits.iter().find(|limit| limit.0 == name).unwrap().1;
     let speed = n * case.raw.iter().map(|p| p.velocity.abs()).fold(0.0, f64::max);
-    let (voltage, current) = (need("voltage").max(need("torque_bandwidth_voltage")), need("peak_current").max(1e-9));
+    let current = need("peak_current").max(1e-9);
     let motor = &mut case.motor;
     if motor.conventions.commutation == Commutation::Brushless && speed > 0.0 {
-        // What couples across is a tenth to ten times what the back-EMF is.
         let poles = motor.pole_pairs.unwrap_or(7).max(1);
         motor.pole_pairs = Some(poles);
-        motor.inductance = Some(motor.emf_constant() / (f64::from(poles) * current) * around(0.1, 10.0));
+        motor.inductance = Some(motor.emf_constant() / (f64::from(poles) * current) * around(low, high));
     }
+    (case, need, around)
+}
+
+/// A joint whose drive may weaken the field, by more or less than the middle ratio asks for; some magnets bear less.
+fn weakened(i: u64) -> Case {
+    let (mut case, need, mut around) = coupled(i, i + 2, [0.1, 10.0]);
+    let (voltage, current) = (need("voltage").max(need("torque_bandwidth_voltage")), need("peak_current").max(1e-9));
     case.robot.bus.voltage = voltage.max(1e-9) * around(0.5, 2.5) / 0.6;
     case.robot.bus.drive.field_weakening_current = Some(current * around(0.05, 3.0));
     case.motor.demagnetization_current = Some(current * around(0.1, 3.0)).filter(|_| i.is_multiple_of(3));
@@ -321,21 +329,8 @@ fn programs_with_a_weakened_field_agree_with_a_scan_of_the_raw_waveforms() {
 
 /// A joint whose drive burns what comes back beyond what the bus takes by a current along d.
 fn burned(i: u64) -> Case {
-    let mut case = draw(i, i.is_multiple_of(2));
-    let mut random = Pcg64::seed_from_u64(i + 3);
-    let mut around = |low: f64, high: f64| low * (high / low).powf(random.random_range(0.0..1.0));
-    let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
-    let n = (min * max).sqrt();
-    let at = case.look(n);
-    let need = |name: &str| at.limits.iter().find(|limit| limit.0 == name).unwrap().1;
-    let speed = n * case.raw.iter().map(|p| p.velocity.abs()).fold(0.0, f64::max);
+    let (mut case, need, mut around) = coupled(i, i + 3, [0.01, 3.0]);
     let (voltage, current) = (need("voltage").max(need("torque_bandwidth_voltage")), need("peak_current").max(1e-9));
-    let motor = &mut case.motor;
-    if motor.conventions.commutation == Commutation::Brushless && speed > 0.0 {
-        let poles = motor.pole_pairs.unwrap_or(7).max(1);
-        motor.pole_pairs = Some(poles);
-        motor.inductance = Some(motor.emf_constant() / (f64::from(poles) * current) * around(0.01, 3.0));
-    }
     case.robot.bus.voltage = voltage.max(1e-9) * around(0.7, 5.0) / 0.6;
     let back = need("regeneration").max(1e-3 * need("bus_power").abs()).max(1e-9);
     case.robot.bus.regeneration = Regeneration::Limited(back * around(0.02, 1.5));

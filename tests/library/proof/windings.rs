@@ -79,7 +79,7 @@ fn look(i: u64, convex: bool) -> Option<Came> {
     // The choice of the whole program is the same, and says no more than that.
     let mut robot = case.robot.clone();
     robot.joints[0].motors.turns = Windings::Between { min: range.0, max: range.1, found: Vec::new() };
-    let catalog = wind(&mut robot, catalog, false).expect("it goes with what is drawn");
+    let catalog = wind(&mut robot, &catalog, false).expect("it goes with what is drawn");
     let result = optimize(&robot, &catalog);
     match result.joints[0].designs().next() {
         Some(design) => {

@@ -1,5 +1,6 @@
 //! Sentences that must not be said: each with a case where the tool knows less, or something else.
 
+use std::collections::BTreeSet;
 use std::fs;
 
 use serde_json::Value;
@@ -181,16 +182,16 @@ fn what_is_left_out_as_unchecked_is_not_said_to_be_unable() {
     }
 }
 
+/// Columns of a sheet, and a motor that is wound for a high voltage.
+const SHEET: &str = "id,terminals,current,resistance [ohm],inductance [mH],speed_constant [rpm/V],speed_constant_convention,rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind";
+const WOUND_HIGH: &str = "fine,line_to_line,dc,8,3.2,47.75,dc,300,200,7,9,15,120,a sheet,datasheet";
+
 /// One motor wound for too high a voltage, one too small for any winding, one that a fit describes: of each only what holds.
 #[test]
 fn other_turns_help_only_where_they_do() {
     let folder = folder();
-    let head = "id,terminals,current,resistance [ohm],inductance [mH],speed_constant [rpm/V],speed_constant_convention,rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind";
-    let rows = [
-        "fine,line_to_line,dc,8,3.2,47.75,dc,300,200,7,9,15,120,a sheet,datasheet",
-        "weak,line_to_line,dc,0.5,0.2,191,dc,300,200,7,0.01,60,120,a sheet,datasheet",
-    ];
-    fs::write(folder.path().join("wound.csv"), format!("{head}\n{}\n", rows.join("\n"))).unwrap();
+    let rows = [WOUND_HIGH, "weak,line_to_line,dc,0.5,0.2,191,dc,300,200,7,0.01,60,120,a sheet,datasheet"];
+    fs::write(folder.path().join("wound.csv"), format!("{SHEET}\n{}\n", rows.join("\n"))).unwrap();
     // So low a voltage that only the fourth of the turns reaches the speed at a ratio that carries the heat.
     let robot = REQUIREMENT.replace("motion = \"knee.csv\"", &POINTS.replace("4 rad/s", "30 rad/s"));
     fs::write(folder.path().join("other.toml"), robot.replace("48 V", "6 V").replace("min = 3", "min = 8")).unwrap();
@@ -225,16 +226,20 @@ fn other_turns_help_only_where_they_do() {
 #[test]
 fn a_range_of_turns_is_chosen_from_with_its_proof() {
     let folder = folder();
-    let head = "id,terminals,current,resistance [ohm],inductance [mH],speed_constant [rpm/V],speed_constant_convention,rotor_inertia [g*cm^2],mass [g],pole_pairs,continuous_torque [N*m],peak_current [A],max_winding_temperature [degC],source,source_kind";
-    let row = "fine,line_to_line,dc,8,3.2,47.75,dc,300,200,7,9,15,120,a sheet,datasheet";
-    fs::write(folder.path().join("wound.csv"), format!("{head}\n{row}\n")).unwrap();
+    fs::write(folder.path().join("wound.csv"), format!("{SHEET}\n{WOUND_HIGH}\n")).unwrap();
     let robot = REQUIREMENT.replace("motion = \"knee.csv\"", &POINTS.replace("4 rad/s", "30 rad/s"));
     let robot = robot.replace("48 V", "6 V").replace("min = 3", "min = 8");
     let with = |turns: &str| {
         fs::write(folder.path().join("other.toml"), robot.replace("ratio =", &format!("{turns}\nratio ="))).unwrap();
         let ran =
             run(&folder, &["optimize", "other.toml", "--catalog", "wound.csv", "--json", "--write-design", "d.toml"]);
-        json(&ran)["joints"][0]["candidates"][0].clone()
+        let joint = &json(&ran)["joints"][0];
+        // Each winding is one motor of the answer.
+        let all =
+            ["candidates", "rejected", "not_judged"].map(|list| joint[list].as_array().cloned().unwrap_or_default());
+        let ids: Vec<String> = all.concat().iter().map(|motor| motor["motor"].to_string()).collect();
+        assert_eq!(ids.len(), ids.iter().collect::<BTreeSet<_>>().len(), "{turns}: {ids:?}");
+        joint["candidates"][0].clone()
     };
     let free = with("turns = { min = 0.05, max = 2 }");
     let id = free["motor"].as_str().unwrap().to_string();
