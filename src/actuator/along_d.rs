@@ -65,8 +65,10 @@ impl Needs {
             let current = |k: usize| match self.along {
                 AlongD::Weakening(most) => here.parabola(k).least(bound, most * end.torque_constant),
                 AlongD::Braking { beyond, most } => {
-                    let square = (here.power_back(k) - beyond) / end.loss_given();
-                    -(square.max(0.0) * (1.0 + 1e-13)).sqrt().min(most * end.torque_constant)
+                    // A hair more than there is, for the same reason.
+                    let (back, size) = here.power_back(k);
+                    let square = (back - beyond + 1e-14 * size) / end.loss_given();
+                    -square.max(0.0).sqrt().min(most * end.torque_constant)
                 }
             };
             let points = waveform.beyond(functional, end, self.ratio, bound).into_iter();

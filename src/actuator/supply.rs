@@ -153,6 +153,29 @@ impl Supply {
         voltage * of_voltage + power * of_power + Laurent::constant(constant)
     }
 
+    /// The same of a sample at a ratio \[W\], and the polynomial that touches it there; it is nothing or less wherever the sample keeps to
+    /// the supply.
+    pub(crate) fn beyond(
+        &self,
+        actuator: &Actuator,
+        (flow, features): (Flow, &[f64; FEATURES]),
+        ratio: f64,
+        shared: f64,
+    ) -> (f64, Laurent) {
+        let voltage = actuator.voltage_squared(flow, features).at(ratio);
+        let power = actuator.power(actuator.loss_taken(), flow, features).at(ratio);
+        let row = self.polynomial(actuator, flow, features, ratio) + Laurent::constant(-self.open);
+        let (beyond, held) = self.asks_beyond((voltage, power), shared);
+        (beyond, row * (held / shared))
+    }
+
+    /// By how much power a sample asks for more than there is at the bus voltage that it needs \[W\], as much less than nothing may others
+    /// draw, and that voltage \[V\]; from its squared voltage \[V²\] and power \[W\], where others draw through a resistance \[Ω\] too.
+    pub(crate) fn asks_beyond(&self, (voltage, power): (f64, f64), shared: f64) -> (f64, f64) {
+        let held = self.held(voltage);
+        ((self.needed(voltage, power) - self.open) * held / shared, held)
+    }
+
     /// Bus voltage \[V\] where so much is drawn at the terminals \[W\]; `None` where the supply cannot give it.
     pub fn voltage(&self, power: f64) -> Option<f64> {
         self.at(self.per_power(power) * power + self.standby)

@@ -396,7 +396,7 @@ impl Waveform {
     /// Its points at a ratio, one by one.
     pub fn at(&self, actuator: &Actuator, ratio: f64) -> AtRatio<'_> {
         let weights = [Flow::Driving, Flow::Braking].map(|flow| Weights::new(actuator, flow, ratio));
-        AtRatio { points: &self.points, weights }
+        AtRatio { points: &self.points, direct: &self.direct, weights }
     }
 
     /// The same points with some of their features changed, for one ratio: without a tree.
@@ -491,6 +491,7 @@ impl Waveform {
 /// The points of a waveform at a ratio.
 pub struct AtRatio<'a> {
     points: &'a Points,
+    direct: &'a [f64],
     weights: [Weights; 2],
 }
 
@@ -507,10 +508,19 @@ impl AtRatio<'_> {
         Parabola::new(quadrature, torque, weights.direct * x[VELOCITY], weights.along)
     }
 
-    /// Power that a point gives back without a current along d \[W\].
-    pub fn power_back(&self, index: usize) -> f64 {
+    /// The squared voltage \[V²\] of a point and the power that it takes \[W\], with the currents along d that it has.
+    pub fn terminals(&self, index: usize) -> (f64, f64) {
         let (weights, x) = self.point(index);
-        value_power_back::<FEATURES>(weights, &x, 0.0)
+        let direct = self.direct.get(index).copied().unwrap_or(0.0);
+        (value_voltage::<FEATURES>(weights, &x, direct), value_power::<FEATURES>(weights, &x, direct))
+    }
+
+    /// Power that a point gives back without a current along d \[W\], and the size of the terms whose difference it is.
+    pub fn power_back(&self, index: usize) -> (f64, f64) {
+        let (weights, x) = self.point(index);
+        let torque = dot::<FEATURES>(&weights.torque, &x);
+        let (heat, work) = (weights.cold_copper * torque * torque, weights.emf * x[VELOCITY] * torque);
+        (-(heat + work), heat + work.abs())
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::evaluate::Judged;
 use super::mount::{Mount, load_through};
-use super::robot::{carried_first, carrying, power_course};
+use super::robot::{Draws, carried_first, carrying, draws};
 use super::solved::solve;
 use super::{Evaluation, Unusable};
 use crate::actuator::limits::{LIMITS, Remark, hottest};
@@ -35,7 +35,7 @@ pub struct Examined {
     /// Whether the load's inertia is an estimate from the motion.
     pub load_inertia_estimated: bool,
     /// Power that the bus gives at each sample \[W\].
-    pub power: Vec<f64>,
+    pub draws: Draws,
 }
 
 impl Examined {
@@ -114,7 +114,7 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
         // A spring's torque follows the position, not the acceleration: the bare motion tells.
         load_inertia: choice.design.load_inertia.or_else(|| apparent_inertia(&choice.joint.motion)),
         load_inertia_estimated: estimated,
-        power: power_course(&prepared, ratio),
+        draws: draws(&prepared, ratio),
         unchecked,
         assumed,
     })

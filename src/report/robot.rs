@@ -5,7 +5,7 @@ use super::optimize::margin_at;
 use super::table::{Column, Table, paragraph, wrap};
 use super::{columns, design_ratio, different_motors, number, optional};
 use crate::design::answer::Design;
-use crate::design::robot::{Change, Choice, Combination, Wanting};
+use crate::design::robot::{Change, Choice, Combination, Sag, Wanting};
 use crate::requirement::{Joint, Regeneration, Robot};
 
 /// For people.
@@ -21,6 +21,9 @@ pub fn text(choice: &Choice) -> String {
     out.push('\n');
     out.push_str(&designs(robot, best));
     out.push_str(&format!("\n  {}\n", wrap(&sums(choice, best), 4)));
+    if let Some(sag) = &best.sag {
+        out.push_str(&format!("  {}\n", wrap(&sag_text(robot, sag), 4)));
+    }
     out.push_str(&format!("  {}\n", wrap(&proof(choice), 4)));
     if let Some(price) = best.power_price.filter(|p| *p < 0.0) {
         let line = format!("the bus binds: one watt more is worth {} {}", number(-price), unit(choice));
@@ -101,6 +104,16 @@ pub(super) fn kept(choice: &Choice) -> String {
             ));
         }
     }
+    if let Some(resistance) = robot.shared_resistance() {
+        let how = match choice.instant_by_instant {
+            true => "instant by instant",
+            false => "joints that share no time base at their worst instants",
+        };
+        parts.push(format!(
+            "a supply of {} ohm that sags under all joints together ({how}; what some give back is not counted on)",
+            number(resistance)
+        ));
+    }
     for joint in &robot.joints {
         if !joint.carries.is_empty() {
             let names: Vec<&str> = joint.carries.iter().map(|c| robot.joints[c.joint].name.as_str()).collect();
@@ -160,6 +173,22 @@ pub(super) fn sums(choice: &Choice, combination: &Combination) -> String {
         text.push_str(&format!(" ({})", cases.collect::<Vec<_>>().join(", ")));
     }
     text
+}
+
+/// How far all joints together let the bus sag.
+pub(super) fn sag_text(robot: &Robot, sag: &Sag) -> String {
+    let bus = match sag.lowest {
+        Some(lowest) => format!("the bus falls to {} V", number(lowest)),
+        None => "the supply cannot give what all joints take".into(),
+    };
+    let joint = &robot.joints[sag.joint].name;
+    let share = number(100.0 * sag.left.abs());
+    // Ratios are found to so much of the voltage.
+    match sag.left {
+        left if left.abs() < 1e-6 => format!("{bus}; of what {joint} needs then nothing is left over: it binds"),
+        left if left < 0.0 => format!("{bus}; {joint} is short of {share} % of the supply's voltage"),
+        _ => format!("{bus}; {joint}, which has least to spare, has {share} % of the supply's voltage to spare"),
+    }
 }
 
 pub(super) fn proof(choice: &Choice) -> String {
@@ -260,6 +289,10 @@ pub(super) fn wanting_lines(choice: &Choice) -> Vec<String> {
             number(*draws),
             number(*least),
             optional(choice.robot.shared_power())
+        ),
+        Wanting::Supply => format!(
+            "with a supply that does not sag it can be done: its resistance is {} ohm",
+            optional(choice.robot.shared_resistance())
         ),
     };
     if choice.wanting.is_empty() {

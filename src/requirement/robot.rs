@@ -66,17 +66,24 @@ impl Robot {
         self.budget.power.into_iter().chain(of_current).reduce(f64::min)
     }
 
+    /// The resistance of the supply \[Ω\] that all joints draw through, where one is said and there is more than one actuator.
+    pub fn shared_resistance(&self) -> Option<f64> {
+        let actuators: u32 = self.joints.iter().map(|joint| joint.count).sum();
+        self.bus.internal_resistance.filter(|resistance| *resistance > 0.0 && actuators > 1)
+    }
+
     /// Whether another joint carries the actuator of a joint.
     pub fn carries(&self, joint: &Joint) -> bool {
         let carried = |j: &Joint| j.carries.iter().any(|c| self.joints[c.joint].name == joint.name);
         self.joints.iter().any(carried)
     }
 
-    /// Whether the joints' choices depend on each other: a budget, or actuators that carry actuators.
+    /// Whether the joints' choices depend on each other: a budget, a supply that sags under all of them, or actuators that carry
+    /// actuators.
     pub fn is_coupled(&self) -> bool {
         let Budget { actuator_mass, max_distinct_motors, power, current } = self.budget;
         let budgets = [actuator_mass, power, current].iter().any(Option::is_some) || max_distinct_motors.is_some();
-        budgets || self.joints.iter().any(|j| !j.carries.is_empty())
+        budgets || self.shared_resistance().is_some() || self.joints.iter().any(|j| !j.carries.is_empty())
     }
 }
 

@@ -199,7 +199,8 @@ impl Case {
             }
             [-x, a, 0.0].into_iter().min_by(|a, b| turned(of, *a).total_cmp(&turned(of, *b))).unwrap()
         };
-        let enough_voltage = (bus.voltage * per_volt).powi(2);
+        // A hair less than there is, so that rounding does not break what is met with equality.
+        let enough_voltage = (bus.voltage * per_volt).powi(2) * (1.0 - 1e-13);
         // Or one that burns what would come back beyond what the bus takes, with the winding cold.
         let can = brushless && l > 0.0 && poles > 0 && !sags && of_drive.field_weakening_current.is_none();
         let takes = match bus.regeneration {

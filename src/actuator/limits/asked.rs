@@ -3,6 +3,7 @@
 use super::limit::{Asked, Check, Demand};
 use crate::actuator::candidate::{Candidate, End};
 use crate::actuator::waveform::{Functional, Waveform};
+use crate::actuator::weakening::AlongD;
 use crate::numerics::laurent::Laurent;
 
 /// What a demand may be of the terms whose sum it is and still count as nothing.
@@ -95,6 +96,15 @@ impl Asked {
     pub fn takes_a_walk(&self, candidate: &Candidate) -> bool {
         let ripples = matches!(self.demand, Demand::Bandwidth(_)) && candidate.load.ripples_along_d();
         self.demand.takes_a_walk() || ripples
+    }
+
+    /// Whether it is what the currents along d of a candidate at one ratio are for.
+    pub fn is_kept_along_d(&self, candidate: &Candidate) -> bool {
+        matches!(
+            (candidate.along_d(), self.demand),
+            (Some(AlongD::Braking { .. }), Demand::Samples(Functional::PowerBack))
+                | (Some(AlongD::Weakening(_)), Demand::Bandwidth(Functional::VoltageSquared))
+        )
     }
 
     /// A number that the functional's value is certainly not above, where one costs less than the value.

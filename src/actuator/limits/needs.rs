@@ -99,10 +99,10 @@ pub const NEEDS: &[Need] = &[
                 c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some();
             match c.along_d().filter(|_| c.motor.demagnetization_current.is_none()) {
                 Some(AlongD::Weakening(_)) => Some(
-                    "the current against the magnets that they bear is not known: only the requirement's bounds that which weakens the field",
+                    "how much current the magnets bear is not known: the field weakening current of the requirement alone bounds it",
                 ),
                 Some(AlongD::Braking { .. }) => Some(
-                    "the current against the magnets that they bear is not known: that of flux braking is bounded by the largest current alone",
+                    "how much current the magnets bear is not known: that of flux braking is bounded by the largest current alone",
                 ),
                 None if by_drive => Some(
                     "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less",

@@ -64,11 +64,10 @@ impl Candidate<'_> {
                 "the motor's drag is known between two ends only, and power that comes back is computed at these: between them a little more may come back",
             ));
         }
-        let joints: u32 = self.robot.joints.iter().map(|joint| joint.count).sum();
-        if self.supply_resistance() > 0.0 && joints > 1 {
+        if self.robot.shared_resistance().is_some() {
             assumed.push((
                 "voltage",
-                "the bus sags by the power of this joint alone: what the others draw at the same instant lowers it further, and is not counted",
+                "here the bus sags by the power of this joint alone: what all joints draw at the same instant is judged where the whole robot is",
             ));
         }
         if self.derating() < 1.0 && self.motor.thermal_resistance.is_none() {

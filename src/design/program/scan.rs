@@ -19,7 +19,7 @@ const EVALUATED_POINTS: usize = 300;
 const WEAKENED_POINTS: usize = 100;
 /// Narrowings of a valley there.
 const WEAKENED_STEPS: usize = 40;
-/// Where a current along d meets a limit with equality from point to point, the excess differs by no more than this: rounding.
+/// A limit that is kept by a current along d is met with equality: what differs by no more than this is rounding.
 const EQUALITY: f64 = 1e-10;
 /// How near the end of a window is found where ratios are evaluated (relative).
 const END: f64 = 1e-13;
@@ -137,8 +137,7 @@ pub(super) fn scan(program: &RatioProgram, goal: &Goal, low: &End, high: &End) -
         if left.0 >= right.0 || here.1 == f64::INFINITY || plain {
             continue;
         }
-        let is_met = |other: f64| other.abs() <= EQUALITY;
-        if program.is_evaluated() && is_met(here.1) && is_met(left.1) && is_met(right.1) {
+        if here.1 == left.1 && here.1 == right.1 {
             continue;
         }
         if here.1 > 0.0 && here.1 <= left.1 && here.1 <= right.1 {
@@ -241,7 +240,12 @@ fn worst_by(
                     if asked.takes_a_walk(&here) != walks || asked.is_certainly_kept(&here, ratio) {
                         continue;
                     }
-                    let measured = |raw| measure(&asked, raw, violation(raw, asked.raw_bound()));
+                    let measured = |raw| {
+                        let excess = violation(raw, asked.raw_bound());
+                        // What a current along d keeps it keeps with equality, up to rounding: nothing is near to be broken.
+                        let is_met = excess.abs() <= EQUALITY && asked.is_kept_along_d(&here);
+                        if is_met { -1.0 } else { measure(&asked, raw, excess) }
+                    };
                     if asked.raw_at_most(&here, ratio).is_none_or(|raw| measured(raw) > worst.0) {
                         let (raw, sample) = asked.raw_demand(&here, ratio);
                         offer(&mut worst, &asked, sample, measured(raw));

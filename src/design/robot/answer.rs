@@ -68,6 +68,8 @@ pub struct Combination<'a> {
     pub peak_power: f64,
     /// The same in each load case \[W\], by name; empty where joints have no cases.
     pub peak_power_by_case: Vec<(String, f64)>,
+    /// What a supply with a resistance makes of it; `None` where it is stiff, or feeds one actuator.
+    pub sag: Option<Sag>,
     /// Change of the total per watt more of shared power, where that is limited.
     pub power_price: Option<f64>,
     /// Number of different motors.
@@ -75,6 +77,17 @@ pub struct Combination<'a> {
     /// What carried actuators add to each joint's load: for constant torques per mass the torque \[N·m\], for
     /// others the mass \[kg\].
     pub carried: Vec<Vec<f64>>,
+}
+
+/// A supply that sags under all joints together. What some give back to the bus is not counted on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sag {
+    /// Lowest voltage of the bus \[V\], before the leads of a joint; `None` where the supply cannot give what all take.
+    pub lowest: Option<f64>,
+    /// The share of the open-circuit voltage that is left at the drive that is worst off: below zero it is too little.
+    pub left: f64,
+    /// The joint of that drive, by its place in the requirement.
+    pub joint: usize,
 }
 
 /// How sure the best combination is.
@@ -124,6 +137,8 @@ pub enum Wanting {
     /// The least power at the worst instant with which a combination that was tried can do \[W\], and what the
     /// best draws that is not limited \[W\].
     Power(f64, f64),
+    /// The resistance of the supply: without it there is a combination.
+    Supply,
 }
 
 /// The choice for a whole robot.

@@ -9,7 +9,7 @@ use super::answer::{Combination, Options};
 use super::carry::{self, Boxes};
 use super::convex::{Convex, add, under};
 use super::menu::{Item, Menu, Needs, menu};
-use super::power::{Profile, Schedule};
+use super::power::{self, Profile, Schedule};
 use super::search::{Completed, Found, Joints, Rules, Table};
 use super::shared::{self, Outcome, Part, Price};
 use super::total::Total;
@@ -53,8 +53,10 @@ pub(super) struct Context<'a> {
     boxes: Vec<Option<Boxes>>,
     pub total: Total,
     pub schedule: Schedule,
-    /// The limit on the power of all joints \[W\].
+    /// The budget of the power of all joints \[W\].
     pub power: Option<f64>,
+    /// What a supply that sags under all joints gives at most \[W\].
+    pub supply: Option<f64>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
     pub least_power: f64,
 }
@@ -69,12 +71,13 @@ impl<'a> Context<'a> {
     pub(super) fn new(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) -> Result<Context<'a>, String> {
         let n = robot.joints.len();
         let stop = Stop::when(options.stop);
-        let power = robot.shared_power();
+        let budget = robot.shared_power();
+        let supply = robot.shared_resistance().map(|resistance| robot.bus.voltage.powi(2) / (4.0 * resistance));
         let carried = |j: usize| robot.joints.iter().any(|k| k.carries.iter().any(|c| c.joint == j));
         let needs: Vec<Needs> = (0..n)
             .map(|j| Needs {
                 mass: robot.budget.actuator_mass.is_some() || carried(j),
-                moves: power.is_some(),
+                moves: budget.is_some() || supply.is_some(),
                 only_checked: options.only_checked,
             })
             .collect();
@@ -123,8 +126,14 @@ impl<'a> Context<'a> {
             reach,
             boxes,
             total,
-            power,
+            power: budget,
+            supply,
         })
+    }
+
+    /// The limit on the power of all joints \[W\].
+    pub(super) fn limit(&self) -> Option<f64> {
+        self.power.into_iter().chain(self.supply).reduce(f64::min)
     }
 
     /// Every menu that was made, with the place of its joint.
@@ -183,7 +192,8 @@ impl<'a> Context<'a> {
 
     fn solve(&mut self, items: &[&Item<'a>], coordinates: &[Vec<f64>], limit: f64) -> Outcome {
         let outcome = self.with_parts(items, coordinates, |parts| shared::solve(parts, &self.schedule, limit));
-        if let Outcome::TooMuch { least, .. } = &outcome {
+        // On a supply that sags it is not known what is too much.
+        if let (Outcome::TooMuch { least, .. }, None) = (&outcome, self.supply) {
             self.least_power = self.least_power.min(*least);
         }
         outcome
@@ -193,7 +203,7 @@ impl<'a> Context<'a> {
     pub(super) fn tables(&mut self, rules: Rules) -> Vec<Table> {
         let plain = Table { per_mass: 0.0, priced: None, offset: 0.0 };
         let mut tables = vec![plain.clone()];
-        if let (Some(limit), true) = (self.power, self.certain.iter().all(Option::is_some)) {
+        if let (Some(limit), None, true) = (self.power, self.supply, self.certain.iter().all(Option::is_some)) {
             tables.extend(self.power_tables(limit));
         }
         if let Some(limit) = rules.mass {
@@ -336,10 +346,16 @@ impl<'a> Context<'a> {
         let items: Vec<&Item> = menus.iter().zip(&found.items).map(|(m, i)| &m.items[*i]).collect();
         let own_ratios: Vec<f64> = items.iter().map(|i| i.design.evaluation.ratio).collect();
         let ratios = found.ratios.clone().unwrap_or(own_ratios);
-        let (peak, peak_by_case) =
-            self.with_parts(&items, &found.coordinates, |parts| shared::power(parts, &self.schedule, &ratios));
-        let price = self.power.map(|limit| match self.solve(&items, &found.coordinates, limit) {
-            Outcome::Solved(solved) => -solved.price.rows.iter().map(|r| r.1).sum::<f64>(),
+        let draws = self.with_parts(&items, &found.coordinates, |parts| shared::draws(parts, &self.schedule, &ratios));
+        let powers: Vec<&[f64]> = draws.iter().map(|draws| draws.power.as_slice()).collect();
+        let open = self.robot.bus.voltage;
+        let sag = self.robot.shared_resistance().and_then(|shared| power::sag(&self.schedule, &draws, (open, shared)));
+        let limit = self.limit();
+        let price = self.power.zip(limit).map(|(_, limit)| match self.solve(&items, &found.coordinates, limit) {
+            Outcome::Solved(solved) => {
+                let of_power = solved.price.rows.iter().filter(|(places, _)| places.drive.is_none());
+                -of_power.map(|r| r.1).sum::<f64>()
+            }
             Outcome::TooMuch { .. } => 0.0,
         });
         let mounts = self.loaded(&items, &found.coordinates);
@@ -372,8 +388,9 @@ impl<'a> Context<'a> {
             objective: found.value,
             lower_bound: found.lower,
             mass,
-            peak_power: peak,
-            peak_power_by_case: peak_by_case,
+            peak_power: power::largest(&self.schedule, &powers).0,
+            peak_power_by_case: power::by_case(&self.schedule, &powers),
+            sag,
             power_price: price,
             distinct_motors: motors.len(),
             carried: carried_torque,
@@ -508,12 +525,12 @@ impl<'a> Joints<'a> for Context<'a> {
     }
 
     fn is_costly(&self) -> bool {
-        self.power.is_some()
+        self.limit().is_some()
     }
 
     fn complete(&mut self, menus: &[Rc<Menu<'a>>], chosen: &[usize], coordinates: &[Vec<f64>]) -> Option<Completed> {
         let items: Vec<&Item> = menus.iter().zip(chosen).map(|(m, i)| &m.items[*i]).collect();
-        let Some(limit) = self.power else {
+        let Some(limit) = self.limit() else {
             let sum = |of: &dyn Fn(&Item) -> f64| -> f64 {
                 items.iter().zip(&self.total.scale).map(|(item, scale)| scale * of(item)).sum()
             };

@@ -25,8 +25,9 @@ use crate::design::Prepared;
 use crate::design::options::Stop;
 use crate::design::program::GAP_TOLERANCE;
 use crate::requirement::{Joint, Robot};
-pub use answer::{Apart, Change, Choice, Combination, NoChoice, Options, Proof, Wanting};
+pub use answer::{Apart, Change, Choice, Combination, NoChoice, Options, Proof, Sag, Wanting};
 use context::Context;
+pub(crate) use power::Draws;
 use search::{Answer, Rules};
 pub use total::Total;
 
@@ -62,7 +63,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     };
     let (mut changes, mut front) = (Vec::new(), Vec::new());
     // Where the search was long once, it is not repeated for each other budget.
-    let short = answer.finished && (context.power.is_none() || answer.solved <= LONG);
+    let short = answer.finished && (context.limit().is_none() || answer.solved <= LONG);
     let others_left_out = options.budgets && !combinations.is_empty() && !short;
     if options.budgets && !combinations.is_empty() && short {
         changes = other_budgets(&mut context, rules);
@@ -169,6 +170,12 @@ fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
         }
         context.power = Some(limit);
     }
+    if let Some(supply) = context.supply.take() {
+        if !solve(context, one).found.is_empty() {
+            wanting.push(Wanting::Supply);
+        }
+        context.supply = Some(supply);
+    }
     wanting
 }
 
@@ -243,13 +250,21 @@ pub(crate) fn carried_first(joints: &[Joint]) -> Vec<usize> {
     carry::order(joints)
 }
 
-/// Power that the bus gives one actuator at each sample of its motion \[W\], what comes back less than zero.
-pub(crate) fn power_course(prepared: &Prepared, ratio: f64) -> Vec<f64> {
-    power::Profile::of(prepared, ratio).course(ratio)
+/// What one actuator draws and asks for at each sample of its motion.
+pub(crate) fn draws(prepared: &Prepared, ratio: f64) -> Draws {
+    power::Profile::of(prepared, ratio).draws(ratio)
 }
 
-/// Largest power that all joints together draw at any instant \[W\], from the `power_course` of each; where they
+/// What a supply with a resistance makes of all joints together, from the [`draws`] of each; `None` where it is stiff, or feeds one
+/// actuator.
+pub(crate) fn sag(robot: &Robot, all: &[Draws]) -> Option<Sag> {
+    let shared = robot.shared_resistance()?;
+    power::sag(&power::Schedule::new(robot), all, (robot.bus.voltage, shared))
+}
+
+/// Largest power that all joints together draw at any instant \[W\], from the power of each at the samples of its motion; where they
 /// share no time base, the sum of their peaks.
 pub fn peak_power(robot: &Robot, courses: &[Vec<f64>]) -> f64 {
-    power::largest(&power::Schedule::new(robot), courses).0
+    let courses: Vec<&[f64]> = courses.iter().map(Vec::as_slice).collect();
+    power::largest(&power::Schedule::new(robot), &courses).0
 }

@@ -1,13 +1,18 @@
-//! The power that all joints draw together, instant by instant.
+//! The power that all joints draw together, instant by instant, and how far it lets the bus sag.
 //!
 //! A joint's drive draws `P/η_d` where its motor takes power and gives back `η_d P` where it returns it, or `η_r P` where that
 //! is less; the other joints may use what comes back. Between two samples the power is a straight line, as in all means
 //! over time: the sum of joints with one time base is then largest at a sample of one of them. Joints without
 //! a common time base can meet at their worst instants: the sum of their peaks is a safe bound, and is called so.
+//!
+//! A supply with a resistance gives each drive what the others leave. What a drive asks for beyond that is a power too
+//! ([`Supply::beyond`]): so each drive at each instant is a row of the same kind as that of the power. What others give back is
+//! not counted on.
 
+use super::answer::Sag;
 use crate::actuator::limits::Candidate;
-use crate::actuator::supply::Drawn;
-use crate::actuator::waveform::{Functional, WavePoint};
+use crate::actuator::supply::{Drawn, Supply};
+use crate::actuator::waveform::{Functional, WavePoint, Waveform};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
 use crate::requirement::{Course, Motion, Robot};
@@ -20,6 +25,15 @@ const SAME_INSTANT: f64 = 1e-9;
 pub(super) struct Instant {
     /// Joint, sample, weight; the weights of a joint sum to its count.
     pub parts: Vec<(usize, usize, f64)>,
+    /// The actuators that do not all do the same.
+    drives: Vec<Drive>,
+}
+
+/// An actuator at an instant: its joint, and the samples that it is at with their shares, which sum to one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Drive {
+    pub joint: usize,
+    pub samples: Vec<(usize, f64)>,
 }
 
 /// Joints that share a time base.
@@ -51,6 +65,8 @@ pub(super) struct Scenario {
 pub(super) struct Places {
     scenario: usize,
     instants: Vec<usize>,
+    /// The drive whose voltage is looked at; `None` where it is the power of all.
+    pub drive: Option<Drive>,
 }
 
 /// What a joint does in a scenario: the motion, and which of the joint's samples it is.
@@ -116,7 +132,10 @@ fn instants(robot: &Robot, group: &[Doing]) -> Vec<Instant> {
     let period = match first.motion.course {
         Course::Points(_) | Course::Cases => {
             let count = f64::from(robot.joints[first.joint].count);
-            let whole = |k| Instant { parts: vec![(first.joint, first.first + k, count)] };
+            let whole = |k| Instant {
+                parts: vec![(first.joint, first.first + k, count)],
+                drives: vec![Drive { joint: first.joint, samples: vec![(first.first + k, 1.0)] }],
+            };
             return (0..first.motion.len()).map(whole).collect();
         }
         Course::Periodic(period) => Some(period),
@@ -144,16 +163,17 @@ fn instants(robot: &Robot, group: &[Doing]) -> Vec<Instant> {
     let scale = SAME_INSTANT * first.motion.duration().unwrap_or(1.0);
     times.dedup_by(|b, a| (*b - *a).abs() <= scale);
     let at = |t: f64| {
-        let mut parts = Vec::new();
+        let (mut parts, mut drives) = (Vec::new(), Vec::new());
         for doing in group {
             let times = own(doing);
             for (shift, weight) in late(doing) {
-                for (sample, share) in between(&times, wrap(t - shift), period, scale) {
-                    parts.push((doing.joint, doing.first + sample, weight * share));
-                }
+                let around = between(&times, wrap(t - shift), period, scale).into_iter();
+                let samples: Vec<(usize, f64)> = around.map(|(k, share)| (doing.first + k, share)).collect();
+                parts.extend(samples.iter().map(|(sample, share)| (doing.joint, *sample, weight * share)));
+                drives.push(Drive { joint: doing.joint, samples });
             }
         }
-        Instant { parts }
+        Instant { parts, drives }
     };
     times.into_iter().map(at).collect()
 }
@@ -176,25 +196,45 @@ fn between(times: &[f64], t: f64, period: Option<f64>, scale: f64) -> Vec<(usize
 
 /// The power of one actuator at its own samples.
 pub(super) struct Profile {
-    /// For each sample its points: two where friction may oppose either way.
-    points: Vec<Vec<WavePoint>>,
+    waveform: Waveform,
+    samples: usize,
     /// The equations at each end of what is known of the motor's drag.
     ends: Vec<Actuator>,
     /// What is drawn from the bus; of what a joint gives back others can use what would be kept.
     drawn: Drawn,
     standby: f64,
+    /// A supply that sags under all joints, and the resistance that they share \[Ω\].
+    supply: Option<(Supply, f64)>,
+}
+
+/// What one actuator draws and asks for at its own samples, at a ratio.
+#[derive(Debug, Clone)]
+pub struct Draws {
+    /// Power that the bus gives \[W\], what comes back less than zero.
+    pub power: Vec<f64>,
+    /// Power that its drive asks for beyond what there is \[W\], as if it were alone, and the bus voltage that it needs \[V\]; empty where
+    /// the supply is stiff.
+    beyond: Vec<(f64, f64)>,
+}
+
+impl Draws {
+    /// What counts of its power where it is not counted on that it gives some back.
+    fn taken(&self, sample: usize) -> f64 {
+        self.power[sample].max(0.0)
+    }
 }
 
 impl Profile {
     fn new(candidate: &Candidate, samples: usize) -> Profile {
-        let load = candidate.load;
-        let drawn = Drawn::new(&candidate.robot.bus);
-        let mut points = vec![Vec::new(); samples];
-        for index in 0..load.waveform.len() {
-            let point = load.waveform.point(index);
-            points[point.origin].push(point);
+        let supply = candidate.supply(candidate.joint.limits.reserve("voltage"));
+        Profile {
+            waveform: candidate.load.waveform.clone(),
+            samples,
+            ends: candidate.ends().copied().collect(),
+            drawn: Drawn::new(&candidate.robot.bus),
+            standby: candidate.standby_power(),
+            supply: supply.zip(candidate.robot.shared_resistance()),
         }
-        Profile { points, ends: candidate.ends().copied().collect(), drawn, standby: candidate.standby_power() }
     }
 
     /// Of a candidate at a ratio.
@@ -207,63 +247,176 @@ impl Profile {
         Profile::new(candidate, samples)
     }
 
+    /// The largest of a measure over the points of a sample and the ends of the drag, with its polynomial.
+    fn largest<T>(&self, sample: usize, of: impl Fn(&WavePoint, &Actuator) -> (f64, T)) -> Option<(f64, T)> {
+        let mut most: Option<(f64, T)> = None;
+        // Two points where friction may oppose either way.
+        let points = self.waveform.of_sample(sample).iter().map(|k| self.waveform.point(*k));
+        for (point, end) in points.flat_map(|point| self.ends.iter().map(move |end| (point, end))) {
+            let here = of(&point, end);
+            if most.as_ref().is_none_or(|(value, _)| here.0 > *value) {
+                most = Some(here);
+            }
+        }
+        most
+    }
+
     /// Power that the bus gives at a sample \[W\], and the polynomial that touches it at this ratio and is
     /// nowhere above it.
     pub(super) fn at(&self, sample: usize, ratio: f64) -> (f64, Laurent) {
-        let mut most: Option<(f64, Laurent)> = None;
-        let points = self.points[sample].iter().flat_map(|point| self.ends.iter().map(move |end| (point, end)));
-        for (point, end) in points {
+        let of_point = |point: &WavePoint, end: &Actuator| {
             let polynomial = Functional::Power.polynomial(end, point, ratio);
             let power = polynomial.at(ratio);
             let factor = self.drawn.per_power(power);
-            let drawn = power * factor + self.standby;
-            if most.as_ref().is_none_or(|(m, _)| drawn > *m) {
-                most = Some((drawn, polynomial * factor + Laurent::constant(self.standby)));
-            }
-        }
-        most.unwrap_or_default()
+            (power * factor + self.standby, polynomial * factor + Laurent::constant(self.standby))
+        };
+        self.largest(sample, of_point).unwrap_or_default()
     }
 
-    /// The power at every sample \[W\].
-    pub(super) fn course(&self, ratio: f64) -> Vec<f64> {
-        (0..self.points.len()).map(|k| self.at(k, ratio).0).collect()
+    /// The same where what it gives back is not counted on.
+    pub(super) fn taken(&self, sample: usize, ratio: f64) -> Laurent {
+        let (power, polynomial) = self.at(sample, ratio);
+        if power > 0.0 { polynomial } else { Laurent::default() }
+    }
+
+    /// Power that its drive asks for at a sample beyond what there is \[W\], as if it were alone, as a polynomial that touches it at this
+    /// ratio; nothing where the supply is stiff.
+    pub(super) fn beyond(&self, sample: usize, ratio: f64) -> Option<Laurent> {
+        let (supply, shared) = self.supply?;
+        let of_point =
+            |point: &WavePoint, end: &Actuator| supply.beyond(end, (point.flow, &point.features), ratio, shared);
+        self.largest(sample, of_point).map(|(_, beyond)| beyond)
+    }
+
+    /// What it draws and asks for at every sample.
+    pub(super) fn draws(&self, ratio: f64) -> Draws {
+        let mut power = vec![f64::NEG_INFINITY; self.samples];
+        let mut beyond = vec![(f64::NEG_INFINITY, 0.0); if self.supply.is_some() { self.samples } else { 0 }];
+        for end in &self.ends {
+            let here = self.waveform.at(end, ratio);
+            for k in 0..self.waveform.len() {
+                let (sample, terminals) = (self.waveform.origin(k), here.terminals(k));
+                power[sample] = power[sample].max(terminals.1 * self.drawn.per_power(terminals.1) + self.standby);
+                let Some((supply, shared)) = &self.supply else { continue };
+                let asks = supply.asks_beyond(terminals, *shared);
+                if asks.0 > beyond[sample].0 {
+                    beyond[sample] = asks;
+                }
+            }
+        }
+        Draws { power, beyond }
     }
 }
 
-/// The largest power over time of all joints together \[W\], from the course of each, and the instant of each
+/// The largest power over time of all joints together \[W\], from the power of each, and the instant of each
 /// group that makes it.
-pub(super) fn largest(schedule: &Schedule, courses: &[Vec<f64>]) -> (f64, Places) {
-    let mut best = (f64::NEG_INFINITY, Places { scenario: 0, instants: Vec::new() });
+pub(super) fn largest(schedule: &Schedule, courses: &[&[f64]]) -> (f64, Places) {
+    let mut best = (f64::NEG_INFINITY, Places { scenario: 0, instants: Vec::new(), drive: None });
     for (scenario, of) in schedule.scenarios.iter().enumerate() {
-        let (power, instants) = worst(of, courses);
+        let (power, instants) = worst(of, |joint, sample| courses[joint][sample]);
         if power > best.0 {
-            best = (power, Places { scenario, instants });
+            best = (power, Places { scenario, instants, drive: None });
         }
     }
     best
 }
 
+/// A drive with what the others leave it.
+struct Left<'s> {
+    scenario: usize,
+    group: usize,
+    instant: usize,
+    drive: &'s Drive,
+    /// Instants of all groups.
+    instants: &'s [usize],
+    /// Power that all others take \[W\].
+    others: f64,
+}
+
+/// Every drive at every instant, the other groups at their worst.
+fn drives<'s>(schedule: &'s Schedule, courses: &'s [Draws], mut look: impl FnMut(Left)) {
+    let taken = |joint: usize, sample: usize| courses[joint].taken(sample);
+    for (scenario, of) in schedule.scenarios.iter().enumerate() {
+        let (all, instants) = worst(of, taken);
+        for (group, place) in instants.iter().enumerate() {
+            let at_worst = sum(&of.groups[group].instants[*place], taken);
+            for (instant, here) in of.groups[group].instants.iter().enumerate() {
+                let together = all - at_worst + sum(here, taken);
+                for drive in &here.drives {
+                    let own: f64 = drive.samples.iter().map(|(k, share)| share * taken(drive.joint, *k)).sum();
+                    let others = (together - own).max(0.0);
+                    look(Left { scenario, group, instant, drive, instants: &instants, others });
+                }
+            }
+        }
+    }
+}
+
+/// The power by which the drive that is worst off asks for more than the others leave \[W\], and where; `None` where the supply is
+/// stiff.
+pub(super) fn worst_drive(schedule: &Schedule, courses: &[Draws]) -> Option<(f64, Places)> {
+    let mut best: Option<(f64, Places)> = None;
+    drives(schedule, courses, |Left { scenario, group, instant, drive, instants, others }| {
+        let beyond = &courses[drive.joint].beyond;
+        if beyond.is_empty() {
+            return;
+        }
+        let own: f64 = drive.samples.iter().map(|(k, share)| share * beyond[*k].0).sum();
+        if best.as_ref().is_none_or(|(most, _)| own + others > *most) {
+            let mut instants = instants.to_vec();
+            instants[group] = instant;
+            best = Some((own + others, Places { scenario, instants, drive: Some(drive.clone()) }));
+        }
+    });
+    best
+}
+
+/// What a supply of an open-circuit voltage \[V\] with a resistance that all share \[Ω\] makes of what all draw; `None` where it is stiff.
+pub(super) fn sag(schedule: &Schedule, all: &[Draws], (open, shared): (f64, f64)) -> Option<Sag> {
+    let mut least: Option<(f64, usize)> = None;
+    drives(schedule, all, |Left { drive, others, .. }| {
+        let beyond = &all[drive.joint].beyond;
+        if beyond.is_empty() {
+            return;
+        }
+        let short = |(k, share): &(usize, f64)| share * shared * (beyond[*k].0 + others) / beyond[*k].1;
+        let left = -drive.samples.iter().map(short).sum::<f64>() / open;
+        if least.is_none_or(|(most, _)| left < most) {
+            least = Some((left, drive.joint));
+        }
+    });
+    let of = |scenario| worst(scenario, |joint, sample| all[joint].taken(sample)).0;
+    let taken = schedule.scenarios.iter().map(of).fold(0.0, f64::max);
+    let root = open * open - 4.0 * shared * taken;
+    let lowest = (root >= 0.0).then(|| 0.5 * (open + root.sqrt()));
+    least.map(|(left, joint)| Sag { lowest, left, joint })
+}
+
+/// What all take together at an instant.
+fn sum(instant: &Instant, power: impl Fn(usize, usize) -> f64) -> f64 {
+    instant.parts.iter().map(|(j, k, w)| w * power(*j, *k)).sum()
+}
+
 /// The largest power over time in one scenario \[W\], and the instant of each group that makes it.
-fn worst(scenario: &Scenario, courses: &[Vec<f64>]) -> (f64, Vec<usize>) {
-    let mut sum = 0.0;
+fn worst(scenario: &Scenario, power: impl Fn(usize, usize) -> f64) -> (f64, Vec<usize>) {
+    let mut all = 0.0;
     let mut places = Vec::new();
     for group in &scenario.groups {
-        let power = |instant: &Instant| instant.parts.iter().map(|(j, k, w)| w * courses[*j][*k]).sum::<f64>();
         let mut best = (f64::NEG_INFINITY, 0);
         for (i, instant) in group.instants.iter().enumerate() {
-            let here = power(instant);
+            let here = sum(instant, &power);
             if here > best.0 {
                 best = (here, i);
             }
         }
-        sum += best.0;
+        all += best.0;
         places.push(best.1);
     }
-    (sum, places)
+    (all, places)
 }
 
 /// The largest power of each load case \[W\] with its name; nothing where joints have no cases.
-pub(super) fn by_case(schedule: &Schedule, courses: &[Vec<f64>]) -> Vec<(String, f64)> {
+pub(super) fn by_case(schedule: &Schedule, courses: &[&[f64]]) -> Vec<(String, f64)> {
     let named = schedule.scenarios.iter().filter_map(|scenario| Some((scenario.name.clone()?, scenario)));
-    named.map(|(name, scenario)| (name, worst(scenario, courses).0)).collect()
+    named.map(|(name, scenario)| (name, worst(scenario, |joint, sample| courses[joint][sample]).0)).collect()
 }

@@ -1,7 +1,8 @@
 //! The best ratios of one combination of motors on one bus: a convex program over all joints at once.
 //!
 //! Each joint brings an interval of u = N² that its own limits leave, and a convex objective; what all draw
-//! together at an instant is a row over all joints. Rows and objective are added as cuts where they are broken.
+//! together at an instant is a row over all joints, and on a supply that sags so is what a drive asks for beyond what
+//! the others leave it. Rows and objective are added as cuts where they are broken.
 //! The bound comes from the multipliers alone: for fixed ones the joints fall apart, and each is minimised
 //! exactly.
 
@@ -9,7 +10,8 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::convex::{Convex, add, under};
-use super::power::{Places, Profile, Schedule, by_case, largest};
+use super::power::{Draws, Places, Profile, Schedule, largest, worst_drive};
+use crate::actuator::Laurent;
 use crate::design::Prepared;
 use crate::design::program::{RatioProgram, minimise, value};
 use crate::requirement::Joint;
@@ -18,6 +20,10 @@ use crate::requirement::Joint;
 const ROUNDS: usize = 40;
 /// A relative gap below this is none.
 const CLOSED: f64 = 1e-6;
+/// How often the ratios are narrowed to those that may be better before they are divided.
+const CONTRACTIONS: usize = 3;
+/// Pieces of a range of ratios that are looked at when it is narrowed.
+const PIECES: usize = 32;
 /// Boxes of ratios that are looked at where a program is not convex.
 const BOXES: usize = 300;
 /// The power of all joints is kept to this relative accuracy.
@@ -50,6 +56,28 @@ impl Part<'_> {
     /// The objective's share in the total at a ratio.
     fn value(&self, ratio: f64) -> f64 {
         if ratio == self.own { self.scale * self.objective } else { self.scale * self.program().objective_at(ratio) }
+    }
+
+    /// The ratios at which its share of the total may be at most so much: pieces at both ends at which it certainly is more are
+    /// left out.
+    fn within(&self, most: f64) -> (f64, f64) {
+        let mut ratios = self.ratios;
+        for _ in 0..3 {
+            let (a, b) = ratios;
+            let edge = |k: usize| if k == PIECES { b } else { a * (b / a).powf(k as f64 / PIECES as f64) };
+            let may_be = |k: &usize| {
+                let (low, high) = (edge(*k), edge(k + 1));
+                let (polynomial, _) = self.program().objective_cut((low * high).sqrt());
+                let mut least = under(&polynomial, (low, high), (low * high).sqrt());
+                least[1] += self.program().objective_cut(self.ratios.1).1;
+                let u = minimise(&least, low * low, high * high);
+                self.scale * (value(&least, u) - 1e-13 * value(&least.map(f64::abs), u)) <= most
+            };
+            let Some(first) = (0..PIECES).find(may_be) else { break };
+            let last = (0..PIECES).rev().find(may_be).unwrap_or(first);
+            ratios = (edge(first), edge(last + 1));
+        }
+        ratios
     }
 
     fn cut(&self, ratio: f64) -> Convex {
@@ -116,8 +144,24 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
         done => return done,
     };
     let whole: Vec<(f64, f64)> = parts.iter().map(|p| p.ratios).collect();
-    let mut open = vec![(first.lower, whole.clone())];
     let mut best = first;
+    // Near the best the bounds are nearer too.
+    for _ in 0..CONTRACTIONS {
+        contract(parts, best.value);
+        match solve_box(parts, schedule, limit) {
+            Outcome::Solved(solved) => {
+                let lower = solved.lower.min(best.value).max(best.lower);
+                best = if solved.value < best.value { solved } else { best };
+                best.lower = lower.min(best.value);
+            }
+            // Nothing there, and nothing better elsewhere.
+            Outcome::TooMuch { .. } => best.lower = best.value,
+        }
+        if !best.is_open() {
+            break;
+        }
+    }
+    let mut open = vec![(best.lower, parts.iter().map(|p| p.ratios).collect::<Vec<(f64, f64)>>())];
     // What was settled with a bound below the best value.
     let mut settled = f64::INFINITY;
     for _ in 0..BOXES {
@@ -159,17 +203,28 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
     Outcome::Solved(best)
 }
 
+/// Leaves each joint only the ratios at which it can have a part in a total of no more than `value`, the others at their least.
+fn contract(parts: &mut [Part], value: f64) {
+    if !value.is_finite() {
+        return;
+    }
+    let least: f64 = parts.iter().map(|p| p.scale * p.lower).sum();
+    for part in parts.iter_mut().filter(|p| p.moves()) {
+        part.ratios = part.within(value - (least - part.scale * part.lower) + CLOSED * CLOSED * value.abs());
+    }
+}
+
 fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
     let program = Program { parts, schedule };
     let own: Vec<f64> = parts.iter().map(|p| p.own.clamp(p.ratios.0, p.ratios.1)).collect();
     let unmoved = own.iter().zip(parts).all(|(n, p)| *n == p.own);
-    if unmoved && program.power(&own).0 <= limit * (1.0 + POWER_TOLERANCE) {
+    if unmoved && program.power(&own, limit).0 <= limit * (1.0 + POWER_TOLERANCE) {
         let value = parts.iter().map(|p| p.scale * p.objective).sum();
         let lower = parts.iter().map(|p| p.scale * p.lower).sum();
         return Outcome::Solved(Solved { ratios: own, value, lower, price: Price::default() });
     }
-    let (gentlest, least, price) = program.least_power(&own);
-    let (gentlest_power, _) = program.power(&gentlest);
+    let (gentlest, least, price) = program.least_power(&own, limit);
+    let (gentlest_power, _) = program.power(&gentlest, limit);
     if gentlest_power > limit * (1.0 + POWER_TOLERANCE) {
         if least > limit * (1.0 - 1e-7) {
             return Outcome::TooMuch { least, price };
@@ -180,45 +235,66 @@ fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
     program.best(own, &gentlest, limit)
 }
 
-/// What all joints draw at their worst instant at these ratios \[W\], and at that of each load case; nothing there where
-/// joints have no cases.
-pub(super) fn power(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> (f64, Vec<(String, f64)>) {
-    let courses = Program { parts, schedule }.courses(ratios);
-    (largest(schedule, &courses).0, by_case(schedule, &courses))
+/// What each joint draws at these ratios.
+pub(super) fn draws(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> Vec<Draws> {
+    Program { parts, schedule }.draws(ratios)
 }
 
 impl Program<'_> {
-    fn power(&self, ratios: &[f64]) -> (f64, Places) {
-        largest(self.schedule, &self.courses(ratios))
+    /// What all draw at their worst instant \[W\]. On a supply that sags a drive asks for so much less than a limit on it as it asks
+    /// for less than there is.
+    fn power(&self, ratios: &[f64], limit: f64) -> (f64, Places) {
+        let draws = self.draws(ratios);
+        let powers: Vec<&[f64]> = draws.iter().map(|draws| draws.power.as_slice()).collect();
+        let of_all = largest(self.schedule, &powers);
+        match worst_drive(self.schedule, &draws) {
+            Some((beyond, places)) if limit + beyond > of_all.0 => (limit + beyond, places),
+            _ => of_all,
+        }
     }
 
-    fn courses(&self, ratios: &[f64]) -> Vec<Vec<f64>> {
-        self.parts.iter().zip(ratios).map(|(p, n)| p.profile.course(*n)).collect()
+    fn draws(&self, ratios: &[f64]) -> Vec<Draws> {
+        self.parts.iter().zip(ratios).map(|(p, n)| p.profile.draws(*n)).collect()
     }
 
     /// The row of an instant of each group.
-    fn row(&self, places: &Places, ratios: &[f64], epigraph: Option<usize>) -> Cut {
+    fn row(&self, places: &Places, ratios: &[f64], epigraph: Option<usize>, limit: f64) -> Cut {
         let mut sums: Vec<Option<Convex>> = vec![None; self.parts.len()];
+        let mut count = |j: usize, polynomial: &Laurent, weight: f64| {
+            let convex = under(polynomial, self.parts[j].ratios, ratios[j]);
+            add(sums[j].get_or_insert([0.0; 4]), &convex, weight);
+        };
         for (j, sample, weight) in self.schedule.parts(places) {
-            let (_, polynomial) = self.parts[*j].profile.at(*sample, ratios[*j]);
-            let convex = under(&polynomial, self.parts[*j].ratios, ratios[*j]);
-            add(sums[*j].get_or_insert([0.0; 4]), &convex, *weight);
+            let profile = &self.parts[*j].profile;
+            match places.drive {
+                None => count(*j, &profile.at(*sample, ratios[*j]).1, *weight),
+                Some(_) => count(*j, &profile.taken(*sample, ratios[*j]), *weight),
+            }
+        }
+        if let Some(drive) = &places.drive {
+            let (j, profile) = (drive.joint, &self.parts[drive.joint].profile);
+            for (sample, share) in &drive.samples {
+                let Some(beyond) = profile.beyond(*sample, ratios[j]) else { continue };
+                // Its own power is in what it asks for.
+                count(j, &profile.taken(*sample, ratios[j]), -share);
+                count(j, &(beyond + Laurent::constant(limit)), *share);
+            }
         }
         let parts = sums.into_iter().enumerate().filter_map(|(j, sum)| Some((j, sum?))).collect();
         Cut { epigraph, parts, places: Some(places.clone()) }
     }
 
     /// Ratios of the least peak, a bound below it, and the rows that show the bound.
-    fn least_power(&self, start: &[f64]) -> (Vec<f64>, f64, Price) {
+    fn least_power(&self, start: &[f64], limit: f64) -> (Vec<f64>, f64, Price) {
         let mut ratios = start.to_vec();
         let (mut best, mut bound, mut price) = ((f64::INFINITY, ratios.clone()), f64::NEG_INFINITY, Price::default());
         let mut cuts: Vec<Cut> = Vec::new();
         for _ in 0..ROUNDS {
-            let (power, places) = self.power(&ratios);
+            let (power, places) = self.power(&ratios, limit);
             if power < best.0 {
                 best = (power, ratios.clone());
             }
-            cuts.push(self.row(&places, &ratios, Some(0)));
+            cuts.push(self.row(&places, &ratios, Some(0), limit));
             let Some((next, multipliers)) = self.propose(&cuts, 1, f64::NAN) else { break };
             let lower = self.bound(&cuts, &multipliers, f64::NAN);
             if lower > bound {
@@ -246,7 +322,7 @@ impl Program<'_> {
             }
         }
         for _ in 0..ROUNDS {
-            let (power, places) = self.power(&ratios);
+            let (power, places) = self.power(&ratios, limit);
             let kept = self.kept(&ratios, power, gentlest, limit);
             let value = total(&kept);
             if value < best.0 {
@@ -256,7 +332,7 @@ impl Program<'_> {
                 break;
             }
             if power > limit {
-                cuts.push(self.row(&places, &ratios, None));
+                cuts.push(self.row(&places, &ratios, None, limit));
             }
             self.add_objective(&mut cuts, &ratios);
             let Some((next, multipliers)) = self.propose(&cuts, self.parts.len(), limit) else { break };
@@ -294,7 +370,11 @@ impl Program<'_> {
         let (mut bad, mut good) = (0.0, 1.0);
         for _ in 0..50 {
             let middle = 0.5 * (bad + good);
-            if self.power(&at(middle)).0 <= limit * (1.0 + POWER_TOLERANCE) { good = middle } else { bad = middle }
+            if self.power(&at(middle), limit).0 <= limit * (1.0 + POWER_TOLERANCE) {
+                good = middle
+            } else {
+                bad = middle
+            }
         }
         if good == 1.0 { gentlest.to_vec() } else { at(good) }
     }

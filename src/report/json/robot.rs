@@ -94,10 +94,24 @@ pub struct Combination<'a> {
     /// The same in each load case, by name, where joints have cases.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_power_of_cases_w: Option<Pairs<'a>>,
+    /// What a supply with a resistance makes of all joints together; left out where it is stiff, or feeds one actuator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sag: Option<Sag<'a>>,
     /// Change of the total per watt more.
     pub objective_per_watt: Option<f64>,
     /// Number of different motors.
     pub distinct_motors: usize,
+}
+
+/// A supply that sags under all joints together. What some give back to the bus is not counted on.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Sag<'a> {
+    /// Lowest voltage of the bus, before the leads of a joint; null where the supply cannot give what all joints take.
+    pub lowest_v: Option<f64>,
+    /// The share of the supply's open-circuit voltage that is left at the drive that has least; below zero it is too little.
+    pub left: f64,
+    /// The joint of that drive.
+    pub joint: &'a str,
 }
 
 /// A design of a combination.
@@ -131,6 +145,9 @@ pub struct Missing<'a> {
     /// The best that is not limited draws so much.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unlimited_power_w: Option<f64>,
+    /// It can be done with a supply that does not sag.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiff_supply: Option<bool>,
 }
 
 /// What another budget would give.
@@ -217,6 +234,7 @@ impl<'a> Combination<'a> {
             peak_power_w: Some(of.peak_power).filter(|power| power.is_finite()),
             peak_power_of_cases_w: (!of.peak_power_by_case.is_empty())
                 .then(|| Pairs::of(of.peak_power_by_case.iter().map(|(name, power)| (name.as_str(), *power)))),
+            sag: of.sag.map(|sag| Sag { lowest_v: sag.lowest, left: sag.left, joint: &robot.joints[sag.joint].name }),
             objective_per_watt: of.power_price,
             distinct_motors: of.distinct_motors,
         }
@@ -232,6 +250,7 @@ impl<'a> From<&'a Wanting> for Missing<'a> {
             Wanting::Power(least, draws) => {
                 Missing { least_power_tried_w: Some(*least), unlimited_power_w: Some(*draws), ..Missing::default() }
             }
+            Wanting::Supply => Missing { stiff_supply: Some(true), ..Missing::default() },
         }
     }
 }

@@ -23,6 +23,7 @@ const OTHERS: &[&Rule] = &[
     &robot::DISTINCT_MOTORS,
     &rows::GEAR_FIT,
     &robot::POWER_BUDGET,
+    &robot::SUPPLY_SAG,
     &practice::TORQUE_RESERVE,
     &practice::CURRENT_RESERVE,
     &practice::HEAT_RESERVE,

@@ -1,6 +1,6 @@
 //! Rules about the robot as a whole, and about the rules file.
 
-use crate::design::robot::peak_power;
+use crate::design::robot::{Draws, peak_power, sag};
 use crate::rules::facts::RobotFacts;
 use crate::rules::place::Place;
 use crate::rules::rule::{Remark, Rule, Severity, Test};
@@ -74,19 +74,52 @@ fn power_budget(facts: &RobotFacts) -> Vec<Remark> {
     let Some(budget) = robot.shared_power() else { return Vec::new() };
     let of_power = robot.budget.power.is_some();
     let asked = Some(Place::RobotKey(if of_power { &["budget", "power"] } else { &["budget", "current"] }));
-    let course = |name: &str| {
-        let joint = facts.joints.iter().find(|facts| facts.choice.joint.name == name)?;
-        Some(joint.examined.as_ref().ok()?.power.clone())
-    };
-    let courses: Option<Vec<Vec<f64>>> = robot.joints.iter().map(|joint| course(&joint.name)).collect();
-    // A joint that cannot be evaluated is told by its own rule.
-    let Some(courses) = courses else { return Vec::new() };
-    let peak = peak_power(robot, &courses);
+    let Some(all) = draws(facts) else { return Vec::new() };
+    let powers: Vec<Vec<f64>> = all.into_iter().map(|draws| draws.power).collect();
+    let peak = peak_power(robot, &powers);
     if peak <= budget * (1.0 + 1e-9) {
         return Vec::new();
     }
     let message = format!("all joints together draw {} W, the bus has {} W", number(peak), number(budget));
     vec![Remark { asked, value: Some(peak), bound: Some(budget), ..Remark::new(message, "power", Place::Design) }]
+}
+
+/// What each joint draws; `None` where one cannot be evaluated, which its own rule tells.
+fn draws(facts: &RobotFacts) -> Option<Vec<Draws>> {
+    let of = |name: &str| {
+        let joint = facts.joints.iter().find(|facts| facts.choice.joint.name == name)?;
+        Some(joint.examined.as_ref().ok()?.draws.clone())
+    };
+    facts.design.robot.joints.iter().map(|joint| of(&joint.name)).collect()
+}
+
+/// The supply under all joints together.
+pub(super) const SUPPLY_SAG: Rule = Rule {
+    code: "GW044",
+    name: "supply-sag",
+    summary: "under all joints together the supply leaves each drive the voltage that it needs",
+    severity: Severity::Error,
+    what: "With `internal_resistance` in the requirement's [bus] it adds up the power that the joints draw, instant by instant where their motions share a period (phases included), and compares the voltage that the bus falls to with what each drive needs then. Joints without a common time base count at their worst instants; power that a joint gives back is not counted on.",
+    why: "The limit `voltage` of a joint counts the sag of its own power alone. A pack that feeds one knee well may leave all four of them too little.",
+    example: "Four knees that push off at the same instant on a pack of 100 mohm: each keeps its voltage alone, together they do not.",
+    fix: "`optimize` finds the ratios and motors that keep it; or a supply of less resistance or more voltage, or shift the phases.",
+    test: Test::Robot(supply_sag),
+};
+
+fn supply_sag(facts: &RobotFacts) -> Vec<Remark> {
+    let robot = &facts.design.robot;
+    let Some(sag) = draws(facts).and_then(|all| sag(robot, &all)) else { return Vec::new() };
+    if sag.left >= -1e-9 {
+        return Vec::new();
+    }
+    let joint = &robot.joints[sag.joint].name;
+    let bus = match sag.lowest {
+        Some(lowest) => format!("all joints together let the bus fall to {} V", number(lowest)),
+        None => "the supply cannot give what all joints together take".into(),
+    };
+    let message = format!("{bus}: {joint} is short of {} % of the supply's voltage", number(-100.0 * sag.left));
+    let asked = Some(Place::RobotKey(&["bus", "internal_resistance"]));
+    vec![Remark { asked, value: Some(-sag.left), bound: Some(0.0), ..Remark::new(message, "sag", Place::Design) }]
 }
 
 /// An exception that excepts nothing.

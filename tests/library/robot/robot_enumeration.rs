@@ -66,6 +66,20 @@ impl Actuator<'_> {
         if terminal > 0.0 { terminal / eta } else { terminal * eta }
     }
 
+    fn voltage(&self, k: usize) -> f64 {
+        (self.motor.resistance * self.current(k) + self.motor.emf_constant() * self.shaft(k).1).abs()
+    }
+
+    /// The samples at which its actuators are at an instant, each with how many are there.
+    fn places(&self, instant: usize) -> Vec<(usize, f64)> {
+        if self.joint.phases.is_empty() {
+            return vec![(instant, f64::from(self.joint.count))];
+        }
+        // Phases of these cases are whole samples.
+        let late = |phase: &f64| (phase * SAMPLES as f64).round() as usize;
+        self.joint.phases.iter().map(|x| ((instant + SAMPLES - late(x) % SAMPLES) % SAMPLES, 1.0)).collect()
+    }
+
     fn mass(&self) -> f64 {
         let gear = match self.gear.mass_per_stage {
             Some((mass, stage)) => mass * (0..40).find(|k| self.ratio <= stage.powi(*k) * (1.0 + 1e-9)).unwrap() as f64,
@@ -79,8 +93,9 @@ impl Actuator<'_> {
         let samples = 0..SAMPLES;
         let volt = self.robot.bus.voltage * 0.5_f64.sqrt();
         let over = |k: usize| {
-            let voltage = self.motor.resistance * self.current(k) + self.motor.emf_constant() * self.shaft(k).1;
-            (self.current(k).abs() / self.motor.peak_current.unwrap()).max(voltage.abs() / volt) - 1.0
+            // On a supply that sags it is looked at for all together.
+            let voltage = if self.robot.bus.internal_resistance.is_some() { 0.0 } else { self.voltage(k) / volt };
+            (self.current(k).abs() / self.motor.peak_current.unwrap()).max(voltage) - 1.0
         };
         samples.map(over).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -95,6 +110,24 @@ impl Actuator<'_> {
         };
         self.joint.objective.terms.iter().map(value).sum()
     }
+}
+
+fn period(a: &Actuator) -> f64 {
+    a.joint.motion.duration().unwrap()
+}
+
+/// The voltage of a bus that gives so much power, from V = V_oc − R P/V by Newton's rule, from above.
+fn bus(open: f64, resistance: f64, power: f64) -> f64 {
+    let mut voltage = open.max(open - resistance * power / open);
+    for _ in 0..60 {
+        let lost = resistance * power / voltage;
+        let step = (voltage - open + lost) / (1.0 - lost / voltage);
+        voltage -= step;
+        if step.abs() <= 1e-15 * open {
+            break;
+        }
+    }
+    voltage
 }
 
 /// What was chosen for one joint: motor, gear of the catalogue, and the interval of ratios of one mass.
@@ -137,27 +170,47 @@ impl Case {
 
     /// What all draw together at the worst instant; joints of other periods at their worst.
     fn power(&self, actuators: &[Actuator]) -> f64 {
-        let period = |a: &Actuator| a.joint.motion.duration().unwrap();
+        self.periods(actuators).into_iter().map(|period| self.worst(actuators, period, &|watt| watt)).sum()
+    }
+
+    fn periods(&self, actuators: &[Actuator]) -> Vec<f64> {
         let mut periods: Vec<f64> = actuators.iter().map(period).collect();
         periods.sort_by(f64::total_cmp);
         periods.dedup();
-        let worst = |p: f64| {
-            let instant = |k: usize| {
-                let of = |a: &&Actuator| {
-                    let phases = if a.joint.phases.is_empty() {
-                        vec![0.0; a.joint.count as usize]
-                    } else {
-                        a.joint.phases.clone()
-                    };
-                    // Phases of these cases are whole samples.
-                    let late = |phase: &f64| (phase * SAMPLES as f64).round() as usize;
-                    phases.iter().map(|x| a.power((k + SAMPLES - late(x) % SAMPLES) % SAMPLES)).sum::<f64>()
-                };
-                actuators.iter().filter(|a| period(a) == p).map(|a| of(&a)).sum::<f64>()
-            };
-            (0..SAMPLES).map(instant).fold(f64::NEG_INFINITY, f64::max)
-        };
-        periods.into_iter().map(worst).sum()
+        periods
+    }
+
+    fn at(&self, actuators: &[Actuator], of: f64, instant: usize, counts: &dyn Fn(f64) -> f64) -> f64 {
+        let all = |a: &Actuator| a.places(instant).iter().map(|(k, many)| many * counts(a.power(*k))).sum::<f64>();
+        actuators.iter().filter(|a| period(a) == of).map(all).sum()
+    }
+
+    fn worst(&self, actuators: &[Actuator], of: f64, counts: &dyn Fn(f64) -> f64) -> f64 {
+        (0..SAMPLES).map(|k| self.at(actuators, of, k, counts)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// By how much a drive asks for more voltage than a supply with a resistance leaves it, the bus found by iteration: every drive at
+    /// every instant of its period, the others without what they give back, those of other periods at their worst.
+    fn sag(&self, actuators: &[Actuator], resistance: f64) -> f64 {
+        let (open, taken) = (self.robot.bus.voltage, |watt: f64| watt.max(0.0));
+        let mut worst = f64::NEG_INFINITY;
+        for of in self.periods(actuators) {
+            let elsewhere: f64 =
+                self.periods(actuators).iter().filter(|p| **p != of).map(|p| self.worst(actuators, *p, &taken)).sum();
+            for instant in 0..SAMPLES {
+                let here = elsewhere + self.at(actuators, of, instant, &taken);
+                for a in actuators.iter().filter(|a| period(a) == of) {
+                    for (k, _) in a.places(instant) {
+                        let own = a.power(k);
+                        let all = here - taken(own) + own;
+                        let needs = a.voltage(k) / 0.5_f64.sqrt();
+                        let short = 4.0 * resistance * all / (open * open) - 1.0;
+                        worst = worst.max(if short > 0.0 { short } else { needs / bus(open, resistance, all) - 1.0 });
+                    }
+                }
+            }
+        }
+        worst
     }
 
     /// Excess over all limits that move with the ratios.
@@ -165,7 +218,8 @@ impl Case {
         let actuators = self.actuators(picks, ratios);
         let own = actuators.iter().map(Actuator::excess).fold(f64::NEG_INFINITY, f64::max);
         let shared = self.robot.shared_power().map_or(f64::NEG_INFINITY, |most| self.power(&actuators) / most - 1.0);
-        own.max(shared)
+        let sag = self.robot.bus.internal_resistance.map_or(f64::NEG_INFINITY, |r| self.sag(&actuators, r));
+        own.max(shared).max(sag)
     }
 
     fn total(&self, scale: &[f64], picks: &[Pick], ratios: &[f64]) -> f64 {
@@ -252,7 +306,7 @@ impl Case {
     fn enumerate(&self, scale: &[f64]) -> (f64, f64, f64) {
         let joints = &self.robot.joints;
         let menus: Vec<Vec<Pick>> = joints.iter().map(|j| self.picks(j)).collect();
-        let coupled = self.robot.shared_power().is_some();
+        let coupled = self.robot.shared_power().is_some() || self.robot.bus.internal_resistance.is_some();
         let budget = &self.robot.budget;
         // Alone a joint's best does not depend on the others, but for what it carries.
         let known: RefCell<std::collections::HashMap<String, (f64, f64)>> = RefCell::default();
@@ -444,16 +498,39 @@ fn draw(index: u64) -> Case {
     Case { robot, catalog }
 }
 
+/// A robot on a supply that sags under all its joints, from a little to far too much.
+fn draw_sagging(index: u64) -> Case {
+    // Of the kinds that have a program over all ratios anyway.
+    let mut case = draw(3 * index + 2);
+    let mut generator = Pcg64::seed_from_u64(index + 1);
+    let options = Options { budgets: false, runner_ups: 0, ..Options::default() };
+    let free = choose(&case.robot, &case.catalog, options).unwrap();
+    let watt = free.combinations.first().map_or(100.0, |first| first.peak_power.max(1.0));
+    let most = case.robot.bus.voltage.powi(2) / (4.0 * watt);
+    case.robot.bus.internal_resistance = Some(most * 10.0_f64.powf(generator.random_range(-2.5..0.1)));
+    case
+}
+
 #[test]
 fn no_combination_is_better_and_what_is_found_keeps_every_budget() {
-    let told: Vec<Told> = cases(0, 240).into_par_iter().map(compare).collect();
+    agree(cases(0, 240), draw, 15);
+}
+
+#[test]
+fn on_a_supply_that_sags_no_combination_is_better_and_every_drive_has_its_voltage() {
+    agree(cases(20_000, 80), draw_sagging, 5);
+}
+
+/// Compares cases; of all at least so many have no combination.
+fn agree(indices: std::ops::Range<u64>, draw: fn(u64) -> Case, without: usize) {
+    let told: Vec<Told> = indices.into_par_iter().map(|index| compare(index, draw(index))).collect();
     let count = |of: &dyn Fn(&Told) -> bool| told.iter().filter(|t| of(t)).count();
     let (feasible, infeasible) = (count(&|t| t.feasible), count(&|t| !t.feasible));
     let (close, open) = (count(&|t| t.close), count(&|t| t.open));
     println!("{feasible} feasible, {infeasible} not ({close} close), {open} not certified");
     let wrong: Vec<&str> = told.iter().flat_map(|t| t.wrong.iter().map(String::as_str)).collect();
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
-    assert!(!are_all() || feasible >= 150 && infeasible >= 15, "{feasible} feasible, {infeasible} not");
+    assert!(!are_all() || feasible >= 10 * without && infeasible >= without, "{feasible} feasible, {infeasible} not");
     assert!(open * 20 <= feasible, "{open} of {feasible} not certified");
 }
 
@@ -466,8 +543,7 @@ struct Told {
     wrong: Vec<String>,
 }
 
-fn compare(index: u64) -> Told {
-    let case = draw(index);
+fn compare(index: u64, case: Case) -> Told {
     let mut told = Told::default();
     let options = Options { budgets: false, runner_ups: 1, ..Options::default() };
     let choice = match choose(&case.robot, &case.catalog, options) {

@@ -238,6 +238,8 @@ fn breaking(code: &str) -> Case<'static> {
         "GW040" => robot(&[("\"6 kg\"", "\"0.5 kg\"")]),
         "GW041" => design(&[("name = \"hip\"\nmotor = \"alpha-1\"", "name = \"hip\"\nmotor = \"alpha-2\"")]),
         "GW043" => robot(&[("\"6 kg\"", "\"6 kg\"\npower = \"1 W\"")]),
+        // Each joint keeps its voltage alone.
+        "GW044" => robot(&[("\"48.5 V\"", "\"480 V\"\ninternal_resistance = \"14 ohm\"")]),
         "GW042" => design(&[("ratio = 9", "gear = \"planetary-9\"")]),
         // Kept without the safety factor, but barely.
         "GW101" => {
