@@ -270,9 +270,9 @@ fn found(robot: &Robot, catalog: &Catalog, only_checked: bool) -> Result<Vec<Vec
 fn goes_with(robot: &Robot, joint: &Joint) -> Result<(), String> {
     let alone = can_be_computed(robot, joint).err().and_then(NoTurns::goes_without);
     let what = match alone {
-        _ if robot.is_coupled() => "what binds joints together",
-        _ if joint.objective.weight(Quantity::PeakCurrent) > 0.0 => "an objective that counts a current",
         Some(what) => what,
+        None if robot.is_coupled() => "what binds joints together",
+        None if joint.objective.weight(Quantity::PeakCurrent) > 0.0 => "an objective that counts a current",
         None => return Ok(()),
     };
     let name = &joint.name;
