@@ -107,7 +107,7 @@ pub(super) fn kept(choice: &Choice) -> String {
     if let Some(resistance) = robot.shared_resistance() {
         let how = match choice.instant_by_instant {
             true => "instant by instant",
-            false => "joints that share no time base at their worst instants",
+            false => "what shares no time base at its worst instants",
         };
         parts.push(format!(
             "a supply of {} ohm that sags under all joints together ({how}; what some give back is not counted on)",

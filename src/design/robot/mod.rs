@@ -77,7 +77,9 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     let timed = |g: &power::Group| g.timed || robot.joints.iter().all(|j| j.count == 1);
     let one_by_one = |s: &power::Scenario| s.groups.len() == 1 && timed(&s.groups[0]);
     let most_groups = scenarios.iter().map(|s| &s.groups).max_by_key(|groups| groups.len());
-    let bases = most_groups.into_iter().flatten().map(|g| g.joints.iter().map(name).collect());
+    let mut bases: Vec<Vec<String>> =
+        most_groups.into_iter().flatten().map(|g| g.joints.iter().map(name).collect()).collect();
+    bases.dedup();
     Ok(stop.unless(Choice {
         robot,
         combinations,
@@ -87,7 +89,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         others_left_out,
         front,
         unjudged,
-        time_bases: bases.collect(),
+        time_bases: bases,
         instant_by_instant: scenarios.iter().all(one_by_one),
         total: context.total,
     })?)

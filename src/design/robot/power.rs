@@ -117,7 +117,23 @@ fn groups(robot: &Robot, doing: Vec<Doing>) -> Vec<Group> {
         joints: group.iter().map(|doing| doing.joint).collect(),
         timed: matches!(group[0].motion.course, Course::Periodic(_) | Course::Once(_)),
     };
-    groups.into_iter().map(make).collect()
+    groups.into_iter().map(make).flat_map(|group| apart(robot, group)).collect()
+}
+
+/// Actuators of one joint at operating points need not be at the same one: on a supply that sags one of them is looked at while the
+/// others are at their worst.
+fn apart(robot: &Robot, group: Group) -> Vec<Group> {
+    let count = f64::from(robot.joints[group.joints[0]].count);
+    if group.timed || count <= 1.0 || robot.shared_resistance().is_none() {
+        return vec![group];
+    }
+    let of = |many: f64| {
+        let mut some = group.clone();
+        let parts = some.instants.iter_mut().flat_map(|instant| &mut instant.parts);
+        parts.for_each(|(_, _, weight)| *weight *= many / count);
+        some
+    };
+    vec![of(1.0), of(count - 1.0)]
 }
 
 fn share_time(a: &Motion, b: &Motion) -> bool {
