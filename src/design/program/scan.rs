@@ -258,18 +258,23 @@ fn worst_by(
     worst
 }
 
+/// Whether ratios are evaluated for their currents along d alone: the branch and bound proves then what the grid shows.
+fn is_proved_after(program: &RatioProgram) -> bool {
+    program.is_evaluated() && !program.has_evaluated_effects()
+}
+
 /// How many points the grid has: evaluating effects at each takes its time.
 fn count(program: &RatioProgram) -> usize {
     match program.is_evaluated() {
-        true if program.has_evaluated_effects() => EVALUATED_POINTS,
-        true => WEAKENED_POINTS,
+        true if is_proved_after(program) => WEAKENED_POINTS,
+        true => EVALUATED_POINTS,
         false => POINTS,
     }
 }
 
 /// How often a valley is narrowed.
 fn steps(program: &RatioProgram) -> usize {
-    if program.is_evaluated() && !program.has_evaluated_effects() { WEAKENED_STEPS } else { FULLY }
+    if is_proved_after(program) { WEAKENED_STEPS } else { FULLY }
 }
 
 /// The feasible end of the bracket between an infeasible and a feasible ratio, and what binds there.
