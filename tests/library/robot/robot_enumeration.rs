@@ -513,16 +513,16 @@ fn draw_sagging(index: u64) -> Case {
 
 #[test]
 fn no_combination_is_better_and_what_is_found_keeps_every_budget() {
-    agree(cases(0, 240), draw, 15);
+    agree(cases(0, 240), draw, (150, 15));
 }
 
 #[test]
 fn on_a_supply_that_sags_no_combination_is_better_and_every_drive_has_its_voltage() {
-    agree(cases(20_000, 80), draw_sagging, 5);
+    agree(cases(20_000, 80), draw_sagging, (20, 20));
 }
 
-/// Compares cases; of all at least so many have no combination.
-fn agree(indices: std::ops::Range<u64>, draw: fn(u64) -> Case, without: usize) {
+/// Compares cases; of all at least so many have a combination, and so many have none.
+fn agree(indices: std::ops::Range<u64>, draw: fn(u64) -> Case, (with, without): (usize, usize)) {
     let told: Vec<Told> = indices.into_par_iter().map(|index| compare(index, draw(index))).collect();
     let count = |of: &dyn Fn(&Told) -> bool| told.iter().filter(|t| of(t)).count();
     let (feasible, infeasible) = (count(&|t| t.feasible), count(&|t| !t.feasible));
@@ -530,7 +530,7 @@ fn agree(indices: std::ops::Range<u64>, draw: fn(u64) -> Case, without: usize) {
     println!("{feasible} feasible, {infeasible} not ({close} close), {open} not certified");
     let wrong: Vec<&str> = told.iter().flat_map(|t| t.wrong.iter().map(String::as_str)).collect();
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
-    assert!(!are_all() || feasible >= 10 * without && infeasible >= without, "{feasible} feasible, {infeasible} not");
+    assert!(!are_all() || feasible >= with && infeasible >= without, "{feasible} feasible, {infeasible} not");
     assert!(open * 20 <= feasible, "{open} of {feasible} not certified");
 }
 
