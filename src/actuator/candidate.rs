@@ -248,8 +248,10 @@ impl Candidate<'_> {
     pub fn why_not_braked(&self) -> Option<&'static str> {
         self.beyond_which_braked()?;
         match self.field_weakening_current() {
-            Some(_) => Some("it is not combined with a weakened field: i_d is that of the voltage alone"),
-            None => self.why_no_current_along_d(),
+            Some(_) if self.why_no_current_along_d().is_none() => {
+                Some("it is not combined with a weakened field: i_d is that of the voltage alone")
+            }
+            _ => self.why_no_current_along_d(),
         }
     }
 

@@ -20,6 +20,10 @@ use crate::requirement::{Motion, TorqueBandwidth};
 /// rounding is larger than any bound.
 const FAR_BEYOND: f64 = 100.0;
 
+/// Samples of the first periods of a heat that runs away that are looked at, at most: what is not beyond the bound by then is no cut,
+/// but still below.
+const FIRST_SAMPLES: usize = 1 << 20;
+
 /// Mean of |ω||τ|³ over a motion.
 fn mean_wear(motion: &Motion) -> f64 {
     motion.mean(|k| motion.velocity[k].abs() * motion.torque[k].abs().powi(3))
@@ -203,14 +207,27 @@ impl Load {
     /// `extra(velocity, towards, acceleration)` gives torque \[N·m\] and rate \[N·m/s per N\]. It goes with
     /// [`Actuator::folded`].
     pub fn folded(&self, extra: impl Fn(f64, f64, f64) -> (f64, f64)) -> Load {
-        let change = |x: &mut [f64; FEATURES]| {
+        let change = |_, x: &mut [f64; FEATURES]| {
             let of = |feature: Feature| x[feature as usize];
             let (torque, rate) = extra(of(Feature::Velocity), of(Feature::Sign), of(Feature::Acceleration));
             x[Feature::One as usize] = torque;
             x[Feature::SpeedRate as usize] = rate;
         };
         let mut samples = self.samples.to_vec();
-        samples.iter_mut().for_each(|sample| change(&mut sample.features));
+        samples.iter_mut().for_each(|sample| change(sample.origin, &mut sample.features));
+        self.with_points(samples, |wave| wave.changed(change))
+    }
+
+    /// The same with so much of a torque \[N·m\] and of its rate \[N·m/s\] on top at each sample of the motion, and with power that
+    /// flows through the gear as before, whatever the torque is now: what is made of the torque at the shaft is then a parabola in
+    /// `amount`. The figures of the load itself stay those of before.
+    pub(crate) fn shifted(&self, (torque, rate): (&[f64], &[f64]), amount: f64) -> Load {
+        let change = |k: usize, x: &mut [f64; FEATURES]| {
+            x[Feature::Load as usize] += amount * torque[k];
+            x[Feature::LoadRate as usize] += amount * rate[k];
+        };
+        let mut samples = self.samples.to_vec();
+        samples.iter_mut().for_each(|sample| change(sample.origin, &mut sample.features));
         self.with_points(samples, |wave| wave.changed(change))
     }
 
@@ -396,6 +413,11 @@ impl Load {
     /// `ratio` and is nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_r P`, or the most
     /// that is kept; which samples do what is taken at `ratio`, and any other choice costs more.
     pub fn drawn_cut(&self, actuator: &Actuator, drawn: Drawn, ratio: f64) -> Laurent {
+        self.drawn_like(self, actuator, drawn, ratio)
+    }
+
+    /// The same with each sample drawing, or giving back, as that of another load does at the ratio.
+    pub(crate) fn drawn_like(&self, like: &Load, actuator: &Actuator, drawn: Drawn, ratio: f64) -> Laurent {
         let emf = actuator.back_emf_constant / actuator.torque_constant;
         let shortfall = &actuator.shortfall;
         let leads = actuator.with_leads();
@@ -404,10 +426,10 @@ impl Load {
         let along_d = if shortfall.saturates() { actuator.copper() * leads } else { heating };
         let linear = (!shortfall.saturates()).then(|| (heating, heating * shortfall.mean_square()));
         let (up, down) = (ratio, 1.0 / ratio);
-        let mut sum = [0.0; 5];
-        for (k, (sample, weight)) in self.means().enumerate() {
+        let power_of = |load: &Load, k: usize| {
+            let sample = &load.samples[k];
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
-            let direct = self.direct(k);
+            let direct = load.direct(k);
             let speed = emf * sample.features[Feature::Velocity as usize];
             // Heat is a straight line in T², or is above its tangent at this ratio.
             let (copper, constant) = match linear {
@@ -418,14 +440,19 @@ impl Load {
                     (slope * leads, (heat - slope * squared) * leads)
                 }
             };
-            let power = [
+            [
                 copper * a * a,
                 2.0 * copper * a * c,
                 copper * (c * c + 2.0 * a * b) + speed * a + constant + along_d * direct * direct,
                 2.0 * copper * b * c + speed * c,
                 copper * b * b + speed * b,
-            ];
-            let here = (power[0] * down + power[1]) * down + power[2] + (power[3] + power[4] * up) * up;
+            ]
+        };
+        let mut sum = [0.0; 5];
+        for (k, weight) in self.weight.iter().enumerate() {
+            let power = power_of(self, k);
+            let decides = if std::ptr::eq(self, like) { power } else { power_of(like, k) };
+            let here = (decides[0] * down + decides[1]) * down + decides[2] + (decides[3] + decides[4] * up) * up;
             let (factor, kept) = drawn.line(here);
             for (s, p) in sum.iter_mut().zip(power) {
                 *s += weight * factor * p;
@@ -586,8 +613,10 @@ impl Load {
         let heat = course.spread(heat);
         let mut periods = 1;
         loop {
-            let times: Vec<f64> =
+            let mut times: Vec<f64> =
                 (0..periods).flat_map(|n| course.times.iter().map(move |t| t + n as f64 * course.lasts)).collect();
+            // The end of a period and the start of the next are one, but for rounding.
+            (1..times.len()).for_each(|k| times[k] = times[k].max(times[k - 1]));
             let repeated: Vec<f64> = (0..periods).flat_map(|_| heat.iter().copied()).collect();
             let long = Heat {
                 times: &times,
@@ -597,7 +626,8 @@ impl Load {
             };
             let temperature = node.from_cold(&long);
             let rise = temperature.peak - node.ambient;
-            if (rise > bound && rise.is_finite()) || periods >= 1 << 14 {
+            let last = periods >= 1 << 14 || 2 * repeated.len() > FIRST_SAMPLES;
+            if (rise > bound && rise.is_finite()) || last {
                 let each = node.peak_gradient(&long, Course::FromCold, &temperature);
                 let of_entry = |k: usize| each.iter().skip(k).step_by(heat.len()).sum();
                 return (rise, course.gather((0..heat.len()).map(of_entry).collect(), self.samples.len()));

@@ -8,6 +8,7 @@ use super::solved::{design, one_gear, solve};
 use super::{Prepared, judge, spring};
 use crate::actuator::limits::Remark;
 use crate::catalog::Motor;
+use crate::catalog::convention::Commutation;
 use crate::requirement::{Joint, Quantity};
 
 /// The best design of one motor at one joint.
@@ -19,8 +20,41 @@ pub fn best_design<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool)
         Refused::Rejected(why) if why.reason == Reason::Unusable(Unusable::Mass) => {
             without_mass(site, motor, only_checked)
         }
-        why => why.told_apart(),
+        Refused::Rejected(why) => match left_out_along_d(site, motor) {
+            Some(because) => Refused::Unjudged(Box::new(Unjudged { motor, gear: None, because, design: None })),
+            None => Refused::Rejected(why).told_apart(),
+        },
+        why => why,
     })
+}
+
+/// Of a motor that is rejected: the current along d that the requirement allows and that is not computed here, where the motor would do
+/// if what that is for were no limit. Whether it does it with the current is not known.
+fn left_out_along_d(site: Site, motor: &Motor) -> Option<Vec<Remark>> {
+    const VOLTAGE: [&str; 2] = ["voltage", "torque_bandwidth_voltage"];
+    const BACK: [&str; 2] = ["regeneration", "bus_overvoltage"];
+    let of_mount = |mount: Mount| {
+        let prepared = mount.prepared().ok()?;
+        let candidate = &prepared.candidate;
+        if candidate.motor.conventions.commutation == Commutation::Brushed {
+            return None;
+        }
+        let weakening = candidate.why_not_weakened().map(|why| (("field_weakening", why), VOLTAGE));
+        let braking = candidate.why_not_braked().map(|why| (("flux_braking", why), BACK));
+        let left_out: Vec<(Remark, [&str; 2])> = weakening.into_iter().chain(braking).collect();
+        let mut free = prepared.clone();
+        for limit in left_out.iter().flat_map(|(_, limits)| limits) {
+            free = free.without(limit);
+        }
+        let would_do = || match (mount.gear, mount.range()) {
+            (Some(gear), _) => free.at(gear.ratio).feasible,
+            (None, Some(_)) if mount.joint.limits.spring.is_some() => true,
+            (None, Some(range)) => solve(&free, mount.joint, range).is_ok(),
+            (None, None) => false,
+        };
+        (!left_out.is_empty() && would_do()).then(|| left_out.into_iter().map(|(remark, _)| remark).collect())
+    };
+    site.mounts(motor).find_map(of_mount)
 }
 
 /// What the objective is of a design whose mass is not known.
@@ -98,7 +132,10 @@ pub(super) fn is_impossible(site: Site, motor: &Motor) -> bool {
     if site.joint.limits.spring.is_some() {
         return false;
     }
-    mount.prepared().is_ok_and(|p| RatioProgram::new(&p, &site.joint.objective, min, max).is_impossible())
+    let is_known = |p: &Prepared| p.candidate.why_not_weakened().is_none() && p.candidate.why_not_braked().is_none();
+    mount
+        .prepared()
+        .is_ok_and(|p| is_known(&p) && RatioProgram::new(&p, &site.joint.objective, min, max).is_impossible())
 }
 
 /// The best gear of the catalogue for one motor: all that fit are evaluated, which is the proof.

@@ -248,19 +248,33 @@ impl<'a> Prepared<'a> {
 
     /// The polynomial that equals the mean copper loss at a ratio \[W\] and is nowhere above it.
     pub(super) fn copper_cut(&self, ratio: f64) -> Laurent {
-        self.larger(ratio, |actuator, means| self.copper_of(actuator, means, ratio))
+        self.copper_like(self, ratio)
     }
 
     /// The polynomial that equals the mean of all losses at a ratio \[W\] and is nowhere above it.
     pub(super) fn loss_cut(&self, ratio: f64) -> Laurent {
-        self.larger(ratio, |actuator, means| self.loss_of(actuator, means, ratio))
+        self.loss_like(self, ratio)
     }
 
-    /// Of the polynomials of both ends that which is larger at a ratio.
-    fn larger(&self, ratio: f64, of: impl Fn(&Actuator, &Means) -> Laurent) -> Laurent {
-        let cuts = self.ends().map(|(actuator, means)| of(actuator, means));
-        let larger = cuts.map(|cut| (cut.at(ratio), cut)).reduce(|a, b| if b.0 > a.0 { b } else { a });
-        larger.map_or_else(Laurent::default, |(_, cut)| cut)
+    /// As [`Prepared::copper_cut`], and of this load what the cut of the same motor and gear under another is made of.
+    pub(super) fn copper_like(&self, like: &Prepared, ratio: f64) -> Laurent {
+        self.larger(like, ratio, |prepared, actuator, means| prepared.copper_of(actuator, means, ratio))
+    }
+
+    /// As [`Prepared::loss_cut`], in the same way.
+    pub(super) fn loss_like(&self, like: &Prepared, ratio: f64) -> Laurent {
+        self.larger(like, ratio, |prepared, actuator, means| prepared.loss_of(like, actuator, means, ratio))
+    }
+
+    /// Of the polynomials of both ends that whose like is larger at a ratio.
+    fn larger(&self, like: &Prepared, ratio: f64, of: impl Fn(&Prepared, &Actuator, &Means) -> Laurent) -> Laurent {
+        let of_like = like.ends().map(|(actuator, means)| of(like, actuator, means));
+        let cuts = of_like.enumerate().map(|(end, cut)| (cut.at(ratio), end, cut));
+        let Some((_, end, cut)) = cuts.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { return Laurent::default() };
+        if std::ptr::eq(self, like) {
+            return cut;
+        }
+        self.ends().nth(end).map_or_else(Laurent::default, |(actuator, means)| of(self, actuator, means))
     }
 
     fn copper_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
@@ -270,9 +284,9 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    fn loss_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
+    fn loss_of(&self, like: &Prepared, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
         let plain = self.copper_of(actuator, means, ratio) + means.losses.sum();
-        match self.by_efficiency(self.drawn(), actuator, means, ratio) {
+        match self.by_efficiency(like, self.drawn(), actuator, means, ratio) {
             Some(drive) => plain + drive,
             None => plain,
         }
@@ -285,11 +299,18 @@ impl<'a> Prepared<'a> {
 
     /// What the drive's efficiency takes and what of the power that comes back is not kept, as a cut of what is drawn less
     /// what goes on to motor and leads; `None` where that is nothing.
-    fn by_efficiency(&self, drawn: Drawn, actuator: &Actuator, means: &Means, ratio: f64) -> Option<Laurent> {
+    fn by_efficiency(
+        &self,
+        like: &Prepared,
+        drawn: Drawn,
+        actuator: &Actuator,
+        means: &Means,
+        ratio: f64,
+    ) -> Option<Laurent> {
         if drawn.is_lossless() {
             return None;
         }
-        let drawn = self.candidate.load.drawn_cut(actuator, drawn, ratio);
+        let drawn = self.candidate.load.drawn_like(like.candidate.load, actuator, drawn, ratio);
         // The mean power has the heat as if the iron did not saturate.
         let leads = actuator.with_leads();
         let heat = self.copper_of(actuator, means, ratio) + means.torque_squared * -actuator.heating();
@@ -302,7 +323,8 @@ impl<'a> Prepared<'a> {
     fn losses_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> (Losses, f64) {
         let at = |polynomial: &Laurent| polynomial.at(ratio);
         let terms = &means.losses;
-        let taken = |drawn| self.by_efficiency(drawn, actuator, means, ratio).map_or(0.0, |taken| taken.at(ratio));
+        let taken =
+            |drawn| self.by_efficiency(self, drawn, actuator, means, ratio).map_or(0.0, |taken| taken.at(ratio));
         let (drawn, by_drive) = (self.drawn(), self.drawn().by_drive());
         let all = taken(drawn);
         let drive = if drawn == by_drive { all } else { taken(by_drive) };
@@ -454,10 +476,16 @@ impl<'a> Prepared<'a> {
     /// The polynomial that equals the energy drawn per cycle at a ratio \[J\] and is nowhere above it; `None` without
     /// durations.
     pub(super) fn energy_cut(&self, ratio: f64) -> Option<Laurent> {
-        let load = self.candidate.load;
-        let drawn = self.larger(ratio, |actuator, _| load.drawn_cut(actuator, self.drawn(), ratio));
+        self.energy_like(self, ratio)
+    }
+
+    /// As [`Prepared::energy_cut`], and of this load what the cut of the same motor and gear under another is made of.
+    pub(super) fn energy_like(&self, like: &Prepared, ratio: f64) -> Option<Laurent> {
+        let drawn = self.larger(like, ratio, |prepared, actuator, _| {
+            prepared.candidate.load.drawn_like(like.candidate.load, actuator, self.drawn(), ratio)
+        });
         let standby = Laurent::constant(self.candidate.standby_power());
-        load.duration.map(|duration| (drawn + standby) * duration)
+        self.candidate.load.duration.map(|duration| (drawn + standby) * duration)
     }
 
     /// Largest power drawn from the bus at a ratio \[W\].

@@ -34,6 +34,7 @@ pub(super) fn first<'a>(
     let (mut bounded, mut queue) = (Vec::new(), Vec::new());
     for (index, bound) in bounds.into_iter().enumerate() {
         match bound {
+            _ if site.joint.motors.turns.pass_over(&catalog.motors[index]) => {}
             Some(bound) => bounded.push((bound, index)),
             None => queue.push(index),
         }

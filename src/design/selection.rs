@@ -4,7 +4,7 @@
 //! which came nearest and which reason is told is decided here, once.
 
 use super::Margin;
-use super::answer::{Reason, Refused, Rejected, Unusable};
+use super::answer::{Reason, Refused, Rejected, Unjudged, Unusable};
 use super::program::Bind;
 use crate::actuator::limits::Remark;
 use crate::catalog::Motor;
@@ -42,13 +42,15 @@ pub(super) struct Selection<'a, T> {
     best: [Option<(Key, T)>; 2],
     nearest: Option<Nearest<'a>>,
     why: Option<Why<'a>>,
+    /// What is not known of a gear that might have done.
+    unknown: Option<Remark>,
     tried: usize,
 }
 
 impl<'a, T> Selection<'a, T> {
     /// Nothing was looked at yet.
     pub(super) fn new() -> Selection<'a, T> {
-        Selection { best: [None, None], nearest: None, why: None, tried: 0 }
+        Selection { best: [None, None], nearest: None, why: None, unknown: None, tried: 0 }
     }
 
     /// A mount that keeps its limits; `apart` where a limit that the requirement states cannot be judged of it.
@@ -77,6 +79,7 @@ impl<'a, T> Selection<'a, T> {
 
     /// A mount that is no candidate: told where no gear was looked at.
     pub(super) fn unusable(&mut self, why: Unusable) {
+        self.unknown = self.unknown.or(why.unknown());
         self.say(Weight::Unusable, None, Reason::Unusable(why));
     }
 
@@ -106,7 +109,7 @@ impl<'a, T> Selection<'a, T> {
 
     /// The best: of those that can be judged, if there is any. Else what the nearest gear exceeds, else what was said.
     fn settled(self) -> (Option<T>, Option<(Option<&'a str>, Reason)>) {
-        let Selection { best: [judged, apart], nearest, why, tried } = self;
+        let Selection { best: [judged, apart], nearest, why, tried, unknown: _ } = self;
         let nearest = nearest.map(|Nearest { gear, margin }| {
             let bind = Bind::of(margin.limit, margin.sample);
             let (over, allowed) = (margin.demand / margin.bound, margin.bound);
@@ -129,8 +132,18 @@ impl<'a, T> Selection<'a, T> {
     /// # Errors
     /// The motor is rejected.
     pub(super) fn best_of(self, motor: &'a Motor) -> Result<T, Refused<'a>> {
+        let unknown = self.unknown;
         let (best, why) = self.settled();
         best.ok_or_else(|| {
+            // A gear of which it is not known whether it would do may do.
+            if let (Some(remark), Some((_, Reason::Gears { .. }))) = (unknown, &why) {
+                return Refused::Unjudged(Box::new(Unjudged {
+                    motor,
+                    gear: None,
+                    because: vec![remark],
+                    design: None,
+                }));
+            }
             let nothing = if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { Unusable::NoGearFits };
             let (gear, reason) = why.unwrap_or((None, Reason::Unusable(nothing)));
             Refused::rejected(Rejected { motor, gear, reason })

@@ -182,9 +182,12 @@ impl SimulatedJoint {
     fn leave_out_the_drive(&mut self, candidate: &Candidate) {
         let number = crate::words::number;
         let motor = candidate.motor;
-        let peak = self
-            .speed_at_motor_torque
-            .map_or_else(String::new, |speed| format!("; the largest torque can be had up to {} rad/s", number(speed)));
+        let peak = self.speed_at_motor_torque.map_or_else(String::new, |speed| {
+            format!(
+                "; the largest torque can be had up to {} rad/s, with the winding as hot as it may be",
+                number(speed)
+            )
+        });
         self.leave_out(
             "torque that falls with speed",
             format!(
@@ -261,14 +264,31 @@ fn largest_speed(candidate: &Candidate, ratio: f64) -> Bound {
 }
 
 /// Motor speed up to which the voltage suffices for a torque, steady state \[rad/s\]:
-/// `(R i + K_B ω)² + (p L i ω)² = V²`, solved for ω ≥ 0; zero where not even standstill has the voltage.
+/// `(R i + K_B ω)² + (p L i ω)² = V²`, solved for ω ≥ 0, with R of the hottest winding that may be and of drive and leads; zero
+/// where not even standstill has the voltage. Where the supply sags, V is what this takes leaves of it.
 fn speed_at_torque(candidate: &Candidate, torque: f64) -> f64 {
     let current = candidate.actuator.shortfall.peak_current(torque);
     let motor = candidate.motor;
-    let drop = motor.resistance * current;
+    let resistance = candidate.actuator.resistance_per_torque() * candidate.actuator.torque_constant;
+    let drop = resistance * current;
     let (inductance, pole_pairs) = motor.inductance_and_poles().unwrap_or((0.0, 0.0));
     let a = motor.emf_constant().powi(2) + (pole_pairs * inductance * current).powi(2);
     let half_b = motor.emf_constant() * drop;
     let c = drop * drop - candidate.voltage().powi(2);
-    if c >= 0.0 { 0.0 } else { -c / (half_b + (half_b * half_b - a * c).sqrt()) }
+    let stiff = if c >= 0.0 { 0.0 } else { -c / (half_b + (half_b * half_b - a * c).sqrt()) };
+    let Some(supply) = candidate.supply(0.0) else { return stiff };
+    let is_enough = |speed: f64| {
+        let squared = a * speed * speed + 2.0 * half_b * speed + drop * drop;
+        let power = (drop + motor.emf_constant() * speed) * current;
+        supply.asks_beyond((squared, power), 1.0).0 <= 0.0
+    };
+    let (mut enough, mut too_fast) = (0.0, stiff);
+    if !is_enough(enough) {
+        return 0.0;
+    }
+    for _ in 0..100 {
+        let middle = 0.5 * (enough + too_fast);
+        if is_enough(middle) { enough = middle } else { too_fast = middle }
+    }
+    enough
 }

@@ -40,7 +40,8 @@ pub fn sweep_with<'a>(
                 (options.tick)();
                 stop.unless(swept)
             };
-            let per_motor: Vec<_> = catalog.motors.par_iter().map(one).collect::<Result<_, _>>()?;
+            let own = |motor: &&Motor| !joint.motors.turns.pass_over(motor);
+            let per_motor: Vec<_> = catalog.motors.par_iter().filter(own).map(one).collect::<Result<_, _>>()?;
             let mut result = JointSweep { joint, designs: Vec::new(), unusable: Vec::new() };
             for (designs, unusable) in per_motor {
                 result.designs.extend(designs);

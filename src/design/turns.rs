@@ -42,7 +42,7 @@ impl TurnsRange {
         for asked in &prepared.asked {
             let (name, reserve) = (asked.limit.name, candidate.joint.limits.reserve(asked.limit.name));
             match asked.limit.depends {
-                Depends::Voltage => {
+                Depends::Voltage | Depends::BackEmf => {
                     let most = asked.bound / demand(asked);
                     if most < range.max {
                         (range.max, range.max_by) = (most, Some(name));
@@ -311,7 +311,7 @@ fn same_frame<'a>(catalog: &'a Catalog, motor: &'a Motor) -> impl Iterator<Item 
 /// Whether a limit of a motor depends on its turns: a voltage, or a current that the drive ends.
 fn is_of_turns(prepared: &Prepared, limit: &str) -> bool {
     let decides = |asked: &&Asked| match asked.limit.depends {
-        Depends::Voltage => true,
+        Depends::Voltage | Depends::BackEmf => true,
         Depends::Current => asked.limit.is_of_drive() && asked.owner == "drive",
         _ => false,
     };

@@ -9,11 +9,12 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use super::answer::{Design, Reason, Refused};
+use super::answer::{Design, Reason, Refused, Unjudged};
 use super::best::best_design;
 use super::mount::{JointDemand, Mount, Site};
 use super::program::{Certificate, GAP_TOLERANCE};
 use super::turns::{Found, TurnsRange, at_best, can_be_asked, can_be_computed, search};
+use crate::actuator::limits::Remark;
 use crate::catalog::rewound::NoTurns;
 use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Filter, Joint, Quantity, Robot, Turns, Windings};
@@ -188,7 +189,28 @@ pub(super) fn best_wound<'a>(
     motor: &'a Motor,
     only_checked: bool,
 ) -> Result<Design<'a>, Refused<'a>> {
-    best_design(site, motor, only_checked).map(|design| over_all(site, design, only_checked))
+    match best_design(site, motor, only_checked) {
+        Ok(design) => Ok(over_all(site, design, only_checked)),
+        Err(Refused::Rejected(why)) => Err(match doubt_with_any_turns(site, motor, only_checked) {
+            Some(because) => Refused::Unjudged(Box::new(Unjudged { motor, gear: None, because, design: None })),
+            None => Refused::Rejected(why),
+        }),
+        Err(why) => Err(why),
+    }
+}
+
+/// What cannot be judged of a motor that a joint rejects as it is wound, where it may have any winding of a range and would do with some.
+fn doubt_with_any_turns(site: Site, motor: &Motor, only_checked: bool) -> Option<Vec<Remark>> {
+    site.joint.motors.turns.range().filter(|_| site.joint.motors.allows(motor))?;
+    if !matches!(can_be_asked(site.robot, site.joint, motor), Ok(()) | Err(NoTurns::Wound)) {
+        return None;
+    }
+    let motor = Motor { wound: None, ..motor.clone() };
+    let joint = Joint { motors: Filter::default(), turns: Turns::Any, ..site.joint.clone() };
+    match best_design(Site { joint: &joint, ..site }, &motor, only_checked) {
+        Err(Refused::Unjudged(apart)) => Some(apart.because),
+        _ => None,
+    }
 }
 
 /// A design of a motor with a range of turns, with what is proved over all of the range.

@@ -66,7 +66,7 @@ pub(super) fn of_supply(of: &Evaluation) -> Vec<String> {
             number(weakening.largest / 1.5_f64.sqrt()),
             number(weakening.loss),
             weakening.rate.map_or_else(String::new, |rate| format!(
-                "; L di_d/dt, left out, is at most {} % of the voltage limit from sample to sample",
+                "; L di_d/dt, left out, comes to {} % of the voltage limit as it is from sample to sample",
                 number(100.0 * rate)
             ))
         ),

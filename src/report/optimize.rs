@@ -15,7 +15,7 @@ use crate::actuator::limits::hottest;
 use crate::actuator::metrics::{METRICS, Metric, metric};
 use crate::catalog::Motor;
 use crate::catalog::audit::{Finding, Severity, audit_motor};
-use crate::design::answer::{Budgeted, Design, JointResult, Rejected, RobotResult};
+use crate::design::answer::{Budgeted, Design, JointResult, Reason, Rejected, RobotResult, Unusable};
 use crate::design::outlook::Outlook;
 use crate::design::program::{Certificate, Optimum};
 use crate::requirement::{Joint, Quantity, RatioChoice};
@@ -277,7 +277,8 @@ fn rejected_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) 
     let mut out = String::new();
     if shown.rejected {
         out.push_str("\n  Rejected:\n");
-        for rejected in &result.rejected {
+        let is_free = |rejected: &&Rejected| rejected.reason != Reason::Unusable(Unusable::NotAllowed);
+        for rejected in result.rejected.iter().filter(is_free) {
             let Rejected { motor, reason, .. } = rejected;
             let why = reason_text(reason, result.joint).1;
             let turns = match rewound_text(result, outlook, rejected) {
@@ -288,6 +289,11 @@ fn rejected_text(result: &JointResult, outlook: Option<&Outlook>, shown: Shown) 
                 "    {}\n",
                 wrap(&format!("{}: {why}{turns}{}", motor.id, estimated::text(motor)), 6)
             ));
+        }
+        let ids: Vec<&str> = result.rejected.iter().filter(|r| !is_free(r)).map(|r| r.motor.id.as_str()).collect();
+        if !ids.is_empty() {
+            let why = reason_text(&Reason::Unusable(Unusable::NotAllowed), result.joint).1;
+            out.push_str(&format!("    {}\n", wrap(&format!("{} × {why}: {}", ids.len(), ids.join(", ")), 6)));
         }
         return out;
     }

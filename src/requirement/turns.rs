@@ -60,6 +60,13 @@ impl Windings {
         }
     }
 
+    /// Whether a winding is none of a joint: another one of its row is, or it was made for another joint.
+    pub fn pass_over(&self, motor: &Motor) -> bool {
+        let replaced =
+            || matches!(self, Windings::Between { found, .. } if found.iter().any(|(row, _)| row == motor.row_id()));
+        !self.allow(motor) && (motor.wound.is_some() || replaced())
+    }
+
     /// Those that are listed.
     pub fn listed(&self) -> &[f64] {
         match self {

@@ -5,6 +5,9 @@ use crate::actuator::candidate::Candidate;
 use crate::catalog::GearKind;
 use crate::numerics::laurent::Laurent;
 
+/// How long a gear lasts: its demand rises with the cube of the load.
+pub const GEAR_LIFE: &str = "gear_life";
+
 /// Seconds of an hour: lives are compared in hours.
 const HOUR: f64 = 3600.0;
 
@@ -145,7 +148,7 @@ pub(super) const LIMITS: &[Limit] = &[
         },
     },
     Limit {
-        name: "gear_life",
+        name: GEAR_LIFE,
         unit: "h",
         formula: "L · N mean(|ω||τ|³)/(ω_rated τ_gear continuous³) ≤ L10 of the gear: as many hours at its rated point",
         safety: false,

@@ -138,6 +138,8 @@ pub enum Depends {
     Torque,
     /// As the voltage of resistance, inductance and both constants.
     Voltage,
+    /// As the voltage of the windings when nothing flows in them.
+    BackEmf,
     /// As power that is taken.
     Power,
     /// As power that comes back.
@@ -160,6 +162,7 @@ impl Depends {
             | Depends::Voltage
             | Depends::Power
             | Depends::PowerBack
+            | Depends::BackEmf
             | Depends::Anyhow => true,
             Depends::Inertia | Depends::Rating => false,
         }

@@ -17,7 +17,7 @@ mod size;
 mod speed;
 
 pub use super::candidate::{ASSUMED, Candidate, hottest};
-pub use gear::backdriving_torque;
+pub use gear::{GEAR_LIFE, backdriving_torque};
 pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, Of, Remark, Verdict};
 pub use motor::DRIVE_CONTINUOUS_CURRENT;
 pub use needs::{NEEDS, Need};

@@ -28,10 +28,11 @@ pub(super) const LIMITS: &[Limit] = &[
         safety: false,
         of: Of::Other,
         class: Class::UpperBound,
-        depends: Depends::Anyhow,
+        depends: Depends::BackEmf,
         stated: |robot, _| robot.bus.max_voltage.is_some(),
         key: |_| Some(Key::Robot(&["bus", "max_voltage"])),
         prepare: |c| match c.robot.bus.max_voltage {
+            Some(_) if c.joint.turns == Turns::Any => Prepared::NotAsked,
             Some(bound) => {
                 let (speed, sample) = c.load.peak_speed;
                 let demand = Laurent::monomial(c.open_circuit_per_speed() * speed, 1);

@@ -27,6 +27,7 @@ mod window;
 
 use crate::actuator::Laurent;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
+use crate::actuator::waveform::WavePoint;
 use crate::numerics::line_search::least_in_range;
 use crate::requirement::{Objective, Quantity};
 
@@ -195,6 +196,16 @@ impl<'a> RatioProgram<'a> {
     pub(in crate::design) fn objective_cut(&self, ratio: f64) -> (Laurent, f64) {
         let goal = objective::Goal::summed(self);
         (goal.cut(ratio), goal.steps(ratio))
+    }
+
+    /// What of this load the cut at a ratio of the same motor and gear under another is made of ([`RatioProgram::objective_cut`]).
+    pub(in crate::design) fn cut_like(&self, like: &RatioProgram, ratio: f64) -> Laurent {
+        objective::Goal::summed(self).cut_like(&objective::Goal::summed(like), ratio)
+    }
+
+    /// The points of the samples whose largest the cut at a ratio takes.
+    pub(in crate::design) fn peaks(&self, ratio: f64) -> Vec<WavePoint> {
+        objective::Goal::summed(self).peaks(ratio)
     }
 
     /// Whether the objective falls to one valley and rises beyond it, and the feasible ratios are one interval.
@@ -432,7 +443,7 @@ fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
 }
 
 /// The largest N with `c N^p ≤ bound` for a monomial with p of 1 to 4.
-fn largest_ratio_by_monomial(polynomial: &Laurent, bound: f64) -> f64 {
+pub(in crate::design) fn largest_ratio_by_monomial(polynomial: &Laurent, bound: f64) -> f64 {
     let Some(power) = (1..=4).find(|power| polynomial[*power] > 0.0) else { return f64::INFINITY };
     (bound / polynomial[power]).powf(1.0 / f64::from(power))
 }

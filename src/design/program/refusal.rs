@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::bind::Bind;
+use crate::words::number;
 
 /// Why no ratio keeps all limits.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,7 +111,12 @@ impl fmt::Display for Unsolved {
                 f.write_str("no feasible ratio and spring was found, and none was ruled out")
             }
             Unsolved::Nearly { limit, least, ratio } => {
-                write!(f, "no feasible ratio was found, but {limit} comes within {least} of its limit at {ratio}")
+                let (least, ratio) = (number(*least), number(*ratio));
+                write!(
+                    f,
+                    "no feasible ratio was found, and none was ruled out; nearest is N = {ratio} with {least} times what \
+                     {limit} allows"
+                )
             }
             Unsolved::NoneBetween => f.write_str("no ratio between the two best ones keeps every limit"),
             Unsolved::ToleranceReachesZero(column) => write!(f, "the tolerance of {column} reaches zero"),

@@ -1,33 +1,34 @@
 //! What the search asks of a robot: menus made once, or when a load is known; combinations solved.
 
-use std::collections::HashMap;
-use std::rc::Rc;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::answer::{Combination, Options};
-use super::carry::{self, Boxes};
+use super::carry;
 use super::convex::{Convex, add, under};
-use super::menu::{Item, Menu, Needs, menu};
+use super::menu::{Build, Item, Menu, Needs, made, menu, pieces};
 use super::power::{self, Profile, Schedule};
-use super::search::{Completed, Found, Joints, Rules, Table};
+use super::search::{Combinations, Entry, Found, Rules, Table};
 use super::shared::{self, Outcome, Part, Price};
 use super::total::Total;
 use crate::actuator::Load;
+use crate::actuator::limits::Remark;
 use crate::catalog::Catalog;
 use crate::design::Prepared;
 use crate::design::answer::Design;
-use crate::design::mount::{Mount, covered_inertia, load_through};
+use crate::design::best::lacking;
+use crate::design::judge;
+use crate::design::mount::{JointDemand, Mount, Site, covered_inertia, load_through};
 use crate::design::options::Stop;
 use crate::design::program::{RatioProgram, minimise, value};
 use crate::design::solved::design;
 use crate::numerics::line_search::least_in_range;
-use crate::requirement::{Joint, RatioChoice, Robot};
+use crate::requirement::{Joint, Robot};
 
-/// Menus of joints under loads of their own that are made at most.
-const MAX_MENUS: usize = 4000;
-/// Motors times samples over all those menus at most: what a search may take does not grow with the catalogue.
-const MENU_WORK: usize = 6_000_000;
+/// Loads of carrying joints that are kept ready.
+const MAX_LOADS: usize = 200;
 
 /// Combinations whose programs give prices of power.
 const PRICES: usize = 6;
@@ -41,16 +42,22 @@ type Searched<'a> = &'a (dyn Fn(usize, usize) + Sync);
 pub(super) struct Context<'a> {
     pub robot: &'a Robot,
     pub catalog: &'a Catalog,
+    /// What is carried comes before what carries it.
     pub order: Vec<usize>,
     pub needs: Vec<Needs>,
     /// Whether the search is to stop.
     pub stop: Stop<'a>,
     searched: Searched<'a>,
-    pub certain: Vec<Option<Rc<Menu<'a>>>>,
-    made: HashMap<(usize, Vec<u64>), Rc<Menu<'a>>>,
-    /// Lightest and heaviest actuator of each joint.
-    reach: Vec<(f64, f64)>,
-    boxes: Vec<Option<Boxes>>,
+    /// Menus of the joints that carry nothing.
+    pub certain: Vec<Option<Arc<Menu<'a>>>>,
+    /// All ways to build each joint.
+    pub ways: Vec<Vec<Way<'a>>>,
+    /// Motors of carrying joints that were not solved, or not proved, where they were tried.
+    pub unproved: Vec<usize>,
+    /// Of carrying joints: motors of which something that is asked for is not known whatever the load, and what.
+    doubted: Vec<Vec<usize>>,
+    exact: HashMap<(usize, usize, Vec<u64>), Option<Arc<Item<'a>>>>,
+    loads: HashMap<(usize, Vec<u64>), Arc<Carrying<'a>>>,
     pub total: Total,
     pub schedule: Schedule,
     /// The budget of the power of all joints \[W\].
@@ -59,6 +66,23 @@ pub(super) struct Context<'a> {
     pub supply: Option<f64>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
     pub least_power: f64,
+}
+
+/// One way to build a joint.
+#[derive(Debug, Clone)]
+pub(super) struct Way<'a> {
+    pub build: Build<'a>,
+    /// Lightest and heaviest that one actuator can be \[kg\]: one number, where its gear is known.
+    pub mass: (f64, f64),
+    /// What it is; `None` where that depends on the load.
+    pub item: Option<Arc<Item<'a>>>,
+}
+
+/// A carrying joint under one load.
+#[derive(Debug)]
+pub(super) struct Carrying<'a> {
+    pub joint: Joint,
+    pub demand: JointDemand<'a>,
 }
 
 /// A joint of a combination under the load that it has there.
@@ -81,7 +105,7 @@ impl<'a> Context<'a> {
                 only_checked: options.only_checked,
             })
             .collect();
-        let mut certain: Vec<Option<Rc<Menu>>> = vec![None; n];
+        let mut certain: Vec<Option<Arc<Menu>>> = vec![None; n];
         for j in 0..n {
             let joint = &robot.joints[j];
             if !joint.carries.is_empty() {
@@ -92,16 +116,15 @@ impl<'a> Context<'a> {
             };
             certain[j] = match (0..j).find(same) {
                 Some(i) => certain[i].clone(),
-                None => Some(Rc::new(menu(robot, joint, catalog, needs[j], stop))),
+                None => Some(Arc::new(menu(robot, joint, catalog, needs[j], stop))),
             };
             (options.tick)();
         }
-        let reach: Vec<(f64, f64)> = (0..n).map(|j| reach(&robot.joints[j], catalog, certain[j].as_deref())).collect();
-        let boxes = (0..n)
-            .map(|j| {
-                let joint = &robot.joints[j];
-                (!joint.carries.is_empty())
-                    .then(|| Boxes::new(robot, joint, catalog, carry::reach(joint, |i| reach[i]), needs[j]))
+        let mut doubted = vec![Vec::new(); n];
+        let ways = (0..n)
+            .map(|j| match &certain[j] {
+                Some(menu) => menu.items.iter().map(|item| Way::certain(item)).collect(),
+                None => ways(robot, &robot.joints[j], catalog, needs[j], &mut doubted[j]),
             })
             .collect();
         let least = |menu: &Menu| menu.items.iter().map(|i| i.design.optimum.objective).fold(f64::INFINITY, f64::min);
@@ -115,7 +138,11 @@ impl<'a> Context<'a> {
         Ok(Context {
             order: carry::order(&robot.joints),
             schedule: Schedule::new(robot),
-            made: HashMap::new(),
+            exact: HashMap::new(),
+            loads: HashMap::new(),
+            unproved: Vec::new(),
+            doubted,
+            ways,
             least_power: f64::INFINITY,
             robot,
             catalog,
@@ -123,8 +150,6 @@ impl<'a> Context<'a> {
             stop,
             searched: options.searched,
             certain,
-            reach,
-            boxes,
             total,
             power: budget,
             supply,
@@ -136,14 +161,101 @@ impl<'a> Context<'a> {
         self.power.into_iter().chain(self.supply).reduce(f64::min)
     }
 
-    /// Every menu that was made, with the place of its joint.
-    pub(super) fn menus(&self) -> impl Iterator<Item = (usize, &Menu<'a>)> {
-        let certain = self.certain.iter().enumerate().filter_map(|(joint, menu)| Some((joint, &**menu.as_ref()?)));
-        certain.chain(self.made.iter().map(|((joint, _), menu)| (*joint, &**menu)))
+    /// Whether no actuator loads another one.
+    pub(super) fn is_certain(&self) -> bool {
+        self.certain.iter().all(Option::is_some)
     }
 
-    fn masses(&self, masses: &[Option<f64>], joint: usize) -> (f64, f64) {
-        masses[joint].map_or(self.reach[joint], |m| (m, m))
+    /// Mass of all actuators of a joint of which one has this \[kg\].
+    pub(super) fn weight(&self, joint: usize, mass: f64) -> f64 {
+        f64::from(self.robot.joints[joint].count) * mass
+    }
+
+    /// Some ways of each joint as a search sees them.
+    pub(super) fn entries(&self, ways: &[Vec<usize>]) -> Vec<Vec<Entry>> {
+        let entry = |joint: usize, way: &usize| {
+            let way = &self.ways[joint][*way];
+            Entry { motor: way.build.motor, mass: self.weight(joint, way.mass.0) }
+        };
+        ways.iter().enumerate().map(|(j, of_joint)| of_joint.iter().map(|way| entry(j, way)).collect()).collect()
+    }
+
+    /// A carrying joint under the load that it has at some coordinates.
+    pub(super) fn carrying(&mut self, joint: usize, coordinates: &[f64]) -> Arc<Carrying<'a>> {
+        let key = (joint, bits(coordinates));
+        if let Some(ready) = self.loads.get(&key) {
+            return ready.clone();
+        }
+        if self.loads.len() >= MAX_LOADS {
+            self.loads.clear();
+        }
+        let loaded = carry::loaded(&self.robot.joints[joint], coordinates);
+        let ready = Arc::new(Carrying { demand: JointDemand::new(&loaded, self.catalog), joint: loaded });
+        self.loads.insert(key, ready.clone());
+        ready
+    }
+
+    /// What some ways to build a joint come to at some coordinates of its load, each made once; `None` of those that cannot be.
+    pub(super) fn exact(&mut self, joint: usize, ways: &[usize], coordinates: &[f64]) -> Vec<Option<Arc<Item<'a>>>> {
+        let key = |way: usize| (joint, way, bits(coordinates));
+        let known = |way: &usize| self.ways[joint][*way].item.is_some() || self.exact.contains_key(&key(*way));
+        let new: Vec<usize> = ways.iter().copied().filter(|way| !known(way)).collect();
+        if !new.is_empty() {
+            let carrying = self.carrying(joint, coordinates);
+            let (robot, catalog, needs, stop) = (self.robot, self.catalog, self.needs[joint], self.stop);
+            let all = &self.ways[joint];
+            let of = |way: &usize| {
+                let site = Site::new(robot, &carrying.joint, &carrying.demand).stopping(stop);
+                made(site, catalog, needs, all[*way].build)
+            };
+            let made: Vec<_> = new.par_iter().map(of).collect();
+            for (way, made) in new.iter().zip(made) {
+                self.unproved.extend(made.unproved.then_some(self.ways[joint][*way].build.motor));
+                self.exact.insert(key(*way), made.items.into_iter().next());
+            }
+        }
+        let one = |way: &usize| match &self.ways[joint][*way].item {
+            Some(item) => Some(item.clone()),
+            None => self.exact[&key(*way)].clone(),
+        };
+        ways.iter().map(one).collect()
+    }
+
+    /// Motors that are no choice because something that is asked for is not known, by joint: of carrying joints at the load that they
+    /// have in a combination.
+    pub(super) fn unjudged(&mut self, found: Option<&Found<'a>>) -> BTreeMap<(usize, usize), Vec<Remark>> {
+        let mut all: BTreeMap<(usize, usize), Vec<Remark>> = BTreeMap::new();
+        for joint in 0..self.robot.joints.len() {
+            if let Some(menu) = &self.certain[joint] {
+                for (motor, because) in &menu.unjudged {
+                    all.entry((joint, *motor)).or_default().extend(because);
+                }
+                menu.items.iter().for_each(|item| drop(all.remove(&(joint, item.motor))));
+                continue;
+            }
+            let masses = |k: usize| found.map_or(0.0, |found| found.items[k].mass);
+            let coordinates = carry::coordinates(&self.robot.joints[joint], masses);
+            let carrying = self.carrying(joint, &coordinates);
+            let (robot, catalog, needs, stop) = (self.robot, self.catalog, self.needs[joint], self.stop);
+            let of_motor = |motor: &usize| {
+                let site = Site::new(robot, &carrying.joint, &carrying.demand).stopping(stop);
+                let mut because = Vec::new();
+                let builds = builds(site, catalog, *motor, needs);
+                let mut is_choice = false;
+                for build in builds {
+                    let made = made(site, catalog, needs, build);
+                    is_choice |= !made.items.is_empty();
+                    because.extend(made.unjudged);
+                }
+                because.sort_unstable();
+                because.dedup();
+                (*motor, because, is_choice)
+            };
+            let doubted: Vec<_> = self.doubted[joint].par_iter().map(of_motor).collect();
+            let apart = doubted.into_iter().filter(|(_, because, is_choice)| !is_choice && !because.is_empty());
+            all.extend(apart.map(|(motor, because, _)| ((joint, motor), because)));
+        }
+        all
     }
 
     fn loaded(&self, items: &[&Item<'a>], coordinates: &[Vec<f64>]) -> Vec<Loaded> {
@@ -199,18 +311,36 @@ impl<'a> Context<'a> {
         outcome
     }
 
-    /// Tables of prices that go with the rules: prices on mass and on power.
+    /// The costs of all that joints may be built of which carry nothing; of those that carry they are given.
+    fn own_costs(&self) -> Vec<Vec<f64>> {
+        let of = |(joint, ways): (usize, &Vec<Way>)| {
+            let lower = |way: &Way| way.item.as_ref().map_or(f64::NEG_INFINITY, |item| item.lower);
+            ways.iter().map(|way| self.total.scale[joint] * lower(way)).collect()
+        };
+        self.ways.iter().enumerate().map(of).collect()
+    }
+
+    /// Tables of prices that go with the rules where no actuator loads another one: prices on mass and on power.
     pub(super) fn tables(&mut self, rules: Rules) -> Vec<Table> {
-        let plain = Table { per_mass: 0.0, priced: None, offset: 0.0 };
-        let mut tables = vec![plain.clone()];
-        if let (Some(limit), None, true) = (self.power, self.supply, self.certain.iter().all(Option::is_some)) {
-            tables.extend(self.power_tables(limit));
+        if rules.lightest {
+            return vec![Table { per_mass: 0.0, costs: self.masses(), offset: 0.0 }];
         }
-        if let Some(limit) = rules.mass {
+        let plain = Table { per_mass: 0.0, costs: self.own_costs(), offset: 0.0 };
+        let mut tables = vec![plain.clone()];
+        if let (Some(limit), None) = (self.power, self.supply) {
+            tables.extend(self.power_tables(&plain, limit));
+        }
+        let all: Vec<Vec<usize>> = self.ways.iter().map(|ways| (0..ways.len()).collect()).collect();
+        self.with_prices_of_mass(tables, &all, rules)
+    }
+
+    /// Tables with some prices of a kilogram beside those of before, where there is a budget of mass.
+    pub(super) fn with_prices_of_mass(&self, mut tables: Vec<Table>, ways: &[Vec<usize>], rules: Rules) -> Vec<Table> {
+        if let Some(limit) = rules.mass.filter(|_| !rules.lightest) {
             let priced: Vec<Table> = tables
                 .iter()
                 .flat_map(|table| {
-                    let price = self.price_of_mass(table, limit);
+                    let price = self.price_of_mass(table, ways, limit);
                     [0.5, 2.0, 1.0].map(|factor| Table { per_mass: factor * price, ..table.clone() })
                 })
                 .filter(|t| t.per_mass > 0.0)
@@ -220,37 +350,30 @@ impl<'a> Context<'a> {
         tables
     }
 
-    fn cost(&self, table: &Table, joint: usize, item: usize, menu: &Menu) -> f64 {
-        match &table.priced {
-            Some(priced) => priced[joint][item],
-            None => self.total.scale[joint] * menu.items[item].lower,
-        }
+    /// Mass of all that joints may be built of \[kg\].
+    pub(super) fn masses(&self) -> Vec<Vec<f64>> {
+        let of = |(joint, ways): (usize, &Vec<Way>)| ways.iter().map(|way| self.weight(joint, way.mass.0)).collect();
+        self.ways.iter().enumerate().map(of).collect()
     }
 
-    /// The price of a kilogram at which the cheapest items together just keep the budget.
-    fn price_of_mass(&self, table: &Table, limit: f64) -> f64 {
+    /// The price of a kilogram at which the cheapest ways together just keep the budget.
+    fn price_of_mass(&self, table: &Table, ways: &[Vec<usize>], limit: f64) -> f64 {
+        let weight = |joint: usize, way: usize| self.weight(joint, self.ways[joint][way].mass.0);
         let mass_at = |price: f64| -> f64 {
-            let of = |(j, menu): (usize, &Option<Rc<Menu>>)| {
-                let count = f64::from(self.robot.joints[j].count);
-                let Some(menu) = menu else { return count * self.reach[j].0 };
-                let cost = |i: usize| self.cost(table, j, i, menu) + price * count * menu.items[i].mass;
-                let best = (0..menu.items.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
-                best.map_or(0.0, |i| count * menu.items[i].mass)
+            let of = |(j, ways): (usize, &Vec<usize>)| {
+                let cost = |way: &usize| table.costs[j][*way] + price * weight(j, *way);
+                let best = ways.iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+                best.map_or(0.0, |way| weight(j, *way))
             };
-            self.certain.iter().enumerate().map(of).sum()
+            ways.iter().enumerate().map(of).sum()
         };
         if mass_at(0.0) <= limit {
             return 0.0;
         }
-        let size: f64 = self
-            .certain
-            .iter()
-            .enumerate()
-            .filter_map(|(j, menu)| {
-                let menu = menu.as_ref()?;
-                (0..menu.items.len()).map(|i| self.cost(table, j, i, menu).abs()).reduce(f64::min)
-            })
-            .sum();
+        let least = |(j, ways): (usize, &Vec<usize>)| {
+            ways.iter().map(|way| table.costs[j][*way].abs()).filter(|c| c.is_finite()).reduce(f64::min)
+        };
+        let size: f64 = ways.iter().enumerate().filter_map(least).sum();
         let mut high = if size > 0.0 { size / limit } else { 1.0 };
         let mut low = 0.0;
         for _ in 0..60 {
@@ -269,27 +392,26 @@ impl<'a> Context<'a> {
 
     /// Prices of power from a few combinations: the cheapest under the prices so far is solved, and what its
     /// program says of power is mixed with them in the share that gives the best bound.
-    fn power_tables(&mut self, limit: f64) -> Vec<Table> {
-        let menus: Vec<Rc<Menu>> = self.certain.iter().flatten().cloned().collect();
+    fn power_tables(&mut self, plain: &Table, limit: f64) -> Vec<Table> {
+        let menus: Vec<Arc<Menu>> = self.certain.iter().flatten().cloned().collect();
         if menus.iter().any(|m| m.items.is_empty()) {
             return Vec::new();
         }
         let nothing = vec![Vec::new(); menus.len()];
-        let plain = Table { per_mass: 0.0, priced: None, offset: 0.0 };
         let mut tables: Vec<(f64, Price, Table)> = Vec::new();
         let mut seen: Vec<Vec<usize>> = Vec::new();
         for _ in 0..PRICES {
             let best = tables.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-            let (center, table) = best.map_or((Price::default(), &plain), |(_, price, table)| (price.clone(), table));
-            let cheapest = |(j, menu): (usize, &Rc<Menu>)| {
-                let cost = |i: usize| self.cost(table, j, i, menu);
+            let (center, table) = best.map_or((Price::default(), plain), |(_, price, table)| (price.clone(), table));
+            let cheapest = |(j, menu): (usize, &Arc<Menu>)| {
+                let cost = |i: usize| table.costs[j][i];
                 (0..menu.items.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
             };
             let chosen: Vec<usize> = menus.iter().enumerate().map(cheapest).collect();
             if seen.contains(&chosen) {
                 break;
             }
-            let items: Vec<&Item> = menus.iter().zip(&chosen).map(|(m, i)| &m.items[*i]).collect();
+            let items: Vec<&Item> = menus.iter().zip(&chosen).map(|(m, i)| &*m.items[*i]).collect();
             let worth: f64 = items.iter().zip(&self.total.scale).map(|(i, s)| s * i.lower.abs()).sum();
             let (price, factor) = match self.solve(&items, &nothing, limit) {
                 Outcome::Solved(solved) => (solved.price, 1.0),
@@ -305,10 +427,8 @@ impl<'a> Context<'a> {
                 let new = price.rows.iter().map(|(places, m)| (places.clone(), share * factor * m));
                 let mixed = Price { rows: old.chain(new).filter(|(_, m)| *m > 0.0).collect() };
                 let table = self.power_table(&menus, &mixed, limit);
-                let least = |(j, menu): (usize, &Rc<Menu>)| {
-                    (0..menu.items.len()).map(|i| self.cost(&table, j, i, menu)).fold(f64::INFINITY, f64::min)
-                };
-                let bound = table.offset + menus.iter().enumerate().map(least).sum::<f64>();
+                let least = |costs: &Vec<f64>| costs.iter().copied().fold(f64::INFINITY, f64::min);
+                let bound = table.offset + table.costs.iter().map(least).sum::<f64>();
                 tables.push((bound, mixed, table));
             }
         }
@@ -317,7 +437,7 @@ impl<'a> Context<'a> {
         tables.into_iter().skip(few).map(|(.., table)| table).collect()
     }
 
-    fn power_table(&self, menus: &[Rc<Menu<'a>>], price: &Price, limit: f64) -> Table {
+    fn power_table(&self, menus: &[Arc<Menu<'a>>], price: &Price, limit: f64) -> Table {
         let mut weights: Vec<Vec<(usize, f64)>> = vec![Vec::new(); menus.len()];
         let mut worth = 0.0;
         for (places, multiplier) in &price.rows {
@@ -326,24 +446,23 @@ impl<'a> Context<'a> {
                 weights[*j].push((*sample, multiplier * weight));
             }
         }
-        let priced = menus
+        let costs = menus
             .iter()
             .enumerate()
             .map(|(j, menu)| {
                 let joint = &self.robot.joints[j];
                 let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
                 let (robot, catalog, scale) = (self.robot, self.catalog, self.total.scale[j]);
-                let one = |item: &Item| priced(robot, catalog, joint, &load, item, scale, &weights[j]);
+                let one = |item: &Arc<Item>| priced(robot, catalog, joint, &load, item, scale, &weights[j]);
                 menu.items.par_iter().map(one).collect()
             })
             .collect();
-        Table { per_mass: 0.0, priced: Some(priced), offset: -worth }
+        Table { per_mass: 0.0, costs, offset: -worth }
     }
 
     /// A combination with all that is known of it.
-    pub(super) fn combination(&mut self, found: &Found) -> Combination<'a> {
-        let menus: Vec<Rc<Menu>> = (0..found.items.len()).map(|j| self.menu_of(j, &found.coordinates[j])).collect();
-        let items: Vec<&Item> = menus.iter().zip(&found.items).map(|(m, i)| &m.items[*i]).collect();
+    pub(super) fn combination(&mut self, found: &Found<'a>) -> Combination<'a> {
+        let items: Vec<&Item> = found.items.iter().map(|item| &**item).collect();
         let own_ratios: Vec<f64> = items.iter().map(|i| i.design.evaluation.ratio).collect();
         let ratios = found.ratios.clone().unwrap_or(own_ratios);
         let draws = self.with_parts(&items, &found.coordinates, |parts| shared::draws(parts, &self.schedule, &ratios));
@@ -397,37 +516,154 @@ impl<'a> Context<'a> {
         }
     }
 
-    fn menu_of(&mut self, joint: usize, coordinates: &[f64]) -> Rc<Menu<'a>> {
-        match self.certain(joint) {
-            Some(menu) => menu,
-            None => self.menu(joint, coordinates).unwrap_or_default(),
+    /// A complete combination of ways; `None` where it cannot be.
+    pub(super) fn complete(&mut self, chosen: &[usize]) -> Option<Found<'a>> {
+        let n = chosen.len();
+        let mut items: Vec<Option<Arc<Item>>> = vec![None; n];
+        let mut coordinates = vec![Vec::new(); n];
+        for j in self.order.clone() {
+            let mass = |k: usize| items[k].as_ref().map_or(0.0, |item: &Arc<Item>| item.mass);
+            coordinates[j] = carry::coordinates(&self.robot.joints[j], mass);
+            items[j] = Some(self.exact(j, &[chosen[j]], &coordinates[j]).pop().flatten()?);
         }
+        let items: Vec<Arc<Item>> = items.into_iter().flatten().collect();
+        let mass = items.iter().enumerate().map(|(j, item)| self.weight(j, item.mass)).sum();
+        let motors = items.iter().map(|item| item.motor).collect();
+        let (ratios, value, lower) = match self.limit() {
+            None => {
+                let sum = |of: &dyn Fn(&Item) -> f64| -> f64 {
+                    items.iter().zip(&self.total.scale).map(|(item, scale)| scale * of(item)).sum()
+                };
+                (None, sum(&|i| i.design.optimum.objective), sum(&|i| i.lower))
+            }
+            Some(limit) => {
+                let refs: Vec<&Item> = items.iter().map(|item| &**item).collect();
+                match self.solve(&refs, &coordinates, limit) {
+                    Outcome::Solved(solved) => (Some(solved.ratios), solved.value, solved.lower),
+                    Outcome::TooMuch { .. } => return None,
+                }
+            }
+        };
+        Some(Found { items, coordinates, motors, mass, ratios, value, lower })
     }
 }
 
-/// Lightest and heaviest that a joint's actuator can be, whatever its load.
-fn reach(joint: &Joint, catalog: &Catalog, menu: Option<&Menu>) -> (f64, f64) {
-    let span =
-        |masses: &mut dyn Iterator<Item = f64>| masses.fold((f64::INFINITY, 0.0_f64), |(a, b), m| (a.min(m), b.max(m)));
-    if let Some(menu) = menu {
-        let (least, most) = span(&mut menu.items.iter().map(|i| i.mass));
-        return if least.is_finite() { (least, most) } else { (0.0, 0.0) };
+/// A search over some ways of each joint.
+pub(super) struct Among<'s, 'a> {
+    pub context: &'s mut Context<'a>,
+    pub ways: &'s [Vec<usize>],
+}
+
+impl<'a> Combinations<'a> for Among<'_, 'a> {
+    fn is_stopped(&self) -> bool {
+        self.context.stop.now()
     }
-    let motor = span(&mut catalog.motors.iter().filter_map(|m| m.mass));
-    let gear = match &joint.ratio {
-        RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => {
-            let at_the_ends = joint.ratio.range().map(|(min, max)| (joint.gear.mass_at(min), joint.gear.mass_at(max)));
-            at_the_ends.map_or((0.0, 0.0), |(least, most)| (least.unwrap_or(0.0), most.unwrap_or(0.0)))
+
+    fn searched(&self, branches: usize, solved: usize) {
+        (self.context.searched)(branches, solved);
+    }
+
+    fn complete(&mut self, entries: &[usize]) -> Option<Found<'a>> {
+        let chosen: Vec<usize> = entries.iter().zip(self.ways).map(|(entry, ways)| ways[*entry]).collect();
+        self.context.complete(&chosen)
+    }
+}
+
+impl<'a> Way<'a> {
+    fn certain(item: &Arc<Item<'a>>) -> Way<'a> {
+        let build = Build { motor: item.motor, gear: None, piece: 0 };
+        Way { build, mass: (item.mass, item.mass), item: Some(item.clone()) }
+    }
+}
+
+fn bits(coordinates: &[f64]) -> Vec<u64> {
+    coordinates.iter().map(|y| y.to_bits()).collect()
+}
+
+/// How a motor may be built into a joint, whatever its load.
+fn builds<'a>(site: Site, catalog: &'a Catalog, motor: usize, needs: Needs) -> Vec<Build<'a>> {
+    if !site.is_geared() {
+        return (0..pieces(site.joint, needs).len()).map(|piece| Build { motor, gear: None, piece }).collect();
+    }
+    if site.joint.limits.spring.is_some() {
+        return vec![Build { motor, gear: None, piece: 0 }];
+    }
+    let of_catalog = |id: &str| catalog.gears.iter().find(|gear| gear.id == id);
+    let gears = site.mounts(&catalog.motors[motor]).filter_map(|mount| mount.gear_id().and_then(of_catalog));
+    gears.map(|gear| Build { motor, gear: Some(gear), piece: 0 }).collect()
+}
+
+/// All ways to build a joint that carries others of which all that is asked for is known, whatever the load; and the motors that are
+/// no choice for what is not known of them, or may not be one.
+fn ways<'a>(
+    robot: &'a Robot,
+    joint: &Joint,
+    catalog: &'a Catalog,
+    needs: Needs,
+    doubted: &mut Vec<usize>,
+) -> Vec<Way<'a>> {
+    let demand = JointDemand::new(joint, catalog);
+    let site = Site::new(robot, joint, &demand);
+    let pieces = pieces(joint, needs);
+    let of_motor = |motor: usize| {
+        let row = &catalog.motors[motor];
+        let mut doubt = false;
+        let mut of_motor: Vec<Way> = Vec::new();
+        if let Some(why) = lacking(row, demand.load.duration.is_some(), |q| joint.objective.weight(q) > 0.0) {
+            return (of_motor, why.unknown().is_some());
         }
-        RatioChoice::Catalog { patterns, .. } => {
-            let allowed =
-                catalog.gears.iter().filter(|g| patterns.iter().any(|p| crate::catalog::matches_pattern(p, &g.id)));
-            span(&mut allowed.filter_map(|g| g.mass))
+        for build in builds(site, catalog, motor, needs) {
+            let gear = build.gear.map(|gear| gear.id.as_str());
+            let mounts: Vec<Mount> = match gear {
+                None if site.is_geared() => site.mounts(row).collect(),
+                None => vec![site.direct(row)],
+                Some(_) => site.mount(row, gear).into_iter().collect(),
+            };
+            let Some(mass) = span(&mounts, &pieces[build.piece.min(pieces.len() - 1)], needs) else {
+                doubt = true;
+                continue;
+            };
+            let mut judged = false;
+            for mount in mounts {
+                match mount.prepared() {
+                    Ok(prepared) => {
+                        let of = |unchecked: &[Remark]| {
+                            judge::left_out(robot, joint, unchecked, needs.only_checked).is_some()
+                                || !judge::unjudged(robot, joint, unchecked).is_empty()
+                        };
+                        let unknown = of(&prepared.unchecked);
+                        doubt |= unknown || judge::may_change(&prepared, needs.only_checked);
+                        judged |= !unknown;
+                    }
+                    Err(why) => doubt |= why.unknown().is_some(),
+                }
+            }
+            if judged {
+                of_motor.push(Way { build, mass, item: None });
+            }
         }
+        (of_motor, doubt)
     };
-    let heaviest = joint.limits.actuator_mass.map_or(motor.1 + gear.1, |limit| limit.min(motor.1 + gear.1));
-    let sum = (motor.0 + gear.0, heaviest * (1.0 + 1e-6));
-    if sum.0.is_finite() && sum.0 <= sum.1 { sum } else { (0.0, 0.0) }
+    let all: Vec<(Vec<Way>, bool)> = (0..catalog.motors.len()).into_par_iter().map(of_motor).collect();
+    doubted.extend(all.iter().enumerate().filter(|(_, (_, doubt))| *doubt).map(|(motor, _)| motor));
+    all.into_iter().flat_map(|(ways, _)| ways).collect()
+}
+
+/// Lightest and heaviest that an actuator can be \[kg\]; `None` where its mass decides and is not known.
+fn span(mounts: &[Mount], piece: &Joint, needs: Needs) -> Option<(f64, f64)> {
+    let of = |mount: &Mount| {
+        let gear = match (mount.gear, piece.ratio.range()) {
+            (Some(gear), _) => gear.mass,
+            (None, Some((_, max))) => piece.gear.mass_at(max),
+            (None, None) => None,
+        };
+        Some(mount.motor.mass? + gear?)
+    };
+    let known: Vec<f64> = mounts.iter().filter_map(of).collect();
+    match known.iter().copied().reduce(f64::min).zip(known.iter().copied().reduce(f64::max)) {
+        Some(span) => Some(span),
+        None => (!needs.mass).then_some((0.0, 0.0)),
+    }
 }
 
 /// The joint with the spring that was chosen for it taking its part of the load; `None` where none was.
@@ -472,74 +708,4 @@ fn priced(
     }
     let u = minimise(&sum, a * a, b * b);
     value(&sum, u) - 1e-13 * value(&sum.map(f64::abs), u)
-}
-
-impl<'a> Joints<'a> for Context<'a> {
-    fn order(&self) -> &[usize] {
-        &self.order
-    }
-
-    fn count(&self, joint: usize) -> f64 {
-        f64::from(self.robot.joints[joint].count)
-    }
-
-    fn scale(&self, joint: usize) -> f64 {
-        self.total.scale[joint]
-    }
-
-    fn coordinates(&self, joint: usize, masses: &[Option<f64>]) -> Vec<f64> {
-        carry::coordinates(&self.robot.joints[joint], |i| masses[i].unwrap_or(0.0))
-    }
-
-    fn menu(&mut self, joint: usize, coordinates: &[f64]) -> Option<Rc<Menu<'a>>> {
-        let key = (joint, coordinates.iter().map(|y| y.to_bits()).collect::<Vec<u64>>());
-        if let Some(menu) = self.made.get(&key) {
-            return Some(menu.clone());
-        }
-        let work = self.catalog.motors.len() * self.robot.joints[joint].motion.len();
-        if self.made.len() >= MAX_MENUS.min(MENU_WORK / work.max(1)) {
-            return None;
-        }
-        let loaded = carry::loaded(&self.robot.joints[joint], coordinates);
-        let made = Rc::new(menu(self.robot, &loaded, self.catalog, self.needs[joint], self.stop));
-        self.made.insert(key, made.clone());
-        Some(made)
-    }
-
-    fn certain(&self, joint: usize) -> Option<Rc<Menu<'a>>> {
-        self.certain[joint].clone()
-    }
-
-    fn bound(&self, joint: usize, masses: &[Option<f64>]) -> (f64, f64) {
-        let Some(boxes) = &self.boxes[joint] else { return (0.0, 0.0) };
-        let part = carry::reach(&self.robot.joints[joint], |i| self.masses(masses, i));
-        (boxes.least(&part), self.reach[joint].0)
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.stop.now()
-    }
-
-    fn searched(&self, branches: usize, solved: usize) {
-        (self.searched)(branches, solved);
-    }
-
-    fn is_costly(&self) -> bool {
-        self.limit().is_some()
-    }
-
-    fn complete(&mut self, menus: &[Rc<Menu<'a>>], chosen: &[usize], coordinates: &[Vec<f64>]) -> Option<Completed> {
-        let items: Vec<&Item> = menus.iter().zip(chosen).map(|(m, i)| &m.items[*i]).collect();
-        let Some(limit) = self.limit() else {
-            let sum = |of: &dyn Fn(&Item) -> f64| -> f64 {
-                items.iter().zip(&self.total.scale).map(|(item, scale)| scale * of(item)).sum()
-            };
-            let value = sum(&|i| i.design.optimum.objective);
-            return Some(Completed { ratios: None, value, lower: sum(&|i| i.lower) });
-        };
-        match self.solve(&items, coordinates, limit) {
-            Outcome::Solved(s) => Some(Completed { ratios: Some(s.ratios), value: s.value, lower: s.lower }),
-            Outcome::TooMuch { .. } => None,
-        }
-    }
 }

@@ -1,14 +1,16 @@
 //! What may be built into one joint, given what it carries: every motor with every gear or number of
 //! stages that keeps the joint's own limits, each with its best ratio and the proof of it.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::actuator::limits::Remark;
-use crate::catalog::Catalog;
+use crate::catalog::{Catalog, Gear};
 use crate::design::answer::{Design, Reason, Refused};
 use crate::design::best::best_design;
 use crate::design::judge;
-use crate::design::mount::{JointDemand, Site};
+use crate::design::mount::{JointDemand, Mount, Site};
 use crate::design::options::Stop;
 use crate::design::program::Certificate;
 use crate::design::solved::{design, one_gear};
@@ -32,7 +34,7 @@ pub(super) struct Item<'a> {
 /// Everything that may be built into a joint.
 #[derive(Debug, Default)]
 pub(super) struct Menu<'a> {
-    pub items: Vec<Item<'a>>,
+    pub items: Vec<Arc<Item<'a>>>,
     /// Motors left out because they cannot be judged, each with what and why.
     pub unjudged: Vec<(usize, Vec<Remark>)>,
     /// Motors that were not solved, or not proved.
@@ -61,9 +63,21 @@ pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog,
             // What is found is no answer any more.
             _ if stop.now() => Made::default(),
             RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => {
-                continuous(site, &pieces, catalog, motor, needs)
+                let mut made = Made::default();
+                pieces.iter().for_each(|piece| made.continuous(site, piece, catalog, motor, needs));
+                made
             }
-            RatioChoice::Catalog { .. } => geared(site, catalog, motor, needs),
+            RatioChoice::Catalog { .. } => {
+                let mut made = Made::default();
+                match carrying.limits.spring.is_some() {
+                    true => made.sprung(site, catalog, motor, needs),
+                    false => {
+                        site.mounts(&catalog.motors[motor])
+                            .for_each(|mount| made.geared(&mount, catalog, motor, needs));
+                    }
+                }
+                made
+            }
         })
         .collect();
     let mut menu = Menu::default();
@@ -78,18 +92,44 @@ pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog,
     menu
 }
 
+/// One way to build a joint, whatever its load.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Build<'a> {
+    /// Index of the motor in the catalogue.
+    pub motor: usize,
+    /// The gear of the catalogue; `None` where the ratio is free, and with a spring, which is chosen for each gear.
+    pub gear: Option<&'a Gear>,
+    /// Which of the [`pieces`].
+    pub piece: usize,
+}
+
+/// What comes of one way to build a joint under a load.
+pub(super) fn made<'a>(site: Site, catalog: &'a Catalog, needs: Needs, build: Build) -> Made<'a> {
+    let mut made = Made::default();
+    match build.gear {
+        Some(gear) => {
+            let mut mounts = site.mounts(&catalog.motors[build.motor]);
+            let mount = mounts.find(|mount| mount.gear_id() == Some(gear.id.as_str()));
+            mount.into_iter().for_each(|mount| made.geared(&mount, catalog, build.motor, needs));
+        }
+        None if site.is_geared() => made.sprung(site, catalog, build.motor, needs),
+        None => made.continuous(site, &pieces(site.joint, needs)[build.piece], catalog, build.motor, needs),
+    }
+    made
+}
+
 /// What came of one motor.
 #[derive(Default)]
-struct Made<'a> {
-    items: Vec<Item<'a>>,
+pub(super) struct Made<'a> {
+    pub items: Vec<Arc<Item<'a>>>,
     /// What keeps some design of it from being judged.
-    unjudged: Vec<Remark>,
-    unproved: bool,
+    pub unjudged: Vec<Remark>,
+    pub unproved: bool,
 }
 
 /// The joint for each number of gear stages, where the mass decides; for each listed ratio, where it may leave its best;
 /// else the joint as it is.
-fn pieces(joint: &Joint, needs: Needs) -> Vec<Joint> {
+pub(super) fn pieces(joint: &Joint, needs: Needs) -> Vec<Joint> {
     let weighs = needs.mass || needs.moves && joint.objective.weight(Quantity::Mass) > 0.0;
     let between = |min: f64, max: f64| Joint { ratio: RatioChoice::Continuous { min, max }, ..joint.clone() };
     if let Some(values) = joint.ratio.listed()
@@ -109,12 +149,12 @@ fn pieces(joint: &Joint, needs: Needs) -> Vec<Joint> {
     ends.windows(2).map(|w| between(w[0], w[1])).collect()
 }
 
-fn continuous<'a>(site: Site, pieces: &[Joint], catalog: &'a Catalog, motor: usize, needs: Needs) -> Made<'a> {
-    let mut made = Made::default();
-    for piece in pieces {
+impl<'a> Made<'a> {
+    /// A motor with a free ratio of one piece.
+    fn continuous(&mut self, site: Site, piece: &Joint, catalog: &'a Catalog, motor: usize, needs: Needs) {
         match best_design(Site { joint: piece, ..site }, &catalog.motors[motor], needs.only_checked) {
             Ok(found) => {
-                let Some((_, max)) = piece.ratio.range() else { continue };
+                let Some((_, max)) = piece.ratio.range() else { return };
                 let window = found.optimum.window().clone();
                 let mass = catalog.motors[motor].mass.zip(piece.gear.mass_at(max)).map(|(a, b)| a + b);
                 // Nothing moves where the ratio stays; a spring stays with its ratio.
@@ -122,53 +162,47 @@ fn continuous<'a>(site: Site, pieces: &[Joint], catalog: &'a Catalog, motor: usi
                 let stays = found.spring.is_some() || !needs.moves;
                 let ratios =
                     if stays { (found.evaluation.ratio, found.evaluation.ratio) } else { (window.min, window.max) };
-                made.unproved |= needs.moves && (found.optimum.windows.len() > 1 || found.spring.is_some());
-                made.take(found, catalog, motor, mass, ratios, needs);
+                self.unproved |= needs.moves && (found.optimum.windows.len() > 1 || found.spring.is_some());
+                self.take(found, catalog, motor, mass, ratios, needs);
             }
-            Err(why) => made.refuse(why),
+            Err(why) => self.refuse(why),
         }
     }
-    made
-}
 
-fn geared<'a>(site: Site, catalog: &'a Catalog, motor: usize, needs: Needs) -> Made<'a> {
-    let Site { robot, joint, .. } = site;
-    let mut made = Made::default();
-    if joint.limits.spring.is_some() {
-        // The spring is chosen for each gear: only the best of them is known.
+    /// A motor with the best of the gears that it may have, each with a spring of its own: only the best of them is known.
+    fn sprung(&mut self, site: Site, catalog: &'a Catalog, motor: usize, needs: Needs) {
         match best_design(site, &catalog.motors[motor], needs.only_checked) {
             Ok(found) => {
                 let (mass, ratio) = (found.evaluation.mass, found.evaluation.ratio);
-                made.take(found, catalog, motor, mass, (ratio, ratio), needs);
-                made.unproved = true;
+                self.take(found, catalog, motor, mass, (ratio, ratio), needs);
+                self.unproved = true;
             }
             // That a gear's spring could not be solved for is told of the design alone.
             Err(Refused::Rejected(_)) => {}
-            Err(why) => made.refuse(why),
+            Err(why) => self.refuse(why),
         }
-        return made;
     }
-    for mount in site.mounts(&catalog.motors[motor]) {
-        let Some(gear) = mount.gear else { continue };
+
+    /// A motor with one gear of the catalogue.
+    fn geared(&mut self, mount: &Mount, catalog: &'a Catalog, motor: usize, needs: Needs) {
+        let Some(gear) = mount.gear else { return };
         let prepared = match mount.prepared() {
             Ok(prepared) => prepared,
             Err(why) => {
-                made.doubt(why.unknown());
-                continue;
+                self.doubt(why.unknown());
+                return;
             }
         };
         let evaluation = prepared.at(gear.ratio);
-        let Some(objective) = evaluation.objective(&joint.objective).filter(|_| evaluation.feasible) else { continue };
-        let found = design(&mount, &prepared, one_gear(gear.ratio, objective));
-        match judge::judged(robot, joint, found, needs.only_checked) {
-            Ok(found) => made.take(found, catalog, motor, evaluation.mass, (gear.ratio, gear.ratio), needs),
-            Err(why) => made.refuse(why),
+        let objective = evaluation.objective(&mount.joint.objective).filter(|_| evaluation.feasible);
+        let Some(objective) = objective else { return };
+        let found = design(mount, &prepared, one_gear(gear.ratio, objective));
+        match judge::judged(mount.robot, mount.joint, found, needs.only_checked) {
+            Ok(found) => self.take(found, catalog, motor, evaluation.mass, (gear.ratio, gear.ratio), needs),
+            Err(why) => self.refuse(why),
         }
     }
-    made
-}
 
-impl<'a> Made<'a> {
     /// Takes a design in.
     fn take(
         &mut self,
@@ -191,7 +225,7 @@ impl<'a> Made<'a> {
             }
         };
         let design = found.of_catalog(catalog);
-        self.items.push(Item { motor, design, mass: mass.unwrap_or(0.0), ratios, lower });
+        self.items.push(Arc::new(Item { motor, design, mass: mass.unwrap_or(0.0), ratios, lower }));
     }
 
     /// Notes why there is no item.

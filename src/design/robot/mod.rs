@@ -13,11 +13,11 @@ mod context;
 mod convex;
 mod menu;
 mod power;
+mod regions;
 mod search;
 mod shared;
+mod tangent;
 mod total;
-
-use std::collections::BTreeMap;
 
 use crate::actuator::limits::Remark;
 use crate::catalog::Catalog;
@@ -26,9 +26,9 @@ use crate::design::options::Stop;
 use crate::design::program::GAP_TOLERANCE;
 use crate::requirement::{Joint, Robot};
 pub use answer::{Apart, Change, Choice, Combination, NoChoice, Options, Proof, Sag, Wanting};
-use context::Context;
+use context::{Among, Context};
 pub(crate) use power::Draws;
-use search::{Answer, Rules};
+use search::{Answer, Found, Rules};
 pub use total::Total;
 
 /// Finds the best combination for a robot.
@@ -53,8 +53,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         .filter(|(_, menu)| menu.as_ref().is_some_and(|m| m.items.is_empty()))
         .map(|(joint, _)| joint.name.clone())
         .collect();
-    let nothing = || Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0 };
-    let answer = if empty.is_empty() { solve(&mut context, rules) } else { nothing() };
+    let answer = if empty.is_empty() { solve(&mut context, rules) } else { Answer::nothing() };
     let combinations: Vec<Combination> = answer.found.iter().map(|f| context.combination(f)).collect();
     let wanting = match (empty.is_empty(), combinations.is_empty()) {
         (false, _) => vec![Wanting::Joints(empty)],
@@ -70,7 +69,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         front = mass_front(&mut context, rules);
     }
     let proof = prove(&context, &answer);
-    let unjudged = unjudged(&context);
+    let unjudged = unjudged(&mut context, answer.found.first());
     let name = |j: &usize| robot.joints[*j].name.clone();
     let scenarios = &context.schedule.scenarios;
     // One joint that is alone in its place needs no time.
@@ -95,21 +94,10 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     })?)
 }
 
-/// Every motor that a joint's menus leave out because it cannot be judged there: by joint.
-fn unjudged<'a>(context: &Context<'a>) -> Vec<Apart<'a>> {
-    let mut all: BTreeMap<(usize, usize), Vec<Remark>> = BTreeMap::new();
-    for (joint, menu) in context.menus() {
-        for (motor, because) in &menu.unjudged {
-            let told = all.entry((joint, *motor)).or_default();
-            told.extend(because);
-        }
-    }
-    // Under another load it may be a choice.
-    for (joint, menu) in context.menus() {
-        menu.items.iter().for_each(|item| drop(all.remove(&(joint, item.motor))));
-    }
+/// Every motor that is no choice at a joint because it cannot be judged there.
+fn unjudged<'a>(context: &mut Context<'a>, found: Option<&Found<'a>>) -> Vec<Apart<'a>> {
+    let all = context.unjudged(found);
     let apart = |((joint, motor), mut because): ((usize, usize), Vec<Remark>)| {
-        // Menus under several loads are made in no certain order.
         because.sort_unstable();
         because.dedup();
         Apart { joint: &context.robot.joints[joint], motor: &context.catalog.motors[motor], because }
@@ -117,9 +105,15 @@ fn unjudged<'a>(context: &Context<'a>) -> Vec<Apart<'a>> {
     all.into_iter().map(apart).collect()
 }
 
-fn solve(context: &mut Context, rules: Rules) -> Answer {
-    let tables = context.tables(rules);
-    search::run(context, &tables, rules)
+fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
+    if !context.is_certain() {
+        return regions::solve(context, rules);
+    }
+    let ways: Vec<Vec<usize>> = context.ways.iter().map(|ways| (0..ways.len()).collect()).collect();
+    let (entries, tables) = (context.entries(&ways), context.tables(rules));
+    // Where a combination takes a program of its own there may not be too many.
+    let most = if context.limit().is_some() { search::MAX_SOLVED } else { usize::MAX };
+    search::run(&mut Among { context, ways: &ways }, &entries, &tables, rules, most, Vec::new())
 }
 
 fn prove(context: &Context, answer: &Answer) -> Proof {
@@ -134,7 +128,8 @@ fn prove(context: &Context, answer: &Answer) -> Proof {
     } else if gap.is_some_and(|g| g > GAP_TOLERANCE) {
         not_proved.push("the bounds did not meet".into());
     }
-    let mut unproved: Vec<usize> = context.menus().flat_map(|(_, m)| m.unproved.iter().copied()).collect();
+    let of_menus = context.certain.iter().flatten().flat_map(|menu| menu.unproved.iter());
+    let mut unproved: Vec<usize> = of_menus.chain(&context.unproved).copied().collect();
     unproved.sort_unstable();
     unproved.dedup();
     if !unproved.is_empty() {
@@ -155,7 +150,7 @@ fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
     let mut wanting = Vec::new();
     let one = Rules { keep: 1, ..rules };
     if rules.mass.is_some() {
-        let lightest = search::run(context, &[], Rules { mass: None, lightest: true, ..one });
+        let lightest = solve(context, Rules { mass: None, lightest: true, ..one });
         wanting.extend(lightest.found.first().map(|f| Wanting::Mass(f.mass)));
     }
     if let Some(limit) = rules.motors {
@@ -226,7 +221,7 @@ fn mass_front<'a>(context: &mut Context<'a>, rules: Rules) -> Vec<Combination<'a
     }
     let one = Rules { keep: 1, mass: None, ..rules };
     let free = solve(context, one);
-    let lightest = search::run(context, &[], Rules { lightest: true, ..one });
+    let lightest = solve(context, Rules { lightest: true, ..one });
     let (Some(free), Some(lightest)) = (free.found.first(), lightest.found.first()) else { return Vec::new() };
     let (most, least) = (free.mass, lightest.mass);
     let mut front = vec![context.combination(free)];

@@ -189,7 +189,7 @@ fn needs(limit: &Limit, corner: &Corner, motor: &Motor) -> bool {
     ends.into_iter().all(|((column, upper), (part, worst))| {
         // `None`: both ends.
         let end = match (limit.depends, part) {
-            (Depends::Anyhow, _) => None,
+            (Depends::BackEmf | Depends::Anyhow, _) => None,
             (Depends::Current | Depends::Temperature | Depends::Torque | Depends::Voltage, part)
             | (Depends::Power | Depends::PowerBack, part)
                 if part.is_of_torque() =>

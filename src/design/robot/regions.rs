@@ -1,0 +1,418 @@
+//! The best combinations where actuators load one another, by regions of what they weigh.
+//!
+//! The one idea: in a region each carried actuator weighs between two numbers. What a joint costs there is bounded from below by its
+//! tangents (`tangent`) at one load, less the masses at prices; as the prices are common, the joints fall apart: each way to build a
+//! joint has one cost, which bounds all combinations with it. What the bound rules out is left out, which narrows the region, and
+//! so on; a region in which too much is left is divided by the mass of one joint. The region with the least bound comes first.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use super::carry;
+use super::context::{Among, Context};
+use super::menu::Item;
+use super::search::{self, Answer, Rules, Table};
+use super::tangent::{Directions, Over, Sides, Tangent};
+use crate::design::mount::{Mount, Site};
+use crate::requirement::Joint;
+
+/// How often a region is narrowed at most before it is searched.
+const ROUNDS: usize = 6;
+/// Combinations that are solved at most in each round, and in the search of a region.
+const SOLVED: (usize, usize) = (24, 400);
+/// Tables of prices that are made at most.
+const TABLES: usize = 400;
+/// How often a range of ratios is divided at most, to see which ways are worth more, and for those.
+const DIVISIONS: (usize, usize) = (6, 200);
+/// What is nearer than this to the best is not told from it.
+const CLOSE: f64 = 1e-9;
+
+/// A region: the ways to build each joint that are left, and a bound of all combinations of them.
+struct Region {
+    ways: Vec<Vec<usize>>,
+    bound: f64,
+    tables: Vec<Table>,
+}
+
+/// Finds the best combinations.
+pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
+    let mut answer = Answer::nothing();
+    let all = (0..context.ways.len()).map(|j| (0..context.ways[j].len()).collect()).collect();
+    let mut open = vec![Region { ways: all, bound: f64::NEG_INFINITY, tables: Vec::new() }];
+    let mut made = 0;
+    while let Some(place) = (0..open.len()).min_by(|a, b| open[*a].bound.total_cmp(&open[*b].bound)) {
+        let region = open.swap_remove(place);
+        if region.bound >= answer.threshold(rules.keep) || region.ways.iter().any(Vec::is_empty) {
+            continue;
+        }
+        if made >= TABLES || context.stop.now() {
+            answer.finished = false;
+            answer.lower = answer.lower.min(region.bound);
+            continue;
+        }
+        let left = narrow(context, region, rules, &mut answer, &mut made);
+        open.extend(left.into_iter().flat_map(|region| divide(context, region, rules, &mut answer)));
+    }
+    if let Some(best) = answer.found.first() {
+        answer.lower = answer.lower.min(best.lower);
+    }
+    answer
+}
+
+/// Narrows a region; `None` where nothing is left of it.
+fn narrow<'a>(
+    context: &mut Context<'a>,
+    mut region: Region,
+    rules: Rules,
+    answer: &mut Answer<'a>,
+    made: &mut usize,
+) -> Option<Region> {
+    for _ in 0..ROUNDS {
+        let best = answer.found.first().map(|found| found.value);
+        let counts = |ways: &[Vec<usize>]| ways.iter().map(Vec::len).sum::<usize>();
+        let before = counts(&region.ways);
+        let center = answer.found.first().map(|found| found.items.iter().map(|item| item.mass).collect());
+        let table = table(context, &region.ways, center, answer.threshold(rules.keep), rules);
+        *made += 1;
+        region.tables.push(table);
+        // The last of them are the best; one of the region around this one may show what they do not.
+        if region.tables.len() > 3 {
+            region.tables.remove(1);
+        }
+        rule_out(context, &mut region, rules, answer.threshold(rules.keep));
+        if region.ways.iter().any(Vec::is_empty) {
+            return None;
+        }
+        search(context, &region, rules, answer, SOLVED.0);
+        rule_out(context, &mut region, rules, answer.threshold(rules.keep));
+        if region.ways.iter().any(Vec::is_empty) {
+            return None;
+        }
+        let better = answer.found.first().map(|found| found.value) != best;
+        if !better && counts(&region.ways) * 10 > before * 9 {
+            break;
+        }
+    }
+    Some(region)
+}
+
+/// Searches a region, and divides it where that was too much.
+fn divide<'a>(context: &mut Context<'a>, region: Region, rules: Rules, answer: &mut Answer<'a>) -> Vec<Region> {
+    let by = dividing(context, &region.ways);
+    let most = if by.is_some() { SOLVED.1 } else { search::MAX_SOLVED };
+    let (finished, lower) = search(context, &region, rules, answer, most);
+    if finished {
+        answer.lower = answer.lower.min(lower);
+        return Vec::new();
+    }
+    let Some((joint, middle)) = by else {
+        answer.finished = false;
+        answer.lower = answer.lower.min(lower);
+        return Vec::new();
+    };
+    let mass = |way: &usize| context.ways[joint][*way].mass.0;
+    let halves = [false, true].map(|heavy| {
+        let mut ways = region.ways.clone();
+        ways[joint].retain(|way| (mass(way) > middle) == heavy);
+        Region { ways, bound: region.bound.max(lower), tables: region.tables.clone() }
+    });
+    halves.into_iter().collect()
+}
+
+/// The joint whose mass leaves most open, and where its masses are divided; `None` where all are known.
+fn dividing(context: &Context, ways: &[Vec<usize>]) -> Option<(usize, f64)> {
+    let robot = context.robot;
+    let spread = |joint: usize| {
+        let (low, high) = masses(context, joint, &ways[joint]);
+        let of = |carrier: &Joint| {
+            let carried = carrier.carries.iter().filter(|c| c.joint == joint);
+            carried.map(|c| c.torque_per_mass.iter().fold(0.0_f64, |most, t| most.max(t.abs()))).sum::<f64>()
+        };
+        (high - low) * robot.joints.iter().map(of).sum::<f64>()
+    };
+    let widest = (0..ways.len()).max_by(|a, b| spread(*a).total_cmp(&spread(*b))).filter(|j| spread(*j) > 0.0)?;
+    let mut known: Vec<f64> = ways[widest].iter().map(|way| context.ways[widest][*way].mass.0).collect();
+    known.sort_by(f64::total_cmp);
+    known.dedup();
+    // As many masses on both sides.
+    let lower = known[(known.len() - 1) / 2];
+    (known.len() > 1).then_some((widest, lower))
+}
+
+/// Lightest and heaviest of some ways to build a joint \[kg\].
+fn masses(context: &Context, joint: usize, ways: &[usize]) -> (f64, f64) {
+    let of = |span: (f64, f64), way: &usize| {
+        let mass = context.ways[joint][*way].mass;
+        (span.0.min(mass.0), span.1.max(mass.1))
+    };
+    let span = ways.iter().fold((f64::INFINITY, f64::NEG_INFINITY), of);
+    if span.0.is_finite() { span } else { (0.0, 0.0) }
+}
+
+/// Searches what is left of a region: whether it came to its end, and its bound.
+fn search<'a>(
+    context: &mut Context<'a>,
+    region: &Region,
+    rules: Rules,
+    answer: &mut Answer<'a>,
+    most: usize,
+) -> (bool, f64) {
+    let entries = context.entries(&region.ways);
+    let tables = context.with_prices_of_mass(region.tables.clone(), &region.ways, rules);
+    let left = |costs: &Vec<f64>, ways: &Vec<usize>| ways.iter().map(|way| costs[*way]).collect();
+    let compact = |table: &Table| Table {
+        costs: table.costs.iter().zip(&region.ways).map(|(costs, ways)| left(costs, ways)).collect(),
+        ..*table
+    };
+    let tables: Vec<Table> = tables.iter().map(compact).collect();
+    let found = std::mem::take(&mut answer.found);
+    let part = search::run(&mut Among { context, ways: &region.ways }, &entries, &tables, rules, most, found);
+    answer.found = part.found;
+    answer.nodes += part.nodes;
+    answer.solved += part.solved;
+    (part.finished, part.lower)
+}
+
+/// Leaves out what no combination below a value has, and raises the region's bound.
+fn rule_out(context: &Context, region: &mut Region, rules: Rules, threshold: f64) {
+    let tables = context.with_prices_of_mass(region.tables.clone(), &region.ways, rules);
+    let entries = context.entries(&region.ways);
+    let mut keep: Vec<Vec<bool>> = region.ways.iter().map(|ways| vec![true; ways.len()]).collect();
+    for table in &tables {
+        let cost = |joint: usize, k: usize| {
+            let way = region.ways[joint][k];
+            search::cost(table, rules, joint, way, &entries[joint][k])
+        };
+        let least = |joint: usize| (0..entries[joint].len()).map(|k| cost(joint, k)).fold(f64::INFINITY, f64::min);
+        let all: Vec<f64> = (0..entries.len()).map(least).collect();
+        let bound = search::constant(table, rules) + all.iter().sum::<f64>();
+        region.bound = region.bound.max(bound);
+        for (joint, keep) in keep.iter_mut().enumerate() {
+            let others = bound - all[joint];
+            for (k, keep) in keep.iter_mut().enumerate() {
+                let of = cost(joint, k);
+                let ruled_out =
+                    if all[joint].is_finite() && others.is_finite() { others + of >= threshold } else { false };
+                *keep &= !(of == f64::INFINITY || ruled_out);
+            }
+        }
+    }
+    for (ways, keep) in region.ways.iter_mut().zip(keep) {
+        let mut keep = keep.into_iter();
+        ways.retain(|_| keep.next().unwrap_or(true));
+    }
+}
+
+/// A carrying joint at the load of a table.
+struct Place {
+    joint: Joint,
+    sides: Sides,
+    own_sides: HashMap<String, Sides>,
+    directions: Directions,
+    /// For each carried joint how much lighter and heavier it may be \[kg\].
+    masses: Vec<(f64, f64)>,
+    coordinates: Vec<f64>,
+}
+
+/// Costs of all ways that are left, at the masses of a combination; without one, at those that seem best one after another.
+fn table<'a>(
+    context: &mut Context<'a>,
+    ways: &[Vec<usize>],
+    center: Option<Vec<f64>>,
+    threshold: f64,
+    rules: Rules,
+) -> Table {
+    let n = ways.len();
+    let reach: Vec<(f64, f64)> = (0..n).map(|j| masses(context, j, &ways[j])).collect();
+    let given = center.is_some();
+    // The masses of a combination elsewhere are moved into the region.
+    let mut center = center.unwrap_or_else(|| vec![0.0; n]);
+    center.iter_mut().zip(&reach).for_each(|(mass, (low, high))| *mass = mass.clamp(*low, *high));
+    let mut costs: Vec<Vec<f64>> = context.ways.iter().map(|ways| vec![f64::INFINITY; ways.len()]).collect();
+    // The price of a kilogram at each joint.
+    let mut prices = vec![0.0; n];
+    let mut places: Vec<Option<(Place, Vec<f64>)>> = (0..n).map(|_| None).collect();
+    for j in context.order.clone() {
+        let scale = context.total.scale[j];
+        let carried: Vec<usize> = context.robot.joints[j].carries.iter().map(|c| c.joint).collect();
+        if carried.is_empty() {
+            for way in &ways[j] {
+                let lower = context.ways[j][*way].item.as_ref().map_or(f64::NEG_INFINITY, |item| item.lower);
+                costs[j][*way] = scale * lower;
+            }
+            let least = ways[j].iter().min_by(|a, b| costs[j][**a].total_cmp(&costs[j][**b]));
+            if let (false, Some(way)) = (given, least) {
+                center[j] = context.ways[j][*way].mass.0;
+            }
+            continue;
+        }
+        let place = Place::new(context, j, &center, &reach);
+        let here = vec![(0.0, 0.0); carried.len()];
+        let nothing = vec![0.0; carried.len()];
+        let over = Over { masses: &here, prices: &nothing, enough: f64::INFINITY, divisions: DIVISIONS.0 };
+        let of_here = place.bounds(context, j, &ways[j], over, &[]);
+        let (reference, slopes) = place.reference(context, j, &ways[j], &of_here);
+        if let (false, Some(way)) = (given, reference) {
+            center[j] = context.ways[j][way].mass.0;
+        }
+        let slopes = if rules.lightest { nothing } else { slopes };
+        carried.iter().zip(&slopes).for_each(|(k, slope)| prices[*k] += scale * slope);
+        places[j] = Some((place, slopes));
+    }
+    for j in 0..n {
+        let Some((place, slopes)) = &places[j] else { continue };
+        let over = Over { masses: &place.masses, prices: slopes, enough: f64::INFINITY, divisions: DIVISIONS.0 };
+        let bounds = place.bounds(context, j, &ways[j], over, &[]);
+        for (way, bound) in ways[j].iter().zip(bounds) {
+            costs[j][*way] = context.total.scale[j] * bound;
+        }
+    }
+    if rules.lightest {
+        let mass = context.masses();
+        let of = |joint: usize, way: usize| {
+            if costs[joint][way] == f64::INFINITY { f64::INFINITY } else { mass[joint][way] }
+        };
+        let costs = (0..n).map(|j| (0..costs[j].len()).map(|way| of(j, way)).collect()).collect();
+        return Table { per_mass: 0.0, costs, offset: 0.0 };
+    }
+    for j in 0..n {
+        for way in &ways[j] {
+            let (low, high) = context.ways[j][*way].mass;
+            let (a, b) = (prices[j] * (low - center[j]), prices[j] * (high - center[j]));
+            costs[j][*way] += a.min(b);
+        }
+    }
+    // Where a way may still be one of the best it is worth more: limits that bind at this load have prices then.
+    for j in (0..n).filter(|_| threshold.is_finite()) {
+        let Some((place, slopes)) = &places[j] else { continue };
+        let least = |k: usize| ways[k].iter().map(|way| costs[k][*way]).fold(f64::INFINITY, f64::min);
+        let others: f64 = (0..n).filter(|k| *k != j).map(least).sum();
+        let open: Vec<usize> = ways[j].iter().copied().filter(|way| others + costs[j][*way] < threshold).collect();
+        let items = context.exact(j, &open, &place.coordinates);
+        let scale = context.total.scale[j];
+        let own = |way: usize| {
+            let (low, high) = context.ways[j][way].mass;
+            (prices[j] * (low - center[j])).min(prices[j] * (high - center[j]))
+        };
+        let own: Vec<f64> = open.iter().map(|way| own(*way)).collect();
+        // Of the lightest of them by its own mass.
+        let most = own.iter().copied().fold(f64::INFINITY, f64::min);
+        let enough = (threshold - others - most) / scale;
+        let over = Over { masses: &place.masses, prices: slopes, enough, divisions: DIVISIONS.1 };
+        let bounds = place.bounds(context, j, &open, over, &items);
+        for ((way, bound), own) in open.iter().zip(bounds).zip(own) {
+            costs[j][*way] = costs[j][*way].max(scale * bound + own);
+        }
+    }
+    Table { per_mass: 0.0, costs, offset: 0.0 }
+}
+
+impl Place {
+    fn new(context: &mut Context, j: usize, center: &[f64], reach: &[(f64, f64)]) -> Place {
+        let joint = &context.robot.joints[j];
+        let coordinates = carry::coordinates(joint, |k| center[k]);
+        let directions = carry::directions_of(joint);
+        let masses =
+            joint.carries.iter().map(|c| (reach[c.joint].0 - center[c.joint], reach[c.joint].1 - center[c.joint]));
+        let masses = masses.collect();
+        let carrying = context.carrying(j, &coordinates);
+        let sides = Sides::new(&carrying.demand.load, &directions);
+        let own = carrying.demand.own_loads().map(|(gear, load)| (gear.id.clone(), Sides::new(load, &directions)));
+        let own_sides = own.collect();
+        Place { joint: carrying.joint.clone(), sides, own_sides, directions, masses, coordinates }
+    }
+
+    /// Lower bounds of some ways to build the joint, with prices on the limits that bind where they are best at this load.
+    fn bounds(
+        &self,
+        context: &mut Context,
+        j: usize,
+        ways: &[usize],
+        over: Over,
+        items: &[Option<std::sync::Arc<Item>>],
+    ) -> Vec<f64> {
+        let carrying = context.carrying(j, &self.coordinates);
+        let (robot, catalog, needs) = (context.robot, context.catalog, context.needs[j]);
+        let site = Site::new(robot, &self.joint, &carrying.demand);
+        let pieces = super::menu::pieces(&self.joint, needs);
+        // Energy may be less than nothing; all else is not.
+        let trivial = match self.joint.objective.weight(crate::requirement::Quantity::Energy) > 0.0 {
+            true => f64::NEG_INFINITY,
+            false => 0.0,
+        };
+        let all = &context.ways[j];
+        let of = |(k, way): (usize, &usize)| {
+            let build = all[*way].build;
+            let row = &catalog.motors[build.motor];
+            let gear = build.gear.map(|gear| gear.id.as_str());
+            let Ok(mount) = site.mount(row, gear) else { return f64::INFINITY };
+            if gear.is_none() && site.is_geared() {
+                return trivial;
+            }
+            let Some(tangent) = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)]) else { return trivial };
+            let item = items.get(k).and_then(Option::as_ref);
+            let tangent = match item.and_then(|item| binding(item)) {
+                Some((ratio, limit)) => tangent.with_price(ratio, limit),
+                None => tangent,
+            };
+            tangent.least(over)
+        };
+        ways.par_iter().enumerate().map(of).collect()
+    }
+
+    fn tangent<'t>(&'t self, mount: Mount<'t, 't>, piece: &Joint) -> Option<Tangent<'t>> {
+        let own = mount.gear.and_then(|gear| self.own_sides.get(&gear.id));
+        let range = match (mount.gear, piece.ratio.range()) {
+            (Some(gear), _) => (gear.ratio, gear.ratio),
+            (None, range) => range?,
+        };
+        Tangent::new(mount, own.unwrap_or(&self.sides), &self.directions, &self.joint.objective, range)
+    }
+
+    /// The best way to build the joint at this load, and what a kilogram more of each carried joint costs it.
+    fn reference(&self, context: &mut Context, j: usize, ways: &[usize], bounds: &[f64]) -> (Option<usize>, Vec<f64>) {
+        let mut order: Vec<usize> = (0..ways.len()).filter(|k| bounds[*k] < f64::INFINITY).collect();
+        order.sort_by(|a, b| bounds[*a].total_cmp(&bounds[*b]).then(a.cmp(b)));
+        let mut best: Option<(f64, usize, std::sync::Arc<Item>)> = None;
+        for k in order {
+            if best.as_ref().is_some_and(|(value, ..)| bounds[k] >= *value) {
+                break;
+            }
+            let Some(item) = context.exact(j, &[ways[k]], &self.coordinates).pop().flatten() else { continue };
+            let value = item.design.optimum.objective;
+            if best.as_ref().is_none_or(|(least, ..)| value < *least) {
+                best = Some((value, ways[k], item));
+            }
+        }
+        let nothing = vec![0.0; self.masses.len()];
+        let Some((_, way, item)) = best else { return (None, nothing) };
+        let carrying = context.carrying(j, &self.coordinates);
+        let site = Site::new(context.robot, &self.joint, &carrying.demand);
+        let build = context.ways[j][way].build;
+        let gear = build.gear.map(|gear| gear.id.as_str());
+        let pieces = super::menu::pieces(&self.joint, context.needs[j]);
+        let ratio = item.design.evaluation.ratio;
+        let slopes = site.mount(&context.catalog.motors[build.motor], gear).ok().and_then(|mount| {
+            let tangent = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)])?;
+            let tangent = match binding(&item) {
+                Some((ratio, limit)) => tangent.with_price(ratio, limit),
+                None => tangent,
+            };
+            Some(tangent.slopes(ratio))
+        });
+        (Some(way), slopes.unwrap_or(nothing))
+    }
+}
+
+/// The limit that ends the ratios of an item where it is best, and the ratio.
+fn binding<'i>(item: &'i Item) -> Option<(f64, &'i str)> {
+    let (optimum, ratio) = (&item.design.optimum, item.design.evaluation.ratio);
+    let window = optimum.windows.first().map(|_| optimum.window())?;
+    let is = |end: f64| (ratio / end - 1.0).abs() < CLOSE.sqrt();
+    match () {
+        () if is(window.max) => Some((ratio, window.high.limit)),
+        () if is(window.min) => Some((ratio, window.low.limit)),
+        () => None,
+    }
+}

@@ -1,0 +1,414 @@
+//! What one motor and gear cost a joint at least, over all loads that the actuators which it carries may make.
+//!
+//! The one idea: at a *fixed* ratio what a joint costs, and what its convex limits ask for, is convex in its load, and the load is a
+//! straight line in the masses that are carried. So at every ratio the tangent at one load is below all others, and a tangent is a
+//! polynomial in the ratio whose coefficients are straight lines in the masses: no convexity in the ratio is needed, and Coulomb
+//! friction does no harm. With prices of a kilogram on the masses what is left is a search over the ratio alone.
+//!
+//! Power is held to the way in which it flows through the gear at the load of the tangent. A sample whose way may turn takes more torque
+//! towards its motion than that, which heats less only where the motor brakes: by that much the tangent is lowered.
+
+use super::convex::under;
+use crate::actuator::limits::{Asked, Class, Demand, GEAR_LIFE};
+use crate::actuator::shaft::{Feature, Flow};
+use crate::actuator::supply::Drawn;
+use crate::actuator::waveform::{Functional, WavePoint};
+use crate::actuator::{Actuator, Laurent, Load};
+use crate::design::Prepared;
+use crate::design::mount::Mount;
+use crate::design::program::{RatioProgram, largest_ratio_by_monomial, minimise, value};
+use crate::requirement::{Objective, Quantity};
+
+/// A bound that is nearer than this to a value is as good as it.
+const CLOSE: f64 = 1e-10;
+/// Ratios that are so near to one another are one.
+const SAME: f64 = 1e-7;
+/// What a limit may be exceeded by and still count as kept.
+const KEPT: f64 = 1e-8;
+
+/// What is carried, as a joint's load moves with it.
+#[derive(Debug)]
+pub(super) struct Directions {
+    /// Torque and its rate at each sample, for a unit of each coordinate.
+    pub courses: Vec<(Vec<f64>, Vec<f64>)>,
+    /// For each carried joint the coordinate that its mass moves, and by how much a kilogram does.
+    pub of_carried: Vec<(usize, f64)>,
+}
+
+/// A load, and the same a unit of each coordinate to either side.
+#[derive(Debug)]
+pub(super) struct Sides {
+    pub sides: Vec<[Load; 2]>,
+}
+
+impl Sides {
+    pub(super) fn new(load: &Load, directions: &Directions) -> Sides {
+        let side =
+            |(torque, rate): &(Vec<f64>, Vec<f64>)| [-1.0, 1.0].map(|amount| load.shifted((torque, rate), amount));
+        Sides { sides: directions.courses.iter().map(side).collect() }
+    }
+}
+
+/// Over what a bound is asked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Over<'o> {
+    /// For each carried joint how much lighter and heavier it may be than at the load of the tangent \[kg\].
+    pub masses: &'o [(f64, f64)],
+    /// For each carried joint the price of a kilogram \[objective/kg\].
+    pub prices: &'o [f64],
+    /// What is certainly beyond this need not be known better.
+    pub enough: f64,
+    /// How often the range of ratios is divided at most.
+    pub divisions: usize,
+}
+
+/// A motor and gear at one load, with what its cost and its limits are near it.
+pub(super) struct Tangent<'t> {
+    prepared: Prepared<'t>,
+    sides: Vec<[Prepared<'t>; 2]>,
+    directions: &'t Directions,
+    objective: &'t Objective,
+    /// The same without what is the largest over samples.
+    calm: Objective,
+    range: (f64, f64),
+    /// A limit that binds at this load with its multiplier, and the ratio at which it does.
+    priced: Option<(usize, f64, f64)>,
+}
+
+/// A polynomial and its slopes by the mass of each carried joint.
+struct Plane {
+    value: Laurent,
+    slopes: Vec<Laurent>,
+}
+
+impl<'t> Tangent<'t> {
+    /// Of a mount over a range of ratios; `None` where it is not known how it moves with the load.
+    pub(super) fn new(
+        mount: Mount<'t, 't>,
+        sides: &'t Sides,
+        directions: &'t Directions,
+        objective: &'t Objective,
+        range: (f64, f64),
+    ) -> Option<Tangent<'t>> {
+        let prepared = mount.prepared().ok()?;
+        let candidate = &prepared.candidate;
+        let unknown = candidate.ends().any(|end| end.shortfall.saturates())
+            || candidate.has_evaluated_effects()
+            || candidate.whole_map().is_some()
+            || candidate.joint.limits.spring.is_some()
+            || !passes_more_when_driving(&candidate.actuator);
+        if unknown {
+            return None;
+        }
+        let at = |load: &'t Load| Mount { load, ..mount }.prepared().ok();
+        let of_sides = sides.sides.iter().map(|[low, high]| Some([at(low)?, at(high)?]));
+        let sides: Vec<[Prepared; 2]> = of_sides.collect::<Option<_>>()?;
+        let max = prepared.asked.iter().filter_map(upper_end).fold(range.1, f64::min);
+        let peaks = [Quantity::PeakCurrent, Quantity::PeakPower];
+        let terms = objective.terms.iter().copied().filter(|(quantity, _)| !peaks.contains(quantity)).collect();
+        let range = (range.0, max);
+        Some(Tangent { prepared, sides, directions, objective, calm: Objective { terms }, range, priced: None })
+    }
+
+    /// The same with a price on the limit that ends the ratios at the best one of this load.
+    pub(super) fn with_price(mut self, ratio: f64, limit: &str) -> Tangent<'t> {
+        let same = |asked: &&(usize, &Asked)| asked.1.limit.name == limit && may_be_priced(asked.1);
+        let all = self.prepared.asked.iter().enumerate();
+        let raw = |asked: &Asked| asked.raw_demand(&self.prepared.candidate, ratio).0;
+        let worst = all.filter(|a| same(&a)).max_by(|a, b| raw(a.1).total_cmp(&raw(b.1)));
+        let Some((index, _)) = worst else { return self };
+        let Some(row) = self.row(index, ratio).map(|(plane, _)| plane) else { return self };
+        let multiplier = -self.cut(self.objective, ratio).slope(ratio) / row.value.slope(ratio);
+        if multiplier.is_finite() && multiplier > 0.0 {
+            self.priced = Some((index, multiplier, ratio));
+        }
+        self
+    }
+
+    /// What a kilogram more of each carried joint costs at a ratio, with what is priced.
+    pub(super) fn slopes(&self, ratio: f64) -> Vec<f64> {
+        let mut plane = self.goal(self.objective, ratio);
+        if let Some((index, multiplier, at)) = self.priced
+            && let Some((row, _)) = self.row(index, at)
+        {
+            plane.slopes.iter_mut().zip(&row.slopes).for_each(|(slope, of_row)| *slope = *slope + *of_row * multiplier);
+        }
+        plane.slopes.iter().map(|slope| slope.at(ratio)).collect()
+    }
+
+    /// Least cost, less what the masses are worth at their prices, over the ratios and masses; infinite where none keeps the limits.
+    pub(super) fn least(&self, over: Over) -> f64 {
+        let (min, max) = self.range;
+        if min > max * (1.0 + SAME) || self.is_too_much(over) {
+            return f64::INFINITY;
+        }
+        let mut open = vec![self.piece((min, max.max(min)), over)];
+        for _ in 0..over.divisions {
+            let Some(place) = (0..open.len()).min_by(|a, b| open[*a].bound.total_cmp(&open[*b].bound)) else { break };
+            let lowest = &open[place];
+            let (a, b) = lowest.ratios;
+            let close = lowest.value - lowest.bound <= CLOSE * lowest.value.abs();
+            if lowest.bound >= over.enough || close || b / a - 1.0 < SAME {
+                break;
+            }
+            let middle = (a * b).sqrt();
+            open.swap_remove(place);
+            for half in [(a, middle), (middle, b)] {
+                let piece = self.piece(half, over);
+                if piece.bound < f64::INFINITY {
+                    open.push(piece);
+                }
+            }
+        }
+        open.iter().map(|piece| piece.bound).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a limit that no ratio changes is exceeded by all loads.
+    fn is_too_much(&self, over: Over) -> bool {
+        let motion = &self.prepared.candidate.joint.motion;
+        self.prepared.asked.iter().any(|asked| match asked.demand {
+            Demand::Fixed(value, Some(sample)) if value == motion.torque[sample].abs() => {
+                let (low, high) = self.reach(motion.torque[sample], sample, over);
+                let least = if low > 0.0 { low } else { (-high).max(0.0) };
+                least > asked.raw_bound() * (1.0 + KEPT)
+            }
+            _ => false,
+        })
+    }
+
+    /// Lowest and highest torque at a sample that is a torque at the load of the tangent.
+    fn reach(&self, torque: f64, sample: usize, over: Over) -> (f64, f64) {
+        let mut reach = (torque, torque);
+        for ((coordinate, factor), (low, high)) in self.directions.of_carried.iter().zip(over.masses) {
+            let per_mass = factor * self.directions.courses[*coordinate].0[sample];
+            reach.0 += (per_mass * low).min(per_mass * high);
+            reach.1 += (per_mass * low).max(per_mass * high);
+        }
+        reach
+    }
+
+    /// Whether power may flow through the gear in another way at some load.
+    fn may_turn(&self, point: &WavePoint, over: Over) -> bool {
+        let speed = point.features[Feature::Velocity as usize];
+        let (low, high) = self.reach(point.features[Feature::Load as usize], point.origin, over);
+        point.flow != Flow::Holding && [low, high].iter().any(|torque| Flow::of(*torque, speed) != point.flow)
+    }
+
+    /// By how much the mean of the squared torque at the shaft \[N²·m²\] may be below that with power flowing as it does, and by how
+    /// much the mean power through the gear may be above it \[W\].
+    fn turning(&self, (low, high): (f64, f64), over: Over) -> (f64, f64) {
+        let candidate = &self.prepared.candidate;
+        let of_end = |actuator: &Actuator| {
+            let mut sums = (0.0, 0.0);
+            for (point, weight) in candidate.load.means().filter(|(point, _)| self.may_turn(point, over)) {
+                let features = &point.features;
+                let torque = features[Feature::Load as usize];
+                let towards = features[Feature::Velocity as usize].signum();
+                let reach = self.reach(torque, point.origin, over);
+                let [_, constant, inertial] = actuator.torque_terms(point.flow, features);
+                let passed = actuator.torque_form(point.flow)[Feature::Load];
+                let least = |x: f64, a: f64, b: f64| (x * a).min(x * b);
+                let load = [reach.0, reach.1].map(|e| least(towards * passed * e, 1.0 / low, 1.0 / high));
+                let least_torque = load[0].min(load[1]) + towards * constant + least(towards * inertial, low, high);
+                let other_side = [reach.0, reach.1].into_iter().filter(|e| Flow::of(*e, towards) != point.flow);
+                let furthest = other_side.map(f64::abs).fold(0.0, f64::max);
+                let jump = actuator.torque_form(Flow::Driving)[Feature::Load]
+                    - actuator.torque_form(Flow::Braking)[Feature::Load];
+                sums.0 += weight * 2.0 * (-least_torque).max(0.0) * furthest * jump / low;
+                sums.1 += weight * features[Feature::Velocity as usize].abs() * furthest * jump;
+            }
+            sums
+        };
+        candidate.ends().map(of_end).fold((0.0, 0.0), |most: (f64, f64), of| (most.0.max(of.0), most.1.max(of.1)))
+    }
+
+    /// By how much the objective may be below that with power flowing as it does, for what [`Tangent::turning`] gives.
+    fn lowered(&self, (squared, power): (f64, f64)) -> f64 {
+        let candidate = &self.prepared.candidate;
+        let of_end = |actuator: &Actuator| {
+            let heating = actuator.heating();
+            let taken = Drawn::new(&candidate.robot.bus).per_power(1.0).max(1.0);
+            let drawn = (heating * actuator.with_leads() + actuator.conduction()) * taken;
+            let weight = |quantity| self.objective.weight(quantity);
+            // Of power that is not kept the loss is counted less what the motor turned into it.
+            let excess = (actuator.back_emf_constant / actuator.torque_constant - 1.0).max(0.0);
+            let duration = candidate.load.duration.unwrap_or(0.0);
+            squared
+                * (weight(Quantity::CopperLoss) * heating
+                    + (weight(Quantity::Loss) + weight(Quantity::Energy) * duration) * drawn)
+                + power * excess * weight(Quantity::Loss)
+        };
+        candidate.ends().map(of_end).fold(0.0, f64::max)
+    }
+
+    fn program<'s>(&'s self, of: &'s Prepared<'t>, objective: &'s Objective) -> RatioProgram<'s> {
+        RatioProgram::under(of, objective, self.range, Vec::new())
+    }
+
+    fn cut(&self, objective: &Objective, ratio: f64) -> Laurent {
+        self.program(&self.prepared, objective).objective_cut(ratio).0
+    }
+
+    /// The objective's cut at a ratio.
+    fn goal(&self, objective: &Objective, ratio: f64) -> Plane {
+        let here = self.program(&self.prepared, objective);
+        self.plane(|there| self.program(there, objective).cut_like(&here, ratio))
+    }
+
+    /// The row of a limit over which a ratio goes most, and the point that it is of, where it is one of samples.
+    fn row(&self, index: usize, ratio: f64) -> Option<(Plane, Option<WavePoint>)> {
+        let asked = &self.prepared.asked[index];
+        let here = &self.prepared.candidate;
+        if let Demand::Polynomial(..) = asked.demand {
+            let same = |there: &Prepared| {
+                let of = there.asked.iter().find(|a| a.limit.name == asked.limit.name && a.end == asked.end)?;
+                match of.demand {
+                    Demand::Polynomial(polynomial, _) => Some(polynomial),
+                    _ => None,
+                }
+            };
+            let all = std::iter::once(&self.prepared).chain(self.sides.iter().flatten());
+            if all.clone().any(|there| same(there).is_none()) {
+                return None;
+            }
+            return Some((self.plane(|there| same(there).unwrap_or_default()), None));
+        }
+        let (_, point) = asked.polynomial_like(here, here, ratio)?;
+        let of =
+            |there: &Prepared| asked.polynomial_like(&there.candidate, here, ratio).map(|(p, _)| p).unwrap_or_default();
+        Some((self.plane(of), Some(point)))
+    }
+
+    /// What a parabola in the load is here, and its slopes.
+    fn plane(&self, of: impl Fn(&Prepared<'t>) -> Laurent) -> Plane {
+        let by_coordinate: Vec<Laurent> =
+            self.sides.iter().map(|[low, high]| (of(high) + of(low) * -1.0) * 0.5).collect();
+        let slopes = self.directions.of_carried.iter().map(|(c, factor)| by_coordinate[*c] * *factor).collect();
+        Plane { value: of(&self.prepared), slopes }
+    }
+
+    fn piece(&self, ratios: (f64, f64), over: Over) -> Piece {
+        let middle = (ratios.0 * ratios.1).sqrt();
+        let turning = self.turning(ratios, over);
+        if self.is_beyond_a_limit(ratios, middle, turning.0, over) {
+            return Piece { ratios, bound: f64::INFINITY, value: f64::INFINITY };
+        }
+        let turns = |objective: &Objective| {
+            let peaks = self.program(&self.prepared, objective).peaks(middle);
+            peaks.iter().any(|point| self.may_turn(point, over))
+        };
+        // What is the largest of samples is at least nothing.
+        let objective = if turns(self.objective) { &self.calm } else { self.objective };
+        let mut plane = self.goal(objective, middle);
+        let mut lowered = self.lowered(turning);
+        let steps = self.program(&self.prepared, objective).objective_cut(ratios.1).1;
+        plane.value = plane.value + Laurent::constant(steps);
+        if let Some((index, multiplier, at)) = self.priced
+            && let Some((row, point)) = self.row(index, at)
+            && !point.is_some_and(|point| self.may_turn(&point, over))
+        {
+            let bound = self.prepared.asked[index].raw_bound();
+            let share = self.prepared.candidate.load.share_of_time;
+            lowered += if point.is_none() { multiplier * turning.0 * share } else { 0.0 };
+            plane.value = plane.value + (row.value + Laurent::constant(-bound - KEPT * bound.abs())) * multiplier;
+            plane.slopes.iter_mut().zip(&row.slopes).for_each(|(slope, of_row)| *slope = *slope + *of_row * multiplier);
+        }
+        let (bound, value) = plane.least(ratios, middle, over.masses, over.prices);
+        Piece { ratios, bound: bound - lowered, value: value - lowered }
+    }
+
+    /// Whether a limit is exceeded all over a piece by all loads.
+    fn is_beyond_a_limit(&self, ratios: (f64, f64), middle: f64, turning: f64, over: Over) -> bool {
+        let share = self.prepared.candidate.load.share_of_time;
+        let beyond = |index: usize, asked: &Asked| {
+            let bound = asked.raw_bound() + KEPT * asked.raw_bound().abs();
+            if asked.raw_demand(&self.prepared.candidate, middle).0 <= bound {
+                return false;
+            }
+            let Some((row, point)) = self.row(index, middle) else { return false };
+            if point.is_some_and(|point| self.may_turn(&point, over)) {
+                return false;
+            }
+            let lowered = if point.is_none() { turning * share } else { 0.0 };
+            let nothing = vec![0.0; over.prices.len()];
+            row.least(ratios, middle, over.masses, &nothing).0 - lowered > bound
+        };
+        let convex = self.prepared.asked.iter().enumerate().filter(|(_, asked)| may_be_priced(asked));
+        convex.into_iter().any(|(index, asked)| beyond(index, asked))
+    }
+}
+
+/// Some ratios, with a bound over them and a value that is reached at one of them.
+struct Piece {
+    ratios: (f64, f64),
+    bound: f64,
+    value: f64,
+}
+
+impl Plane {
+    /// A bound over ratios and masses at prices, and the value in the middle.
+    fn least(&self, ratios: (f64, f64), middle: f64, masses: &[(f64, f64)], prices: &[f64]) -> (f64, f64) {
+        let mut sum = self.value;
+        let (mut constant, mut at_middle) = (0.0, 0.0);
+        for ((slope, (low, high)), price) in self.slopes.iter().zip(masses).zip(prices) {
+            let slope = *slope + Laurent::constant(-price);
+            let here = slope.at(middle);
+            let (least, most) = range(&slope, ratios);
+            if least >= 0.0 {
+                sum = sum + slope * *low;
+            } else if most <= 0.0 {
+                sum = sum + slope * *high;
+            } else {
+                let products = [least * low, least * high, most * low, most * high];
+                constant += products.into_iter().fold(f64::INFINITY, f64::min);
+                at_middle += (here * low).min(here * high);
+            }
+        }
+        let convex = under(&sum, ratios, middle);
+        let u = minimise(&convex, ratios.0 * ratios.0, ratios.1 * ratios.1);
+        let rounding = 1e-13 * value(&convex.map(f64::abs), u);
+        (value(&convex, u) + constant - rounding, sum.at(middle) + at_middle)
+    }
+}
+
+/// Lowest and highest that a polynomial may be between two ratios.
+fn range(polynomial: &Laurent, (low, high): (f64, f64)) -> (f64, f64) {
+    let mut range = (0.0, 0.0);
+    for power in -2..=4 {
+        let ends = [low, high].map(|n| polynomial[power] * n.powi(power));
+        range.0 += ends[0].min(ends[1]);
+        range.1 += ends[0].max(ends[1]);
+    }
+    range
+}
+
+/// The largest ratio that a limit leaves which does not depend on the load.
+fn upper_end(asked: &Asked) -> Option<f64> {
+    match asked.demand {
+        Demand::Polynomial(polynomial, _)
+            if asked.limit.class == Class::UpperBound && asked.limit.name != GEAR_LIFE =>
+        {
+            Some(largest_ratio_by_monomial(&polynomial, asked.raw_bound()) * (1.0 + KEPT))
+        }
+        _ => None,
+    }
+}
+
+/// Whether a limit is convex in the load at every ratio, and as a parabola.
+fn may_be_priced(asked: &Asked) -> bool {
+    let parabola = match asked.demand {
+        Demand::Samples(functional) | Demand::Bandwidth(functional) => matches!(
+            functional,
+            Functional::TorqueSquared | Functional::CurrentSquared | Functional::VoltageSquared | Functional::Power
+        ),
+        Demand::Polynomial(..) => true,
+        _ => false,
+    };
+    parabola && asked.limit.class == Class::Convex
+}
+
+/// Whether the gear asks the motor for more where it drives: only then is the torque convex in the load.
+fn passes_more_when_driving(actuator: &Actuator) -> bool {
+    let passed = |flow| actuator.torque_form(flow)[Feature::Load];
+    passed(Flow::Driving) >= passed(Flow::Braking)
+}
