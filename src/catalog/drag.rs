@@ -57,6 +57,12 @@ impl Drag {
 }
 
 impl Motor {
+    /// Whether its row says a no-load current of which some may grow with speed, and not at which speed.
+    pub fn lacks_speed_of_drag(&self) -> bool {
+        let unsaid = self.viscous_friction.is_none() && self.conventions.commutation == Commutation::Brushless;
+        unsaid && matches!(self.drag(), Drag::NoLoad { speed: None, torque } if torque > 0.0)
+    }
+
     /// What is known of its drag.
     pub fn drag(&self) -> Drag {
         let speed = self.sheet.no_load_speed.map(|p| p.value).filter(|speed| *speed > 0.0);

@@ -175,7 +175,12 @@ impl Ruled {
                     alone.then(|| made_again(result.robot, joint.joint, catalog.0, design)).flatten()
                 })
                 .collect();
-            let text = self.text(result, "Best combination", designs, made, requirement, catalog.1, path);
+            let name = if whole.proof.certified() {
+                "Best combination"
+            } else {
+                "Best combination that was found, not proved"
+            };
+            let text = self.text(result, name, designs, made, requirement, catalog.1, path);
             let Some(rules) = &self.rules else { return Ok(text) };
             match broken(&text.toml, path, catalog.0, rules, &self.robot)?.into_iter().next() {
                 None => return Ok(text),

@@ -427,7 +427,9 @@ impl<'a> Prepared<'a> {
             let same = |m: &&mut Margin| asked.end == End::Other && m.limit == margin.limit;
             match margins.iter_mut().find(same) {
                 // Of both ends of the drag the worse one.
-                Some(of_first) if margin.margin < of_first.margin => *of_first = margin,
+                Some(of_first) if (margin.margin, -margin.demand) < (of_first.margin, -of_first.demand) => {
+                    *of_first = margin;
+                }
                 Some(_) => {}
                 None => margins.push(margin),
             }

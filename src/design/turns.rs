@@ -139,15 +139,21 @@ pub fn can_be_asked(robot: &Robot, joint: &Joint, motor: &Motor) -> Result<(), N
 /// # Errors
 /// Why not.
 pub(super) fn can_be_computed(robot: &Robot, joint: &Joint) -> Result<(), NoTurns> {
+    obstacles(robot, joint).into_iter().next().map_or(Ok(()), Err)
+}
+
+/// All that other turns are not computed with at a joint.
+pub(super) fn obstacles(robot: &Robot, joint: &Joint) -> Vec<NoTurns> {
     let drive = joint.drive.or(robot.bus.drive);
     let of_supply = [robot.bus.internal_resistance, drive.supply_lead_resistance];
     let counts = |resistance: Option<f64>| resistance.is_some_and(|ohms| ohms > 0.0);
-    match () {
-        () if counts(drive.phase_resistance) => Err(NoTurns::DriveResistance),
-        () if drive.field_weakening_current.is_some() || robot.bus.flux_braking => Err(NoTurns::FieldWeakening),
-        () if of_supply.into_iter().any(counts) => Err(NoTurns::SupplyResistance),
-        () => Ok(()),
-    }
+    let along_d = drive.field_weakening_current.is_some() || robot.bus.flux_braking;
+    let all = [
+        (NoTurns::DriveResistance, counts(drive.phase_resistance)),
+        (NoTurns::FieldWeakening, along_d),
+        (NoTurns::SupplyResistance, of_supply.into_iter().any(counts)),
+    ];
+    all.into_iter().filter(|(_, is_there)| *is_there).map(|(why, _)| why).collect()
 }
 
 /// What another number of turns would do for a motor at a joint.
@@ -312,6 +318,7 @@ fn same_frame<'a>(catalog: &'a Catalog, motor: &'a Motor) -> impl Iterator<Item 
 fn is_of_turns(prepared: &Prepared, limit: &str) -> bool {
     let decides = |asked: &&Asked| match asked.limit.depends {
         Depends::Voltage | Depends::BackEmf => true,
+        Depends::Current if asked.limit.name == DRIVE_CONTINUOUS_CURRENT => true,
         Depends::Current => asked.limit.is_of_drive() && asked.owner == "drive",
         _ => false,
     };

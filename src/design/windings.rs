@@ -13,7 +13,7 @@ use super::answer::{Design, Reason, Refused, Unjudged};
 use super::best::best_design;
 use super::mount::{JointDemand, Mount, Site};
 use super::program::{Certificate, GAP_TOLERANCE};
-use super::turns::{Found, TurnsRange, at_best, can_be_asked, can_be_computed, search};
+use super::turns::{Found, TurnsRange, at_best, can_be_asked, obstacles, search};
 use crate::actuator::limits::Remark;
 use crate::catalog::rewound::NoTurns;
 use crate::catalog::{Catalog, Motor};
@@ -290,13 +290,18 @@ fn found(robot: &Robot, catalog: &Catalog, only_checked: bool) -> Result<Vec<Vec
 
 /// Whether a range of turns goes with what else is asked at a joint.
 fn goes_with(robot: &Robot, joint: &Joint) -> Result<(), String> {
-    let alone = can_be_computed(robot, joint).err().and_then(NoTurns::goes_without);
-    let what = match alone {
-        Some(what) => what,
-        None if robot.is_coupled() => "what binds joints together",
-        None if joint.objective.weight(Quantity::PeakCurrent) > 0.0 => "an objective that counts a current",
-        None => return Ok(()),
-    };
+    let mut all: Vec<&str> = obstacles(robot, joint).into_iter().filter_map(NoTurns::goes_without).collect();
+    // A resistance of the supply binds them, too.
+    if all.is_empty() && robot.is_coupled() {
+        all.push("what binds joints together");
+    }
+    if joint.objective.weight(Quantity::PeakCurrent) > 0.0 {
+        all.push("an objective that counts a current");
+    }
+    if all.is_empty() {
+        return Ok(());
+    }
+    let what = all.join(", nor with ");
     let name = &joint.name;
     Err(format!("joint `{name}`: a range of `turns` is not combined with {what}; give a list, as in turns = [1, 0.5]"))
 }

@@ -103,6 +103,20 @@ pub(super) fn read(section: Section) -> Option<Bus> {
         },
     });
     let drive = drive::read(&section, ["drive_phase_resistance", "drive_standby_power", "drive_continuous_current"]);
+    let drive_current = section.quantity(
+        key("drive_current", "largest drive current, phase amplitude (DC ampere of a brushed motor)"),
+        &units::CURRENT,
+        Range::Positive,
+    );
+    if let (Some(most), Some(held)) = (drive_current, drive.continuous_current)
+        && held > most
+    {
+        let message =
+            format!("`drive_continuous_current` of [bus] is {held} A, more than its `drive_current` of {most} A");
+        let problem =
+            Problem::at(section.span_of("drive_continuous_current"), message, "more than the drive gives at all");
+        section.note(problem.help("both are amplitudes: what it gives for ever is at most what it gives for a moment"));
+    }
     let regeneration = regeneration.flatten().unwrap_or(Regeneration::Allowed);
     let regeneration_efficiency = section.number(
         key("regeneration_efficiency", "share of what a motor gives back that is kept, drive and supply together")
@@ -192,11 +206,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
                 Range::Fraction,
             )
             .unwrap_or(1.0),
-        drive_current: section.quantity(
-            key("drive_current", "largest drive current, phase amplitude (DC ampere of a brushed motor)"),
-            &units::CURRENT,
-            Range::Positive,
-        ),
+        drive_current,
         power: section.quantity(
             key("power", "largest power that the bus gives one joint"),
             &units::POWER,

@@ -101,7 +101,8 @@ pub(super) fn read(section: &Section) -> Windings {
     if !section.has("turns") {
         return Windings::AsWound;
     }
-    let turns = listed.unwrap_or_default();
+    // What is wrong with a number was said.
+    let Some(turns) = listed else { return Windings::AsWound };
     let wrong = |message: String, label: &str| {
         let problem = Problem::at(section.span_of("turns"), message, label);
         section.note(problem.help("for example turns = [1, 0.577], or turns = { min = 0.5, max = 2 }"));

@@ -42,6 +42,34 @@ fn rate_along_d(candidate: &Candidate, ratio: f64) -> Verdict {
     }
 }
 
+const NOT_BORNE: &str =
+    "how much current the magnets bear is not known: the field weakening current of the requirement alone bounds it";
+const NOT_BORNE_BURNING: &str =
+    "how much current the magnets bear is not known: that of flux braking is bounded by the largest current alone";
+const LESS_BORNE: &str =
+    "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less";
+
+/// Whether only the drive bounds the current that the magnets have to bear.
+fn only_by_drive(c: &Candidate) -> bool {
+    c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some()
+}
+
+/// Whether it is known of the magnets that they bear the current along d at a ratio.
+fn magnets(candidate: &Candidate, ratio: f64) -> Verdict {
+    let largest = candidate.at_ratio(ratio, |here| here.what_weakening_takes().map_or(0.0, |taken| taken.largest));
+    match candidate.along_d() {
+        Some(AlongD::Weakening(_)) if largest > 0.0 => Verdict::Unknown(NOT_BORNE),
+        Some(AlongD::Braking { .. }) if largest > 0.0 => Verdict::Unknown(NOT_BORNE_BURNING),
+        _ if only_by_drive(candidate) => Verdict::Unknown(LESS_BORNE),
+        _ => Verdict::Kept,
+    }
+}
+
+/// Whether there is a current along d of which it is not known whether the magnets bear it.
+fn may_harm_magnets(c: &Candidate) -> bool {
+    c.along_d().is_some() && c.motor.demagnetization_current.is_none()
+}
+
 fn no_mass(candidate: &Candidate) -> Option<&'static str> {
     candidate.mass_at(1.0).is_none().then_some(NO_MASS)
 }
@@ -94,23 +122,8 @@ pub const NEEDS: &[Need] = &[
         of: Of::Other,
         stated: by_data_sheets,
         key: by_nobody,
-        missing: |c| {
-            let by_drive =
-                c.motor.peak_current.is_none() && c.joint.drive_current.or(c.robot.bus.drive_current).is_some();
-            match c.along_d().filter(|_| c.motor.demagnetization_current.is_none()) {
-                Some(AlongD::Weakening(_)) => Some(
-                    "how much current the magnets bear is not known: the field weakening current of the requirement alone bounds it",
-                ),
-                Some(AlongD::Braking { .. }) => Some(
-                    "how much current the magnets bear is not known: that of flux braking is bounded by the largest current alone",
-                ),
-                None if by_drive => Some(
-                    "the motor's peak current is not known: only the drive's is checked, and the magnets may bear less",
-                ),
-                None => None,
-            }
-        },
-        at_ratio: |_| None,
+        missing: |c| (!may_harm_magnets(c) && only_by_drive(c)).then_some(LESS_BORNE),
+        at_ratio: |c| may_harm_magnets(c).then_some(magnets as Judge),
     },
     Need {
         name: "torque_bandwidth_voltage",

@@ -5,6 +5,7 @@ use super::limit::{Asked, Depends, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
 use crate::catalog::estimate::Estimated;
 use crate::catalog::{Gear, GearKind};
+use crate::requirement::MotorDrag;
 
 /// Temperature at which sheets of gears state what they lose \[K\].
 const SHEETS_AT: f64 = 293.15;
@@ -57,6 +58,12 @@ impl Candidate<'_> {
                     "estimated: no-load current of motors of like motor constant, from above; limits hold with it and without any",
                 ),
             });
+        }
+        if self.joint.motor_drag == MotorDrag::Counted && self.motor.lacks_speed_of_drag() {
+            assumed.push((
+                "motor_drag",
+                "the row says no speed of its no-load current: all of its drag counts as Coulomb friction, and what grows with speed may be more",
+            ));
         }
         if self.other.is_some() && asked.iter().any(|a| a.limit.depends == Depends::PowerBack) {
             assumed.push((

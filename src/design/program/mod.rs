@@ -173,7 +173,7 @@ impl<'a> RatioProgram<'a> {
             return evaluated::solve(self);
         }
         if self.is_evaluated() {
-            return branch::solve(self, "the bounds with a weakened field did not meet");
+            return branch::solve(self, "the bounds with currents along d did not meet");
         }
         match self.why_not_convex() {
             None => self.solve_convex(),
@@ -354,13 +354,17 @@ impl<'a> RatioProgram<'a> {
         both.max_by(|a, b| a.excess(u).total_cmp(&b.excess(u)))
     }
 
-    /// The report of a convex limit that no ratio of the requirement keeps: its least demand. The
-    /// largest of convex rows has one valley, which a golden section finds.
+    /// The report of a convex limit that no ratio of the requirement keeps: its least demand, of all candidates that it is asked of.
+    /// The largest of convex rows has one valley, which a golden section finds.
     fn never(&self, index: usize) -> Infeasible {
-        let Limited { candidate, asked } = self.limits[index];
-        let demand = |n: f64| asked.raw_demand(candidate, n).0;
-        let ratio = least_in_range(&demand, self.range.0, self.range.1);
-        let (raw, sample) = asked.raw_demand(candidate, ratio);
+        let asked = self.limits[index].asked;
+        let same = || self.limits.iter().filter(|limited| limited.asked.limit.name == asked.limit.name);
+        let worst = |n: f64| {
+            let all = same().map(|Limited { candidate, asked }| asked.raw_demand(candidate, n));
+            all.reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((f64::NAN, None))
+        };
+        let ratio = least_in_range(&|n: f64| worst(n).0, self.range.0, self.range.1);
+        let (raw, sample) = worst(ratio);
         Infeasible::Never {
             bind: Bind::of(asked.limit.name, sample),
             least: asked.natural(raw) / asked.bound,

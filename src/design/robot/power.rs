@@ -404,7 +404,8 @@ pub(super) fn sag(schedule: &Schedule, all: &[Draws], (open, shared): (f64, f64)
     let of = |scenario| worst(scenario, |joint, sample| all[joint].taken(sample)).0;
     let taken = schedule.scenarios.iter().map(of).fold(0.0, f64::max);
     let root = open * open - 4.0 * shared * taken;
-    let lowest = (root >= 0.0).then(|| 0.5 * (open + root.sqrt()));
+    // What is kept to the accuracy of the search is kept.
+    let lowest = (root >= -1e-8 * open * open).then(|| 0.5 * (open + root.max(0.0).sqrt()));
     least.map(|(left, joint)| Sag { lowest, left, joint })
 }
 

@@ -412,3 +412,6 @@ fn passes_more_when_driving(actuator: &Actuator) -> bool {
     let passed = |flow| actuator.torque_form(flow)[Feature::Load];
     passed(Flow::Driving) >= passed(Flow::Braking)
 }
+
+#[cfg(test)]
+mod tests;

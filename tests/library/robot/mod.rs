@@ -1,4 +1,5 @@
 //! Whole robots: joints that share a bus, a mass, a mechanism.
 
+mod carrying;
 mod robot_enumeration;
 mod sag;

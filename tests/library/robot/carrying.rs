@@ -1,0 +1,209 @@
+//! Actuators that load one another: the choice against all combinations, each joint solved for exactly the load that it has there,
+//! for every objective; and what a larger catalogue may change.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+use gearwise::catalog::{Catalog, Motor};
+use gearwise::design::robot::{Choice, Options, carrying, choose};
+use gearwise::design::{JointDemand, Site};
+use gearwise::requirement::*;
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rayon::prelude::*;
+
+use crate::cases::cases;
+use crate::common;
+
+const SAMPLES: usize = 16;
+
+/// What is minimised.
+fn objectives() -> Vec<Objective> {
+    let single = [
+        Quantity::Loss,
+        Quantity::CopperLoss,
+        Quantity::Energy,
+        Quantity::PeakCurrent,
+        Quantity::PeakPower,
+        Quantity::Mass,
+        Quantity::ReflectedInertia,
+    ];
+    let sums = [
+        vec![(Quantity::Loss, 1.0), (Quantity::Mass, 4.0)],
+        vec![(Quantity::CopperLoss, 0.5), (Quantity::PeakCurrent, 0.2), (Quantity::ReflectedInertia, 2.0)],
+    ];
+    let sums = sums.into_iter().map(|terms| Objective { terms });
+    single.into_iter().map(Objective::single).chain(sums).collect()
+}
+
+/// A chain of joints, each of which may carry those after it, with masses that pull down or balance.
+fn draw(index: u64) -> Robot {
+    let generator = RefCell::new(Pcg64::seed_from_u64(index));
+    let within = |a: f64, b: f64| generator.borrow_mut().random_range(a..b);
+    let joints = 2 + (index % 3) as usize;
+    let objective = objectives()[(index / 3) as usize % objectives().len()].clone();
+    let stages = within(0.0, 1.0) < 0.3;
+    let mut robot = common::robot(common::hold(1.0, 1.0, 0.0), GearModel::IDEAL);
+    robot.bus.voltage = within(24.0, 60.0);
+    robot.bus.drive_efficiency = if within(0.0, 1.0) < 0.5 { 1.0 } else { within(0.85, 1.0) };
+    let one = |j: usize| {
+        let (lift, level, turn) = (within(1.0, 10.0), within(-8.0, 8.0), within(0.0, 6.0));
+        let (speed, late) = (within(1.0, 5.0), within(0.0, 6.0));
+        let time: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / SAMPLES as f64).collect();
+        let w = std::f64::consts::TAU;
+        let samples = Samples {
+            torque: time.iter().map(|t| lift * (w * t + turn).sin() + level).collect(),
+            velocity: Some(time.iter().map(|t| speed * (w * t + late).sin() + 0.01).collect()),
+            acceleration: Some(time.iter().map(|t| speed * w * (w * t + late).cos()).collect()),
+            time,
+            ..Samples::default()
+        };
+        let motion = Motion::from_samples(samples, Course::Periodic(1.0));
+        let gear = GearModel { mass: Some(0.2), inertia: 3e-6, ..common::gear(within(0.6, 0.98)) };
+        let mut joint = common::robot(motion, gear).joints.remove(0);
+        joint.name = format!("j{j}");
+        joint.count = 1 + u32::from(within(0.0, 1.0) < 0.3);
+        joint.ratio = RatioChoice::Continuous { min: 3.0, max: within(20.0, 100.0) };
+        joint.objective = objective.clone();
+        if stages {
+            joint.gear.mass = None;
+            joint.gear.mass_per_stage = Some((0.15, 5.0));
+        }
+        joint
+    };
+    robot.joints = (0..joints).map(one).collect();
+    for j in 0..joints - 1 {
+        for k in j + 1..joints {
+            let (size, constant) = (within(-5.0, 7.0), within(0.0, 1.0) < 0.4);
+            let course = |i: usize| if constant { size } else { size * (0.4 * i as f64).cos() };
+            let torque_per_mass: Vec<f64> = (0..SAMPLES).map(course).collect();
+            robot.joints[j].carries.push(Carried { joint: k, torque_per_mass, rate: vec![0.0; SAMPLES], constant });
+        }
+    }
+    robot
+}
+
+/// Some motors of the shipped catalogue, in its order.
+fn some(index: u64, count: usize) -> Catalog {
+    let catalog = Catalog::builtin().unwrap();
+    let known = |motor: &&Motor| motor.mass.is_some() && motor.rotor_inertia.is_some();
+    let mut motors: Vec<Motor> = catalog.motors.iter().filter(known).cloned().collect();
+    motors.shuffle(&mut Pcg64::seed_from_u64(1000 + index));
+    motors.truncate(count);
+    Catalog::of(motors, Vec::new())
+}
+
+fn decide<'a>(robot: &'a Robot, catalog: &'a Catalog, runner_ups: usize) -> Choice<'a> {
+    choose(robot, catalog, Options { budgets: false, runner_ups, ..Options::default() }).unwrap()
+}
+
+/// What a joint comes to with a motor under a load: objective of one actuator and its mass, for each number of stages.
+type Known = HashMap<(usize, usize, Vec<u64>), Vec<(f64, f64)>>;
+
+fn pieces(joint: &Joint) -> Vec<Joint> {
+    let (RatioChoice::Continuous { min, max }, Some((_, stage))) = (&joint.ratio, joint.gear.mass_per_stage) else {
+        return vec![joint.clone()];
+    };
+    let mut ends = vec![*min];
+    ends.extend((1..9).map(|k| stage.powi(k)).filter(|n| min < n && n < max));
+    ends.push(*max);
+    let piece = |w: &[f64]| Joint { ratio: RatioChoice::Continuous { min: w[0], max: w[1] }, ..joint.clone() };
+    ends.windows(2).map(piece).collect()
+}
+
+/// The least total over all combinations, the joints from the last to the first: what is carried comes first.
+fn least(robot: &Robot, catalog: &Catalog, known: &mut Known, masses: &mut Vec<f64>) -> f64 {
+    let j = robot.joints.len() - 1 - masses.len();
+    let of = |k: usize, masses: &[f64]| masses[robot.joints.len() - 1 - k];
+    let joint = &robot.joints[j];
+    let key: Vec<u64> = joint.carries.iter().map(|c| of(c.joint, masses).to_bits()).collect();
+    let mut best = f64::INFINITY;
+    for m in 0..catalog.motors.len() {
+        let all = known.entry((j, m, key.clone())).or_insert_with(|| {
+            let loaded = carrying(joint, |k| of(k, masses));
+            let solve = |piece: &Joint| {
+                let demand = JointDemand::new(piece, catalog);
+                let site = Site::new(robot, piece, &demand);
+                let design = gearwise::design::best::best_design(site, &catalog.motors[m], false).ok()?;
+                Some((design.optimum.objective, design.evaluation.mass?))
+            };
+            pieces(&loaded).iter().filter_map(solve).collect()
+        });
+        for (objective, mass) in all.clone() {
+            masses.push(mass);
+            let rest = if masses.len() == robot.joints.len() { 0.0 } else { least(robot, catalog, known, masses) };
+            masses.pop();
+            best = best.min(f64::from(joint.count) * objective + rest);
+        }
+    }
+    best
+}
+
+#[test]
+fn no_combination_is_better_for_any_objective() {
+    let came: Vec<(Option<String>, bool, bool)> = cases(0, 216)
+        .into_par_iter()
+        .map(|index| {
+            let robot = draw(index);
+            let catalog = some(index, if robot.joints.len() > 3 { 4 } else { 6 });
+            let choice = decide(&robot, &catalog, 2);
+            let best = least(&robot, &catalog, &mut Known::new(), &mut Vec::new());
+            let name = robot.joints[0].objective.name();
+            let Some(first) = choice.combinations.first() else {
+                return (
+                    best.is_finite().then(|| format!("{index} ({name}): none, but there is {best}")),
+                    false,
+                    false,
+                );
+            };
+            let near = |a: f64, b: f64| (a - b).abs() <= 2e-6 * b.abs();
+            let bound = choice.proof.lower_bound.unwrap_or(f64::NEG_INFINITY);
+            let wrong = if !near(first.objective, best) {
+                Some(format!("{index} ({name}): {} found, {best} is there", first.objective))
+            } else if bound > best + 1e-9 * best.abs() {
+                Some(format!("{index} ({name}): bound {bound} above {best}"))
+            } else if choice.combinations.windows(2).any(|w| w[1].objective < w[0].objective) {
+                Some(format!("{index} ({name}): the next is better"))
+            } else {
+                None
+            };
+            (wrong, true, choice.proof.certified())
+        })
+        .collect();
+    let wrong: Vec<&String> = came.iter().filter_map(|c| c.0.as_ref()).collect();
+    let count = |of: &dyn Fn(&(Option<String>, bool, bool)) -> bool| came.iter().filter(|c| of(c)).count();
+    let (with, proved) = (count(&|c| c.1), count(&|c| c.2));
+    println!("{} robots: {with} with a combination, {proved} of them proved", came.len());
+    assert!(wrong.is_empty(), "{} wrong: {:#?}", wrong.len(), &wrong[..wrong.len().min(12)]);
+    assert!(with * 2 > came.len() && proved * 10 >= with * 9, "{with} {proved} of {}", came.len());
+}
+
+/// With more motors the bound is no higher than what was found with fewer, and what is proved is no worse.
+#[test]
+fn a_larger_catalogue_gives_no_worse_answer() {
+    let wrong: Vec<String> = cases(50_000, 20)
+        .into_par_iter()
+        .flat_map(|index| {
+            let robot = draw(index);
+            let (small, large) = (some(index, 8), some(index, 24));
+            let (of_small, of_large) = (decide(&robot, &small, 0), decide(&robot, &large, 0));
+            let Some(before) = of_small.combinations.first().map(|c| c.objective) else { return Vec::new() };
+            let mut wrong = Vec::new();
+            match of_large.combinations.first() {
+                None => wrong.push(format!("{index}: nothing with more motors")),
+                Some(now) => {
+                    let bound = of_large.proof.lower_bound.unwrap_or(f64::NEG_INFINITY);
+                    if bound > before + 1e-9 * before.abs() {
+                        wrong.push(format!("{index}: bound {bound}, {before} with fewer motors"));
+                    }
+                    if of_large.proof.certified() && now.objective > before + 1e-6 * before.abs() {
+                        wrong.push(format!("{index}: {} proved, {before} with fewer motors", now.objective));
+                    }
+                }
+            }
+            wrong
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
