@@ -29,6 +29,9 @@ pub fn text(choice: &Choice) -> String {
         let line = format!("the bus binds: one watt more is worth {} {}", number(-price), unit(choice));
         out.push_str(&format!("  {}\n", wrap(line.trim_end(), 4)));
     }
+    if let Some(line) = per_mass(choice, best) {
+        out.push_str(&format!("  {}\n", wrap(&line, 4)));
+    }
     if choice.combinations.len() > 1 {
         out.push_str("\n  Next best, each with another motor somewhere:\n");
         for (place, next) in choice.combinations.iter().enumerate().skip(1) {
@@ -173,6 +176,20 @@ pub(super) fn sums(choice: &Choice, combination: &Combination) -> String {
         text.push_str(&format!(" ({})", cases.collect::<Vec<_>>().join(", ")));
     }
     text
+}
+
+/// What a kilogram more of an actuator costs those that carry it; `None` where none is carried.
+pub(super) fn per_mass(choice: &Choice, best: &Combination) -> Option<String> {
+    let joints = choice.robot.joints.iter().zip(&best.per_mass);
+    let mut priced: Vec<(&str, f64)> = joints.map(|(joint, price)| (joint.name.as_str(), *price)).collect();
+    priced.retain(|(_, price)| *price != 0.0);
+    priced.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let one =
+        |(name, price): &(&str, f64)| format!("{name} {} {}", number(*price), unit(choice)).trim_end().to_string();
+    let all: Vec<String> = priced.iter().map(one).collect();
+    (!all.is_empty()).then(|| {
+        format!("one kilogram more of an actuator costs, with the same motors at their best ratios: {}", all.join(", "))
+    })
 }
 
 /// How far all joints together let the bus sag.

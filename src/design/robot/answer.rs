@@ -72,6 +72,9 @@ pub struct Combination<'a> {
     pub sag: Option<Sag>,
     /// Change of the total per watt more of shared power, where that is limited.
     pub power_price: Option<f64>,
+    /// Change of the total per kilogram more of each actuator of a joint, by the load that it is to others \[objective/kg\], with the same
+    /// motors at their best ratios; empty where nothing is carried, and where joints share more than that.
+    pub per_mass: Vec<f64>,
     /// Number of different motors.
     pub distinct_motors: usize,
     /// What carried actuators add to each joint's load: for constant torques per mass the torque \[N·m\], for

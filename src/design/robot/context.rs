@@ -511,6 +511,7 @@ impl<'a> Context<'a> {
             peak_power_by_case: power::by_case(&self.schedule, &powers),
             sag,
             power_price: price,
+            per_mass: Vec::new(),
             distinct_motors: motors.len(),
             carried: carried_torque,
         }

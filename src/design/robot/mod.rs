@@ -54,7 +54,12 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         .map(|(joint, _)| joint.name.clone())
         .collect();
     let answer = if empty.is_empty() { solve(&mut context, rules) } else { Answer::nothing() };
-    let combinations: Vec<Combination> = answer.found.iter().map(|f| context.combination(f)).collect();
+    let mut combinations: Vec<Combination> = answer.found.iter().map(|f| context.combination(f)).collect();
+    if let (Some(first), Some(found)) = (combinations.first_mut(), answer.found.first())
+        && context.limit().is_none()
+    {
+        first.per_mass = regions::per_mass(&mut context, found);
+    }
     let wanting = match (empty.is_empty(), combinations.is_empty()) {
         (false, _) => vec![Wanting::Joints(empty)],
         (true, true) => wanting(&mut context, rules),

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::carry;
 use super::context::{Among, Context};
 use super::menu::Item;
-use super::search::{self, Answer, Rules, Table};
+use super::search::{self, Answer, Found, Rules, Table};
 use super::tangent::{Directions, Over, Sides, Tangent};
 use crate::design::mount::{Mount, Site};
 use crate::requirement::Joint;
@@ -308,6 +308,32 @@ fn table<'a>(
     Table { per_mass: 0.0, costs, offset: 0.0 }
 }
 
+/// Change of the total per kilogram more of one actuator of each joint, with the same motors at their best ratios; empty where no
+/// joint carries another.
+pub(super) fn per_mass<'a>(context: &mut Context<'a>, found: &Found<'a>) -> Vec<f64> {
+    if context.is_certain() {
+        return Vec::new();
+    }
+    let masses: Vec<f64> = found.items.iter().map(|item| item.mass).collect();
+    let reach: Vec<(f64, f64)> = masses.iter().map(|mass| (*mass, *mass)).collect();
+    let mut prices = vec![0.0; masses.len()];
+    for (j, item) in found.items.iter().enumerate() {
+        let robot = context.robot;
+        if robot.joints[j].carries.is_empty() {
+            continue;
+        }
+        let place = Place::new(context, j, &masses, &reach);
+        let carrying = context.carrying(j, &place.coordinates);
+        let site = Site::new(robot, &place.joint, &carrying.demand);
+        let mount = site.mount(&context.catalog.motors[item.motor], item.design.gear);
+        let slopes = mount.ok().and_then(|mount| place.slopes(mount, &place.joint, item));
+        for (carried, slope) in robot.joints[j].carries.iter().zip(slopes.into_iter().flatten()) {
+            prices[carried.joint] += context.total.scale[j] * slope;
+        }
+    }
+    prices
+}
+
 impl Place {
     fn new(context: &mut Context, j: usize, center: &[f64], reach: &[(f64, f64)]) -> Place {
         let joint = &context.robot.joints[j];
@@ -392,16 +418,19 @@ impl Place {
         let build = context.ways[j][way].build;
         let gear = build.gear.map(|gear| gear.id.as_str());
         let pieces = super::menu::pieces(&self.joint, context.needs[j]);
-        let ratio = item.design.evaluation.ratio;
-        let slopes = site.mount(&context.catalog.motors[build.motor], gear).ok().and_then(|mount| {
-            let tangent = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)])?;
-            let tangent = match binding(&item) {
-                Some((ratio, limit)) => tangent.with_price(ratio, limit),
-                None => tangent,
-            };
-            Some(tangent.slopes(ratio))
-        });
+        let mount = site.mount(&context.catalog.motors[build.motor], gear).ok();
+        let slopes = mount.and_then(|mount| self.slopes(mount, &pieces[build.piece.min(pieces.len() - 1)], &item));
         (Some(way), slopes.unwrap_or(nothing))
+    }
+
+    /// What a kilogram more of each carried joint costs an item at its best ratio.
+    fn slopes<'t>(&'t self, mount: Mount<'t, 't>, piece: &Joint, item: &Item) -> Option<Vec<f64>> {
+        let tangent = self.tangent(mount, piece)?;
+        let tangent = match binding(item) {
+            Some((ratio, limit)) => tangent.with_price(ratio, limit),
+            None => tangent,
+        };
+        Some(tangent.slopes(item.design.evaluation.ratio))
     }
 }
 

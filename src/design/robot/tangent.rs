@@ -301,7 +301,8 @@ impl<'t> Tangent<'t> {
         let objective = if turns(self.objective) { &self.calm } else { self.objective };
         let mut plane = self.goal(objective, middle);
         let mut lowered = self.lowered(turning);
-        let steps = self.program(&self.prepared, objective).objective_cut(ratios.1).1;
+        // What steps with the ratio rises with it.
+        let steps = self.program(&self.prepared, objective).objective_cut(ratios.0).1;
         plane.value = plane.value + Laurent::constant(steps);
         if let Some((index, multiplier, at)) = self.priced
             && let Some((row, point)) = self.row(index, at)

@@ -3,7 +3,7 @@
 use super::{Part, Row, Table, estimated, folded, tightest};
 use crate::design::robot::{Choice, Combination};
 use crate::report::robot::{
-    aim, change_text, differences, kept, name, no_combination, proof, sag_text, sums, unit, wanting_lines,
+    aim, change_text, differences, kept, name, no_combination, per_mass, proof, sag_text, sums, unit, wanting_lines,
 };
 use crate::report::{columns, number, optional, unjudged};
 
@@ -23,6 +23,7 @@ pub(super) fn parts(choice: &Choice) -> Vec<Part> {
         let worth = format!("{} {}", number(-price), unit(choice));
         parts.push(Part::Text(format!("The bus binds: one watt more is worth {}.", worth.trim_end())));
     }
+    parts.extend(per_mass(choice, best).map(|line| Part::Text(format!("{}.", capital(&line)))));
     parts.extend(next_best(choice, best).part());
     if !choice.changes.is_empty() {
         parts.push(Part::Text("What the budgets cost:".into()));

@@ -99,6 +99,10 @@ pub struct Combination<'a> {
     pub sag: Option<Sag<'a>>,
     /// Change of the total per watt more.
     pub objective_per_watt: Option<f64>,
+    /// Change of the total per kilogram more of one actuator, by joint, with the same motors at their best ratios; left out where nothing is
+    /// carried, and where joints share more than that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub objective_per_kilogram: Option<Pairs<'a>>,
     /// Number of different motors.
     pub distinct_motors: usize,
 }
@@ -236,6 +240,9 @@ impl<'a> Combination<'a> {
                 .then(|| Pairs::of(of.peak_power_by_case.iter().map(|(name, power)| (name.as_str(), *power)))),
             sag: of.sag.map(|sag| Sag { lowest_v: sag.lowest, left: sag.left, joint: &robot.joints[sag.joint].name }),
             objective_per_watt: of.power_price,
+            objective_per_kilogram: (!of.per_mass.is_empty()).then(|| {
+                Pairs::of(robot.joints.iter().zip(&of.per_mass).map(|(joint, price)| (joint.name.as_str(), *price)))
+            }),
             distinct_motors: of.distinct_motors,
         }
     }

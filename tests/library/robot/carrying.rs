@@ -207,3 +207,52 @@ fn a_larger_catalogue_gives_no_worse_answer() {
         .collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
+
+/// What a kilogram more of an actuator is said to cost is what it costs: the same motors, each at its best ratio for a little more and
+/// a little less.
+#[test]
+fn a_kilogram_costs_what_is_said() {
+    let step = 1e-5;
+    let (mut looked, mut bent) = (0, 0);
+    for index in cases(0, 216).filter(|index| index % 3 == 1) {
+        let robot = draw(index);
+        let catalog = some(index, 6);
+        let choice = decide(&robot, &catalog, 0);
+        let Some(best) = choice.combinations.first() else { continue };
+        let masses: Vec<f64> = best.joints.iter().map(|design| design.evaluation.mass.unwrap()).collect();
+        for k in 1..robot.joints.len() {
+            let total = |more: f64| -> Option<f64> {
+                let of = |(j, joint): (usize, &Joint)| {
+                    let loaded = carrying(joint, |i| masses[i] + if i == k { more } else { 0.0 });
+                    let own = best.joints[j].evaluation.mass?;
+                    // The same number of stages.
+                    let piece = pieces(&loaded).into_iter().find(|piece| {
+                        let heaviest = piece.gear.mass_at(piece.ratio.range().unwrap().1).unwrap();
+                        (best.joints[j].motor.mass.unwrap() + heaviest - own).abs() < 1e-9
+                    })?;
+                    let demand = JointDemand::new(&piece, &catalog);
+                    let site = Site::new(&robot, &piece, &demand);
+                    let design = gearwise::design::best::best_design(site, best.joints[j].motor, false).ok()?;
+                    Some(f64::from(joint.count) * design.optimum.objective)
+                };
+                robot.joints.iter().enumerate().map(of).sum()
+            };
+            let (Some(low), Some(here), Some(high)) = (total(-step), total(0.0), total(step)) else { continue };
+            let slopes = [(here - low) / step, (high - here) / step];
+            let size = 1e-4 * here.abs().max(1.0) + 1e-3 * slopes[0].abs();
+            if (slopes[0] - slopes[1]).abs() > size {
+                bent += 1;
+                continue;
+            }
+            looked += 1;
+            let said = best.per_mass[k];
+            assert!(
+                (said - slopes[0]).abs() <= size,
+                "{index}, {}: {said} said of j{k}, {slopes:?}",
+                robot.joints[0].objective.name()
+            );
+        }
+    }
+    println!("{looked} prices, {bent} where it bends");
+    assert!(looked >= 10, "{looked} prices, {bent} where it bends");
+}

@@ -37,7 +37,7 @@ fn robot(random: &mut Pcg64, objective: &str) -> Robot {
         _ => "\n[joint.limits]\nwinding_temperature = \"100 degC\"",
     };
     let text = format!(
-        r#"
+        r#"name = "two"
 [bus]
 voltage = "{} V"
 drive_efficiency = {}
@@ -53,7 +53,7 @@ name = "wrist"
 ratio = {{ min = 3, max = 30 }}
 gear = {{ efficiency = 0.8, mass = "300 g" }}
 objective = {objective}
-points = [{{ torque = "2 N*m", velocity = "1 rad/s", acceleration = "0 rad/s^2", duration = "1 s" }}]
+points = [{{ torque = "2 N*m", speed = "1 rad/s", duration = "1 s" }}]
 "#,
         within(18.0, 60.0),
         within(0.85, 1.0),
