@@ -97,6 +97,21 @@ pub struct Load {
     gear_loss: Option<Laurent>,
 }
 
+/// A direction of a load, and how means of an actuator move along it, with power flowing through the gear as it does: per unit.
+#[derive(Debug, Clone)]
+pub(crate) struct Along<'d> {
+    /// Torque at each sample of the motion \[N·m\].
+    pub torque: &'d [f64],
+    /// Of the mean squared torque at the shaft, at each end of the motor's drag \[N²·m²\].
+    pub squared: [Laurent; 2],
+    /// The same at standstill.
+    pub at_rest: [Laurent; 2],
+    /// Of the mean power at the shaft \[W\].
+    pub shaft: Laurent,
+    /// Of what the gear takes in proportion to the load \[W\].
+    pub gear: Laurent,
+}
+
 impl Load {
     /// Prepares a motion.
     pub fn new(motion: &Motion, bandwidth: Option<TorqueBandwidth>) -> Load {
@@ -207,27 +222,14 @@ impl Load {
     /// `extra(velocity, towards, acceleration)` gives torque \[N·m\] and rate \[N·m/s per N\]. It goes with
     /// [`Actuator::folded`].
     pub fn folded(&self, extra: impl Fn(f64, f64, f64) -> (f64, f64)) -> Load {
-        let change = |_, x: &mut [f64; FEATURES]| {
+        let change = |x: &mut [f64; FEATURES]| {
             let of = |feature: Feature| x[feature as usize];
             let (torque, rate) = extra(of(Feature::Velocity), of(Feature::Sign), of(Feature::Acceleration));
             x[Feature::One as usize] = torque;
             x[Feature::SpeedRate as usize] = rate;
         };
         let mut samples = self.samples.to_vec();
-        samples.iter_mut().for_each(|sample| change(sample.origin, &mut sample.features));
-        self.with_points(samples, |wave| wave.changed(change))
-    }
-
-    /// The same with so much of a torque \[N·m\] and of its rate \[N·m/s\] on top at each sample of the motion, and with power that
-    /// flows through the gear as before, whatever the torque is now: what is made of the torque at the shaft is then a parabola in
-    /// `amount`. The figures of the load itself stay those of before.
-    pub(crate) fn shifted(&self, (torque, rate): (&[f64], &[f64]), amount: f64) -> Load {
-        let change = |k: usize, x: &mut [f64; FEATURES]| {
-            x[Feature::Load as usize] += amount * torque[k];
-            x[Feature::LoadRate as usize] += amount * rate[k];
-        };
-        let mut samples = self.samples.to_vec();
-        samples.iter_mut().for_each(|sample| change(sample.origin, &mut sample.features));
+        samples.iter_mut().for_each(|sample| change(&mut sample.features));
         self.with_points(samples, |wave| wave.changed(change))
     }
 
@@ -413,11 +415,48 @@ impl Load {
     /// `ratio` and is nowhere above it. Power that is drawn costs `P/η_d`, power that comes back yields `η_r P`, or the most
     /// that is kept; which samples do what is taken at `ratio`, and any other choice costs more.
     pub fn drawn_cut(&self, actuator: &Actuator, drawn: Drawn, ratio: f64) -> Laurent {
-        self.drawn_like(self, actuator, drawn, ratio)
+        let mut sum = [0.0; 5];
+        self.each_drawn(actuator, drawn, ratio, |_, weight, power, factor, kept| {
+            for (s, p) in sum.iter_mut().zip(power) {
+                *s += weight * factor * p;
+            }
+            sum[2] += weight * kept;
+        });
+        let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(*c, power));
+        terms.fold(Laurent::default(), |a, b| a + b)
     }
 
-    /// The same with each sample drawing, or giving back, as that of another load does at the ratio.
-    pub(crate) fn drawn_like(&self, like: &Load, actuator: &Actuator, drawn: Drawn, ratio: f64) -> Laurent {
+    /// How [`Load::drawn_cut`] moves with the load along some directions.
+    pub(crate) fn drawn_slopes(&self, actuator: &Actuator, drawn: Drawn, ratio: f64, along: &[Along]) -> Vec<Laurent> {
+        let emf = actuator.back_emf_constant / actuator.torque_constant;
+        let heating = actuator.heating() * actuator.with_leads();
+        let mut sums = vec![[0.0; 3]; along.len()];
+        self.each_drawn(actuator, drawn, ratio, |k, weight, _, factor, _| {
+            let sample = &self.samples[k];
+            let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+            let speed = emf * sample.features[Feature::Velocity as usize];
+            let passed = actuator.torque_form(sample.flow)[Feature::Load] * weight * factor;
+            for (sum, of) in sums.iter_mut().zip(along) {
+                let torque = passed * of.torque[sample.origin];
+                sum[0] += 2.0 * heating * a * torque;
+                sum[1] += 2.0 * heating * c * torque;
+                sum[2] += (2.0 * heating * b + speed) * torque;
+            }
+        });
+        let polynomial =
+            |[a, b, c]: [f64; 3]| Laurent::monomial(a, -2) + Laurent::monomial(b, -1) + Laurent::constant(c);
+        sums.into_iter().map(polynomial).collect()
+    }
+
+    /// Each sample with its share of the time, its power at the terminals as coefficients of N⁻² to N² \[W\], and the straight line that
+    /// says what is drawn for that at a ratio.
+    fn each_drawn(
+        &self,
+        actuator: &Actuator,
+        drawn: Drawn,
+        ratio: f64,
+        mut look: impl FnMut(usize, f64, [f64; 5], f64, f64),
+    ) {
         let emf = actuator.back_emf_constant / actuator.torque_constant;
         let shortfall = &actuator.shortfall;
         let leads = actuator.with_leads();
@@ -426,10 +465,9 @@ impl Load {
         let along_d = if shortfall.saturates() { actuator.copper() * leads } else { heating };
         let linear = (!shortfall.saturates()).then(|| (heating, heating * shortfall.mean_square()));
         let (up, down) = (ratio, 1.0 / ratio);
-        let power_of = |load: &Load, k: usize| {
-            let sample = &load.samples[k];
+        for (k, (sample, weight)) in self.means().enumerate() {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
-            let direct = load.direct(k);
+            let direct = self.direct(k);
             let speed = emf * sample.features[Feature::Velocity as usize];
             // Heat is a straight line in T², or is above its tangent at this ratio.
             let (copper, constant) = match linear {
@@ -440,27 +478,45 @@ impl Load {
                     (slope * leads, (heat - slope * squared) * leads)
                 }
             };
-            [
+            let power = [
                 copper * a * a,
                 2.0 * copper * a * c,
                 copper * (c * c + 2.0 * a * b) + speed * a + constant + along_d * direct * direct,
                 2.0 * copper * b * c + speed * c,
                 copper * b * b + speed * b,
-            ]
-        };
-        let mut sum = [0.0; 5];
-        for (k, weight) in self.weight.iter().enumerate() {
-            let power = power_of(self, k);
-            let decides = if std::ptr::eq(self, like) { power } else { power_of(like, k) };
-            let here = (decides[0] * down + decides[1]) * down + decides[2] + (decides[3] + decides[4] * up) * up;
+            ];
+            let here = (power[0] * down + power[1]) * down + power[2] + (power[3] + power[4] * up) * up;
             let (factor, kept) = drawn.line(here);
-            for (s, p) in sum.iter_mut().zip(power) {
-                *s += weight * factor * p;
-            }
-            sum[2] += weight * kept;
+            look(k, weight, power, factor, kept);
         }
-        let terms = sum.iter().zip(-2..).map(|(c, power)| Laurent::monomial(*c, power));
-        terms.fold(Laurent::default(), |a, b| a + b)
+    }
+
+    /// A direction of the load: so much torque \[N·m\] at each sample of the motion for one unit, and what means of an actuator at both
+    /// ends of its drag do along it.
+    pub(crate) fn along<'d>(&self, [actuator, other]: [&Actuator; 2], torque: &'d [f64]) -> Along<'d> {
+        let squared = |actuator: &Actuator, weights: &[f64]| {
+            let mut sums = [0.0; 3];
+            for (sample, weight) in self.samples.iter().zip(weights) {
+                let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
+                let moved = 2.0 * weight * actuator.torque_form(sample.flow)[Feature::Load] * torque[sample.origin];
+                for (sum, term) in sums.iter_mut().zip([a, c, b]) {
+                    *sum += moved * term;
+                }
+            }
+            Laurent::monomial(sums[0], -2) + Laurent::monomial(sums[1], -1) + Laurent::constant(sums[2])
+        };
+        let passed = |sample: &WavePoint| actuator.torque_form(sample.flow)[Feature::Load];
+        let power = |of: &dyn Fn(&WavePoint) -> f64| -> f64 {
+            let speed = |sample: &WavePoint| sample.features[Feature::Velocity as usize];
+            self.means().map(|(sample, weight)| weight * of(sample) * torque[sample.origin] * speed(sample)).sum()
+        };
+        Along {
+            torque,
+            squared: [squared(actuator, &self.weight), squared(other, &self.weight)],
+            at_rest: [squared(actuator, &self.rest), squared(other, &self.rest)],
+            shaft: Laurent::constant(power(&passed)),
+            gear: Laurent::constant(power(&|sample| passed(sample) - 1.0)),
+        }
     }
 
     /// Mean over time of what follows from the power at the terminals of every sample \[W\] at a ratio, with the winding at the reference

@@ -399,12 +399,12 @@ impl Waveform {
         AtRatio { points: &self.points, direct: &self.direct, weights }
     }
 
-    /// The same points in the same order with some of their features changed, each by the sample that it belongs to: without a tree.
-    pub fn changed(&self, change: impl Fn(usize, &mut [f64; FEATURES])) -> Waveform {
+    /// The same points with some of their features changed, for one ratio: without a tree.
+    pub fn changed(&self, change: impl Fn(&mut [f64; FEATURES])) -> Waveform {
         let mut points = self.points.without_tree();
         for i in 0..self.len() {
             let mut features = std::array::from_fn(|f| points.columns[f][i]);
-            change(points.origin[i], &mut features);
+            change(&mut features);
             for (column, value) in points.columns.iter_mut().zip(features) {
                 column[i] = value;
             }

@@ -4,6 +4,7 @@ use super::options::Stop;
 use crate::actuator::candidate::End;
 use crate::actuator::gear_figures::GearFigures;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
+use crate::actuator::load::Along;
 use crate::actuator::losses::{LossTerms, Losses, UnknownLoss};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::supply::Drawn;
@@ -248,33 +249,48 @@ impl<'a> Prepared<'a> {
 
     /// The polynomial that equals the mean copper loss at a ratio \[W\] and is nowhere above it.
     pub(super) fn copper_cut(&self, ratio: f64) -> Laurent {
-        self.copper_like(self, ratio)
+        self.larger(ratio, |actuator, means| self.copper_of(actuator, means, ratio))
     }
 
     /// The polynomial that equals the mean of all losses at a ratio \[W\] and is nowhere above it.
     pub(super) fn loss_cut(&self, ratio: f64) -> Laurent {
-        self.loss_like(self, ratio)
+        self.larger(ratio, |actuator, means| self.loss_of(actuator, means, ratio))
     }
 
-    /// As [`Prepared::copper_cut`], and of this load what the cut of the same motor and gear under another is made of.
-    pub(super) fn copper_like(&self, like: &Prepared, ratio: f64) -> Laurent {
-        self.larger(like, ratio, |prepared, actuator, means| prepared.copper_of(actuator, means, ratio))
-    }
-
-    /// As [`Prepared::loss_cut`], in the same way.
-    pub(super) fn loss_like(&self, like: &Prepared, ratio: f64) -> Laurent {
-        self.larger(like, ratio, |prepared, actuator, means| prepared.loss_of(like, actuator, means, ratio))
-    }
-
-    /// Of the polynomials of both ends that whose like is larger at a ratio.
-    fn larger(&self, like: &Prepared, ratio: f64, of: impl Fn(&Prepared, &Actuator, &Means) -> Laurent) -> Laurent {
-        let of_like = like.ends().map(|(actuator, means)| of(like, actuator, means));
-        let cuts = of_like.enumerate().map(|(end, cut)| (cut.at(ratio), end, cut));
-        let Some((_, end, cut)) = cuts.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { return Laurent::default() };
-        if std::ptr::eq(self, like) {
-            return cut;
+    /// How the cut of a mean at a ratio moves with the load along some directions, by the torque \[N·m\] that each adds to the samples of
+    /// the motion, with power flowing through the gear and drawn from the bus as it is there. Of motors whose iron does not saturate.
+    pub(super) fn mean_slopes(&self, quantity: Quantity, ratio: f64, along: &[Along]) -> Vec<Laurent> {
+        let load = self.candidate.load;
+        let value = |actuator: &Actuator, means: &Means| match quantity {
+            Quantity::CopperLoss => self.copper_of(actuator, means, ratio).at(ratio),
+            Quantity::Loss => self.loss_of(actuator, means, ratio).at(ratio),
+            _ => load.drawn_cut(actuator, self.drawn(), ratio).at(ratio),
+        };
+        let ends = self.ends().enumerate().map(|(end, (actuator, means))| (value(actuator, means), end));
+        let Some((_, end)) = ends.reduce(|a, b| if b.0 > a.0 { b } else { a }) else { return Vec::new() };
+        let actuator = self.candidate.ends().nth(end).unwrap_or(&self.candidate.actuator);
+        let drawn = || load.drawn_slopes(actuator, self.drawn(), ratio, along);
+        let conduction = actuator.conduction();
+        match quantity {
+            Quantity::CopperLoss => along.iter().map(|of| of.squared[end] * actuator.heating()).collect(),
+            Quantity::Loss if self.drawn().is_lossless() => {
+                along.iter().map(|of| of.squared[end] * (actuator.heating() + conduction) + of.gear).collect()
+            }
+            Quantity::Loss => {
+                // What is drawn, less what the motor makes of it, and what the gear takes.
+                let emf = actuator.back_emf_constant / actuator.torque_constant;
+                let kept = along.iter().map(|of| of.gear + of.shaft * -emf);
+                drawn().into_iter().zip(kept).map(|(drawn, kept)| drawn + kept).collect()
+            }
+            _ => drawn().into_iter().map(|drawn| drawn * load.duration.unwrap_or(f64::NAN)).collect(),
         }
-        self.ends().nth(end).map_or_else(Laurent::default, |(actuator, means)| of(self, actuator, means))
+    }
+
+    /// Of the polynomials of both ends that which is larger at a ratio.
+    fn larger(&self, ratio: f64, of: impl Fn(&Actuator, &Means) -> Laurent) -> Laurent {
+        let cuts = self.ends().map(|(actuator, means)| of(actuator, means));
+        let larger = cuts.map(|cut| (cut.at(ratio), cut)).reduce(|a, b| if b.0 > a.0 { b } else { a });
+        larger.map_or_else(Laurent::default, |(_, cut)| cut)
     }
 
     fn copper_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
@@ -284,9 +300,9 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    fn loss_of(&self, like: &Prepared, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
+    fn loss_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> Laurent {
         let plain = self.copper_of(actuator, means, ratio) + means.losses.sum();
-        match self.by_efficiency(like, self.drawn(), actuator, means, ratio) {
+        match self.by_efficiency(self.drawn(), actuator, means, ratio) {
             Some(drive) => plain + drive,
             None => plain,
         }
@@ -299,18 +315,11 @@ impl<'a> Prepared<'a> {
 
     /// What the drive's efficiency takes and what of the power that comes back is not kept, as a cut of what is drawn less
     /// what goes on to motor and leads; `None` where that is nothing.
-    fn by_efficiency(
-        &self,
-        like: &Prepared,
-        drawn: Drawn,
-        actuator: &Actuator,
-        means: &Means,
-        ratio: f64,
-    ) -> Option<Laurent> {
+    fn by_efficiency(&self, drawn: Drawn, actuator: &Actuator, means: &Means, ratio: f64) -> Option<Laurent> {
         if drawn.is_lossless() {
             return None;
         }
-        let drawn = self.candidate.load.drawn_like(like.candidate.load, actuator, drawn, ratio);
+        let drawn = self.candidate.load.drawn_cut(actuator, drawn, ratio);
         // The mean power has the heat as if the iron did not saturate.
         let leads = actuator.with_leads();
         let heat = self.copper_of(actuator, means, ratio) + means.torque_squared * -actuator.heating();
@@ -323,8 +332,7 @@ impl<'a> Prepared<'a> {
     fn losses_of(&self, actuator: &Actuator, means: &Means, ratio: f64) -> (Losses, f64) {
         let at = |polynomial: &Laurent| polynomial.at(ratio);
         let terms = &means.losses;
-        let taken =
-            |drawn| self.by_efficiency(self, drawn, actuator, means, ratio).map_or(0.0, |taken| taken.at(ratio));
+        let taken = |drawn| self.by_efficiency(drawn, actuator, means, ratio).map_or(0.0, |taken| taken.at(ratio));
         let (drawn, by_drive) = (self.drawn(), self.drawn().by_drive());
         let all = taken(drawn);
         let drive = if drawn == by_drive { all } else { taken(by_drive) };
@@ -478,16 +486,10 @@ impl<'a> Prepared<'a> {
     /// The polynomial that equals the energy drawn per cycle at a ratio \[J\] and is nowhere above it; `None` without
     /// durations.
     pub(super) fn energy_cut(&self, ratio: f64) -> Option<Laurent> {
-        self.energy_like(self, ratio)
-    }
-
-    /// As [`Prepared::energy_cut`], and of this load what the cut of the same motor and gear under another is made of.
-    pub(super) fn energy_like(&self, like: &Prepared, ratio: f64) -> Option<Laurent> {
-        let drawn = self.larger(like, ratio, |prepared, actuator, _| {
-            prepared.candidate.load.drawn_like(like.candidate.load, actuator, self.drawn(), ratio)
-        });
+        let load = self.candidate.load;
+        let drawn = self.larger(ratio, |actuator, _| load.drawn_cut(actuator, self.drawn(), ratio));
         let standby = Laurent::constant(self.candidate.standby_power());
-        self.candidate.load.duration.map(|duration| (drawn + standby) * duration)
+        load.duration.map(|duration| (drawn + standby) * duration)
     }
 
     /// Largest power drawn from the bus at a ratio \[W\].

@@ -174,11 +174,6 @@ impl<'a> JointDemand<'a> {
         JointDemand { load: load_covering(joint, None), gears }
     }
 
-    /// The gears that have a load of their own, with it.
-    pub(super) fn own_loads(&self) -> impl Iterator<Item = (&'a Gear, &Load)> {
-        self.gears.iter().filter_map(|(gear, own)| Some((*gear, own.as_ref()?)))
-    }
-
     /// The gears that may be mounted on a motor, each with its load.
     pub fn gears_for<'d>(&'d self, motor: &Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
         let fitting: Vec<_> = self.gears.iter().filter(|(gear, _)| gear.fits(motor.row_id()) != Some(false)).collect();

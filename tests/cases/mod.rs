@@ -1,4 +1,4 @@
-//! How many random cases a test draws. `GEARWISE_CASES=all` is what docs/reliability.md tells and `.ci/run` asks for; a
+//! How many random cases a test draws. `GEARWISE_CASES=all` is what docs/reliability.md tells and `.ci/cases` asks for; a
 //! number is that many times all (`10` ten times, `0.1` a tenth); by default it is a quarter, so that `cargo test` is
 //! quick. How often what occurs is only asserted of all.
 #![allow(dead_code, reason = "each test file uses its part")]

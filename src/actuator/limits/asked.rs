@@ -121,12 +121,17 @@ impl Asked {
     /// sample that has it), and its sample. It is nowhere above the functional. `None` for limits that are no
     /// polynomial, or certainly kept.
     pub fn polynomial_at(&self, candidate: &Candidate, ratio: f64) -> Option<(Laurent, Option<usize>)> {
-        if let Some((polynomial, point)) = self.polynomial_like(candidate, candidate, ratio) {
-            return Some((polynomial, Some(point.origin)));
-        }
         let actuator = candidate.end(self.end);
         match self.demand {
             Demand::Polynomial(polynomial, sample) => Some((polynomial, sample)),
+            Demand::Samples(functional) | Demand::Bandwidth(functional) => {
+                let waveform = match self.demand {
+                    Demand::Bandwidth(_) => bandwidth(candidate, functional)?,
+                    _ => &candidate.load.waveform,
+                };
+                let point = waveform.point(waveform.largest(functional, actuator, ratio).index);
+                Some((functional.polynomial(actuator, &point, ratio), Some(point.origin)))
+            }
             Demand::WindingPeak(_) if self.is_certainly_kept(candidate, ratio) => None,
             Demand::WindingPeak(node) => {
                 let cut = candidate.load.winding_peak_cut(actuator, &node, ratio, self.raw_bound());
@@ -137,30 +142,18 @@ impl Asked {
                 Some((load.mean_current_squared_cut(actuator, standing, ratio) * load.share_of_time, None))
             }
             Demand::Fixed(..) | Demand::Constant(_) | Demand::AverageTorque(_) | Demand::Mass => None,
-            // Those without any sample.
-            Demand::Samples(_) | Demand::Bandwidth(_) => None,
         }
     }
 
-    /// Of a limit over samples: the polynomial of the sample that has the largest of the functional at a ratio in another load of the
-    /// same motor and gear, and that sample as it is there.
-    pub(crate) fn polynomial_like(
-        &self,
-        candidate: &Candidate,
-        like: &Candidate,
-        ratio: f64,
-    ) -> Option<(Laurent, WavePoint)> {
-        let (Demand::Samples(functional) | Demand::Bandwidth(functional)) = self.demand else { return None };
-        let waveform = |candidate| match self.demand {
-            Demand::Bandwidth(_) => bandwidth(candidate, functional),
-            _ => Some(&candidate.load.waveform),
+    /// Of a limit over samples: its functional, and the point that has the largest of it at a ratio.
+    pub(crate) fn point_at(&self, candidate: &Candidate, ratio: f64) -> Option<(Functional, WavePoint)> {
+        let (functional, waveform) = match self.demand {
+            Demand::Samples(functional) => (functional, &candidate.load.waveform),
+            Demand::Bandwidth(functional) => (functional, bandwidth(candidate, functional)?),
+            _ => return None,
         };
-        let actuator = candidate.end(self.end);
-        let of_like = waveform(like)?;
-        let index = of_like.largest(functional, actuator, ratio).index;
-        let point =
-            if std::ptr::eq(candidate, like) { of_like.point(index) } else { waveform(candidate)?.point(index) };
-        Some((functional.polynomial(actuator, &point, ratio), of_like.point(index)))
+        let largest = waveform.largest(functional, candidate.end(self.end), ratio);
+        Some((functional, waveform.point(largest.index)))
     }
 
     /// `1 − demand/limit` at a ratio, for the functional's value there. A limit of zero has margin 0 where it is kept

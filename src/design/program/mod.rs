@@ -27,7 +27,6 @@ mod window;
 
 use crate::actuator::Laurent;
 use crate::actuator::limits::{Asked, Candidate, Class, Demand};
-use crate::actuator::waveform::WavePoint;
 use crate::numerics::line_search::least_in_range;
 use crate::requirement::{Objective, Quantity};
 
@@ -35,6 +34,7 @@ use super::evaluate::{Prepared, violation};
 
 pub use answer::{Certificate, Optimum, Outcome, ShadowPrice, Window};
 pub use bind::Bind;
+pub(in crate::design) use objective::Peak;
 pub use refusal::{Infeasible, Refusal, Unsolved};
 pub(in crate::design) use window::minimise;
 
@@ -198,13 +198,8 @@ impl<'a> RatioProgram<'a> {
         (goal.cut(ratio), goal.steps(ratio))
     }
 
-    /// What of this load the cut at a ratio of the same motor and gear under another is made of ([`RatioProgram::objective_cut`]).
-    pub(in crate::design) fn cut_like(&self, like: &RatioProgram, ratio: f64) -> Laurent {
-        objective::Goal::summed(self).cut_like(&objective::Goal::summed(like), ratio)
-    }
-
-    /// The points of the samples whose largest the cut at a ratio takes.
-    pub(in crate::design) fn peaks(&self, ratio: f64) -> Vec<WavePoint> {
+    /// What the cut at a ratio takes of single samples: current and power at the largest of them.
+    pub(in crate::design) fn peaks(&self, ratio: f64) -> Vec<Peak> {
         objective::Goal::summed(self).peaks(ratio)
     }
 

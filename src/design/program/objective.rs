@@ -3,10 +3,9 @@
 //! cut for each ratio. The conic program and the branch and bound both work on cuts alone.
 
 use super::RatioProgram;
-use crate::actuator::Laurent;
-use crate::actuator::candidate::End;
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::{Functional, Largest, WavePoint};
+use crate::actuator::{Actuator, Laurent};
 use crate::design::evaluate::Prepared;
 use crate::requirement::{Objective, Quantity};
 
@@ -32,6 +31,16 @@ fn has_plain_losses(prepared: &Prepared) -> bool {
     let candidate = &prepared.candidate;
     let saturates = candidate.actuator.shortfall.saturates();
     candidate.other.is_none() && !saturates && Drawn::new(&candidate.robot.bus).is_lossless()
+}
+
+/// What an objective counts of the sample that has the largest of it.
+#[derive(Debug, Clone)]
+pub(in crate::design) struct Peak {
+    pub quantity: Quantity,
+    pub weight: f64,
+    pub point: WavePoint,
+    /// The equations of the end of the motor's drag that it is at.
+    pub actuator: Actuator,
 }
 
 /// The objective of a program, without the mass that steps by stages.
@@ -73,39 +82,32 @@ impl<'a> Goal<'a> {
 
     /// The polynomial that touches the objective at a ratio and is nowhere above it.
     pub(super) fn cut(&self, ratio: f64) -> Laurent {
-        self.cut_like(self, ratio)
-    }
-
-    /// What of this load the cut of the same motor and gear under another is made of.
-    pub(super) fn cut_like(&self, like: &Goal, ratio: f64) -> Laurent {
         let weight = |quantity| self.program.objective.weight(quantity);
         let mut cut = self.smooth;
-        let (prepared, of_like) = (self.program.prepared, like.program.prepared);
+        let prepared = self.program.prepared;
         if weight(Quantity::Loss) > 0.0 && !self.is_plain {
-            cut = cut + prepared.loss_like(of_like, ratio) * weight(Quantity::Loss);
+            cut = cut + prepared.loss_cut(ratio) * weight(Quantity::Loss);
         }
         if weight(Quantity::CopperLoss) > 0.0 && !self.is_plain {
-            cut = cut + prepared.copper_like(of_like, ratio) * weight(Quantity::CopperLoss);
+            cut = cut + prepared.copper_cut(ratio) * weight(Quantity::CopperLoss);
         }
         if weight(Quantity::PeakCurrent) > 0.0 {
-            cut = cut + self.peak_current(like, ratio, weight(Quantity::PeakCurrent));
+            cut = cut + self.peak_current(ratio, weight(Quantity::PeakCurrent));
         }
         if weight(Quantity::Energy) > 0.0 {
-            cut = cut + self.energy(like, ratio) * weight(Quantity::Energy);
+            cut = cut + self.energy(ratio) * weight(Quantity::Energy);
         }
         if weight(Quantity::PeakPower) > 0.0 {
-            cut = cut + self.peak_power(like, ratio) * weight(Quantity::PeakPower);
+            cut = cut + self.peak_power(ratio) * weight(Quantity::PeakPower);
         }
         cut
     }
 
-    fn peak_current(&self, like: &Goal, ratio: f64, weight: f64) -> Laurent {
+    fn peak_current(&self, ratio: f64, weight: f64) -> Laurent {
         let candidate = &self.program.prepared.candidate;
         let functional = candidate.load.waveform.of_current();
-        let (largest, end) = like.largest(functional, ratio);
-        let actuator = candidate.end(end);
-        let point_of = |goal: &Goal| goal.program.prepared.candidate.load.waveform.point(largest.index);
-        let point = point_of(self);
+        let (largest, actuator) = self.largest(functional, ratio);
+        let point = candidate.load.waveform.point(largest.index);
         if self.squared_peak {
             return functional.polynomial(actuator, &point, ratio);
         }
@@ -114,27 +116,25 @@ impl<'a> Goal<'a> {
             return Laurent::constant(weight * actuator.shortfall.peak_current(largest.value.sqrt()));
         }
         let torque = actuator.torque_form(point.flow).polynomial(&point.features);
-        let here = actuator.torque_form(point.flow).polynomial(&point_of(like).features).at(ratio);
         // |T| is at least T and at least −T.
         let shortfall = &actuator.shortfall;
         if shortfall.is_nothing() {
-            return torque * (weight * here.signum() / actuator.torque_constant);
+            return torque * (weight * torque.at(ratio).signum() / actuator.torque_constant);
         }
         // The current is convex in |T|: its tangent.
-        let slope = shortfall.peak_current_slope(here.abs());
+        let (here, slope) = (torque.at(ratio), shortfall.peak_current_slope(torque.at(ratio).abs()));
         let tangent = torque * (here.signum() * slope);
         (tangent + Laurent::constant(shortfall.peak_current(here.abs()) - slope * here.abs())) * weight
     }
 
-    fn energy(&self, like: &Goal, ratio: f64) -> Laurent {
-        self.program.prepared.energy_like(like.program.prepared, ratio).unwrap_or(Laurent::constant(f64::NAN))
+    fn energy(&self, ratio: f64) -> Laurent {
+        self.program.prepared.energy_cut(ratio).unwrap_or(Laurent::constant(f64::NAN))
     }
 
-    fn peak_power(&self, like: &Goal, ratio: f64) -> Laurent {
+    fn peak_power(&self, ratio: f64) -> Laurent {
         let candidate = &self.program.prepared.candidate;
         let standby = Laurent::constant(candidate.standby_power());
-        let (largest, end) = like.largest(Functional::Power, ratio);
-        let actuator = candidate.end(end);
+        let (largest, actuator) = self.largest(Functional::Power, ratio);
         // Where nothing is drawn at any instant the peak is that of standby.
         if largest.value <= 0.0 {
             return standby;
@@ -144,24 +144,29 @@ impl<'a> Goal<'a> {
         power * (1.0 / candidate.robot.bus.drive_efficiency) + standby
     }
 
-    /// The largest of a functional over all samples and both ends of the motor's drag, and that end.
-    fn largest(&self, functional: Functional, ratio: f64) -> (Largest, End) {
+    /// The points of the samples whose largest the cut at a ratio takes, each with what it counts.
+    pub(super) fn peaks(&self, ratio: f64) -> Vec<Peak> {
         let candidate = &self.program.prepared.candidate;
-        let of_end = |actuator| candidate.load.waveform.largest(functional, actuator, ratio);
-        let first = of_end(&candidate.actuator);
-        match candidate.other.as_ref().map(of_end) {
-            Some(other) if other.value > first.value => (other, End::Other),
-            _ => (first, End::First),
-        }
+        let waveform = &candidate.load.waveform;
+        let one = |quantity: Quantity, functional: Functional| {
+            let weight = self.program.objective.weight(quantity);
+            let (largest, actuator) = self.largest(functional, ratio);
+            let counts = weight > 0.0 && (quantity == Quantity::PeakCurrent || largest.value > 0.0);
+            counts.then(|| Peak { quantity, weight, point: waveform.point(largest.index), actuator: *actuator })
+        };
+        let current = one(Quantity::PeakCurrent, waveform.of_current());
+        current.into_iter().chain(one(Quantity::PeakPower, Functional::Power)).collect()
     }
 
-    /// The points of the samples whose largest the cut at a ratio takes: of them alone it speaks.
-    pub(super) fn peaks(&self, ratio: f64) -> Vec<WavePoint> {
-        let counts = |quantity| self.program.objective.weight(quantity) > 0.0;
-        let waveform = &self.program.prepared.candidate.load.waveform;
-        let current = counts(Quantity::PeakCurrent).then(|| waveform.of_current());
-        let power = counts(Quantity::PeakPower).then_some(Functional::Power);
-        current.into_iter().chain(power).map(|f| waveform.point(self.largest(f, ratio).0.index)).collect()
+    /// The largest of a functional over all samples and both ends of the motor's drag, and the equations of that end.
+    fn largest(&self, functional: Functional, ratio: f64) -> (Largest, &Actuator) {
+        let candidate = &self.program.prepared.candidate;
+        let of_end = |actuator| candidate.load.waveform.largest(functional, actuator, ratio);
+        let first = (of_end(&candidate.actuator), &candidate.actuator);
+        match &candidate.other {
+            Some(other) if of_end(other).value > first.0.value => (of_end(other), other),
+            _ => first,
+        }
     }
 
     /// What steps with the ratio: the weighted mass, where it is by stages.

@@ -221,6 +221,21 @@ impl<'a> Context<'a> {
         ways.iter().map(one).collect()
     }
 
+    /// What an item comes to at other coordinates of its joint's load.
+    pub(super) fn again(&mut self, joint: usize, item: &Item<'a>, coordinates: &[f64]) -> Option<Arc<Item<'a>>> {
+        let gear = item.design.gear;
+        let ratio = item.design.evaluation.ratio;
+        let pieces = pieces(&self.robot.joints[joint], self.needs[joint]);
+        let holds = |piece: &Joint| piece.ratio.range().is_none_or(|(min, max)| min <= ratio && ratio <= max);
+        let piece = pieces.iter().position(holds)?;
+        let same = |way: &Way| {
+            let build = &way.build;
+            build.motor == item.motor && build.gear.map(|gear| gear.id.as_str()) == gear && build.piece == piece
+        };
+        let way = self.ways[joint].iter().position(same)?;
+        self.exact(joint, &[way], coordinates).pop().flatten()
+    }
+
     /// Motors that are no choice because something that is asked for is not known, by joint: of carrying joints at the load that they
     /// have in a combination.
     pub(super) fn unjudged(&mut self, found: Option<&Found<'a>>) -> BTreeMap<(usize, usize), Vec<Remark>> {

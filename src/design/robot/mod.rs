@@ -67,7 +67,8 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     };
     let (mut changes, mut front) = (Vec::new(), Vec::new());
     // Where the search was long once, it is not repeated for each other budget.
-    let short = answer.finished && (context.limit().is_none() || answer.solved <= LONG);
+    let short =
+        answer.finished && (context.limit().is_none() || answer.solved <= LONG) && answer.bounded <= MANY_BOUNDED;
     let others_left_out = options.budgets && !combinations.is_empty() && !short;
     if options.budgets && !combinations.is_empty() && short {
         changes = other_budgets(&mut context, rules);
@@ -183,6 +184,8 @@ fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
 
 /// Programs of combinations after which other budgets are not looked at.
 const LONG: usize = 100;
+/// The same of bounds of ways to build a joint over loads.
+const MANY_BOUNDED: usize = 1000;
 /// Steps of a budget, as shares of it.
 const STEPS: [f64; 4] = [-0.1, -0.05, 0.05, 0.1];
 

@@ -5,15 +5,13 @@
 //! joint has one cost, which bounds all combinations with it. What the bound rules out is left out, which narrows the region, and
 //! so on; a region in which too much is left is divided by the mass of one joint. The region with the least bound comes first.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
 
 use super::carry;
 use super::context::{Among, Context};
 use super::menu::Item;
 use super::search::{self, Answer, Found, Rules, Table};
-use super::tangent::{Directions, Over, Sides, Tangent};
+use super::tangent::{Directions, Over, Tangent};
 use crate::design::mount::{Mount, Site};
 use crate::requirement::Joint;
 
@@ -21,8 +19,8 @@ use crate::requirement::Joint;
 const ROUNDS: usize = 6;
 /// Combinations that are solved at most in each round, and in the search of a region.
 const SOLVED: (usize, usize) = (24, 400);
-/// Tables of prices that are made at most.
-const TABLES: usize = 400;
+/// Bounds of ways to build a joint that are made at most.
+const BOUNDED: usize = 100_000;
 /// How often a range of ratios is divided at most, to see which ways are worth more, and for those.
 const DIVISIONS: (usize, usize) = (6, 200);
 /// What is nearer than this to the best is not told from it.
@@ -40,18 +38,18 @@ pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     let mut answer = Answer::nothing();
     let all = (0..context.ways.len()).map(|j| (0..context.ways[j].len()).collect()).collect();
     let mut open = vec![Region { ways: all, bound: f64::NEG_INFINITY, tables: Vec::new() }];
-    let mut made = 0;
     while let Some(place) = (0..open.len()).min_by(|a, b| open[*a].bound.total_cmp(&open[*b].bound)) {
         let region = open.swap_remove(place);
         if region.bound >= answer.threshold(rules.keep) || region.ways.iter().any(Vec::is_empty) {
             continue;
         }
-        if made >= TABLES || context.stop.now() {
+        let programs = context.limit().is_some() && answer.solved >= search::MAX_SOLVED;
+        if programs || answer.bounded >= BOUNDED || context.stop.now() {
             answer.finished = false;
             answer.lower = answer.lower.min(region.bound);
             continue;
         }
-        let left = narrow(context, region, rules, &mut answer, &mut made);
+        let left = narrow(context, region, rules, &mut answer);
         open.extend(left.into_iter().flat_map(|region| divide(context, region, rules, &mut answer)));
     }
     if let Some(best) = answer.found.first() {
@@ -61,20 +59,14 @@ pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
 }
 
 /// Narrows a region; `None` where nothing is left of it.
-fn narrow<'a>(
-    context: &mut Context<'a>,
-    mut region: Region,
-    rules: Rules,
-    answer: &mut Answer<'a>,
-    made: &mut usize,
-) -> Option<Region> {
+fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answer: &mut Answer<'a>) -> Option<Region> {
     for _ in 0..ROUNDS {
         let best = answer.found.first().map(|found| found.value);
         let counts = |ways: &[Vec<usize>]| ways.iter().map(Vec::len).sum::<usize>();
         let before = counts(&region.ways);
         let center = answer.found.first().map(|found| found.items.iter().map(|item| item.mass).collect());
         let table = table(context, &region.ways, center, answer.threshold(rules.keep), rules);
-        *made += 1;
+        answer.bounded += before;
         region.tables.push(table);
         // The last of them are the best; one of the region around this one may show what they do not.
         if region.tables.len() > 3 {
@@ -207,8 +199,6 @@ fn rule_out(context: &Context, region: &mut Region, rules: Rules, threshold: f64
 /// A carrying joint at the load of a table.
 struct Place {
     joint: Joint,
-    sides: Sides,
-    own_sides: HashMap<String, Sides>,
     directions: Directions,
     /// For each carried joint how much lighter and heavier it may be \[kg\].
     masses: Vec<(f64, f64)>,
@@ -308,27 +298,23 @@ fn table<'a>(
     Table { per_mass: 0.0, costs, offset: 0.0 }
 }
 
+/// How much heavier an actuator is made to see what that costs \[kg\].
+const HEAVIER: f64 = 1e-4;
+
 /// Change of the total per kilogram more of one actuator of each joint, with the same motors at their best ratios; empty where no
-/// joint carries another.
+/// joint carries another, and where some joint has no design with a little more.
 pub(super) fn per_mass<'a>(context: &mut Context<'a>, found: &Found<'a>) -> Vec<f64> {
     if context.is_certain() {
         return Vec::new();
     }
-    let masses: Vec<f64> = found.items.iter().map(|item| item.mass).collect();
-    let reach: Vec<(f64, f64)> = masses.iter().map(|mass| (*mass, *mass)).collect();
-    let mut prices = vec![0.0; masses.len()];
+    let mut prices = vec![0.0; found.items.len()];
     for (j, item) in found.items.iter().enumerate() {
-        let robot = context.robot;
-        if robot.joints[j].carries.is_empty() {
-            continue;
-        }
-        let place = Place::new(context, j, &masses, &reach);
-        let carrying = context.carrying(j, &place.coordinates);
-        let site = Site::new(robot, &place.joint, &carrying.demand);
-        let mount = site.mount(&context.catalog.motors[item.motor], item.design.gear);
-        let slopes = mount.ok().and_then(|mount| place.slopes(mount, &place.joint, item));
-        for (carried, slope) in robot.joints[j].carries.iter().zip(slopes.into_iter().flatten()) {
-            prices[carried.joint] += context.total.scale[j] * slope;
+        for carried in &context.robot.joints[j].carries {
+            let heavier = |k: usize| found.items[k].mass + if k == carried.joint { HEAVIER } else { 0.0 };
+            let coordinates = carry::coordinates(&context.robot.joints[j], heavier);
+            let Some(changed) = context.again(j, item, &coordinates) else { return Vec::new() };
+            let more = changed.design.optimum.objective - item.design.optimum.objective;
+            prices[carried.joint] += context.total.scale[j] * more / HEAVIER;
         }
     }
     prices
@@ -343,10 +329,7 @@ impl Place {
             joint.carries.iter().map(|c| (reach[c.joint].0 - center[c.joint], reach[c.joint].1 - center[c.joint]));
         let masses = masses.collect();
         let carrying = context.carrying(j, &coordinates);
-        let sides = Sides::new(&carrying.demand.load, &directions);
-        let own = carrying.demand.own_loads().map(|(gear, load)| (gear.id.clone(), Sides::new(load, &directions)));
-        let own_sides = own.collect();
-        Place { joint: carrying.joint.clone(), sides, own_sides, directions, masses, coordinates }
+        Place { joint: carrying.joint.clone(), directions, masses, coordinates }
     }
 
     /// Lower bounds of some ways to build the joint, with prices on the limits that bind where they are best at this load.
@@ -388,12 +371,11 @@ impl Place {
     }
 
     fn tangent<'t>(&'t self, mount: Mount<'t, 't>, piece: &Joint) -> Option<Tangent<'t>> {
-        let own = mount.gear.and_then(|gear| self.own_sides.get(&gear.id));
         let range = match (mount.gear, piece.ratio.range()) {
             (Some(gear), _) => (gear.ratio, gear.ratio),
             (None, range) => range?,
         };
-        Tangent::new(mount, own.unwrap_or(&self.sides), &self.directions, &self.joint.objective, range)
+        Tangent::new(mount, &self.directions, &self.joint.objective, range)
     }
 
     /// The best way to build the joint at this load, and what a kilogram more of each carried joint costs it.

@@ -74,12 +74,14 @@ pub(super) struct Answer<'a> {
     pub nodes: usize,
     /// Complete combinations that were solved.
     pub solved: usize,
+    /// Bounds of ways to build a joint over loads that were made.
+    pub bounded: usize,
 }
 
 impl<'a> Answer<'a> {
     /// Of a search that found out nothing yet.
     pub(super) fn nothing() -> Answer<'a> {
-        Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0 }
+        Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0, bounded: 0 }
     }
 
     /// The value that a combination must be below to be among those that are wanted.

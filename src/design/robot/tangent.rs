@@ -9,14 +9,16 @@
 //! towards its motion than that, which heats less only where the motor brakes: by that much the tangent is lowered.
 
 use super::convex::under;
+use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Class, Demand, GEAR_LIFE};
+use crate::actuator::load::Along;
 use crate::actuator::shaft::{Feature, Flow};
 use crate::actuator::supply::Drawn;
 use crate::actuator::waveform::{Functional, WavePoint};
-use crate::actuator::{Actuator, Laurent, Load};
+use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
 use crate::design::mount::Mount;
-use crate::design::program::{RatioProgram, largest_ratio_by_monomial, minimise, value};
+use crate::design::program::{Peak, RatioProgram, largest_ratio_by_monomial, minimise, value};
 use crate::requirement::{Objective, Quantity};
 
 /// A bound that is nearer than this to a value is as good as it.
@@ -35,20 +37,6 @@ pub(super) struct Directions {
     pub of_carried: Vec<(usize, f64)>,
 }
 
-/// A load, and the same a unit of each coordinate to either side.
-#[derive(Debug)]
-pub(super) struct Sides {
-    pub sides: Vec<[Load; 2]>,
-}
-
-impl Sides {
-    pub(super) fn new(load: &Load, directions: &Directions) -> Sides {
-        let side =
-            |(torque, rate): &(Vec<f64>, Vec<f64>)| [-1.0, 1.0].map(|amount| load.shifted((torque, rate), amount));
-        Sides { sides: directions.courses.iter().map(side).collect() }
-    }
-}
-
 /// Over what a bound is asked for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Over<'o> {
@@ -65,8 +53,9 @@ pub(super) struct Over<'o> {
 /// A motor and gear at one load, with what its cost and its limits are near it.
 pub(super) struct Tangent<'t> {
     prepared: Prepared<'t>,
-    sides: Vec<[Prepared<'t>; 2]>,
     directions: &'t Directions,
+    /// What means do along each coordinate.
+    along: Vec<Along<'t>>,
     objective: &'t Objective,
     /// The same without what is the largest over samples.
     calm: Objective,
@@ -85,7 +74,6 @@ impl<'t> Tangent<'t> {
     /// Of a mount over a range of ratios; `None` where it is not known how it moves with the load.
     pub(super) fn new(
         mount: Mount<'t, 't>,
-        sides: &'t Sides,
         directions: &'t Directions,
         objective: &'t Objective,
         range: (f64, f64),
@@ -100,14 +88,13 @@ impl<'t> Tangent<'t> {
         if unknown {
             return None;
         }
-        let at = |load: &'t Load| Mount { load, ..mount }.prepared().ok();
-        let of_sides = sides.sides.iter().map(|[low, high]| Some([at(low)?, at(high)?]));
-        let sides: Vec<[Prepared; 2]> = of_sides.collect::<Option<_>>()?;
+        let ends = [&candidate.actuator, candidate.other.as_ref().unwrap_or(&candidate.actuator)];
+        let along = directions.courses.iter().map(|(torque, _)| candidate.load.along(ends, torque)).collect();
         let max = prepared.asked.iter().filter_map(upper_end).fold(range.1, f64::min);
         let peaks = [Quantity::PeakCurrent, Quantity::PeakPower];
         let terms = objective.terms.iter().copied().filter(|(quantity, _)| !peaks.contains(quantity)).collect();
         let range = (range.0, max);
-        Some(Tangent { prepared, sides, directions, objective, calm: Objective { terms }, range, priced: None })
+        Some(Tangent { prepared, directions, along, objective, calm: Objective { terms }, range, priced: None })
     }
 
     /// The same with a price on the limit that ends the ratios at the best one of this load.
@@ -127,7 +114,7 @@ impl<'t> Tangent<'t> {
 
     /// What a kilogram more of each carried joint costs at a ratio, with what is priced.
     pub(super) fn slopes(&self, ratio: f64) -> Vec<f64> {
-        let mut plane = self.goal(self.objective, ratio);
+        let mut plane = self.goal(self.objective, ratio, &self.program(self.objective).peaks(ratio));
         if let Some((index, multiplier, at)) = self.priced
             && let Some((row, _)) = self.row(index, at)
         {
@@ -241,50 +228,85 @@ impl<'t> Tangent<'t> {
         candidate.ends().map(of_end).fold(0.0, f64::max)
     }
 
-    fn program<'s>(&'s self, of: &'s Prepared<'t>, objective: &'s Objective) -> RatioProgram<'s> {
-        RatioProgram::under(of, objective, self.range, Vec::new())
+    fn program<'s>(&'s self, objective: &'s Objective) -> RatioProgram<'s> {
+        RatioProgram::under(&self.prepared, objective, self.range, Vec::new())
     }
 
     fn cut(&self, objective: &Objective, ratio: f64) -> Laurent {
-        self.program(&self.prepared, objective).objective_cut(ratio).0
+        self.program(objective).objective_cut(ratio).0
     }
 
-    /// The objective's cut at a ratio.
-    fn goal(&self, objective: &Objective, ratio: f64) -> Plane {
-        let here = self.program(&self.prepared, objective);
-        self.plane(|there| self.program(there, objective).cut_like(&here, ratio))
+    /// The objective's cut at a ratio, with what it counts of single samples.
+    fn goal(&self, objective: &Objective, ratio: f64, peaks: &[Peak]) -> Plane {
+        let mut slopes = vec![Laurent::default(); self.along.len()];
+        let mut count = |more: Vec<Laurent>, weight: f64| {
+            slopes.iter_mut().zip(more).for_each(|(slope, more)| *slope = *slope + more * weight);
+        };
+        for quantity in [Quantity::CopperLoss, Quantity::Loss, Quantity::Energy] {
+            let weight = objective.weight(quantity);
+            if weight > 0.0 {
+                count(self.prepared.mean_slopes(quantity, ratio, &self.along), weight);
+            }
+        }
+        for peak in peaks {
+            let actuator = &peak.actuator;
+            let of = match peak.quantity {
+                Quantity::PeakCurrent => {
+                    let here = actuator.torque_form(peak.point.flow).polynomial(&peak.point.features).at(ratio);
+                    let slope = match actuator.shortfall.is_nothing() {
+                        true => 1.0 / actuator.torque_constant,
+                        false => actuator.shortfall.peak_current_slope(here.abs()),
+                    };
+                    self.of_point(&peak.point, |point| {
+                        actuator.torque_form(point.flow).polynomial(&point.features) * (slope * here.signum())
+                    })
+                }
+                _ => {
+                    let efficiency = self.prepared.candidate.robot.bus.drive_efficiency;
+                    let power = |point: &WavePoint| Functional::Power.polynomial(actuator, point, ratio);
+                    self.of_point(&peak.point, |point| power(point) * (1.0 / efficiency))
+                }
+            };
+            count(of, peak.weight);
+        }
+        Plane { value: self.cut(objective, ratio), slopes: self.by_mass(slopes) }
     }
 
     /// The row of a limit over which a ratio goes most, and the point that it is of, where it is one of samples.
     fn row(&self, index: usize, ratio: f64) -> Option<(Plane, Option<WavePoint>)> {
         let asked = &self.prepared.asked[index];
-        let here = &self.prepared.candidate;
-        if let Demand::Polynomial(..) = asked.demand {
-            let same = |there: &Prepared| {
-                let of = there.asked.iter().find(|a| a.limit.name == asked.limit.name && a.end == asked.end)?;
-                match of.demand {
-                    Demand::Polynomial(polynomial, _) => Some(polynomial),
-                    _ => None,
-                }
+        let candidate = &self.prepared.candidate;
+        if let Demand::Polynomial(value, _) = asked.demand {
+            // A mean squared torque, with the share of that at standstill that counts once more.
+            let end = usize::from(asked.end == End::Other);
+            let of = |along: &Along| {
+                (along.squared[end] + along.at_rest[end] * asked.standing) * candidate.load.share_of_time
             };
-            let all = std::iter::once(&self.prepared).chain(self.sides.iter().flatten());
-            if all.clone().any(|there| same(there).is_none()) {
-                return None;
-            }
-            return Some((self.plane(|there| same(there).unwrap_or_default()), None));
+            return Some((Plane { value, slopes: self.by_mass(self.along.iter().map(of).collect()) }, None));
         }
-        let (_, point) = asked.polynomial_like(here, here, ratio)?;
-        let of =
-            |there: &Prepared| asked.polynomial_like(&there.candidate, here, ratio).map(|(p, _)| p).unwrap_or_default();
-        Some((self.plane(of), Some(point)))
+        let (functional, point) = asked.point_at(candidate, ratio)?;
+        let actuator = candidate.end(asked.end);
+        let of = |point: &WavePoint| functional.polynomial(actuator, point, ratio);
+        Some((Plane { value: of(&point), slopes: self.by_mass(self.of_point(&point, of)) }, Some(point)))
     }
 
-    /// What a parabola in the load is here, and its slopes.
-    fn plane(&self, of: impl Fn(&Prepared<'t>) -> Laurent) -> Plane {
-        let by_coordinate: Vec<Laurent> =
-            self.sides.iter().map(|[low, high]| (of(high) + of(low) * -1.0) * 0.5).collect();
-        let slopes = self.directions.of_carried.iter().map(|(c, factor)| by_coordinate[*c] * *factor).collect();
-        Plane { value: of(&self.prepared), slopes }
+    /// How a parabola in the load of one point moves along each coordinate.
+    fn of_point(&self, point: &WavePoint, of: impl Fn(&WavePoint) -> Laurent) -> Vec<Laurent> {
+        let slope = |(torque, rate): &(Vec<f64>, Vec<f64>)| {
+            let moved = |amount: f64| {
+                let mut moved = *point;
+                moved.features[Feature::Load as usize] += amount * torque[point.origin];
+                moved.features[Feature::LoadRate as usize] += amount * rate[point.origin];
+                of(&moved)
+            };
+            (moved(1.0) + moved(-1.0) * -1.0) * 0.5
+        };
+        self.directions.courses.iter().map(slope).collect()
+    }
+
+    /// Slopes by the mass of each carried joint, from those along coordinates.
+    fn by_mass(&self, along: Vec<Laurent>) -> Vec<Laurent> {
+        self.directions.of_carried.iter().map(|(coordinate, factor)| along[*coordinate] * *factor).collect()
     }
 
     fn piece(&self, ratios: (f64, f64), over: Over) -> Piece {
@@ -293,16 +315,15 @@ impl<'t> Tangent<'t> {
         if self.is_beyond_a_limit(ratios, middle, turning.0, over) {
             return Piece { ratios, bound: f64::INFINITY, value: f64::INFINITY };
         }
-        let turns = |objective: &Objective| {
-            let peaks = self.program(&self.prepared, objective).peaks(middle);
-            peaks.iter().any(|point| self.may_turn(point, over))
-        };
+        let peaks = self.program(self.objective).peaks(middle);
         // What is the largest of samples is at least nothing.
-        let objective = if turns(self.objective) { &self.calm } else { self.objective };
-        let mut plane = self.goal(objective, middle);
+        let mut plane = match peaks.iter().any(|peak| self.may_turn(&peak.point, over)) {
+            true => self.goal(&self.calm, middle, &[]),
+            false => self.goal(self.objective, middle, &peaks),
+        };
         let mut lowered = self.lowered(turning);
         // What steps with the ratio rises with it.
-        let steps = self.program(&self.prepared, objective).objective_cut(ratios.0).1;
+        let steps = self.program(self.objective).objective_cut(ratios.0).1;
         plane.value = plane.value + Laurent::constant(steps);
         if let Some((index, multiplier, at)) = self.priced
             && let Some((row, point)) = self.row(index, at)

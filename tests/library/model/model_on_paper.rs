@@ -962,7 +962,7 @@ fn changed_waveforms_have_the_same_points() {
         let case = draw(i, false);
         let joint = &case.robot.joints[0];
         let wave = Load::new(&joint.motion, None).waveform;
-        let changed = wave.changed(|_, x| x[0] *= 3.0);
+        let changed = wave.changed(|x| x[0] *= 3.0);
         let actuator = Actuator::new(&case.motor, case.motor.rotor_inertia.unwrap(), &joint.gear);
         assert_eq!(changed.len(), wave.len());
         for i in 0..wave.len() {

@@ -77,8 +77,8 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
         "\"energy\"",
         "\"peak_current\"",
         "\"peak_power\"",
-        "{ copper_loss = 0.3, reflected_inertia = 2.0 }",
-        "{ loss = 0.3, peak_current = 1.0, mass = 2.0 }",
+        "{ copper_loss = 0.3, reflected_inertia = 2.0 }\nreference = { copper_loss = \"1 W\", reflected_inertia = \"1 kg*m^2\" }",
+        "{ loss = 0.3, peak_current = 1.0, mass = 2.0 }\nreference = { loss = \"1 W\", peak_current = \"1 A\", mass = \"1 kg\" }",
     ];
     let (mut looked, mut near, mut flips, mut priced, mut none) = (0, 0, 0, 0, 0);
     for case in 0..280 {
@@ -91,11 +91,10 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
         let at = |mass: f64| carry::loaded(joint, &carry::coordinates(joint, |_| mass));
         let center = at(from);
         let demand = JointDemand::new(&center, &catalog);
-        let sides = Sides::new(&demand.load, &directions);
         let motor = &catalog.motors[random.random_range(0..catalog.motors.len())];
         let site = Site::new(&robot, &center, &demand);
         let range = center.ratio.range().unwrap();
-        let Some(tangent) = Tangent::new(site.direct(motor), &sides, &directions, &center.objective, range) else {
+        let Some(tangent) = Tangent::new(site.direct(motor), &directions, &center.objective, range) else {
             continue;
         };
         let (masses, prices) = ([masses], [price]);
