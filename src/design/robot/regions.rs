@@ -64,8 +64,7 @@ fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
         let best = answer.found.first().map(|found| found.value);
         let counts = |ways: &[Vec<usize>]| ways.iter().map(Vec::len).sum::<usize>();
         let before = counts(&region.ways);
-        let center = answer.found.first().map(|found| found.items.iter().map(|item| item.mass).collect());
-        let table = table(context, &region.ways, center, answer.threshold(rules.keep), rules);
+        let table = table(context, &region.ways, answer.found.first(), answer.threshold(rules.keep), rules);
         answer.bounded += before;
         region.tables.push(table);
         // The last of them are the best; one of the region around this one may show what they do not.
@@ -209,15 +208,18 @@ struct Place {
 fn table<'a>(
     context: &mut Context<'a>,
     ways: &[Vec<usize>],
-    center: Option<Vec<f64>>,
+    found: Option<&Found<'a>>,
     threshold: f64,
     rules: Rules,
 ) -> Table {
     let n = ways.len();
     let reach: Vec<(f64, f64)> = (0..n).map(|j| masses(context, j, &ways[j])).collect();
-    let given = center.is_some();
+    let given = found.is_some();
+    let of_found = |found: &Found| found.items.iter().map(|item| item.mass).collect();
+    let mut center: Vec<f64> = found.map_or_else(|| vec![0.0; n], of_found);
     // The masses of a combination elsewhere are moved into the region.
-    let mut center = center.unwrap_or_else(|| vec![0.0; n]);
+    let moved = |(mass, (low, high)): (&f64, &(f64, f64))| mass < low || mass > high;
+    let found = found.filter(|_| !center.iter().zip(&reach).any(moved));
     center.iter_mut().zip(&reach).for_each(|(mass, (low, high))| *mass = mass.clamp(*low, *high));
     let mut costs: Vec<Vec<f64>> = context.ways.iter().map(|ways| vec![f64::INFINITY; ways.len()]).collect();
     // The price of a kilogram at each joint.
@@ -241,8 +243,14 @@ fn table<'a>(
         let here = vec![(0.0, 0.0); carried.len()];
         let nothing = vec![0.0; carried.len()];
         let over = Over { masses: &here, prices: &nothing, enough: f64::INFINITY, divisions: DIVISIONS.0 };
-        let of_here = place.bounds(context, j, &ways[j], over, &[]);
-        let (reference, slopes) = place.reference(context, j, &ways[j], &of_here);
+        let of_found = found.and_then(|found| place.slopes_of(context, j, &found.items[j]));
+        let (reference, slopes) = match of_found {
+            Some(slopes) => (None, slopes),
+            None => {
+                let of_here = place.bounds(context, j, &ways[j], over, &[]);
+                place.reference(context, j, &ways[j], &of_here)
+            }
+        };
         if let (false, Some(way)) = (given, reference) {
             center[j] = context.ways[j][way].mass.0;
         }
@@ -395,24 +403,22 @@ impl Place {
         }
         let nothing = vec![0.0; self.masses.len()];
         let Some((_, way, item)) = best else { return (None, nothing) };
-        let carrying = context.carrying(j, &self.coordinates);
-        let site = Site::new(context.robot, &self.joint, &carrying.demand);
-        let build = context.ways[j][way].build;
-        let gear = build.gear.map(|gear| gear.id.as_str());
-        let pieces = super::menu::pieces(&self.joint, context.needs[j]);
-        let mount = site.mount(&context.catalog.motors[build.motor], gear).ok();
-        let slopes = mount.and_then(|mount| self.slopes(mount, &pieces[build.piece.min(pieces.len() - 1)], &item));
+        let slopes = self.slopes_of(context, j, &item);
         (Some(way), slopes.unwrap_or(nothing))
     }
 
-    /// What a kilogram more of each carried joint costs an item at its best ratio.
-    fn slopes<'t>(&'t self, mount: Mount<'t, 't>, piece: &Joint, item: &Item) -> Option<Vec<f64>> {
-        let tangent = self.tangent(mount, piece)?;
+    /// What a kilogram more of each carried joint costs an item at its best ratio at this load.
+    fn slopes_of(&self, context: &mut Context, j: usize, item: &Item) -> Option<Vec<f64>> {
+        let carrying = context.carrying(j, &self.coordinates);
+        let site = Site::new(context.robot, &self.joint, &carrying.demand);
+        let mount = site.mount(&context.catalog.motors[item.motor], item.design.gear).ok()?;
+        let ratio = item.design.evaluation.ratio;
+        let tangent = self.tangent(mount, &self.joint)?;
         let tangent = match binding(item) {
             Some((ratio, limit)) => tangent.with_price(ratio, limit),
             None => tangent,
         };
-        Some(tangent.slopes(item.design.evaluation.ratio))
+        Some(tangent.slopes(ratio))
     }
 }
 

@@ -202,7 +202,7 @@ fn breaking(code: &str) -> Case<'static> {
     let motor = |motor| Case { motor, ..Case::default() };
     let rules = |rules| Case { rules, ..Case::default() };
     match code {
-        "GW001" => robot(&[("\"40 A\"", "\"4 A\"")]),
+        "GW001" => robot(&[("\"40 A\"", "\"4 A\""), ("\"30 A\"", "\"4 A\"")]),
         "GW002" => motor(&[("peak_torque", "0.3")]),
         "GW003" | "GW007" => motor(&[("continuous_current", "2")]),
         "GW004" => motor(&[("continuous_torque", "0.2")]),

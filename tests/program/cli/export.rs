@@ -108,8 +108,19 @@ fn the_numbers_are_those_on_paper() {
     // 5 A · 0.1 N*m/A · 10.
     is("continuous_effort_nm", 5.0);
     is("motor_torque_nm", 1.8);
-    // 18 A: V = 33.94 = 0.5 · 18 + 0.1 ω.
-    is("velocity_at_effort_rad_per_s", (48.0 / 2.0_f64.sqrt() - 9.0) / 0.1 / 10.0);
+    // 18 A: V = 33.94 = R · 18 + 0.1 ω, R of the winding at 100 °C, which is assumed: 0.5 ohm are those at 25 °C.
+    let hot = 1.0 + 0.00393 / (1.0 + 0.00393 * 5.0) * 75.0;
+    is("velocity_at_effort_rad_per_s", (48.0 / 2.0_f64.sqrt() - 0.5 * hot * 18.0) / 0.1 / 10.0);
+    // With 0.1 ohm of drive and leads, and a supply of 0.2 ohm that sags: 48 V = V + 0.2 P/V at the voltage V/√2 that this speed takes.
+    let sagging = "bus.drive_phase_resistance=0.1 ohm";
+    let set = ["--set", sagging, "--set", "bus.internal_resistance=0.2 ohm"];
+    let arguments = [&["export", "m@10", &robot, "--catalog", &motors, "--to", "json"][..], &set[..]].concat();
+    let json: Value = serde_json::from_str(&stdout(&gearwise(&arguments))).unwrap();
+    let speed = 10.0 * json["joints"][0]["velocity_at_effort_rad_per_s"].as_f64().unwrap();
+    let resistance = 0.5 * hot + 0.1;
+    let (bus, power) =
+        ((resistance * 18.0 + 0.1 * speed) * 2.0_f64.sqrt(), resistance * 18.0 * 18.0 + 0.1 * speed * 18.0);
+    assert_relative_eq!(bus + 0.2 * power / bus, 48.0, max_relative = 1e-9);
     assert_eq!(joint["effort_by"], "gear");
     assert_eq!(joint["feasible"], true);
     assert_eq!(json["requirement"], "robot.toml");
