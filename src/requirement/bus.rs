@@ -115,7 +115,7 @@ pub(super) fn read(section: Section) -> Option<Bus> {
             format!("`drive_continuous_current` of [bus] is {held} A, more than its `drive_current` of {most} A");
         let problem =
             Problem::at(section.span_of("drive_continuous_current"), message, "more than the drive gives at all");
-        section.note(problem.help("both are amplitudes: what it gives for ever is at most what it gives for a moment"));
+        section.note(problem.help("both are amplitudes: a continuous current is at most the largest"));
     }
     let regeneration = regeneration.flatten().unwrap_or(Regeneration::Allowed);
     let regeneration_efficiency = section.number(
