@@ -123,7 +123,7 @@ impl<'a> Context<'a> {
         let mut doubted = vec![Vec::new(); n];
         let ways = (0..n)
             .map(|j| match &certain[j] {
-                Some(menu) => menu.items.iter().map(|item| Way::certain(item)).collect(),
+                Some(menu) => menu.items.iter().map(Way::certain).collect(),
                 None => ways(robot, &robot.joints[j], catalog, needs[j], &mut doubted[j]),
             })
             .collect();

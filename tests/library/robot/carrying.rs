@@ -142,7 +142,9 @@ fn least(robot: &Robot, catalog: &Catalog, known: &mut Known, masses: &mut Vec<f
 
 #[test]
 fn no_combination_is_better_for_any_objective() {
-    let came: Vec<(Option<String>, bool, bool)> = cases(0, 216)
+    /// What is wrong, whether there is a combination, and whether it is proved.
+    type Came = (Option<String>, bool, bool);
+    let came: Vec<Came> = cases(0, 216)
         .into_par_iter()
         .map(|index| {
             let robot = draw(index);
@@ -172,7 +174,7 @@ fn no_combination_is_better_for_any_objective() {
         })
         .collect();
     let wrong: Vec<&String> = came.iter().filter_map(|c| c.0.as_ref()).collect();
-    let count = |of: &dyn Fn(&(Option<String>, bool, bool)) -> bool| came.iter().filter(|c| of(c)).count();
+    let count = |of: &dyn Fn(&Came) -> bool| came.iter().filter(|c| of(c)).count();
     let (with, proved) = (count(&|c| c.1), count(&|c| c.2));
     println!("{} robots: {with} with a combination, {proved} of them proved", came.len());
     assert!(wrong.is_empty(), "{} wrong: {:#?}", wrong.len(), &wrong[..wrong.len().min(12)]);
