@@ -160,7 +160,8 @@ impl Ruled {
         path: &Path,
     ) -> Result<DesignText, String> {
         let without = without_choice(result, "no");
-        if !without.is_empty() {
+        // What it carries may be what a joint needs.
+        if !without.is_empty() && whole.combinations.is_empty() {
             return Err(without.join("; "));
         }
         let mut last = "no combination of motors keeps the robot's budgets".to_string();

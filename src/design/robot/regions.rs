@@ -31,19 +31,21 @@ struct Region {
     ways: Vec<Vec<usize>>,
     bound: f64,
     tables: Vec<Table>,
+    /// Whether the first of them is without prices.
+    has_plain: bool,
 }
 
 /// Finds the best combinations.
 pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     let mut answer = Answer::nothing();
     let all = (0..context.ways.len()).map(|j| (0..context.ways[j].len()).collect()).collect();
-    let mut open = vec![Region { ways: all, bound: f64::NEG_INFINITY, tables: Vec::new() }];
+    let mut open = vec![Region { ways: all, bound: f64::NEG_INFINITY, tables: Vec::new(), has_plain: false }];
     while let Some(place) = (0..open.len()).min_by(|a, b| open[*a].bound.total_cmp(&open[*b].bound)) {
         let region = open.swap_remove(place);
         if region.bound >= answer.threshold(rules.keep) || region.ways.iter().any(Vec::is_empty) {
             continue;
         }
-        let programs = context.limit().is_some() && answer.solved >= search::MAX_SOLVED;
+        let programs = context.limit().is_some() && answer.solved >= search::MAX_SOLVED_LOADED;
         if programs || answer.bounded >= BOUNDED || context.stop.now() {
             answer.finished = false;
             answer.lower = answer.lower.min(region.bound);
@@ -64,7 +66,7 @@ fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
         let best = answer.found.first().map(|found| found.value);
         let counts = |ways: &[Vec<usize>]| ways.iter().map(Vec::len).sum::<usize>();
         let before = counts(&region.ways);
-        let table = table(context, &region.ways, answer.found.first(), answer.threshold(rules.keep), rules);
+        let table = table(context, &region.ways, answer.found.first(), answer.threshold(rules.keep), rules, true);
         answer.bounded += before;
         region.tables.push(table);
         // The last of them are the best; one of the region around this one may show what they do not.
@@ -89,9 +91,9 @@ fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
 }
 
 /// Searches a region, and divides it where that was too much.
-fn divide<'a>(context: &mut Context<'a>, region: Region, rules: Rules, answer: &mut Answer<'a>) -> Vec<Region> {
+fn divide<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answer: &mut Answer<'a>) -> Vec<Region> {
     let by = dividing(context, &region.ways);
-    let most = if by.is_some() { SOLVED.1 } else { search::MAX_SOLVED };
+    let most = if by.is_some() { SOLVED.1 } else { search::MAX_SOLVED_LOADED };
     let (finished, lower) = search(context, &region, rules, answer, most);
     if finished {
         answer.lower = answer.lower.min(lower);
@@ -102,11 +104,19 @@ fn divide<'a>(context: &mut Context<'a>, region: Region, rules: Rules, answer: &
         answer.lower = answer.lower.min(lower);
         return Vec::new();
     };
+    // Over a wide region prices may say less than nothing.
+    if !region.has_plain && !rules.lightest {
+        let plain = table(context, &region.ways, None, f64::INFINITY, rules, false);
+        answer.bounded += region.ways.iter().map(Vec::len).sum::<usize>();
+        region.tables.insert(0, plain);
+        region.has_plain = true;
+        rule_out(context, &mut region, rules, answer.threshold(rules.keep));
+    }
     let mass = |way: &usize| context.ways[joint][*way].mass.0;
     let halves = [false, true].map(|heavy| {
         let mut ways = region.ways.clone();
         ways[joint].retain(|way| (mass(way) > middle) == heavy);
-        Region { ways, bound: region.bound.max(lower), tables: region.tables.clone() }
+        Region { ways, bound: region.bound.max(lower), tables: region.tables.clone(), has_plain: region.has_plain }
     });
     halves.into_iter().collect()
 }
@@ -204,13 +214,15 @@ struct Place {
     coordinates: Vec<f64>,
 }
 
-/// Costs of all ways that are left, at the masses of a combination; without one, at those that seem best one after another.
+/// Costs of all ways that are left, at the masses of a combination; without one, at those that seem best one after another. `priced`
+/// says whether masses have prices.
 fn table<'a>(
     context: &mut Context<'a>,
     ways: &[Vec<usize>],
     found: Option<&Found<'a>>,
     threshold: f64,
     rules: Rules,
+    priced: bool,
 ) -> Table {
     let n = ways.len();
     let reach: Vec<(f64, f64)> = (0..n).map(|j| masses(context, j, &ways[j])).collect();
@@ -254,7 +266,7 @@ fn table<'a>(
         if let (false, Some(way)) = (given, reference) {
             center[j] = context.ways[j][way].mass.0;
         }
-        let slopes = if rules.lightest { nothing } else { slopes };
+        let slopes = if rules.lightest || !priced { nothing } else { slopes };
         carried.iter().zip(&slopes).for_each(|(k, slope)| prices[*k] += scale * slope);
         places[j] = Some((place, slopes));
     }
@@ -358,6 +370,9 @@ impl Place {
             true => f64::NEG_INFINITY,
             false => 0.0,
         };
+        // No less than that, and what the masses are worth at most.
+        let worth = over.masses.iter().zip(over.prices).map(|((low, high), price)| (price * low).max(price * high));
+        let floor = trivial - worth.sum::<f64>();
         let all = &context.ways[j];
         let of = |(k, way): (usize, &usize)| {
             let build = all[*way].build;
@@ -365,15 +380,15 @@ impl Place {
             let gear = build.gear.map(|gear| gear.id.as_str());
             let Ok(mount) = site.mount(row, gear) else { return f64::INFINITY };
             if gear.is_none() && site.is_geared() {
-                return trivial;
+                return floor;
             }
-            let Some(tangent) = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)]) else { return trivial };
+            let Some(tangent) = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)]) else { return floor };
             let item = items.get(k).and_then(Option::as_ref);
             let tangent = match item.and_then(|item| binding(item)) {
                 Some((ratio, limit)) => tangent.with_price(ratio, limit),
                 None => tangent,
             };
-            tangent.least(over)
+            tangent.least(over).max(floor)
         };
         ways.par_iter().enumerate().map(of).collect()
     }

@@ -16,6 +16,8 @@ const MAX_NODES: usize = 2_000_000;
 
 /// Combinations that are solved at most where each takes a program of its own.
 pub(super) const MAX_SOLVED: usize = 1500;
+/// The same where actuators load one another: bounds know nothing of what they share.
+pub(super) const MAX_SOLVED_LOADED: usize = 6000;
 
 /// A set of prices, as costs of entries.
 #[derive(Debug, Clone)]

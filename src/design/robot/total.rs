@@ -23,7 +23,7 @@ impl Total {
     /// Of joints and the best objective that each could have alone.
     ///
     /// # Errors
-    /// Where joints minimise different things and a joint's best is zero or less: nothing can be measured by it.
+    /// Where joints minimise different things and a joint has no best, or one of zero or less: nothing can be measured by it.
     pub fn new(joints: &[Joint], best: &[f64]) -> Result<Total, String> {
         let counts = joints.iter().map(|j| f64::from(j.count));
         let first: &Objective = &joints[0].objective;
@@ -33,6 +33,13 @@ impl Total {
         if joints.iter().all(|j| j.objective.sole().is_none()) {
             let name = "the joints' weighted sums".into();
             return Ok(Total { scale: counts.collect(), name, unit: "1", relative: false });
+        }
+        if let Some((joint, _)) = joints.iter().zip(best).find(|(_, best)| !best.is_finite()) {
+            return Err(format!(
+                "the joints minimise different things, and `{}` has no design without what it carries: there is nothing to \
+                 measure it by. Give every joint the same objective",
+                joint.name
+            ));
         }
         if let Some((joint, best)) = joints.iter().zip(best).find(|(_, best)| **best <= 0.0) {
             return Err(format!(

@@ -335,3 +335,35 @@ fn coordinate_descent_finds_nothing_better_on_the_arm() {
     assert!(found.iter().all(|value| *value >= best.objective * (1.0 - 1e-6)), "{} {found:?}", best.objective);
     assert!(found.iter().any(|value| *value < 1e5));
 }
+
+/// A joint that can do it only with a counterweight that it carries: alone it has no design. Where the joints minimise different things
+/// there is nothing to measure it by; where they minimise the same, the robot has a choice.
+#[test]
+fn a_joint_without_a_design_of_its_own_is_no_measure() {
+    let catalog = Catalog::builtin().unwrap();
+    let motor = catalog.motor("t-motor-ri50").unwrap().clone();
+    let mass = motor.mass.unwrap() + 0.1;
+    let catalog = Catalog::of(vec![motor], Vec::new());
+    let mut robot = common::robot(common::hold(200.0, 1.0, 0.0), GearModel { mass: Some(0.1), ..GearModel::IDEAL });
+    robot.bus.voltage = 48.0;
+    let of_wrist = common::robot(common::hold(1.0, 1.0, 0.0), GearModel { mass: Some(0.1), ..GearModel::IDEAL });
+    let mut wrist = of_wrist.joints[0].clone();
+    wrist.name = "wrist".into();
+    robot.joints[0].carries.push(Carried {
+        joint: 1,
+        torque_per_mass: vec![-199.0 / mass],
+        rate: vec![0.0],
+        constant: true,
+    });
+    robot.joints.push(wrist);
+    for joint in &mut robot.joints {
+        joint.ratio = RatioChoice::Continuous { min: 5.0, max: 10.0 };
+        joint.objective = Objective::single(Quantity::CopperLoss);
+    }
+    let choice = decide(&robot, &catalog, 0);
+    assert!(choice.proof.certified() && choice.combinations.len() == 1, "{:?}", choice.wanting);
+    robot.joints[1].objective = Objective::single(Quantity::ReflectedInertia);
+    let refused = choose(&robot, &catalog, Options { budgets: false, ..Options::default() });
+    let Err(gearwise::design::robot::NoChoice::Cannot(why)) = refused else { panic!("a choice without a measure") };
+    assert!(why.contains("no design without what it carries"), "{why}");
+}
