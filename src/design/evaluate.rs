@@ -1,5 +1,7 @@
 //! One design, looked at closely: every limit with its margin, and the figures people choose by.
 
+use std::sync::Arc;
+
 use super::options::Stop;
 use crate::actuator::candidate::End;
 use crate::actuator::gear_figures::GearFigures;
@@ -32,6 +34,10 @@ pub struct Prepared<'a> {
     at_ratio: Vec<(&'static str, Judge)>,
     /// Means over the motion, at each end of the motor's drag.
     means: [Means; 2],
+    /// Heat of the difference of torque between the ends of the motor's drag \[W\].
+    bend: Laurent,
+    /// What of its losses nobody knows.
+    unknown_losses: Arc<[UnknownLoss]>,
     /// Whether a search over it is to stop.
     pub(super) stop: Stop<'a>,
 }
@@ -122,7 +128,7 @@ pub struct Evaluation {
     /// Where it is, at the end where it is larger.
     pub losses: Losses,
     /// What of it nobody knows.
-    pub unknown_losses: Vec<UnknownLoss>,
+    pub unknown_losses: Arc<[UnknownLoss]>,
     /// Mean copper loss at the reference temperature \[W\].
     pub copper_loss: f64,
     /// Largest q-axis current \[A\].
@@ -172,7 +178,13 @@ impl<'a> Prepared<'a> {
                 _ => None,
             }));
         }
-        Prepared { candidate, asked, unchecked, assumed, at_ratio, means, stop: Stop::NEVER }
+        let form = |actuator: &Actuator, flow| *actuator.torque_form(flow);
+        let bend = candidate.other.map_or_else(Laurent::default, |other| {
+            let difference = |flow| form(&other, flow).plus(-1.0, &form(&candidate.actuator, flow));
+            candidate.load.mean_squared_difference(difference) * (other.heating() + other.conduction())
+        });
+        let unknown_losses = candidate.unknown_losses().into();
+        Prepared { candidate, asked, unchecked, assumed, at_ratio, means, bend, unknown_losses, stop: Stop::NEVER }
     }
 
     /// The same for searches that may be stopped.
@@ -371,22 +383,14 @@ impl<'a> Prepared<'a> {
     /// Where the losses are at a ratio, at the end of the motor's drag where they are larger, and the least that they come
     /// to along what is known of it.
     fn losses(&self, ratio: f64) -> (Losses, f64) {
-        let ends: Vec<(Losses, f64)> =
-            self.ends().map(|(actuator, means)| self.losses_of(actuator, means, ratio)).collect();
-        let (first, of_first) = ends[0];
-        let Some((other, of_other)) = ends.get(1).copied() else { return (first, first.total()) };
+        let candidate = &self.candidate;
+        let (first, of_first) = self.losses_of(&candidate.actuator, &self.means[0], ratio);
+        let Some(end) = &candidate.other else { return (first, first.total()) };
+        let (other, of_other) = self.losses_of(end, &self.means[1], ratio);
         let larger = if other.total() > first.total() { other } else { first };
         // Along the segment the torque is linear, so that the loss is a parabola through its ends; its bend is the heat of the
         // difference. What the drive's efficiency takes is none: of that it is at least nothing.
-        let form = |actuator: &Actuator, flow| *actuator.torque_form(flow);
-        let difference = self.candidate.other.map(|other| {
-            let squared = self
-                .candidate
-                .load
-                .mean_squared_difference(|flow| form(&other, flow).plus(-1.0, &form(&self.candidate.actuator, flow)));
-            squared.at(ratio).max(0.0) * (other.heating() + other.conduction())
-        });
-        let bend = difference.unwrap_or(0.0);
+        let bend = self.bend.at(ratio).max(0.0);
         let (a, b) = (first.total() - of_first, other.total() - of_other);
         let least = |s: f64| a + (b - a - bend) * s + bend * s * s;
         let vertex = if bend > 0.0 { ((a + bend - b) / (2.0 * bend)).clamp(0.0, 1.0) } else { 0.0 };
@@ -456,7 +460,7 @@ impl<'a> Prepared<'a> {
             loss: losses.total(),
             loss_low,
             losses,
-            unknown_losses: candidate.unknown_losses(),
+            unknown_losses: Arc::clone(&self.unknown_losses),
             copper_loss,
             peak_current: actuator.shortfall.peak_current(peak),
             rms_current: self.rms_current(ratio),

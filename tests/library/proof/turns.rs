@@ -47,10 +47,23 @@ enum Came {
 const RATIOS: i32 = 240;
 const TURNS: i32 = 60;
 
+/// Of some joints the windings' own voltage has a limit, of others the drive's current for ever: both go with the turns.
+pub fn with_limits_of_turns(case: &mut Case, i: u64) {
+    let bus = &mut case.robot.bus;
+    if i % 5 == 2 {
+        bus.max_voltage = Some(bus.voltage * [1.01, 1.3, 3.0][(i / 5 % 3) as usize]);
+    }
+    if i % 7 == 3 {
+        let most = case.robot.joints[0].drive_current.or(bus.drive_current).unwrap_or(30.0);
+        bus.drive.continuous_current = Some(most * [0.05, 0.3, 0.9][(i / 7 % 3) as usize]);
+    }
+}
+
 fn look(i: u64, convex: bool) -> (Came, Vec<String>) {
     let mut case = draw(i, convex);
     // A supply that is far too low or far too high as often as one that suits.
     case.robot.bus.voltage *= [0.05, 0.3, 1.0, 3.0][(i % 4) as usize];
+    with_limits_of_turns(&mut case, i);
     let joint = &case.robot.joints[0];
     let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
     let counts_current = joint.objective.weight(Quantity::PeakCurrent) > 0.0;

@@ -9,7 +9,7 @@ use gearwise::design::{JointDemand, Site};
 use gearwise::requirement::{Quantity, RatioChoice, Windings};
 use rayon::prelude::*;
 
-use super::turns::with_turns;
+use super::turns::{with_limits_of_turns, with_turns};
 use crate::cases::{are_all, cases};
 use crate::raw::{Case, draw};
 
@@ -36,6 +36,7 @@ fn look(i: u64, convex: bool) -> Option<Came> {
         let drive = &mut case.robot.joints[0].drive_current;
         *drive = drive.or(case.robot.bus.drive_current).map(|current| 0.2 * current);
     }
+    with_limits_of_turns(&mut case, i);
     let range = [(0.5, 2.0), (0.05, 20.0), (0.3, 0.9), (1.0, 5.0)][(i / 4 % 4) as usize];
     let case = Case::new(case.motor.clone(), case.robot.clone(), case.raw.clone());
     let joint = &case.robot.joints[0];
