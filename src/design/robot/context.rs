@@ -129,6 +129,8 @@ impl<'a> Context<'a> {
             .collect();
         let least = |menu: &Menu| menu.items.iter().map(|i| i.design.optimum.objective).fold(f64::INFINITY, f64::min);
         let alone = |j: usize| match &certain[j] {
+            // Nothing is chosen for the robot then.
+            Some(menu) if menu.items.is_empty() => 1.0,
             Some(menu) => least(menu),
             None => least(&menu(robot, &robot.joints[j], catalog, needs[j], stop)),
         };

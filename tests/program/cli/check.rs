@@ -245,9 +245,12 @@ fn breaking(code: &str) -> Case<'static> {
         "GW101" => {
             Case { robot: &[("safety = 1.2", "safety = 1.0"), ("\"20 N*m\"", "\"3.6 N*m\"")], ..Case::default() }
         }
-        "GW102" => {
-            robot(&[("safety = 1.2", "safety = 1.0"), ("\"1 N*m\" }", "\"0.01 N*m\" }"), ("\"40 A\"", "\"4.5 A\"")])
-        }
+        "GW102" => robot(&[
+            ("safety = 1.2", "safety = 1.0"),
+            ("\"1 N*m\" }", "\"0.01 N*m\" }"),
+            ("\"40 A\"", "\"4.5 A\""),
+            ("\"30 A\"", "\"4.5 A\""),
+        ]),
         "GW103" => motor(&[("continuous_current", "4.5")]),
         "GW104" => motor(&[("max_speed", "470")]),
         "GW105" => robot(&[("\"110 degC\"", "\"38 degC\"")]),
