@@ -96,7 +96,8 @@ fn look(i: u64, convex: bool) -> (Came, Vec<String>) {
             }
             if range.min > 0.0 {
                 let (over, limit) = excess(range.min * 0.999);
-                let is_current = matches!(limit, "peak_current" | "torque_bandwidth_current" | "dynamic_current");
+                let is_current =
+                    matches!(limit, "peak_current" | "torque_bandwidth_current" | "drive_continuous_current");
                 must(over > 1e-4 && is_current, format!("fewer turns: {over} {limit}, by {:?}", range.min_by));
             }
             if range.max.is_finite() {

@@ -341,7 +341,7 @@ fn coordinate_descent_finds_nothing_better_on_the_arm() {
 #[test]
 fn a_joint_without_a_design_of_its_own_is_no_measure() {
     let catalog = Catalog::builtin().unwrap();
-    let motor = catalog.motor("t-motor-ri50").unwrap().clone();
+    let motor = catalog.motor("t-motor-u8-lee").unwrap().clone();
     let mass = motor.mass.unwrap() + 0.1;
     let catalog = Catalog::of(vec![motor], Vec::new());
     let mut robot = common::robot(common::hold(200.0, 1.0, 0.0), GearModel { mass: Some(0.1), ..GearModel::IDEAL });
