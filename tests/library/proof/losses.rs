@@ -288,3 +288,54 @@ fn the_order_of_two_open_drags_turns_at_the_share_on_paper() {
     worse.resistance = 1.1;
     assert_eq!(found(&a, &worse, &|robot| robot.joints[0].motor_drag = MotorDrag::Off), None);
 }
+
+/// What a limit that no ratio keeps comes to at best is what it comes to at the worse end of the drag; and a no-load current without a
+/// speed of it is not silently all Coulomb friction.
+#[test]
+fn the_nearest_demand_is_that_of_the_worse_end() {
+    use gearwise::design::answer::Reason;
+    use gearwise::design::program::Infeasible;
+    let mut robot = common::robot(common::hold(0.2, 100.0, 0.0), common::gear(1.0));
+    robot.joints[0].ratio = RatioChoice::Continuous { min: 1.0, max: 2.0 };
+    robot.joints[0].objective = Objective::single(Quantity::Loss);
+    robot.joints[0].motor_drag = MotorDrag::Counted;
+    // Twice as fast as without load: all viscous is the worse end.
+    let motor = with_no_load("a", 0.1, 50.0);
+    let free = Catalog::of(vec![motor.clone()], Vec::new());
+    let design =
+        |robot: &Robot| optimize(robot, &free).joints[0].designs().next().map(|design| design.evaluation.clone());
+    assert!(design(&robot).is_some_and(|found| found.losses.motor_drag > 100.0 * 0.1 * 1.5));
+    robot.bus.power = Some(1.0);
+    let result = optimize(&robot, &free);
+    let Reason::Infeasible(Infeasible::Never { bind, least, ratio, .. }) = &result.joints[0].rejected[0].reason else {
+        panic!("{:?}", result.joints[0].rejected[0].reason);
+    };
+    let load = Load::new(&robot.joints[0].motion, None);
+    let candidate = Mount::new(&robot, &robot.joints[0], &load, &free.motors[0]).candidate().unwrap();
+    let there = Prepared::new(candidate).at(*ratio);
+    let asked = there.margins.iter().find(|margin| margin.limit == "bus_power").unwrap();
+    assert!(
+        bind.limit == "bus_power" && (least - asked.demand / asked.bound).abs() < 1e-9 * least,
+        "{least} {asked:?}"
+    );
+    let said = |motor: &Motor| {
+        robot_of(motor, |design| {
+            design.assumed.iter().any(|(name, why)| *name == "motor_drag" && why.contains("no speed"))
+        })
+    };
+    let mut silent = motor.clone();
+    silent.sheet.no_load_speed = None;
+    assert!(said(&silent) && !said(&motor));
+}
+
+/// Looks at the design of a motor that turns at 20 rad/s with 0.2 N·m.
+fn robot_of<T>(motor: &Motor, look: impl FnOnce(&gearwise::design::Design) -> T) -> T {
+    let mut robot = common::robot(common::hold(0.2, 20.0, 0.0), common::gear(1.0));
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+    robot.joints[0].objective = Objective::single(Quantity::Loss);
+    robot.joints[0].motor_drag = MotorDrag::Counted;
+    let catalog = Catalog::of(vec![motor.clone()], Vec::new());
+    let result = optimize(&robot, &catalog);
+    let found = result.joints[0].designs().next().unwrap();
+    look(found)
+}
