@@ -33,6 +33,10 @@ pub fn best_design<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool)
 fn left_out_along_d(site: Site, motor: &Motor) -> Option<Vec<Remark>> {
     const VOLTAGE: [&str; 2] = ["voltage", "torque_bandwidth_voltage"];
     const BACK: [&str; 2] = ["regeneration", "bus_overvoltage"];
+    let drive = site.joint.drive.or(site.robot.bus.drive);
+    if drive.field_weakening_current.is_none() && !site.robot.bus.flux_braking {
+        return None;
+    }
     let of_mount = |mount: Mount| {
         let prepared = mount.prepared().ok()?;
         let candidate = &prepared.candidate;

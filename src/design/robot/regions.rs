@@ -5,15 +5,17 @@
 //! joint has one cost, which bounds all combinations with it. What the bound rules out is left out, which narrows the region, and
 //! so on; a region in which too much is left is divided by the mass of one joint. The region with the least bound comes first.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::carry;
 use super::context::{Among, Context};
-use super::menu::Item;
+use super::menu::{Item, pieces};
 use super::search::{self, Answer, Found, Rules, Table};
 use super::tangent::{Directions, Over, Tangent};
 use crate::design::mount::{Mount, Site};
-use crate::requirement::Joint;
+use crate::requirement::{Joint, Quantity};
 
 /// How often a region is narrowed at most before it is searched.
 const ROUNDS: usize = 6;
@@ -286,11 +288,14 @@ fn table<'a>(
         let costs = (0..n).map(|j| (0..costs[j].len()).map(|way| of(j, way)).collect()).collect();
         return Table { per_mass: 0.0, costs, offset: 0.0 };
     }
+    // What the mass of a way is worth to those that carry it.
+    let worth = |context: &Context, j: usize, way: usize| {
+        let (low, high) = context.ways[j][way].mass;
+        (prices[j] * (low - center[j])).min(prices[j] * (high - center[j]))
+    };
     for j in 0..n {
         for way in &ways[j] {
-            let (low, high) = context.ways[j][*way].mass;
-            let (a, b) = (prices[j] * (low - center[j]), prices[j] * (high - center[j]));
-            costs[j][*way] += a.min(b);
+            costs[j][*way] += worth(context, j, *way);
         }
     }
     // Where a way may still be one of the best it is worth more: limits that bind at this load have prices then.
@@ -301,11 +306,7 @@ fn table<'a>(
         let open: Vec<usize> = ways[j].iter().copied().filter(|way| others + costs[j][*way] < threshold).collect();
         let items = context.exact(j, &open, &place.coordinates);
         let scale = context.total.scale[j];
-        let own = |way: usize| {
-            let (low, high) = context.ways[j][way].mass;
-            (prices[j] * (low - center[j])).min(prices[j] * (high - center[j]))
-        };
-        let own: Vec<f64> = open.iter().map(|way| own(*way)).collect();
+        let own: Vec<f64> = open.iter().map(|way| worth(context, j, *way)).collect();
         // Of the lightest of them by its own mass.
         let most = own.iter().copied().fold(f64::INFINITY, f64::min);
         let enough = (threshold - others - most) / scale;
@@ -359,14 +360,14 @@ impl Place {
         j: usize,
         ways: &[usize],
         over: Over,
-        items: &[Option<std::sync::Arc<Item>>],
+        items: &[Option<Arc<Item>>],
     ) -> Vec<f64> {
         let carrying = context.carrying(j, &self.coordinates);
         let (robot, catalog, needs) = (context.robot, context.catalog, context.needs[j]);
         let site = Site::new(robot, &self.joint, &carrying.demand);
-        let pieces = super::menu::pieces(&self.joint, needs);
+        let pieces = pieces(&self.joint, needs);
         // Energy may be less than nothing; all else is not.
-        let trivial = match self.joint.objective.weight(crate::requirement::Quantity::Energy) > 0.0 {
+        let trivial = match self.joint.objective.weight(Quantity::Energy) > 0.0 {
             true => f64::NEG_INFINITY,
             false => 0.0,
         };
@@ -384,8 +385,8 @@ impl Place {
             }
             let Some(tangent) = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)]) else { return floor };
             let item = items.get(k).and_then(Option::as_ref);
-            let tangent = match item.and_then(|item| binding(item)) {
-                Some((ratio, limit)) => tangent.with_price(ratio, limit),
+            let tangent = match item {
+                Some(item) => with_binding(tangent, item),
                 None => tangent,
             };
             tangent.least(over).max(floor)
@@ -405,7 +406,7 @@ impl Place {
     fn reference(&self, context: &mut Context, j: usize, ways: &[usize], bounds: &[f64]) -> (Option<usize>, Vec<f64>) {
         let mut order: Vec<usize> = (0..ways.len()).filter(|k| bounds[*k] < f64::INFINITY).collect();
         order.sort_by(|a, b| bounds[*a].total_cmp(&bounds[*b]).then(a.cmp(b)));
-        let mut best: Option<(f64, usize, std::sync::Arc<Item>)> = None;
+        let mut best: Option<(f64, usize, Arc<Item>)> = None;
         for k in order {
             if best.as_ref().is_some_and(|(value, ..)| bounds[k] >= *value) {
                 break;
@@ -428,23 +429,19 @@ impl Place {
         let site = Site::new(context.robot, &self.joint, &carrying.demand);
         let mount = site.mount(&context.catalog.motors[item.motor], item.design.gear).ok()?;
         let ratio = item.design.evaluation.ratio;
-        let tangent = self.tangent(mount, &self.joint)?;
-        let tangent = match binding(item) {
-            Some((ratio, limit)) => tangent.with_price(ratio, limit),
-            None => tangent,
-        };
+        let tangent = with_binding(self.tangent(mount, &self.joint)?, item);
         Some(tangent.slopes(ratio))
     }
 }
 
-/// The limit that ends the ratios of an item where it is best, and the ratio.
-fn binding<'i>(item: &'i Item) -> Option<(f64, &'i str)> {
+/// A tangent with a price on the limit that ends the ratios of an item where it is best, where one does.
+fn with_binding<'t>(tangent: Tangent<'t>, item: &Item) -> Tangent<'t> {
     let (optimum, ratio) = (&item.design.optimum, item.design.evaluation.ratio);
-    let window = optimum.windows.first().map(|_| optimum.window())?;
+    let Some(window) = optimum.windows.first().map(|_| optimum.window()) else { return tangent };
     let is = |end: f64| (ratio / end - 1.0).abs() < CLOSE.sqrt();
     match () {
-        () if is(window.max) => Some((ratio, window.high.limit)),
-        () if is(window.min) => Some((ratio, window.low.limit)),
-        () => None,
+        () if is(window.max) => tangent.with_price(ratio, window.high.limit),
+        () if is(window.min) => tangent.with_price(ratio, window.low.limit),
+        () => tangent,
     }
 }
