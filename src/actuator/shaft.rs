@@ -249,13 +249,7 @@ impl Actuator {
     /// `T` of a sample as coefficients of N⁻¹, 1 and N \[N·m\].
     #[inline]
     pub fn torque_terms(&self, flow: Flow, features: &[f64; FEATURES]) -> [f64; 3] {
-        // Written out, as it is needed for every sample at every ratio; a property test holds it to `FEATURE_POWER`.
-        let (c, x) = (&self.torque[flow as usize].0, features);
-        [
-            c[0] * x[0] + c[1] * x[1],
-            c[5] * x[5] + c[7] * x[7],
-            c[2] * x[2] + c[3] * x[3] + c[4] * x[4] + c[6] * x[6] + c[8] * x[8],
-        ]
+        self.torque[flow as usize].terms(features)
     }
 
     /// Whether any feature beyond the usual ones counts.

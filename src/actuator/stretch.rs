@@ -40,7 +40,12 @@ pub(crate) fn is_within(squared: f64, limit: f64) -> bool {
 /// ```
 pub fn longest(course: &[Piece], limit: f64, repeats: bool) -> f64 {
     let limit = limit * (1.0 + ROUNDING);
-    let mut pieces: Vec<(f64, f64)> = course.iter().flat_map(|piece| of_one_sign(piece, limit)).collect();
+    let mut pieces: Vec<(f64, f64)> = Vec::with_capacity(course.len() + 8);
+    for piece in course {
+        let (whole, rest) = of_one_sign(piece, limit);
+        pieces.push(whole);
+        pieces.extend(rest);
+    }
     if repeats {
         if pieces.iter().map(|piece| piece.1).sum::<f64>() > 0.0 {
             return f64::INFINITY;
@@ -102,13 +107,14 @@ pub fn lagged(course: &[Piece], time_constant: f64, repeats: bool) -> f64 {
 }
 
 /// The piece, cut where it crosses the limit: how long each part lasts, and its excess over the limit \[A²·s\].
-fn of_one_sign(piece: &Piece, limit: f64) -> impl Iterator<Item = (f64, f64)> {
+fn of_one_sign(piece: &Piece, limit: f64) -> ((f64, f64), Option<(f64, f64)>) {
     let (from, to) = (piece.from - limit, piece.to - limit);
-    let crosses = from * to < 0.0;
-    let first = if crosses { piece.duration * from / (from - to) } else { piece.duration };
-    let whole = (first, 0.5 * first * if crosses { from } else { from + to });
+    if from * to >= 0.0 {
+        return ((piece.duration, 0.5 * piece.duration * (from + to)), None);
+    }
+    let first = piece.duration * from / (from - to);
     let rest = (piece.duration - first, 0.5 * (piece.duration - first) * to);
-    [Some(whole), crosses.then_some(rest)].into_iter().flatten()
+    ((first, 0.5 * first * from), Some(rest))
 }
 
 #[cfg(test)]

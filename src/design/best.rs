@@ -126,7 +126,18 @@ fn free_ratio<'a>(mount: Mount<'a, '_>, only_checked: bool) -> Result<Design<'a>
         return spring::solve(&mount, &prepared, range);
     }
     let optimum = solve(&prepared, mount.joint, range)?;
-    Ok(design(&mount, &prepared, judge::judged_part(&prepared, optimum, only_checked)))
+    let stays = mount.whole_windows && judge::doubt(&prepared, optimum.ratio, only_checked).is_none();
+    let optimum = if stays { optimum } else { judge::judged_part(&prepared, optimum, only_checked) };
+    Ok(design(&mount, &prepared, optimum))
+}
+
+/// A design with its windows cut where it cannot be judged, if they were left [whole](Site::whole_windows).
+pub(super) fn with_windows<'a>(site: Site<'a, '_>, design: Design<'a>, only_checked: bool) -> Design<'a> {
+    if !site.whole_windows || design.gear.is_some() || design.spring.is_some() {
+        return design;
+    }
+    let Ok(prepared) = site.direct(design.motor).prepared() else { return design };
+    Design { optimum: judge::judged_part(&prepared, design.optimum, only_checked), ..design }
 }
 
 /// Whether it is certain, without solving, that [`best_design`] rejects a motor. `false` says nothing.

@@ -30,12 +30,14 @@ pub struct Mount<'a, 'l> {
     pub gear: Option<&'a Gear>,
     /// Whether searches over it are to stop.
     pub stop: Stop<'l>,
+    /// As that of its [`Site`].
+    pub whole_windows: bool,
 }
 
 impl<'a: 'l, 'l> Mount<'a, 'l> {
     /// A motor at a joint with a ratio that is still free.
     pub fn new(robot: &'a Robot, joint: &'a Joint, load: &'l Load, motor: &'a Motor) -> Mount<'a, 'l> {
-        Mount { robot, joint, load, motor, gear: None, stop: Stop::NEVER }
+        Mount { robot, joint, load, motor, gear: None, stop: Stop::NEVER, whole_windows: false }
     }
 
     /// The same with a gear of the catalogue, where one is given; `load` has to be as that gear passes it on
@@ -61,7 +63,7 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
     /// # Errors
     /// Motor or gear lack a number that every evaluation needs.
     pub fn candidate(self) -> Result<Candidate<'l>, Unusable> {
-        let Mount { robot, joint, load, motor, gear: catalog_gear, stop: _ } = self;
+        let Mount { robot, joint, load, motor, gear: catalog_gear, .. } = self;
         if !joint.motors.allows(motor) {
             return Err(Unusable::NotAllowed);
         }
@@ -192,12 +194,15 @@ pub struct Site<'a, 'd> {
     pub demand: &'d JointDemand<'a>,
     /// Whether searches here are to stop.
     pub stop: Stop<'d>,
+    /// Whether windows stay as the limits give them, where the best ratio can be judged: of a design that nobody is shown it does not
+    /// matter where its windows can.
+    pub whole_windows: bool,
 }
 
 impl<'a: 'd, 'd> Site<'a, 'd> {
     /// A joint of a robot with what it asks.
     pub fn new(robot: &'a Robot, joint: &'a Joint, demand: &'d JointDemand<'a>) -> Site<'a, 'd> {
-        Site { robot, joint, demand, stop: Stop::NEVER }
+        Site { robot, joint, demand, stop: Stop::NEVER, whole_windows: false }
     }
 
     /// The same for searches that may be stopped.
@@ -212,7 +217,11 @@ impl<'a: 'd, 'd> Site<'a, 'd> {
 
     /// A motor with a free ratio, whatever the joint asks for.
     pub fn direct(self, motor: &'a Motor) -> Mount<'a, 'd> {
-        Mount { stop: self.stop, ..Mount::new(self.robot, self.joint, &self.demand.load, motor) }
+        Mount {
+            stop: self.stop,
+            whole_windows: self.whole_windows,
+            ..Mount::new(self.robot, self.joint, &self.demand.load, motor)
+        }
     }
 
     /// All that the requirement lets a motor be here: with a free ratio, or with each gear that is allowed and fits.

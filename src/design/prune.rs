@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 
 use super::answer::{Design, Pruned, Refused, Sorted};
-use super::best::{is_impossible, lacking};
+use super::best::{is_impossible, lacking, with_windows};
 use super::mount::{Mount, Site};
 use super::options::{Options, Stopped};
 use super::program::RatioProgram;
@@ -28,6 +28,8 @@ pub(super) fn first<'a>(
     keep: usize,
     options: &Options,
 ) -> Result<(Sorted<'a>, Pruned<'a>), Stopped> {
+    // The search for a number of turns reads windows.
+    let site = Site { whole_windows: site.joint.motors.turns.range().is_none(), ..site };
     let bound = |motor| site.stop.unless(lower_bound(site, motor));
     let bounds: Vec<Option<f64>> = catalog.motors.par_iter().map(bound).collect::<Result<_, _>>()?;
     // A motor without a bound is solved: that gives the reason why it cannot.
@@ -84,6 +86,8 @@ pub(super) fn first<'a>(
     let mut sorted = Sorted::of(found.into_iter().map(|(_, result)| result));
     let behind = sorted.candidates.len().saturating_sub(keep);
     sorted.candidates.truncate(keep);
+    let whole = std::mem::take(&mut sorted.candidates).into_par_iter();
+    sorted.candidates = whole.map(|design| with_windows(site, design, options.only_checked)).collect();
     let not_solved = bounded[next..].iter().map(|(bound, index)| (&catalog.motors[*index], *bound)).collect();
     impossible.sort_unstable();
     let impossible = impossible.into_iter().map(|index| &catalog.motors[index]).collect();

@@ -71,11 +71,20 @@ impl ShaftForm {
 
     /// The form at a sample, as a polynomial in N.
     pub fn polynomial(&self, features: &[f64; FEATURES]) -> Laurent {
-        let mut sum = Laurent::default();
-        for ((coefficient, feature), power) in self.0.iter().zip(features).zip(FEATURE_POWER) {
-            sum = sum + Laurent::monomial(coefficient * feature, power);
-        }
-        sum
+        let [inverse, constant, linear] = self.terms(features);
+        Laurent::of_terms(inverse, constant, linear)
+    }
+
+    /// The form at a sample as coefficients of N⁻¹, 1 and N.
+    #[inline]
+    pub fn terms(&self, features: &[f64; FEATURES]) -> [f64; 3] {
+        // Written out, as it is needed for every sample at every ratio; a property test holds it to `FEATURE_POWER`.
+        let (c, x) = (&self.0, features);
+        [
+            c[0] * x[0] + c[1] * x[1],
+            c[5] * x[5] + c[7] * x[7],
+            c[2] * x[2] + c[3] * x[3] + c[4] * x[4] + c[6] * x[6] + c[8] * x[8],
+        ]
     }
 
     /// The time derivative of the form: τ → τ̇, α → j, ω → α, |ω| → sgn ω · α; a sign and a constant have none.

@@ -22,12 +22,20 @@ impl Laurent {
         Laurent(c)
     }
 
+    /// `inverse/N + constant + linear N`.
+    #[inline]
+    pub fn of_terms(inverse: f64, constant: f64, linear: f64) -> Laurent {
+        Laurent([0.0, inverse, constant, linear, 0.0, 0.0, 0.0])
+    }
+
     /// A constant.
+    #[inline]
     pub fn constant(value: f64) -> Laurent {
         Laurent::monomial(value, 0)
     }
 
     /// The value at a ratio.
+    #[inline]
     pub fn at(&self, ratio: f64) -> f64 {
         let c = &self.0;
         let polynomial = c[2] + ratio * (c[3] + ratio * (c[4] + ratio * (c[5] + ratio * c[6])));
@@ -40,8 +48,18 @@ impl Laurent {
     }
 
     /// The square.
+    ///
+    /// # Panics
+    /// As the product.
+    #[inline]
     pub fn squared(&self) -> Laurent {
-        *self * *self
+        match self.0 {
+            // What is linear in features has these powers alone.
+            [0.0, a, b, c, 0.0, 0.0, 0.0] => {
+                Laurent([a * a, 2.0 * (a * b), a * c + b * b + c * a, 2.0 * (b * c), c * c, 0.0, 0.0])
+            }
+            _ => *self * *self,
+        }
     }
 
     /// Whether only the powers −2, 0, 2, 4 occur and those of −2 and 4 are not negative: then the
@@ -78,6 +96,7 @@ impl Index<i32> for Laurent {
 impl Add for Laurent {
     type Output = Laurent;
 
+    #[inline]
     fn add(mut self, other: Laurent) -> Laurent {
         for (a, b) in self.0.iter_mut().zip(other.0) {
             *a += b;
@@ -89,6 +108,7 @@ impl Add for Laurent {
 impl Mul<f64> for Laurent {
     type Output = Laurent;
 
+    #[inline]
     fn mul(self, factor: f64) -> Laurent {
         Laurent(self.0.map(|c| c * factor))
     }

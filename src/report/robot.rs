@@ -278,7 +278,7 @@ fn wanting_text(choice: &Choice) -> String {
 }
 
 /// That there is no combination, as sure as it is.
-pub(super) fn no_combination(choice: &Choice) -> &'static str {
+pub fn no_combination(choice: &Choice) -> &'static str {
     match choice.proof.certified() {
         true => "NO combination keeps all of this.",
         false => "No combination was found that keeps all of this; that there is none is not proved.",
@@ -286,7 +286,7 @@ pub(super) fn no_combination(choice: &Choice) -> &'static str {
 }
 
 /// What would have to be given for there to be one, each by itself.
-pub(super) fn wanting_lines(choice: &Choice) -> Vec<String> {
+pub fn wanting_lines(choice: &Choice) -> Vec<String> {
     let line = |wanting: &Wanting| match wanting {
         Wanting::Joints(names) => match choice.unjudged.is_empty() {
             true => format!("no motor of the catalogue can do: {}", names.join(", ")),

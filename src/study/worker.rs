@@ -9,17 +9,18 @@ use serde::{Deserialize, Serialize};
 use super::columns;
 use super::grid::Grid;
 use super::plan::Settings;
-use crate::catalog::Catalog;
+use crate::catalog::{Catalog, Motor};
 use crate::design::answer::{JointResult, Says};
 use crate::design::balance::balanced;
 
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
 use crate::design::options::Stopped;
+use crate::design::robot::{self, Choice, NoChoice};
 use crate::design::windings;
 use crate::input::{Change, InputError, Problem, Source};
 use crate::motion::CarriedColumn;
-use crate::requirement::{self, Motion, Motions, Robot};
+use crate::requirement::{self, Joint, Motion, Motions, Robot};
 
 /// What was found for one robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -240,7 +241,8 @@ impl Worker<'_> {
             let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
             broken(name.to_string(), Broken::of(&errors))
         };
-        if let Err(message) = crate::design::check_patterns(&read, self.catalog).and_then(|()| each_by_itself(&read)) {
+        if let Err(message) = crate::design::check_patterns(&read, self.catalog).and_then(|()| self.can_be_asked(&read))
+        {
             return Ok(refused(&read.name, message));
         }
         let wound = match read.listed_turns() {
@@ -256,34 +258,77 @@ impl Worker<'_> {
             Ok(wound) => wound,
             Err(message) => return Ok(refused(&read.name, message)),
         };
-        let result = optimize_with(&read, &catalog, options)?;
-        let joints = result.joints.iter().map(|joint| JointRecord {
-            name: joint.joint.name.clone(),
-            motors: standings(joint, self.catalog),
-            rows: columns::rows(joint),
-        });
-        Ok(Record { robot, name: read.name.clone(), inputs, joints: joints.collect(), broken: None })
+        let joints = match read.is_coupled() {
+            true => match self.whole(&read, &catalog, stop)? {
+                Ok(joints) => joints,
+                Err(message) => return Ok(refused(&read.name, message)),
+            },
+            false => {
+                let result = optimize_with(&read, &catalog, options)?;
+                let joints = result.joints.iter().map(|joint| JointRecord {
+                    name: joint.joint.name.clone(),
+                    motors: standings(joint, self.catalog),
+                    rows: columns::rows(joint),
+                });
+                joints.collect()
+            }
+        };
+        Ok(Record { robot, name: read.name.clone(), inputs, joints, broken: None })
+    }
+
+    /// A robot whose joints depend on each other has combinations: as many as designs are asked for.
+    fn can_be_asked(&self, robot: &Robot) -> Result<(), String> {
+        match self.settings.top {
+            None if robot.is_coupled() => {
+                Err("its joints depend on each other, and of a whole robot the best combinations are \
+                found, not all: give `--top` in place of `--all`"
+                    .into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The best combinations of a robot whose joints depend on each other; in words why it cannot be asked.
+    fn whole(
+        &self,
+        robot: &Robot,
+        catalog: &Catalog,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Result<Vec<JointRecord>, String>, Stopped> {
+        let options = robot::Options {
+            only_checked: self.settings.only_checked,
+            runner_ups: self.settings.top.map_or(0, |top| top.saturating_sub(1) as usize),
+            budgets: false,
+            stop,
+            ..robot::Options::default()
+        };
+        let choice = match robot::choose(robot, catalog, options) {
+            Ok(choice) => choice,
+            Err(NoChoice::Stopped) => return Err(Stopped),
+            Err(NoChoice::Cannot(why)) => return Ok(Err(why)),
+        };
+        let joint = |(j, joint): (usize, &Joint)| JointRecord {
+            name: joint.name.clone(),
+            motors: standings_of_robot(&choice, j, self.catalog),
+            rows: columns::rows_of_robot(&choice, j),
+        };
+        Ok(Ok(robot.joints.iter().enumerate().map(joint).collect()))
     }
 }
 
-/// A study looks at each joint by itself: what binds joints together it cannot keep.
-fn each_by_itself(robot: &Robot) -> Result<(), String> {
-    if robot.joints.iter().any(|joint| !joint.carries.is_empty()) {
-        let carrying: Vec<&str> =
-            robot.joints.iter().filter(|joint| !joint.carries.is_empty()).map(|joint| joint.name.as_str()).collect();
-        return Err(format!(
-            "{} carries actuators of other joints, and a study looks at each joint by itself: `optimize` takes the whole robot",
-            carrying.join(", ")
-        ));
+/// What is known of every motor at a joint of a whole robot, a letter each.
+fn standings_of_robot(choice: &Choice, joint: usize, catalog: &Catalog) -> String {
+    let mut standing: HashMap<&str, Standing> = HashMap::new();
+    for (place, combination) in choice.combinations.iter().enumerate() {
+        let motor = combination.joints[joint].motor.row_id();
+        standing.entry(motor).or_insert(if place == 0 { Standing::First } else { Standing::Among });
     }
-    match robot.is_coupled() {
-        true => {
-            Err("`budget` binds the joints together, and a study looks at each joint by itself: remove it, or take \
-            the whole robot with `optimize`"
-                .into())
-        }
-        false => Ok(()),
+    let of = &choice.robot.joints[joint];
+    for apart in choice.unjudged.iter().filter(|apart| std::ptr::eq(apart.joint, of)) {
+        standing.entry(apart.motor.row_id()).or_insert(Standing::Unjudged);
     }
+    let letter = |motor: &Motor| standing.get(motor.id.as_str()).copied().unwrap_or(Standing::Unknown).letter();
+    catalog.motors.iter().map(letter).collect()
 }
 
 /// What is known of every motor, a letter each: of several windings of one that which does best.

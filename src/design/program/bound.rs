@@ -16,8 +16,6 @@ use crate::requirement::{Objective, Quantity};
 
 /// Pieces of the range, evenly spaced in ln N.
 const PIECES: usize = 6;
-/// How often the ends of a piece are cut off.
-const ROUNDS: usize = 2;
 
 /// Intervals after which the proof that nothing is possible is given up.
 const MOST_INTERVALS: usize = 64;
@@ -50,7 +48,9 @@ impl RatioProgram<'_> {
         }
         let goal = Goal::new(self);
         let ends = self.ends_of_pieces(low.ratio, high.ratio);
-        let pieces = ends.windows(2).filter_map(|piece| self.bound_of_piece(&goal, piece[0], piece[1]));
+        let rows: Vec<_> = ends.iter().map(|end| self.cheap_row(*end)).collect();
+        let pieces = (1..ends.len())
+            .filter_map(|k| self.bound_of_piece(&goal, [ends[k - 1], ends[k]], [&rows[k - 1], &rows[k]]));
         let least = pieces.reduce(f64::min)?;
         (!least.is_nan()).then(|| goal.natural(least))
     }
@@ -129,17 +129,28 @@ impl RatioProgram<'_> {
         ends
     }
 
-    /// The bound on an interval, in the unit of the cuts; `None` where nothing of it is feasible.
-    fn bound_of_piece(&self, goal: &Goal, mut a: f64, mut b: f64) -> Option<f64> {
+    /// The most violated row at a ratio. The winding's temperature over the motion takes a walk over all samples: solving is as
+    /// cheap.
+    fn cheap_row(&self, ratio: f64) -> Option<(Laurent, f64)> {
+        worst_row(self, ratio, |demand| !demand.takes_a_walk())
+    }
+
+    /// The bound on an interval with the most violated rows at its ends, in the unit of the cuts; `None` where nothing of it is
+    /// feasible.
+    fn bound_of_piece(&self, goal: &Goal, ends: [f64; 2], at_ends: [&Option<(Laurent, f64)>; 2]) -> Option<f64> {
+        let [mut a, mut b] = ends;
         // The mass by stages is that of the interval's end, but at its start.
         let steps = goal.steps(a).min(goal.steps(b));
-        // The winding's temperature over the motion takes a walk over all samples: solving is as cheap.
-        let cheap = |demand: &Demand| !demand.takes_a_walk();
-        for _ in 0..ROUNDS {
-            for at in [a, b] {
-                let Some((polynomial, bound)) = worst_row(self, at, cheap) else { continue };
-                (a, b) = Underestimator::new(&polynomial, a, b).below(bound, a, b)?;
-            }
+        let cut = |row: &Option<(Laurent, f64)>, a: f64, b: f64| match row {
+            Some((polynomial, bound)) => Underestimator::new(polynomial, a, b).below(*bound, a, b),
+            None => Some((a, b)),
+        };
+        for row in at_ends {
+            (a, b) = cut(row, a, b)?;
+        }
+        // An end that did not move keeps its limits.
+        for at in [a, b].into_iter().filter(|at| !ends.contains(at)) {
+            (a, b) = cut(&self.cheap_row(at), a, b)?;
         }
         let under = Underestimator::new(&goal.cut((a * b).sqrt()), a, b);
         Some(under.at(under.minimum(a, b)) + steps - 1e-14 * under.size)
