@@ -515,6 +515,13 @@ impl AtRatio<'_> {
         (value_voltage::<FEATURES>(weights, &x, direct), value_power::<FEATURES>(weights, &x, direct))
     }
 
+    /// Power that a point gives back at its terminals, with a winding at the reference temperature \[W\]; less than zero where it takes
+    /// some.
+    pub fn given_back(&self, index: usize) -> f64 {
+        let (weights, x) = self.point(index);
+        value_power_back::<FEATURES>(weights, &x, self.direct.get(index).copied().unwrap_or(0.0))
+    }
+
     /// Power that a point gives back without a current along d \[W\], and the size of the terms whose difference it is.
     pub fn power_back(&self, index: usize) -> (f64, f64) {
         let (weights, x) = self.point(index);

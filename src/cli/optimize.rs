@@ -1,4 +1,5 @@
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 
@@ -16,6 +17,7 @@ use crate::output::write_whole;
 use crate::report::optimize as report;
 use crate::report::{html, json, pareto, plot, robot as robot_report, robust as robust_report, table};
 use crate::requirement::{Quantity, Robot};
+use crate::units;
 use crate::words::nearest;
 
 /// How many motors a joint's table shows where nobody says.
@@ -79,6 +81,10 @@ pub struct Arguments {
     /// How many further combinations of the whole robot are reported
     #[arg(long, default_value_t = 3, value_name = "K", value_parser = clap::value_parser!(u32).range(..=1000))]
     runner_ups: u32,
+    /// End the search over the whole robot after so long, e.g. "30 s", and give what it has: without it the search ends after a fixed
+    /// number of steps, and the answer is the same each time
+    #[arg(long, value_name = "TIME", conflicts_with_all = ["pareto", "robust"])]
+    time_limit: Option<String>,
     #[command(flatten)]
     set: Set,
     #[command(flatten)]
@@ -127,6 +133,18 @@ fn read_again(arguments: &Arguments, robot: &Robot) -> Result<(), Failure> {
     Err(Failure::Argument(why.into()))
 }
 
+/// How long a search may take.
+fn time_limit(text: &str) -> Result<Duration, Failure> {
+    let limit = units::quantity(text, &units::TIME).map_err(|error| {
+        let kind = &units::TIME;
+        Failure::Argument(format!("`--time-limit`: {}; {}", error.message(kind), error.help(kind)))
+    })?;
+    match Duration::try_from_secs_f64(limit) {
+        Ok(limit) if !limit.is_zero() => Ok(limit),
+        _ => Err(Failure::Argument(format!("`--time-limit`: `{text}` is no time to search in"))),
+    }
+}
+
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
@@ -138,6 +156,12 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let robot = arguments.set.read(&arguments.requirement, no_springs)?;
     read_again(arguments, &robot)?;
     let tolerance = super::tolerance(arguments.tolerance.as_deref())?;
+    let limit = arguments.time_limit.as_deref().map(time_limit).transpose()?;
+    if limit.is_some() && !robot.is_coupled() && !arguments.robot {
+        let message =
+            "`--time-limit` ends the search over a whole robot, and nothing couples these joints: give `--robot` too";
+        return Err(Failure::Argument(message.into()));
+    }
     let mut catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
     if let Some(share) = tolerance {
         assume_tolerance(&mut catalog.motors, share);
@@ -214,7 +238,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let outlooks = outlooks(&result, catalog, with_front, search)?;
     let of_joints = telling.counted(robot.joints.len(), "the whole robot: joints");
     let search = telling.search("the whole robot");
+    let begun = Instant::now();
+    let enough = || limit.is_some_and(|limit| begun.elapsed() >= limit);
     let options = robot::Options {
+        enough: limit.map(|_| &enough as &(dyn Fn() -> bool + Sync)),
         only_checked: arguments.only_checked,
         runner_ups: arguments.runner_ups as usize,
         tick: &|| of_joints.step(),
@@ -222,6 +249,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         ..robot::Options::default()
     };
     let choice = whole.then(|| choose(robot, catalog, options)).transpose()?;
+    let took = limit.map(|_| begun.elapsed());
     of_joints.end();
     search.end();
     arguments.html.write(
@@ -260,7 +288,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let costs = ruled.costs(&plain, catalog, &result)?;
     let text = arguments.output.choose(
         || {
-            let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c)));
+            let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c, took)));
             let costs: String = costs.iter().map(|line| table::paragraph(line, 0, 2)).collect();
             super::told_set(robot) + &costs + &report::text(&result, &outlooks, shown) + &whole
         },

@@ -140,6 +140,11 @@ pub(super) fn with_windows<'a>(site: Site<'a, '_>, design: Design<'a>, only_chec
     Design { optimum: judge::judged_part(&prepared, design.optimum, only_checked), ..design }
 }
 
+/// Whether a motor that exceeds a limit cannot: no current along d that may be asked for is left out.
+pub(super) fn is_known(prepared: &Prepared) -> bool {
+    prepared.candidate.why_not_weakened().is_none() && prepared.candidate.why_not_braked().is_none()
+}
+
 /// Whether it is certain, without solving, that [`best_design`] rejects a motor. `false` says nothing.
 pub(super) fn is_impossible(site: Site, motor: &Motor) -> bool {
     let mount = site.direct(motor);
@@ -147,7 +152,6 @@ pub(super) fn is_impossible(site: Site, motor: &Motor) -> bool {
     if site.joint.limits.spring.is_some() {
         return false;
     }
-    let is_known = |p: &Prepared| p.candidate.why_not_weakened().is_none() && p.candidate.why_not_braked().is_none();
     mount
         .prepared()
         .is_ok_and(|p| is_known(&p) && RatioProgram::new(&p, &site.joint.objective, min, max).is_impossible())

@@ -197,7 +197,7 @@ impl<'a> Prepared<'a> {
         if self.candidate.whole_map().is_some() {
             return self.at_ratio(ratio, |here| here.judged(ratio));
         }
-        let mut judged = Judged { unchecked: self.unchecked.clone(), assumed: self.assumed.clone() };
+        let mut judged = self.judged_anywhere();
         let other = self.candidate.at_other_end();
         for (limit, judge) in &self.at_ratio {
             let verdicts = std::iter::once(&self.candidate).chain(&other).map(|end| judge(end, ratio));
@@ -208,6 +208,11 @@ impl<'a> Prepared<'a> {
             }
         }
         judged
+    }
+
+    /// What can be checked at no ratio, and what is assumed at every ratio.
+    pub fn judged_anywhere(&self) -> Judged {
+        Judged { unchecked: self.unchecked.clone(), assumed: self.assumed.clone() }
     }
 
     /// The limits of which it depends on the ratio whether they can be checked.

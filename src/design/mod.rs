@@ -16,6 +16,7 @@ pub mod explain;
 pub mod figures;
 pub mod flatness;
 pub mod judge;
+pub mod loads;
 pub mod mount;
 pub mod nearby;
 pub mod optimize;

@@ -4,8 +4,13 @@
 //! A [`Site`] is a joint with its load made ready once, and goes through the mounts that the requirement allows a
 //! motor there: one with a ratio that is still free, or one for each gear of the catalogue.
 
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
 use super::Prepared;
 use super::answer::Unusable;
+use super::loads::Loads;
 use super::options::Stop;
 use crate::actuator::candidate::MapPart;
 use crate::actuator::fitted::gear_with_fit;
@@ -160,11 +165,20 @@ pub struct JointDemand<'a> {
     /// The gears of the catalogue that the joint allows, in the order of their ids; a load of its own
     /// where the gear's efficiency covers its inertia.
     gears: Vec<(&'a Gear, Option<Load>)>,
+    /// Of them those that name the motors that they fit, by motor.
+    by_motor: HashMap<&'a str, Vec<usize>>,
+    /// The others: they name patterns, or nothing.
+    by_pattern: Vec<usize>,
 }
 
 impl<'a> JointDemand<'a> {
     /// Prepares a joint.
     pub fn new(joint: &Joint, catalog: &'a Catalog) -> JointDemand<'a> {
+        JointDemand::among(joint, catalog, None)
+    }
+
+    /// The same with a load that may have been made ready before.
+    pub fn among(joint: &Joint, catalog: &'a Catalog, loads: Option<&Loads>) -> JointDemand<'a> {
         let gears = match &joint.ratio {
             RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => Vec::new(),
             RatioChoice::Catalog { patterns, .. } => {
@@ -172,14 +186,31 @@ impl<'a> JointDemand<'a> {
             }
         };
         let own = |gear| covered_inertia(joint, gear).map(|inertia| load_covering(joint, Some(inertia)));
-        let gears = gears.into_iter().map(|gear| (gear, own(gear))).collect();
-        JointDemand { load: load_covering(joint, None), gears }
+        let (mut by_motor, mut by_pattern) = (HashMap::<&str, Vec<usize>>::new(), Vec::new());
+        for (k, gear) in gears.iter().enumerate() {
+            match gear.fits.is_empty() || gear.fits.iter().any(|pattern| pattern.contains('*')) {
+                true => by_pattern.push(k),
+                false => gear.fits.iter().for_each(|motor| by_motor.entry(motor).or_default().push(k)),
+            }
+        }
+        let gears = gears.into_par_iter().map(|gear| (gear, own(gear))).collect();
+        let make = || load_covering(joint, None);
+        let load = loads.map_or_else(make, |loads| loads.of(joint, make));
+        JointDemand { load, gears, by_motor, by_pattern }
     }
 
     /// The gears that may be mounted on a motor, each with its load.
     pub fn gears_for<'d>(&'d self, motor: &Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
-        let fitting: Vec<_> = self.gears.iter().filter(|(gear, _)| gear.fits(motor.row_id()) != Some(false)).collect();
-        fitting.into_iter().map(|(gear, own)| (*gear, own.as_ref().unwrap_or(&self.load)))
+        let id = motor.row_id();
+        let by_pattern = self.by_pattern.iter().copied().filter(|k| self.gears[*k].0.fits(id) != Some(false));
+        let mut fitting: Vec<usize> = self.by_motor.get(id).into_iter().flatten().copied().chain(by_pattern).collect();
+        fitting.sort_unstable();
+        // A gear may name a motor twice.
+        fitting.dedup();
+        fitting.into_iter().map(|k| {
+            let (gear, own) = &self.gears[k];
+            (*gear, own.as_ref().unwrap_or(&self.load))
+        })
     }
 }
 

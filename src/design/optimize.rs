@@ -51,7 +51,7 @@ fn solve_joint<'a>(
     catalog: &'a Catalog,
     options: Options,
 ) -> Result<JointResult<'a>, Stopped> {
-    let demand = JointDemand::new(joint, catalog);
+    let demand = JointDemand::among(joint, catalog, options.loads);
     let stop = Stop::when(options.stop);
     let site = Site::new(robot, joint, &demand).stopping(stop);
     if let Some(keep) = options.keep {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::loads::Loads;
+
 /// A search was stopped: there is no answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped;
@@ -56,10 +58,12 @@ pub struct Options<'p> {
     /// Asked before each motor, at each node of a branch and bound and at each region of a search for a spring. Once it
     /// says `true` it has to go on saying so; the search then ends with [`Stopped`].
     pub stop: &'p (dyn Fn() -> bool + Sync),
+    /// Loads that were made ready before, of robots that are optimised one after another.
+    pub loads: Option<&'p Loads>,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { only_checked: false, keep: None, reasons: true, tick: &|| {}, stop: &|| false }
+        Options { only_checked: false, keep: None, reasons: true, tick: &|| {}, stop: &|| false, loads: None }
     }
 }

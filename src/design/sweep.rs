@@ -53,12 +53,15 @@ pub fn sweep_with<'a>(
 }
 
 fn swept<'a>(mount: &Mount<'a, '_>, prepared: &Prepared, ratio: f64) -> SweptDesign<'a> {
-    let Judged { unchecked, assumed } = prepared.judged(ratio);
+    let evaluation = prepared.at(ratio);
+    // Of a design that exceeds a limit it does not matter what else could not be judged at its ratio.
+    let Judged { unchecked, assumed } =
+        if evaluation.feasible { prepared.judged(ratio) } else { prepared.judged_anywhere() };
     let unjudged = unjudged(mount.robot, mount.joint, &unchecked).into();
     SweptDesign {
         motor: mount.motor,
         gear: mount.gear_id(),
-        evaluation: prepared.at(ratio),
+        evaluation,
         unchecked: unchecked.into(),
         unjudged,
         assumed: assumed.into(),

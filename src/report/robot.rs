@@ -1,6 +1,8 @@
 //! The choice for a whole robot: which design at which joint, what it keeps, how sure it is, what comes next
 //! and what the budgets cost.
 
+use std::time::Duration;
+
 use super::optimize::margin_at;
 use super::table::{Column, Table, paragraph, wrap};
 use super::{columns, design_ratio, different_motors, number, optional};
@@ -8,13 +10,14 @@ use crate::design::answer::Design;
 use crate::design::robot::{Change, Choice, Combination, Sag, Wanting};
 use crate::requirement::{Joint, Regeneration, Robot};
 
-/// For people.
-pub fn text(choice: &Choice) -> String {
+/// For people; `took` is how long the search took, where it was given a time.
+pub fn text(choice: &Choice, took: Option<Duration>) -> String {
     let robot = choice.robot;
     let mut out = paragraph(&format!("The whole robot, {}:", aim(choice)), 0, 2);
     out.push_str(&paragraph(&kept(choice), 2, 4));
     let Some(best) = choice.combinations.first() else {
         out.push_str(&wanting_text(choice));
+        open(choice, took).iter().for_each(|line| out.push_str(&format!("    {}\n", wrap(line, 6))));
         out.push_str(&super::unjudged::robot_text(choice));
         return out;
     };
@@ -25,6 +28,7 @@ pub fn text(choice: &Choice) -> String {
         out.push_str(&format!("  {}\n", wrap(&sag_text(robot, sag), 4)));
     }
     out.push_str(&format!("  {}\n", wrap(&proof(choice), 4)));
+    open(choice, took).iter().for_each(|line| out.push_str(&format!("  {}\n", wrap(line, 4))));
     if let Some(price) = best.power_price.filter(|p| *p < 0.0) {
         let line = format!("the bus binds: one watt more is worth {} {}", number(-price), unit(choice));
         out.push_str(&format!("  {}\n", wrap(line.trim_end(), 4)));
@@ -107,6 +111,13 @@ pub(super) fn kept(choice: &Choice) -> String {
             ));
         }
     }
+    if let Some(most) = robot.shared_regeneration() {
+        let how = match choice.instant_by_instant {
+            true => "added up instant by instant, less what others draw then",
+            false => "less what others draw; what shares no time base at its worst instants",
+        };
+        parts.push(format!("at most {} W back to the bus from all joints together ({how})", number(most)));
+    }
     if let Some(resistance) = robot.shared_resistance() {
         let how = match choice.instant_by_instant {
             true => "instant by instant",
@@ -171,6 +182,12 @@ pub(super) fn sums(choice: &Choice, combination: &Combination) -> String {
         true => text.push_str(&format!(", {peak} W at the worst instant")),
         false => text.push_str(&format!(", {peak} W as the sum of peaks")),
     }
+    if choice.robot.budget.regeneration.is_some() {
+        text.push_str(&match combination.most_returned > 0.0 {
+            true => format!(", at most {} W back to the bus", number(combination.most_returned)),
+            false => ", nothing back to the bus".to_string(),
+        });
+    }
     if !combination.peak_power_by_case.is_empty() {
         let cases = combination.peak_power_by_case.iter().map(|(name, power)| format!("{name} {} W", number(*power)));
         text.push_str(&format!(" ({})", cases.collect::<Vec<_>>().join(", ")));
@@ -223,6 +240,43 @@ pub(super) fn proof(choice: &Choice) -> String {
     format!("NOT proved, {how_far}: {}", proof.not_proved.join("; "))
 }
 
+/// Motors of a joint that are named where they may be better.
+const NAMED: usize = 4;
+
+/// Where the search did not end: what may be better, and how long it would take to know.
+pub(super) fn open(choice: &Choice, took: Option<Duration>) -> Vec<String> {
+    let proof = &choice.proof;
+    if proof.open.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = Vec::new();
+    let of_joint = |(joint, motors): (&Joint, &Vec<String>)| {
+        let named: Vec<&str> = motors.iter().take(NAMED).map(String::as_str).collect();
+        let more = match motors.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        (!motors.is_empty()).then(|| format!("{} with {}{more}", joint.name, named.join(", ")))
+    };
+    let open: Vec<String> = choice.robot.joints.iter().zip(&proof.open).filter_map(of_joint).collect();
+    lines.push(match (open.is_empty(), choice.combinations.is_empty()) {
+        (true, _) => "every other motor is ruled out; the ratios of these may be better".to_string(),
+        (false, true) => format!("not ruled out: {}", open.join("; ")),
+        (false, false) => format!("may be better: {}", open.join("; ")),
+    });
+    let (settled, left) = proof.regions;
+    lines.push(match took.map(|took| took.as_secs_f64()) {
+        None => "the search ends after a fixed number of steps; with `--time-limit` it goes on for that long".to_string(),
+        Some(seconds) if settled > 0 && left > 0 => format!(
+            "{settled} parts of the combinations are settled, {left} are left; as fast as so far that is {} s more, if none of \
+             them has to be divided again",
+            number(seconds * left as f64 / settled as f64)
+        ),
+        Some(_) => "how long more it would take is not known".to_string(),
+    });
+    lines
+}
+
 /// In which joints another combination differs.
 pub(super) fn differences(robot: &Robot, best: &Combination, other: &Combination) -> String {
     let pairs = robot.joints.iter().zip(best.joints.iter().zip(&other.joints));
@@ -243,6 +297,7 @@ fn budget_now(robot: &Robot, budget: &str) -> Option<f64> {
     match budget {
         "actuator_mass" => robot.budget.actuator_mass,
         "max_distinct_motors" => robot.budget.max_distinct_motors.map(f64::from),
+        "regeneration" => robot.shared_regeneration(),
         _ => robot.shared_power(),
     }
 }
@@ -307,11 +362,19 @@ pub fn wanting_lines(choice: &Choice) -> Vec<String> {
             number(*least),
             optional(choice.robot.shared_power())
         ),
+        Wanting::Returned(returned) => format!(
+            "without the limit on what comes back the best gives back {} W to the bus at its worst (it may be {} W)",
+            number(*returned),
+            optional(choice.robot.shared_regeneration())
+        ),
         Wanting::Supply => format!(
             "with a supply that does not sag it can be done: its resistance is {} ohm",
             optional(choice.robot.shared_resistance())
         ),
     };
+    if choice.wanting.is_empty() && !choice.proof.certified() {
+        return Vec::new();
+    }
     if choice.wanting.is_empty() {
         return vec!["with any one of the budgets given up none was found either".into()];
     }

@@ -45,7 +45,7 @@ fn key(design: &SweptDesign, joint: &crate::requirement::Joint, order: Order) ->
 pub fn ordered<'r, 'a>(sweep: &'r JointSweep<'a>, order: Order) -> Vec<&'r SweptDesign<'a>> {
     let mut designs: Vec<(&SweptDesign, (u8, f64, f64))> =
         sweep.designs.iter().map(|d| (d, key(d, sweep.joint, order))).collect();
-    designs.sort_by(|(a, x), (b, y)| {
+    designs.sort_unstable_by(|(a, x), (b, y)| {
         x.0.cmp(&y.0)
             .then(x.1.total_cmp(&y.1))
             .then(x.2.total_cmp(&y.2))
@@ -168,10 +168,9 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     let mut unchecked: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut assumed: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for design in &sweep.designs {
-        if !design.evaluation.feasible
-            && let Some(margin) = design.evaluation.tightest()
-        {
-            *worst.entry(margin.limit).or_default() += 1;
+        if !design.evaluation.feasible {
+            design.evaluation.tightest().into_iter().for_each(|margin| *worst.entry(margin.limit).or_default() += 1);
+            continue;
         }
         for what in design.unchecked.iter() {
             *unchecked.entry(*what).or_default() += 1;
@@ -199,10 +198,13 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
         out.push(format!("Fitted, {line}"));
     }
     for ((limit, why), n) in unchecked {
-        out.push(format!("Not checked in {}: {limit}, because {why}", crate::words::counted(n, "design")));
+        out.push(format!(
+            "Not checked in {} that keep all else: {limit}, because {why}",
+            crate::words::counted(n, "design")
+        ));
     }
     for ((limit, what), n) in assumed {
-        out.push(format!("Assumed in {}: {limit}: {what}", crate::words::counted(n, "design")));
+        out.push(format!("Assumed in {} that keep all else: {limit}: {what}", crate::words::counted(n, "design")));
     }
     out.extend(super::motion::notes(sweep.joint));
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();

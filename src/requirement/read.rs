@@ -4,9 +4,10 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::bus::{self, Bus, Regeneration};
 use super::motions::{FromDisk, MotionReader, Motions};
 use super::robot::{Budget, Robot};
-use super::{bus, carried, cases, joint, map_file, mechanism};
+use super::{carried, cases, joint, map_file, mechanism};
 use crate::input::kind::{self, FileKind};
 use crate::input::{Change, Description, Form, InputError, Problem, Range, Section, Source, key, limits};
 use crate::units;
@@ -148,7 +149,23 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
                 &units::CURRENT,
                 Range::Positive,
             ),
+            regeneration: section.quantity(
+                key(
+                    "regeneration",
+                    "what the bus takes back from all joints together at any instant, beside the brake",
+                ),
+                &units::POWER,
+                Range::NonNegative,
+            ),
         };
+        let takes_all = |bus: &Bus| bus.regeneration == Regeneration::Dissipated && bus.brake_power.is_none();
+        if budget.regeneration.is_some() && bus.as_ref().is_some_and(takes_all) {
+            let message = "`regeneration` of [budget] limits nothing: the braking resistor of the [bus] takes all";
+            let problem = Problem::at(section.span_of("regeneration"), message, "nothing comes back");
+            section.note(
+                problem.help("say what the resistor takes, as brake_power = \"500 W\" in [bus], or remove one of them"),
+            );
+        }
         section.finish();
         budget
     });

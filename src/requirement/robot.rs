@@ -51,12 +51,19 @@ pub struct Budget {
     pub power: Option<f64>,
     /// Current that the bus delivers to all joints together at any instant \[A\].
     pub current: Option<f64>,
+    /// Power that the bus takes back from all joints together at any instant \[W\], beside what a brake burns.
+    pub regeneration: Option<f64>,
 }
 
 impl Robot {
     /// The files that it was read from, each with its hash.
     pub fn files(&self) -> Vec<InputFile> {
         self.sources.iter().map(|source| source.file()).collect()
+    }
+
+    /// Power that may come back from all joints together at any instant \[W\]: what the bus takes and what a brake burns.
+    pub fn shared_regeneration(&self) -> Option<f64> {
+        self.budget.regeneration.map(|most| most + self.bus.brake_power.unwrap_or(0.0))
     }
 
     /// Power that all joints together may draw at any instant \[W\]: the smaller of the budgets of power
@@ -81,8 +88,9 @@ impl Robot {
     /// Whether the joints' choices depend on each other: a budget, a supply that sags under all of them, or actuators that carry
     /// actuators.
     pub fn is_coupled(&self) -> bool {
-        let Budget { actuator_mass, max_distinct_motors, power, current } = self.budget;
-        let budgets = [actuator_mass, power, current].iter().any(Option::is_some) || max_distinct_motors.is_some();
+        let Budget { actuator_mass, max_distinct_motors, power, current, regeneration } = self.budget;
+        let budgets =
+            [actuator_mass, power, current, regeneration].iter().any(Option::is_some) || max_distinct_motors.is_some();
         budgets || self.shared_resistance().is_some() || self.joints.iter().any(|j| !j.carries.is_empty())
     }
 }

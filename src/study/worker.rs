@@ -12,6 +12,7 @@ use super::plan::Settings;
 use crate::catalog::{Catalog, Motor};
 use crate::design::answer::{JointResult, Says};
 use crate::design::balance::balanced;
+use crate::design::loads::Loads;
 
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
@@ -112,6 +113,7 @@ type Kept = (Arc<Motion>, Vec<CarriedColumn>);
 pub struct Store {
     files: Mutex<HashMap<PathBuf, (Arc<Source>, String)>>,
     motions: Mutex<HashMap<MotionKey, Kept>>,
+    loads: Loads,
 }
 
 /// Most files, and most motions, that are kept.
@@ -251,8 +253,14 @@ impl Worker<'_> {
         };
         let catalog = wound.as_ref().unwrap_or(self.catalog);
         let keep = self.settings.top.map(|k| k as usize);
-        let options =
-            Options { only_checked: self.settings.only_checked, keep, reasons: false, stop, ..Options::default() };
+        let options = Options {
+            only_checked: self.settings.only_checked,
+            keep,
+            reasons: false,
+            stop,
+            loads: Some(&self.store.loads),
+            ..Options::default()
+        };
         let mut read = balanced(&read, catalog, options)?;
         let catalog = match windings::wind(&mut read, catalog, options.only_checked) {
             Ok(wound) => wound,

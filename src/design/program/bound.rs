@@ -20,6 +20,17 @@ const PIECES: usize = 6;
 /// Intervals after which the proof that nothing is possible is given up.
 const MOST_INTERVALS: usize = 64;
 
+/// What is certain of an objective without solving.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bound {
+    /// It is nowhere below this at a ratio that keeps the limits.
+    Of(f64),
+    /// No ratio keeps the limits: each exceeds one by more than any tolerance.
+    Nowhere,
+    /// Nothing.
+    Unknown,
+}
+
 /// The part of an interval on which a row is not clearly broken.
 fn part_kept((polynomial, bound): &(Laurent, f64), a: f64, b: f64) -> Option<(f64, f64)> {
     let under = Underestimator::new(polynomial, a, b);
@@ -31,28 +42,44 @@ impl RatioProgram<'_> {
     /// objective. `None` where the bound shows that no ratio does, or where there is no bound: solve to
     /// learn why.
     pub fn lower_bound(&self) -> Option<f64> {
+        match self.bounded(true) {
+            Bound::Of(least) => Some(least),
+            Bound::Nowhere | Bound::Unknown => None,
+        }
+    }
+
+    /// What is certain of the objective without solving. Without the limits that are asked of samples it is less, and next to nothing
+    /// to find.
+    pub fn bounded(&self, of_samples: bool) -> Bound {
         if let Some((quantity, weight)) = self.objective.weighed() {
             let single = Objective::single(quantity);
             let program = RatioProgram { objective: &single, limits: self.limits.clone(), ..*self };
-            return program.lower_bound().map(|bound| weight * bound);
+            return match program.bounded(of_samples) {
+                Bound::Of(least) => Bound::Of(weight * least),
+                other => other,
+            };
         }
         if self.fixed_limits().is_some() {
-            return None;
+            return Bound::Nowhere;
         }
         if self.is_evaluated() {
-            return None;
+            return Bound::Unknown;
         }
-        let (low, high) = self.ends().ok()?;
+        let Ok((low, high)) = self.ends() else { return Bound::Nowhere };
         if self.objective.sole() == Some(Quantity::Mass) && self.prepared.candidate.mass_slope() == 0.0 {
-            return self.prepared.candidate.mass_at(low.ratio);
+            return self.prepared.candidate.mass_at(low.ratio).map_or(Bound::Unknown, Bound::Of);
         }
         let goal = Goal::new(self);
         let ends = self.ends_of_pieces(low.ratio, high.ratio);
-        let rows: Vec<_> = ends.iter().map(|end| self.cheap_row(*end)).collect();
+        let row = |end: &f64| if of_samples { self.cheap_row(*end) } else { None };
+        let rows: Vec<_> = ends.iter().map(row).collect();
         let pieces = (1..ends.len())
             .filter_map(|k| self.bound_of_piece(&goal, [ends[k - 1], ends[k]], [&rows[k - 1], &rows[k]]));
-        let least = pieces.reduce(f64::min)?;
-        (!least.is_nan()).then(|| goal.natural(least))
+        match pieces.reduce(f64::min) {
+            None => Bound::Nowhere,
+            Some(least) if least.is_nan() => Bound::Unknown,
+            Some(least) => Bound::Of(goal.natural(least)),
+        }
     }
 
     /// The same program without the limits that take a walk over all samples; `None` where it has none of them.
@@ -142,7 +169,8 @@ impl RatioProgram<'_> {
         // The mass by stages is that of the interval's end, but at its start.
         let steps = goal.steps(a).min(goal.steps(b));
         let cut = |row: &Option<(Laurent, f64)>, a: f64, b: f64| match row {
-            Some((polynomial, bound)) => Underestimator::new(polynomial, a, b).below(*bound, a, b),
+            // What is broken by no more than a tolerance is not ruled out.
+            Some(row) => part_kept(row, a, b),
             None => Some((a, b)),
         };
         for row in at_ends {

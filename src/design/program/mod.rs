@@ -34,6 +34,7 @@ use super::evaluate::{Prepared, violation};
 
 pub use answer::{Certificate, Optimum, Outcome, ShadowPrice, Window};
 pub use bind::Bind;
+pub use bound::Bound;
 pub(in crate::design) use objective::Peak;
 pub use refusal::{Infeasible, Refusal, Unsolved};
 pub(in crate::design) use window::minimise;

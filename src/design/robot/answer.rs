@@ -22,6 +22,9 @@ pub struct Options<'p> {
     pub searched: &'p (dyn Fn(usize, usize) + Sync),
     /// As [`stop`](crate::design::Options::stop) of a joint's search; also asked for each combination.
     pub stop: &'p (dyn Fn() -> bool + Sync),
+    /// When a search that has not ended gives what it has, e.g. after some time: asked for each combination, and once true it stays so.
+    /// Without it a search ends after so many steps, and the answer is the same each time.
+    pub enough: Option<&'p (dyn Fn() -> bool + Sync)>,
 }
 
 /// Why there is no choice.
@@ -48,6 +51,7 @@ impl Default for Options<'_> {
             tick: &|| {},
             searched: &|_, _| {},
             stop: &|| false,
+            enough: None,
         }
     }
 }
@@ -68,6 +72,9 @@ pub struct Combination<'a> {
     pub peak_power: f64,
     /// The same in each load case \[W\], by name; empty where joints have no cases.
     pub peak_power_by_case: Vec<(String, f64)>,
+    /// The most that comes back to the bus from all joints together \[W\], less what others draw then: at one instant where they share a
+    /// time base; less than zero where they always draw some.
+    pub most_returned: f64,
     /// What a supply with a resistance makes of it; `None` where it is stiff, or feeds one actuator.
     pub sag: Option<Sag>,
     /// Change of the total per watt more of shared power, where that is limited.
@@ -104,6 +111,11 @@ pub struct Proof {
     pub not_proved: Vec<String>,
     /// Branches looked at.
     pub branches: usize,
+    /// Where the search did not end: of each joint the motors of combinations that may be better, but its own, in the order of the
+    /// catalogue; empty where it ended.
+    pub open: Vec<Vec<String>>,
+    /// Where actuators load one another: how many parts of all combinations were settled, and how many were left.
+    pub regions: (usize, usize),
 }
 
 impl Proof {
@@ -140,6 +152,8 @@ pub enum Wanting {
     /// The least power at the worst instant with which a combination that was tried can do \[W\], and what the
     /// best draws that is not limited \[W\].
     Power(f64, f64),
+    /// Without the limit on what comes back there is a combination; that which is best then gives back so much at most \[W\].
+    Returned(f64),
     /// The resistance of the supply: without it there is a combination.
     Supply,
 }

@@ -47,6 +47,8 @@ pub(super) struct Context<'a> {
     pub needs: Vec<Needs>,
     /// Whether the search is to stop.
     pub stop: Stop<'a>,
+    /// When a search gives what it has.
+    pub enough: Option<&'a (dyn Fn() -> bool + Sync)>,
     searched: Searched<'a>,
     /// Menus of the joints that carry nothing.
     pub certain: Vec<Option<Arc<Menu<'a>>>>,
@@ -64,6 +66,8 @@ pub(super) struct Context<'a> {
     pub power: Option<f64>,
     /// What a supply that sags under all joints gives at most \[W\].
     pub supply: Option<f64>,
+    /// What may come back from all joints together \[W\].
+    pub returned: Option<f64>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
     pub least_power: f64,
 }
@@ -97,11 +101,12 @@ impl<'a> Context<'a> {
         let stop = Stop::when(options.stop);
         let budget = robot.shared_power();
         let supply = robot.shared_resistance().map(|resistance| robot.bus.voltage.powi(2) / (4.0 * resistance));
+        let returned = robot.shared_regeneration();
         let carried = |j: usize| robot.joints.iter().any(|k| k.carries.iter().any(|c| c.joint == j));
         let needs: Vec<Needs> = (0..n)
             .map(|j| Needs {
                 mass: robot.budget.actuator_mass.is_some() || carried(j),
-                moves: budget.is_some() || supply.is_some(),
+                moves: budget.is_some() || supply.is_some() || returned.is_some(),
                 only_checked: options.only_checked,
             })
             .collect();
@@ -150,17 +155,34 @@ impl<'a> Context<'a> {
             catalog,
             needs,
             stop,
+            enough: options.enough,
             searched: options.searched,
             certain,
             total,
             power: budget,
             supply,
+            returned,
         })
     }
 
+    /// Whether a search is to end now.
+    pub(super) fn ends(&self) -> bool {
+        self.stop.now() || self.enough.is_some_and(|enough| enough())
+    }
+
+    /// So many of something, where nobody says when it is enough.
+    pub(super) fn at_most(&self, most: usize) -> usize {
+        if self.enough.is_some() { usize::MAX } else { most }
+    }
+
     /// The limit on the power of all joints \[W\].
-    pub(super) fn limit(&self) -> Option<f64> {
+    fn limit(&self) -> Option<f64> {
         self.power.into_iter().chain(self.supply).reduce(f64::min)
+    }
+
+    /// Whether the ratios of a combination depend on each other.
+    pub(super) fn shares_power(&self) -> bool {
+        self.limit().is_some() || self.returned.is_some()
     }
 
     /// Whether no actuator loads another one.
@@ -319,8 +341,13 @@ impl<'a> Context<'a> {
         look(&mut parts)
     }
 
-    fn solve(&mut self, items: &[&Item<'a>], coordinates: &[Vec<f64>], limit: f64) -> Outcome {
-        let outcome = self.with_parts(items, coordinates, |parts| shared::solve(parts, &self.schedule, limit));
+    /// The best ratios of a combination under what its joints share, the limit on power given.
+    fn solve(&mut self, items: &[&Item<'a>], coordinates: &[Vec<f64>], limit: f64, returned: Option<f64>) -> Outcome {
+        let schedule = &self.schedule;
+        let outcome = self.with_parts(items, coordinates, |parts| match returned {
+            Some(most) => shared::solve_returning(parts, schedule, limit, most),
+            None => shared::solve(parts, schedule, limit),
+        });
         // On a supply that sags it is not known what is too much.
         if let (Outcome::TooMuch { least, .. }, None) = (&outcome, self.supply) {
             self.least_power = self.least_power.min(*least);
@@ -430,9 +457,11 @@ impl<'a> Context<'a> {
             }
             let items: Vec<&Item> = menus.iter().zip(&chosen).map(|(m, i)| &*m.items[*i]).collect();
             let worth: f64 = items.iter().zip(&self.total.scale).map(|(i, s)| s * i.lower.abs()).sum();
-            let (price, factor) = match self.solve(&items, &nothing, limit) {
+            // Without what comes back: that has no part in the bounds.
+            let (price, factor) = match self.solve(&items, &nothing, limit, None) {
                 Outcome::Solved(solved) => (solved.price, 1.0),
                 Outcome::TooMuch { price, .. } => (price, 3.0 * worth / limit),
+                Outcome::ComesBack => break,
             };
             seen.push(chosen);
             if price.rows.is_empty() {
@@ -487,13 +516,18 @@ impl<'a> Context<'a> {
         let open = self.robot.bus.voltage;
         let sag = self.robot.shared_resistance().and_then(|shared| power::sag(&self.schedule, &draws, (open, shared)));
         let limit = self.limit();
-        let price = self.power.zip(limit).map(|(_, limit)| match self.solve(&items, &found.coordinates, limit) {
-            Outcome::Solved(solved) => {
-                let of_power = solved.price.rows.iter().filter(|(places, _)| places.drive.is_none());
-                -of_power.map(|r| r.1).sum::<f64>()
-            }
-            Outcome::TooMuch { .. } => 0.0,
-        });
+        let returned = self.returned;
+        // Where what comes back decides the ratios, the multipliers of the power are those of a part of them.
+        let price = match self.power.zip(limit).filter(|_| returned.is_none()) {
+            Some((_, limit)) => match self.solve(&items, &found.coordinates, limit, None) {
+                Outcome::Solved(solved) => {
+                    let of_power = solved.price.rows.iter().filter(|(places, _)| places.drive.is_none());
+                    Some(-of_power.map(|r| r.1).sum::<f64>())
+                }
+                Outcome::TooMuch { .. } | Outcome::ComesBack => Some(0.0),
+            },
+            None => None,
+        };
         let mounts = self.loaded(&items, &found.coordinates);
         let designs: Vec<Design> = (0..items.len())
             .map(|j| {
@@ -525,6 +559,7 @@ impl<'a> Context<'a> {
             lower_bound: found.lower,
             mass,
             peak_power: power::largest(&self.schedule, &powers).0,
+            most_returned: power::most_returned(&self.schedule, &draws).0,
             peak_power_by_case: power::by_case(&self.schedule, &powers),
             sag,
             power_price: price,
@@ -547,18 +582,19 @@ impl<'a> Context<'a> {
         let items: Vec<Arc<Item>> = items.into_iter().flatten().collect();
         let mass = items.iter().enumerate().map(|(j, item)| self.weight(j, item.mass)).sum();
         let motors = items.iter().map(|item| item.motor).collect();
-        let (ratios, value, lower) = match self.limit() {
-            None => {
+        let (ratios, value, lower) = match self.shares_power() {
+            false => {
                 let sum = |of: &dyn Fn(&Item) -> f64| -> f64 {
                     items.iter().zip(&self.total.scale).map(|(item, scale)| scale * of(item)).sum()
                 };
                 (None, sum(&|i| i.design.optimum.objective), sum(&|i| i.lower))
             }
-            Some(limit) => {
+            true => {
                 let refs: Vec<&Item> = items.iter().map(|item| &**item).collect();
-                match self.solve(&refs, &coordinates, limit) {
+                let limit = self.limit().unwrap_or(f64::INFINITY);
+                match self.solve(&refs, &coordinates, limit, self.returned) {
                     Outcome::Solved(solved) => (Some(solved.ratios), solved.value, solved.lower),
-                    Outcome::TooMuch { .. } => return None,
+                    Outcome::TooMuch { .. } | Outcome::ComesBack => return None,
                 }
             }
         };
@@ -574,7 +610,11 @@ pub(super) struct Among<'s, 'a> {
 
 impl<'a> Combinations<'a> for Among<'_, 'a> {
     fn is_stopped(&self) -> bool {
-        self.context.stop.now()
+        self.context.ends()
+    }
+
+    fn is_timed(&self) -> bool {
+        self.context.enough.is_some()
     }
 
     fn searched(&self, branches: usize, solved: usize) {

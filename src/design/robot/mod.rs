@@ -19,6 +19,8 @@ mod shared;
 mod tangent;
 mod total;
 
+use std::collections::BTreeSet;
+
 use crate::actuator::limits::Remark;
 use crate::catalog::Catalog;
 use crate::design::Prepared;
@@ -56,7 +58,7 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     let answer = if empty.is_empty() { solve(&mut context, rules) } else { Answer::nothing() };
     let mut combinations: Vec<Combination> = answer.found.iter().map(|f| context.combination(f)).collect();
     if let (Some(first), Some(found)) = (combinations.first_mut(), answer.found.first())
-        && context.limit().is_none()
+        && !context.shares_power()
     {
         first.per_mass = regions::per_mass(&mut context, found);
     }
@@ -67,8 +69,10 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
     };
     let (mut changes, mut front) = (Vec::new(), Vec::new());
     // Where the search was long once, it is not repeated for each other budget.
-    let short =
-        answer.finished && (context.limit().is_none() || answer.solved <= LONG) && answer.bounded <= MANY_BOUNDED;
+    let short = answer.finished
+        && !context.ends()
+        && (!context.shares_power() || answer.solved <= LONG)
+        && answer.bounded <= MANY_BOUNDED;
     let others_left_out = options.budgets && !combinations.is_empty() && !short;
     if options.budgets && !combinations.is_empty() && short {
         changes = other_budgets(&mut context, rules);
@@ -118,8 +122,12 @@ fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     let ways: Vec<Vec<usize>> = context.ways.iter().map(|ways| (0..ways.len()).collect()).collect();
     let (entries, tables) = (context.entries(&ways), context.tables(rules));
     // Where a combination takes a program of its own there may not be too many.
-    let most = if context.limit().is_some() { search::MAX_SOLVED } else { usize::MAX };
-    search::run(&mut Among { context, ways: &ways }, &entries, &tables, rules, most, Vec::new())
+    let most = if context.shares_power() { context.at_most(search::MAX_SOLVED) } else { usize::MAX };
+    let mut answer = search::run(&mut Among { context, ways: &ways }, &entries, &tables, rules, most, Vec::new());
+    if !answer.finished {
+        answer.leave(&regions::may_be_better(context, tables, rules, answer.threshold(1)));
+    }
+    answer
 }
 
 fn prove(context: &Context, answer: &Answer) -> Proof {
@@ -148,7 +156,19 @@ fn prove(context: &Context, answer: &Answer) -> Proof {
         not_proved.push(format!("the best ratios of {}{more} are not certified", ids.join(", ")));
     }
     let lower_bound = Some(answer.lower).filter(|l| l.is_finite());
-    Proof { lower_bound, gap, not_proved, branches: answer.nodes }
+    let open = open(context, answer);
+    Proof { lower_bound, gap, not_proved, branches: answer.nodes, open, regions: answer.regions }
+}
+
+/// Of each joint the motors of combinations that may be better, but the one that it has in the best.
+fn open(context: &Context, answer: &Answer) -> Vec<Vec<String>> {
+    let of = |(joint, ways): (usize, &BTreeSet<usize>)| {
+        let own = answer.found.first().map(|found| found.motors[joint]);
+        let motors: BTreeSet<usize> = ways.iter().map(|way| context.ways[joint][*way].build.motor).collect();
+        let others = motors.into_iter().filter(|motor| Some(*motor) != own);
+        others.map(|motor| context.catalog.motors[motor].id.clone()).collect()
+    };
+    answer.left.iter().enumerate().map(of).collect()
 }
 
 /// What would have to change, one budget at a time.
@@ -172,6 +192,11 @@ fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
             wanting.push(Wanting::Power(least.min(draws), draws));
         }
         context.power = Some(limit);
+    }
+    if let Some(most) = context.returned.take() {
+        let answer = solve(context, one);
+        wanting.extend(answer.found.first().map(|f| Wanting::Returned(context.combination(f).most_returned)));
+        context.returned = Some(most);
     }
     if let Some(supply) = context.supply.take() {
         if !solve(context, one).found.is_empty() {
@@ -215,6 +240,13 @@ fn other_budgets<'a>(context: &mut Context<'a>, rules: Rules) -> Vec<Change<'a>>
             with(context, "power", "W", power * (1.0 + step), one);
         }
         context.power = Some(power);
+    }
+    if let Some(most) = context.returned {
+        for step in STEPS {
+            context.returned = Some(most * (1.0 + step));
+            with(context, "regeneration", "W", most * (1.0 + step), one);
+        }
+        context.returned = Some(most);
     }
     changes
 }
@@ -265,6 +297,12 @@ pub(crate) fn draws(prepared: &Prepared, ratio: f64) -> Draws {
 pub(crate) fn sag(robot: &Robot, all: &[Draws]) -> Option<Sag> {
     let shared = robot.shared_resistance()?;
     power::sag(&power::Schedule::new(robot), all, (robot.bus.voltage, shared))
+}
+
+/// The most that all joints together give back to the bus at any instant \[W\], less what others draw then, from the [`draws`] of each;
+/// where they share no time base, the sum of what each gives back at most.
+pub(crate) fn most_returned(robot: &Robot, all: &[Draws]) -> f64 {
+    power::most_returned(&power::Schedule::new(robot), all).0
 }
 
 /// Largest power that all joints together draw at any instant \[W\], from the power of each at the samples of its motion; where they

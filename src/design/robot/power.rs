@@ -8,13 +8,18 @@
 //! A supply with a resistance gives each drive what the others leave. What a drive asks for beyond that is a power too
 //! ([`Supply::beyond`]): so each drive at each instant is a row of the same kind as that of the power. What others give back is
 //! not counted on.
+//!
+//! What comes back is counted at its most, as the limit of one joint counts it: of a winding at the reference temperature. What others
+//! draw at that instant is taken off, at its least.
 
 use super::answer::Sag;
+use super::convex::under;
 use crate::actuator::limits::Candidate;
 use crate::actuator::supply::{Drawn, Supply};
 use crate::actuator::waveform::{Functional, WavePoint, Waveform};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
+use crate::design::program::{minimise, value};
 use crate::requirement::{Course, Motion, Robot};
 
 /// Instants closer than this share of the period are one.
@@ -218,6 +223,7 @@ pub(super) struct Profile {
     ends: Vec<Actuator>,
     /// What is drawn from the bus; of what a joint gives back others can use what would be kept.
     drawn: Drawn,
+    drive_efficiency: f64,
     standby: f64,
     /// A supply that sags under all joints, and the resistance that they share \[Ω\].
     supply: Option<(Supply, f64)>,
@@ -228,6 +234,9 @@ pub(super) struct Profile {
 pub struct Draws {
     /// Power that the bus gives \[W\], what comes back less than zero.
     pub power: Vec<f64>,
+    /// Power that reaches the bus \[W\], at the most: of a winding at the reference temperature, at the end of the motor's drag where it
+    /// is more; less than zero where some is drawn.
+    pub returned: Vec<f64>,
     /// Power that its drive asks for beyond what there is \[W\], as if it were alone, and the bus voltage that it needs \[V\]; empty where
     /// the supply is stiff.
     beyond: Vec<(f64, f64)>,
@@ -248,6 +257,7 @@ impl Profile {
             samples,
             ends: candidate.ends().copied().collect(),
             drawn: Drawn::new(&candidate.robot.bus),
+            drive_efficiency: candidate.robot.bus.drive_efficiency,
             standby: candidate.standby_power(),
             supply: supply.zip(candidate.robot.shared_resistance()),
         }
@@ -304,15 +314,43 @@ impl Profile {
         self.largest(sample, of_point).map(|(_, beyond)| beyond)
     }
 
+    /// What reaches the bus of power that comes back at the terminals, and what is drawn for power that goes there.
+    fn reaching(&self, back: f64) -> f64 {
+        let through = if back > 0.0 { back * self.drive_efficiency } else { back / self.drive_efficiency };
+        through - self.standby
+    }
+
+    /// What reaches the bus at a sample at least and at most, at ratios between two \[W\].
+    pub(super) fn returned_between(&self, sample: usize, ratios: (f64, f64)) -> (f64, f64) {
+        let middle = (ratios.0 * ratios.1).sqrt();
+        let least_of = |polynomial: &Laurent| {
+            let convex = under(polynomial, ratios, middle);
+            let u = minimise(&convex, ratios.0.powi(2), ratios.1.powi(2));
+            value(&convex, u) - 1e-13 * value(&convex.map(f64::abs), u)
+        };
+        let mut between = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for k in self.waveform.of_sample(sample) {
+            let point = self.waveform.point(*k);
+            for end in &self.ends {
+                let back = Functional::PowerBack.polynomial(end, &point, middle);
+                between.0 = between.0.max(least_of(&back));
+                between.1 = between.1.max(-least_of(&(back * -1.0)));
+            }
+        }
+        (self.reaching(between.0), self.reaching(between.1))
+    }
+
     /// What it draws and asks for at every sample.
     pub(super) fn draws(&self, ratio: f64) -> Draws {
         let mut power = vec![f64::NEG_INFINITY; self.samples];
+        let mut back = vec![f64::NEG_INFINITY; self.samples];
         let mut beyond = vec![(f64::NEG_INFINITY, 0.0); if self.supply.is_some() { self.samples } else { 0 }];
         for end in &self.ends {
             let here = self.waveform.at(end, ratio);
             for k in 0..self.waveform.len() {
                 let (sample, terminals) = (self.waveform.origin(k), here.terminals(k));
                 power[sample] = power[sample].max(terminals.1 * self.drawn.per_power(terminals.1) + self.standby);
+                back[sample] = back[sample].max(here.given_back(k));
                 let Some((supply, shared)) = &self.supply else { continue };
                 let asks = supply.asks_beyond(terminals, *shared);
                 if asks.0 > beyond[sample].0 {
@@ -320,7 +358,8 @@ impl Profile {
                 }
             }
         }
-        Draws { power, beyond }
+        let returned = back.into_iter().map(|back| self.reaching(back)).collect();
+        Draws { power, returned, beyond }
     }
 }
 
@@ -335,6 +374,13 @@ pub(super) fn largest(schedule: &Schedule, courses: &[&[f64]]) -> (f64, Places) 
         }
     }
     best
+}
+
+/// The most that all joints together give back to the bus at an instant \[W\], less what others draw then, and where; less than zero where
+/// they always draw some.
+pub(super) fn most_returned(schedule: &Schedule, all: &[Draws]) -> (f64, Places) {
+    let courses: Vec<&[f64]> = all.iter().map(|draws| draws.returned.as_slice()).collect();
+    largest(schedule, &courses)
 }
 
 /// A drive with what the others leave it.

@@ -45,14 +45,19 @@ pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     while let Some(place) = (0..open.len()).min_by(|a, b| open[*a].bound.total_cmp(&open[*b].bound)) {
         let region = open.swap_remove(place);
         if region.bound >= answer.threshold(rules.keep) || region.ways.iter().any(Vec::is_empty) {
+            answer.regions.0 += 1;
             continue;
         }
-        let programs = context.limit().is_some() && answer.solved >= search::MAX_SOLVED_LOADED;
-        if programs || answer.bounded >= BOUNDED || context.stop.now() {
+        let most = context.at_most(search::MAX_SOLVED_LOADED);
+        let programs = context.shares_power() && answer.solved >= most;
+        if programs || answer.bounded >= context.at_most(BOUNDED) || context.ends() {
             answer.finished = false;
             answer.lower = answer.lower.min(region.bound);
+            answer.leave(&region.ways);
+            answer.regions.1 += 1;
             continue;
         }
+        answer.regions.0 += 1;
         let left = narrow(context, region, rules, &mut answer);
         open.extend(left.into_iter().flat_map(|region| divide(context, region, rules, &mut answer)));
     }
@@ -95,7 +100,7 @@ fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
 /// Searches a region, and divides it where that was too much.
 fn divide<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answer: &mut Answer<'a>) -> Vec<Region> {
     let by = dividing(context, &region.ways);
-    let most = if by.is_some() { SOLVED.1 } else { search::MAX_SOLVED_LOADED };
+    let most = if by.is_some() { SOLVED.1 } else { context.at_most(search::MAX_SOLVED_LOADED) };
     let (finished, lower) = search(context, &region, rules, answer, most);
     if finished {
         answer.lower = answer.lower.min(lower);
@@ -104,6 +109,8 @@ fn divide<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
     let Some((joint, middle)) = by else {
         answer.finished = false;
         answer.lower = answer.lower.min(lower);
+        answer.leave(&region.ways);
+        answer.regions = (answer.regions.0 - 1, answer.regions.1 + 1);
         return Vec::new();
     };
     // Over a wide region prices may say less than nothing.
@@ -175,6 +182,14 @@ fn search<'a>(
     answer.nodes += part.nodes;
     answer.solved += part.solved;
     (part.finished, part.lower)
+}
+
+/// Of all ways to build each joint those of combinations that may be better than a value, by some tables of prices.
+pub(super) fn may_be_better(context: &Context, tables: Vec<Table>, rules: Rules, threshold: f64) -> Vec<Vec<usize>> {
+    let ways = (0..context.ways.len()).map(|j| (0..context.ways[j].len()).collect()).collect();
+    let mut region = Region { ways, bound: f64::NEG_INFINITY, tables, has_plain: false };
+    rule_out(context, &mut region, rules, threshold);
+    region.ways
 }
 
 /// Leaves out what no combination below a value has, and raises the region's bound.

@@ -78,12 +78,33 @@ pub(super) struct Answer<'a> {
     pub solved: usize,
     /// Bounds of ways to build a joint over loads that were made.
     pub bounded: usize,
+    /// Of each joint the entries of combinations that may be better; empty where the search came to its end.
+    pub left: Vec<BTreeSet<usize>>,
+    /// Regions that were settled, and that were left.
+    pub regions: (usize, usize),
 }
 
 impl<'a> Answer<'a> {
     /// Of a search that found out nothing yet.
     pub(super) fn nothing() -> Answer<'a> {
-        Answer { found: Vec::new(), lower: f64::INFINITY, finished: true, nodes: 0, solved: 0, bounded: 0 }
+        Answer {
+            found: Vec::new(),
+            lower: f64::INFINITY,
+            finished: true,
+            nodes: 0,
+            solved: 0,
+            bounded: 0,
+            left: Vec::new(),
+            regions: (0, 0),
+        }
+    }
+
+    /// Notes what was left of a search.
+    pub(super) fn leave(&mut self, ways: &[Vec<usize>]) {
+        self.left.resize(ways.len(), BTreeSet::new());
+        for (left, ways) in self.left.iter_mut().zip(ways) {
+            left.extend(ways);
+        }
     }
 
     /// The value that a combination must be below to be among those that are wanted.
@@ -111,6 +132,8 @@ impl<'a> Answer<'a> {
 pub(super) trait Combinations<'a> {
     /// Whether the search is to stop.
     fn is_stopped(&self) -> bool;
+    /// Whether somebody says when it is enough: then no number of branches ends the search.
+    fn is_timed(&self) -> bool;
     /// Told at each branch: how many were looked at, and how many complete combinations solved.
     fn searched(&self, branches: usize, solved: usize);
     /// A complete combination, by the places of its entries; `None` where it cannot be. Its value is infinite where that is not known.
@@ -266,7 +289,8 @@ impl<'a, C: Combinations<'a>> Search<'_, 'a, C> {
             if new && self.rules.motors.is_some_and(|k| state.used.len() >= k) {
                 continue;
             }
-            if self.ended || self.answer.nodes >= MAX_NODES || self.robot.is_stopped() {
+            let too_many = self.answer.nodes >= MAX_NODES && !self.robot.is_timed();
+            if self.ended || too_many || self.robot.is_stopped() {
                 self.give_up(depth, state);
                 return;
             }

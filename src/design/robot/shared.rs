@@ -10,7 +10,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::convex::{Convex, add, under};
-use super::power::{Draws, Places, Profile, Schedule, largest, worst_drive};
+use super::power::{self, Draws, Places, Profile, Schedule, largest, worst_drive};
 use crate::actuator::Laurent;
 use crate::design::Prepared;
 use crate::design::program::{RatioProgram, minimise, value};
@@ -26,6 +26,8 @@ const CONTRACTIONS: usize = 3;
 const PIECES: usize = 32;
 /// Boxes of ratios that are looked at where a program is not convex.
 const BOXES: usize = 300;
+/// Ratios that are nearer than this (relative) are not divided.
+const NARROWEST: f64 = 1e-9;
 /// The power of all joints is kept to this relative accuracy.
 pub(super) const POWER_TOLERANCE: f64 = 1e-9;
 
@@ -106,6 +108,8 @@ pub(super) enum Outcome {
         least: f64,
         price: Price,
     },
+    /// More comes back than the bus may take, at all ratios.
+    ComesBack,
 }
 
 #[derive(Debug)]
@@ -136,6 +140,79 @@ struct Program<'p> {
     schedule: &'p Schedule,
 }
 
+/// The same where no more than `most` \[W\] may come back from all joints together. That is the complement of a convex set: ratios are
+/// divided where the best of a box give back too much, and a box is left out where all of it does.
+pub(super) fn solve_returning(parts: &mut [Part], schedule: &Schedule, limit: f64, most: f64) -> Outcome {
+    let whole: Vec<(f64, f64)> = parts.iter().map(|p| p.ratios).collect();
+    let mut open = vec![(f64::NEG_INFINITY, whole.clone())];
+    let mut best: Option<Solved> = None;
+    let mut too_much = None;
+    // The least bound of boxes that are done.
+    let mut settled = f64::INFINITY;
+    for _ in 0..BOXES {
+        let Some(place) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) else { break };
+        if best.as_ref().is_some_and(|best| open[place].0 >= best.value - 0.5 * CLOSED * best.value.abs()) {
+            break;
+        }
+        let (bound, boxed) = open.swap_remove(place);
+        parts.iter_mut().zip(&boxed).for_each(|(part, ratios)| part.ratios = *ratios);
+        let solved = match solve(parts, schedule, limit) {
+            Outcome::Solved(solved) => solved,
+            other => {
+                too_much = Some(other);
+                continue;
+            }
+        };
+        let program = Program { parts, schedule };
+        let lower = solved.lower.max(bound);
+        let (returned, places) = power::most_returned(schedule, &program.draws(&solved.ratios));
+        let keeps = returned <= most + POWER_TOLERANCE * most.abs().max(1.0);
+        if keeps && solved.value.is_finite() {
+            settled = settled.min(lower);
+            if best.as_ref().is_none_or(|best| solved.value < best.value) {
+                best = Some(solved);
+            }
+            continue;
+        }
+        let (least, spread) = program.returned_at(&places);
+        if least > most + POWER_TOLERANCE * most.abs().max(1.0) {
+            continue;
+        }
+        // The ratio of each joint at which it gives back least then.
+        let gentle = program.gentlest_returning(&places);
+        let value: f64 = parts.iter().zip(&gentle).map(|(p, n)| p.value(*n)).sum();
+        let program = Program { parts, schedule };
+        let kept = power::most_returned(schedule, &program.draws(&gentle)).0 <= most
+            && program.power(&gentle, limit).0 <= limit * (1.0 + POWER_TOLERANCE);
+        if kept && value.is_finite() && best.as_ref().is_none_or(|best| value < best.value) {
+            best = Some(Solved { ratios: gentle, value, lower, price: solved.price });
+        }
+        let widest = (0..boxed.len()).max_by(|a, b| spread[*a].total_cmp(&spread[*b]));
+        let Some(joint) = widest.filter(|j| boxed[*j].1 > boxed[*j].0 * (1.0 + NARROWEST)) else {
+            settled = settled.min(lower);
+            continue;
+        };
+        let (a, b) = boxed[joint];
+        let middle = (a * b).sqrt();
+        for half in [(a, middle), (middle, b)] {
+            let mut boxed = boxed.clone();
+            boxed[joint] = half;
+            open.push((lower, boxed));
+        }
+    }
+    parts.iter_mut().zip(whole).for_each(|(part, ratios)| part.ratios = ratios);
+    let left = open.iter().map(|o| o.0).fold(settled, f64::min);
+    match (best, too_much) {
+        (Some(best), _) => Outcome::Solved(Solved { lower: left.min(best.value), ..best }),
+        (None, _) if left < f64::INFINITY => {
+            let ratios = parts.iter().map(|p| p.own).collect();
+            Outcome::Solved(Solved { ratios, value: f64::INFINITY, lower: left, price: Price::default() })
+        }
+        (None, Some(too_much)) => too_much,
+        (None, None) => Outcome::ComesBack,
+    }
+}
+
 /// Solves a combination under a limit on the power of all joints \[W\]. Where a joint's program is not convex
 /// (motor Coulomb friction) the intervals of ratios are divided until the bounds meet.
 pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outcome {
@@ -155,7 +232,7 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
                 best.lower = lower.min(best.value);
             }
             // Nothing there, and nothing better elsewhere.
-            Outcome::TooMuch { .. } => best.lower = best.value,
+            Outcome::TooMuch { .. } | Outcome::ComesBack => best.lower = best.value,
         }
         if !best.is_open() {
             break;
@@ -223,6 +300,9 @@ fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
         let lower = parts.iter().map(|p| p.scale * p.lower).sum();
         return Outcome::Solved(Solved { ratios: own, value, lower, price: Price::default() });
     }
+    if limit == f64::INFINITY {
+        return program.best(own.clone(), &own, limit);
+    }
     let (gentlest, least, price) = program.least_power(&own, limit);
     let (gentlest_power, _) = program.power(&gentlest, limit);
     if gentlest_power > limit * (1.0 + POWER_TOLERANCE) {
@@ -255,6 +335,31 @@ impl Program<'_> {
 
     fn draws(&self, ratios: &[f64]) -> Vec<Draws> {
         self.parts.iter().zip(ratios).map(|(p, n)| p.profile.draws(*n)).collect()
+    }
+
+    /// What comes back at an instant of each group at least over all ratios \[W\], and by how much the ratio of each joint changes it.
+    fn returned_at(&self, places: &Places) -> (f64, Vec<f64>) {
+        let (mut least, mut spread) = (0.0, vec![0.0; self.parts.len()]);
+        for (j, sample, weight) in self.schedule.parts(places) {
+            let part = &self.parts[*j];
+            let (low, high) = part.profile.returned_between(*sample, part.ratios);
+            least += weight * low;
+            spread[*j] += if part.moves() { weight * (high - low) } else { 0.0 };
+        }
+        (least, spread)
+    }
+
+    /// The end of each joint's ratios at which less comes back at an instant of each group.
+    fn gentlest_returning(&self, places: &Places) -> Vec<f64> {
+        let mut at_ends = vec![(0.0, 0.0); self.parts.len()];
+        for (j, sample, weight) in self.schedule.parts(places) {
+            let part = &self.parts[*j];
+            let (a, b) = part.ratios;
+            at_ends[*j].0 += weight * part.profile.returned_between(*sample, (a, a)).1;
+            at_ends[*j].1 += weight * part.profile.returned_between(*sample, (b, b)).1;
+        }
+        let gentle = |(part, (a, b)): (&Part, (f64, f64))| if a <= b { part.ratios.0 } else { part.ratios.1 };
+        self.parts.iter().zip(at_ends).map(gentle).collect()
     }
 
     /// The row of an instant of each group.

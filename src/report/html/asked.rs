@@ -48,6 +48,11 @@ fn supply(robot: &Robot) -> String {
     let budget = &robot.budget;
     all.extend(budget.actuator_mass.map(|m| format!("all actuators together at most {} kg", number(m))));
     all.extend(budget.max_distinct_motors.map(|n| format!("at most {}", different_motors(n as usize))));
+    all.extend(
+        robot
+            .shared_regeneration()
+            .map(|p| format!("at most {} W back to the bus from all joints together", number(p))),
+    );
     all.extend(robot.shared_power().map(|p| format!("at most {} W from the bus for all joints together", number(p))));
     format!("{}.", all.join("; "))
 }

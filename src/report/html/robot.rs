@@ -3,7 +3,8 @@
 use super::{Part, Row, Table, estimated, folded, tightest};
 use crate::design::robot::{Choice, Combination};
 use crate::report::robot::{
-    aim, change_text, differences, kept, name, no_combination, per_mass, proof, sag_text, sums, unit, wanting_lines,
+    aim, change_text, differences, kept, name, no_combination, open, per_mass, proof, sag_text, sums, unit,
+    wanting_lines,
 };
 use crate::report::{columns, number, optional, unjudged};
 
@@ -18,6 +19,7 @@ pub(super) fn parts(choice: &Choice) -> Vec<Part> {
     };
     parts.push(Part::Table(designs(choice, best)));
     parts.push(Part::Text(format!("Together: {}. {}.", sums(choice, best), capital(&proof(choice)))));
+    parts.extend(open(choice, None).iter().map(|line| Part::Text(format!("{}.", capital(line)))));
     parts.extend(best.sag.iter().map(|sag| Part::Text(format!("{}.", capital(&sag_text(choice.robot, sag))))));
     if let Some(price) = best.power_price.filter(|p| *p < 0.0) {
         let worth = format!("{} {}", number(-price), unit(choice));

@@ -61,6 +61,9 @@ pub struct Budget {
     pub max_distinct_motors: Option<u32>,
     /// Power of all joints together.
     pub power_w: Option<f64>,
+    /// Power that may come back from all joints together, what a brake burns included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub regeneration_w: Option<f64>,
 }
 
 /// How sure the best combination is.
@@ -76,6 +79,30 @@ pub struct Proof<'a> {
     pub not_proved: &'a [String],
     /// Branches of the search.
     pub branches: usize,
+    /// Where the search did not end: joints with the motors of combinations that may be better than the best.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub may_be_better: Vec<MayBeBetter<'a>>,
+    /// Where actuators load one another and the search did not end: parts of all combinations that were settled, and that were left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parts: Option<PartsOfAll>,
+}
+
+/// What may be better at a joint.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct MayBeBetter<'a> {
+    /// Name of the joint.
+    pub joint: &'a str,
+    /// The motors.
+    pub motors: &'a [String],
+}
+
+/// How far a search came.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct PartsOfAll {
+    /// Parts of all combinations that were settled.
+    pub settled: usize,
+    /// Parts that were left.
+    pub left: usize,
 }
 
 /// A design for each joint.
@@ -91,6 +118,8 @@ pub struct Combination<'a> {
     pub actuator_mass_kg: Option<f64>,
     /// Largest power of all joints together.
     pub peak_power_w: Option<f64>,
+    /// The most that comes back to the bus from all joints together, less what others draw then; below zero where they always draw some.
+    pub most_returned_w: Option<f64>,
     /// The same in each load case, by name, where joints have cases.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_power_of_cases_w: Option<Pairs<'a>>,
@@ -143,6 +172,9 @@ pub struct Missing<'a> {
     /// It can be done with so many different motors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_distinct_motors: Option<usize>,
+    /// Without the limit on what comes back the best gives back so much.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unlimited_returned_w: Option<f64>,
     /// A combination that was tried can do with so much power.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_power_tried_w: Option<f64>,
@@ -195,6 +227,7 @@ impl<'a> Choice<'a> {
                 actuator_mass_kg: robot.budget.actuator_mass,
                 max_distinct_motors: robot.budget.max_distinct_motors,
                 power_w: robot.shared_power(),
+                regeneration_w: robot.shared_regeneration(),
             },
             power_is: match choice.instant_by_instant {
                 true => "largest at any instant",
@@ -207,6 +240,14 @@ impl<'a> Choice<'a> {
                 gap: proof.gap,
                 not_proved: &proof.not_proved,
                 branches: proof.branches,
+                may_be_better: robot
+                    .joints
+                    .iter()
+                    .zip(&proof.open)
+                    .filter(|(_, motors)| !motors.is_empty())
+                    .map(|(joint, motors)| MayBeBetter { joint: &joint.name, motors })
+                    .collect(),
+                parts: (proof.regions.1 > 0).then_some(PartsOfAll { settled: proof.regions.0, left: proof.regions.1 }),
             },
             best: choice.combinations.first().map(combination),
             runner_ups: choice.combinations.iter().skip(1).map(combination).collect(),
@@ -236,6 +277,7 @@ impl<'a> Combination<'a> {
             lower_bound: Some(of.lower_bound).filter(|bound| bound.is_finite()),
             actuator_mass_kg: of.mass,
             peak_power_w: Some(of.peak_power).filter(|power| power.is_finite()),
+            most_returned_w: Some(of.most_returned).filter(|power| power.is_finite()),
             peak_power_of_cases_w: (!of.peak_power_by_case.is_empty())
                 .then(|| Pairs::of(of.peak_power_by_case.iter().map(|(name, power)| (name.as_str(), *power)))),
             sag: of.sag.map(|sag| Sag { lowest_v: sag.lowest, left: sag.left, joint: &robot.joints[sag.joint].name }),
@@ -257,6 +299,7 @@ impl<'a> From<&'a Wanting> for Missing<'a> {
             Wanting::Power(least, draws) => {
                 Missing { least_power_tried_w: Some(*least), unlimited_power_w: Some(*draws), ..Missing::default() }
             }
+            Wanting::Returned(most) => Missing { unlimited_returned_w: Some(*most), ..Missing::default() },
             Wanting::Supply => Missing { stiff_supply: Some(true), ..Missing::default() },
         }
     }

@@ -24,6 +24,7 @@ const OTHERS: &[&Rule] = &[
     &rows::GEAR_FIT,
     &robot::POWER_BUDGET,
     &robot::SUPPLY_SAG,
+    &robot::REGENERATION_BUDGET,
     &practice::TORQUE_RESERVE,
     &practice::CURRENT_RESERVE,
     &practice::HEAT_RESERVE,

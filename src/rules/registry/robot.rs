@@ -1,6 +1,6 @@
 //! Rules about the robot as a whole, and about the rules file.
 
-use crate::design::robot::{Draws, peak_power, sag};
+use crate::design::robot::{Draws, most_returned, peak_power, sag};
 use crate::rules::facts::RobotFacts;
 use crate::rules::place::Place;
 use crate::rules::rule::{Remark, Rule, Severity, Test};
@@ -91,6 +91,36 @@ fn draws(facts: &RobotFacts) -> Option<Vec<Draws>> {
         Some(joint.examined.as_ref().ok()?.draws.clone())
     };
     facts.design.robot.joints.iter().map(|joint| of(&joint.name)).collect()
+}
+
+pub(super) const REGENERATION_BUDGET: Rule = Rule {
+    code: "GW045",
+    name: "regeneration-budget",
+    summary: "what comes back from all joints together stays within what the bus takes",
+    severity: Severity::Error,
+    what: "Adds up what the joints give back to the bus, less what others draw at that instant, where their motions share a period (phases included), and compares the largest sum with `regeneration` of the requirement's [budget] and the `brake_power` of its [bus]. A winding at its reference temperature gives back most. Joints without a common time base count at their worst instants.",
+    why: "The limit `regeneration` of the [bus] is one of each joint alone. Four legs that land together give back four times as much, and a battery that is full or a supply that takes nothing lets the bus voltage rise until a drive trips.",
+    example: "Twelve joints that each keep 40 W, on a supply that takes 100 W back.",
+    fix: "`optimize` finds the combination that keeps it; or a brake (`brake_power`), more capacitance, or shifted phases.",
+    test: Test::Robot(regeneration_budget),
+};
+
+fn regeneration_budget(facts: &RobotFacts) -> Vec<Remark> {
+    let robot = &facts.design.robot;
+    let Some(most) = robot.shared_regeneration() else { return Vec::new() };
+    let Some(all) = draws(facts) else { return Vec::new() };
+    let returned = most_returned(robot, &all);
+    if returned <= most + 1e-9 * most.max(1.0) {
+        return Vec::new();
+    }
+    let message = format!("all joints together give back {} W, the bus takes {} W", number(returned), number(most));
+    let asked = Some(Place::RobotKey(&["budget", "regeneration"]));
+    vec![Remark {
+        asked,
+        value: Some(returned),
+        bound: Some(most),
+        ..Remark::new(message, "regeneration", Place::Design)
+    }]
 }
 
 /// The supply under all joints together.
