@@ -749,7 +749,8 @@ impl Load {
     /// hottest: the order that is worst where they repeat. Without durations it is empty.
     pub fn squared_current_course(&self, actuator: &Actuator, standing: f64, ratio: f64) -> (Vec<Piece>, bool) {
         let heat = self.copper_heat(actuator, ratio).into_iter().enumerate();
-        let squares: Vec<f64> = heat.map(|(k, heat)| self.held(k, standing) * heat / actuator.resistance).collect();
+        let per_heat = 1.0 / actuator.resistance;
+        let squares: Vec<f64> = heat.map(|(k, heat)| self.held(k, standing) * heat * per_heat).collect();
         let Some(course) = &self.course else {
             let Some(lasts) = self.duration else { return (Vec::new(), true) };
             let points = squares.iter().zip(self.weight.iter());
@@ -763,12 +764,12 @@ impl Load {
 
     /// Copper heat of every sample at a ratio, at the reference temperature \[W\].
     fn copper_heat(&self, actuator: &Actuator, ratio: f64) -> Vec<f64> {
+        let (copper, down, linear) = (actuator.copper(), 1.0 / ratio, actuator.shortfall.is_nothing());
         let square = |(k, sample): (usize, &WavePoint)| {
             let [a, c, b] = actuator.torque_terms(sample.flow, &sample.features);
-            let squared = (a / ratio + c + b * ratio).powi(2);
-            let own =
-                if actuator.shortfall.is_nothing() { actuator.copper() * squared } else { actuator.heat(squared).0 };
-            own + actuator.copper() * self.direct(k).powi(2)
+            let squared = (a * down + c + b * ratio).powi(2);
+            let own = if linear { copper * squared } else { actuator.heat(squared).0 };
+            own + copper * self.direct(k).powi(2)
         };
         self.samples.iter().enumerate().map(square).collect()
     }

@@ -11,7 +11,7 @@ use crate::catalog::Catalog;
 use crate::input::Source;
 use crate::report::number;
 use crate::study::assemble::{Shards, assemble};
-use crate::study::file::{StudyFile, is_study_file, not_looked_at, read};
+use crate::study::file::{StudyFile, is_study_file, read};
 use crate::study::grid::{Grid, Parameter};
 use crate::study::journal::Journal;
 use crate::study::output;
@@ -167,9 +167,6 @@ fn set(set: &Set, file: Option<&StudyFile>, grid: &mut Grid) -> Result<Vec<Arc<S
     let mut parameters = std::mem::take(&mut grid.parameters);
     for change in changes {
         let key = change.key();
-        if let Some(why) = not_looked_at(key) {
-            return Err(Failure::Argument(format!("`--set {key}` would change nothing: {why}")));
-        }
         if parameters.iter().any(|p| p.key == key) {
             return Err(Failure::Argument(format!("`--set {key}`: the grid of the study has values for it already")));
         }

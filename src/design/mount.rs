@@ -4,7 +4,7 @@
 //! A [`Site`] is a joint with its load made ready once, and goes through the mounts that the requirement allows a
 //! motor there: one with a ratio that is still free, or one for each gear of the catalogue.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
@@ -165,10 +165,10 @@ pub struct JointDemand<'a> {
     /// The gears of the catalogue that the joint allows, in the order of their ids; a load of its own
     /// where the gear's efficiency covers its inertia.
     gears: Vec<(&'a Gear, Option<Load>)>,
-    /// Of them those that name the motors that they fit, by motor.
-    by_motor: HashMap<&'a str, Vec<usize>>,
-    /// The others: they name patterns, or nothing.
-    by_pattern: Vec<usize>,
+    /// Of them those that name motors that they fit, by motor or pattern.
+    by_pattern: BTreeMap<&'a str, Vec<usize>>,
+    /// Those that name none.
+    for_any: Vec<usize>,
 }
 
 impl<'a> JointDemand<'a> {
@@ -186,26 +186,24 @@ impl<'a> JointDemand<'a> {
             }
         };
         let own = |gear| covered_inertia(joint, gear).map(|inertia| load_covering(joint, Some(inertia)));
-        let (mut by_motor, mut by_pattern) = (HashMap::<&str, Vec<usize>>::new(), Vec::new());
+        let mut by_pattern: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (k, gear) in gears.iter().enumerate() {
-            match gear.fits.is_empty() || gear.fits.iter().any(|pattern| pattern.contains('*')) {
-                true => by_pattern.push(k),
-                false => gear.fits.iter().for_each(|motor| by_motor.entry(motor).or_default().push(k)),
-            }
+            gear.fits.iter().for_each(|pattern| by_pattern.entry(pattern).or_default().push(k));
         }
+        let for_any = (0..gears.len()).filter(|k| gears[*k].fits.is_empty()).collect();
         let gears = gears.into_par_iter().map(|gear| (gear, own(gear))).collect();
         let make = || load_covering(joint, None);
         let load = loads.map_or_else(make, |loads| loads.of(joint, make));
-        JointDemand { load, gears, by_motor, by_pattern }
+        JointDemand { load, gears, by_pattern, for_any }
     }
 
     /// The gears that may be mounted on a motor, each with its load.
     pub fn gears_for<'d>(&'d self, motor: &Motor) -> impl Iterator<Item = (&'a Gear, &'d Load)> + use<'a, 'd> {
         let id = motor.row_id();
-        let by_pattern = self.by_pattern.iter().copied().filter(|k| self.gears[*k].0.fits(id) != Some(false));
-        let mut fitting: Vec<usize> = self.by_motor.get(id).into_iter().flatten().copied().chain(by_pattern).collect();
+        let named = self.by_pattern.iter().filter(|(pattern, _)| matches_pattern(pattern, id));
+        let mut fitting: Vec<usize> = named.flat_map(|(_, gears)| gears).chain(&self.for_any).copied().collect();
         fitting.sort_unstable();
-        // A gear may name a motor twice.
+        // Several patterns of a gear may be those of a motor.
         fitting.dedup();
         fitting.into_iter().map(|k| {
             let (gear, own) = &self.gears[k];

@@ -285,6 +285,7 @@ pub(super) fn check_robot(root: &Section, joints: &[Joint], places: &[std::ops::
             () if !joint.carries.is_empty() => "carries other actuators",
             () if is_carried => "is carried by another joint",
             () if budget.power.is_some() || budget.current.is_some() => "shares a budget of power or current",
+            () if budget.regeneration.is_some() => "shares a budget of what comes back",
             () if budget.actuator_mass.is_some() && map.says(|row| row.mass) => "shares a budget of mass",
             () => continue,
         };

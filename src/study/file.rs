@@ -140,11 +140,6 @@ fn gather(
             return section.note(problem.help(example));
         }
     };
-    if let Some(why) = not_looked_at(key) {
-        let problem = Problem::at(at, format!("`{key}` of [grid] would change nothing"), why);
-        return section
-            .note(problem.help("`gearwise optimize` looks at the whole robot: write a requirement for each value"));
-    }
     let scale = key == "scale" || key.starts_with("scale.");
     if scale && !Parameter::SCALES.contains(&key) {
         let problem = Problem::at(at, format!("`{key}` of [grid] is not something to scale"), "not known");
@@ -171,16 +166,6 @@ fn gather(
     }
     let changes = values.into_iter().map(|(text, span)| Change::new(key, at.clone(), text, span)).collect();
     parameters.push(Parameter::new(key.to_string(), changes));
-}
-
-/// Why a study does not look at what stands at a key, where it does not.
-pub(crate) fn not_looked_at(key: &str) -> Option<&'static str> {
-    let mut parts = key.split('.');
-    match (parts.next(), parts.next_back()) {
-        (Some("budget"), _) => Some("a study takes each joint by itself, budgets are not looked at"),
-        (Some("joint"), Some("phases")) => Some("a study takes each joint by itself, phases are not looked at"),
-        _ => None,
-    }
 }
 
 /// The values of `{ from = …, to = …, steps = n }`, evenly spaced; from and to in the same unit.

@@ -286,6 +286,13 @@ impl Worker<'_> {
 
     /// A robot whose joints depend on each other has combinations: as many as designs are asked for.
     fn can_be_asked(&self, robot: &Robot) -> Result<(), String> {
+        let phases = self.grid.parameters.iter().find(|parameter| parameter.key.ends_with(".phases"));
+        if let Some(parameter) = phases.filter(|_| !robot.is_coupled()) {
+            return Err(format!(
+                "`{}` of [grid] would change nothing: each joint is chosen by itself, as nothing couples them ([budget] does)",
+                parameter.key
+            ));
+        }
         match self.settings.top {
             None if robot.is_coupled() => {
                 Err("its joints depend on each other, and of a whole robot the best combinations are \

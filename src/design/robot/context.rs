@@ -343,11 +343,8 @@ impl<'a> Context<'a> {
 
     /// The best ratios of a combination under what its joints share, the limit on power given.
     fn solve(&mut self, items: &[&Item<'a>], coordinates: &[Vec<f64>], limit: f64, returned: Option<f64>) -> Outcome {
-        let schedule = &self.schedule;
-        let outcome = self.with_parts(items, coordinates, |parts| match returned {
-            Some(most) => shared::solve_returning(parts, schedule, limit, most),
-            None => shared::solve(parts, schedule, limit),
-        });
+        let outcome =
+            self.with_parts(items, coordinates, |parts| shared::solve(parts, &self.schedule, limit, returned));
         // On a supply that sags it is not known what is too much.
         if let (Outcome::TooMuch { least, .. }, None) = (&outcome, self.supply) {
             self.least_power = self.least_power.min(*least);

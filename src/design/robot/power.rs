@@ -320,24 +320,55 @@ impl Profile {
         through - self.standby
     }
 
-    /// What reaches the bus at a sample at least and at most, at ratios between two \[W\].
-    pub(super) fn returned_between(&self, sample: usize, ratios: (f64, f64)) -> (f64, f64) {
-        let middle = (ratios.0 * ratios.1).sqrt();
-        let least_of = |polynomial: &Laurent| {
-            let convex = under(polynomial, ratios, middle);
-            let u = minimise(&convex, ratios.0.powi(2), ratios.1.powi(2));
-            value(&convex, u) - 1e-13 * value(&convex.map(f64::abs), u)
+    /// Power that comes back at the terminals at a sample at a ratio \[W\], and its polynomial, which is nowhere above it.
+    fn back(&self, sample: usize, ratio: f64) -> (f64, Laurent) {
+        let of_point = |point: &WavePoint, end: &Actuator| {
+            let back = Functional::PowerBack.polynomial(end, point, ratio);
+            (back.at(ratio), back)
         };
-        let mut between = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-        for k in self.waveform.of_sample(sample) {
-            let point = self.waveform.point(*k);
-            for end in &self.ends {
-                let back = Functional::PowerBack.polynomial(end, &point, middle);
-                between.0 = between.0.max(least_of(&back));
-                between.1 = between.1.max(-least_of(&(back * -1.0)));
-            }
-        }
-        (self.reaching(between.0), self.reaching(between.1))
+        self.largest(sample, of_point).unwrap_or_default()
+    }
+
+    /// A bound below it at ratios between two, or above it.
+    fn back_between(&self, sample: usize, ratios: (f64, f64), above: bool) -> f64 {
+        let (middle, sign) = ((ratios.0 * ratios.1).sqrt(), if above { -1.0 } else { 1.0 });
+        let of_point = |point: &WavePoint, end: &Actuator| {
+            let back = under(&(Functional::PowerBack.polynomial(end, point, middle) * sign), ratios, middle);
+            let u = minimise(&back, ratios.0.powi(2), ratios.1.powi(2));
+            (sign * (value(&back, u) - 1e-13 * value(&back.map(f64::abs), u)), ())
+        };
+        self.largest(sample, of_point).map_or(0.0, |(bound, ())| bound)
+    }
+
+    /// What reaches the bus at a sample at a ratio \[W\].
+    pub(super) fn returned(&self, sample: usize, ratio: f64) -> f64 {
+        self.reaching(self.back(sample, ratio).0)
+    }
+
+    /// Its derivative by the ratio \[W\], on the side on which power flows there.
+    pub(super) fn returned_slope(&self, sample: usize, ratio: f64) -> f64 {
+        let (here, back) = self.back(sample, ratio);
+        back.slope(ratio) * if here > 0.0 { self.drive_efficiency } else { 1.0 / self.drive_efficiency }
+    }
+
+    /// The same as a polynomial that is nowhere above it at ratios between two; it touches it at the ratio where power flows one way at all
+    /// of them.
+    pub(super) fn returned_cut(&self, sample: usize, ratio: f64, ratios: (f64, f64)) -> Laurent {
+        let (here, back) = self.back(sample, ratio);
+        let ends = [false, true].map(|above| self.back_between(sample, ratios, above));
+        // What the drive's efficiency makes of it is a concave function of it: its chord is below.
+        let [low, high] = ends.map(|back| self.reaching(back));
+        let factor = match (high - low) / (ends[1] - ends[0]) {
+            slope if slope.is_finite() && ends[1] > ends[0] => slope,
+            _ if here > 0.0 => self.drive_efficiency,
+            _ => 1.0 / self.drive_efficiency,
+        };
+        back * factor + Laurent::constant(low - factor * ends[0])
+    }
+
+    /// What reaches the bus at a sample at least, at ratios between two \[W\].
+    pub(super) fn least_returned(&self, sample: usize, ratios: (f64, f64)) -> f64 {
+        self.reaching(self.back_between(sample, ratios, false))
     }
 
     /// What it draws and asks for at every sample.

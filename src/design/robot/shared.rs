@@ -26,8 +26,12 @@ const CONTRACTIONS: usize = 3;
 const PIECES: usize = 32;
 /// Boxes of ratios that are looked at where a program is not convex.
 const BOXES: usize = 300;
-/// Ratios that are nearer than this (relative) are not divided.
-const NARROWEST: f64 = 1e-9;
+/// The same where what comes back is limited.
+const BOXES_RETURNING: usize = 40;
+/// How often the ratios of a joint are divided at most to bound its share with what comes back.
+const DIVISIONS: usize = 200;
+/// Rounds without anything new after which a box is given up.
+const STALLED: usize = 3;
 /// The power of all joints is kept to this relative accuracy.
 pub(super) const POWER_TOLERANCE: f64 = 1e-9;
 
@@ -133,90 +137,25 @@ struct Cut {
     parts: Vec<(usize, Convex)>,
     /// Of power: the instants that it is the row of.
     places: Option<Places>,
+    /// What a row may be at most; nothing of an epigraph.
+    most: f64,
+    /// Of what comes back: joint, sample and weight. Its parts are tangents, which are above it.
+    returned: Vec<(usize, usize, f64)>,
 }
 
 struct Program<'p> {
     parts: &'p [Part<'p>],
     schedule: &'p Schedule,
+    /// What may come back from all joints together \[W\].
+    returned: Option<f64>,
 }
 
-/// The same where no more than `most` \[W\] may come back from all joints together. That is the complement of a convex set: ratios are
-/// divided where the best of a box give back too much, and a box is left out where all of it does.
-pub(super) fn solve_returning(parts: &mut [Part], schedule: &Schedule, limit: f64, most: f64) -> Outcome {
-    let whole: Vec<(f64, f64)> = parts.iter().map(|p| p.ratios).collect();
-    let mut open = vec![(f64::NEG_INFINITY, whole.clone())];
-    let mut best: Option<Solved> = None;
-    let mut too_much = None;
-    // The least bound of boxes that are done.
-    let mut settled = f64::INFINITY;
-    for _ in 0..BOXES {
-        let Some(place) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) else { break };
-        if best.as_ref().is_some_and(|best| open[place].0 >= best.value - 0.5 * CLOSED * best.value.abs()) {
-            break;
-        }
-        let (bound, boxed) = open.swap_remove(place);
-        parts.iter_mut().zip(&boxed).for_each(|(part, ratios)| part.ratios = *ratios);
-        let solved = match solve(parts, schedule, limit) {
-            Outcome::Solved(solved) => solved,
-            other => {
-                too_much = Some(other);
-                continue;
-            }
-        };
-        let program = Program { parts, schedule };
-        let lower = solved.lower.max(bound);
-        let (returned, places) = power::most_returned(schedule, &program.draws(&solved.ratios));
-        let keeps = returned <= most + POWER_TOLERANCE * most.abs().max(1.0);
-        if keeps && solved.value.is_finite() {
-            settled = settled.min(lower);
-            if best.as_ref().is_none_or(|best| solved.value < best.value) {
-                best = Some(solved);
-            }
-            continue;
-        }
-        let (least, spread) = program.returned_at(&places);
-        if least > most + POWER_TOLERANCE * most.abs().max(1.0) {
-            continue;
-        }
-        // The ratio of each joint at which it gives back least then.
-        let gentle = program.gentlest_returning(&places);
-        let value: f64 = parts.iter().zip(&gentle).map(|(p, n)| p.value(*n)).sum();
-        let program = Program { parts, schedule };
-        let kept = power::most_returned(schedule, &program.draws(&gentle)).0 <= most
-            && program.power(&gentle, limit).0 <= limit * (1.0 + POWER_TOLERANCE);
-        if kept && value.is_finite() && best.as_ref().is_none_or(|best| value < best.value) {
-            best = Some(Solved { ratios: gentle, value, lower, price: solved.price });
-        }
-        let widest = (0..boxed.len()).max_by(|a, b| spread[*a].total_cmp(&spread[*b]));
-        let Some(joint) = widest.filter(|j| boxed[*j].1 > boxed[*j].0 * (1.0 + NARROWEST)) else {
-            settled = settled.min(lower);
-            continue;
-        };
-        let (a, b) = boxed[joint];
-        let middle = (a * b).sqrt();
-        for half in [(a, middle), (middle, b)] {
-            let mut boxed = boxed.clone();
-            boxed[joint] = half;
-            open.push((lower, boxed));
-        }
-    }
-    parts.iter_mut().zip(whole).for_each(|(part, ratios)| part.ratios = ratios);
-    let left = open.iter().map(|o| o.0).fold(settled, f64::min);
-    match (best, too_much) {
-        (Some(best), _) => Outcome::Solved(Solved { lower: left.min(best.value), ..best }),
-        (None, _) if left < f64::INFINITY => {
-            let ratios = parts.iter().map(|p| p.own).collect();
-            Outcome::Solved(Solved { ratios, value: f64::INFINITY, lower: left, price: Price::default() })
-        }
-        (None, Some(too_much)) => too_much,
-        (None, None) => Outcome::ComesBack,
-    }
-}
-
-/// Solves a combination under a limit on the power of all joints \[W\]. Where a joint's program is not convex
-/// (motor Coulomb friction) the intervals of ratios are divided until the bounds meet.
-pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outcome {
-    let first = match solve_box(parts, schedule, limit) {
+/// Solves a combination under a limit on the power of all joints \[W\], and on what comes back from them \[W\]. Where a joint's program
+/// is not convex (motor Coulomb friction), or what comes back is limited (the complement of a convex set), the intervals of ratios are
+/// divided until the bounds meet.
+pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64, returned: Option<f64>) -> Outcome {
+    let solve_box = |parts: &[Part]| solve_box(Program { parts, schedule, returned }, limit);
+    let first = match solve_box(parts) {
         Outcome::Solved(solved) if solved.is_open() => solved,
         done => return done,
     };
@@ -225,7 +164,7 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
     // Near the best the bounds are nearer too.
     for _ in 0..CONTRACTIONS {
         contract(parts, best.value);
-        match solve_box(parts, schedule, limit) {
+        match solve_box(parts) {
             Outcome::Solved(solved) => {
                 let lower = solved.lower.min(best.value).max(best.lower);
                 best = if solved.value < best.value { solved } else { best };
@@ -241,13 +180,16 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
     let mut open = vec![(best.lower, parts.iter().map(|p| p.ratios).collect::<Vec<(f64, f64)>>())];
     // What was settled with a bound below the best value.
     let mut settled = f64::INFINITY;
-    for _ in 0..BOXES {
+    for _ in 0..if returned.is_some() { BOXES_RETURNING } else { BOXES } {
         let Some(place) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) else { break };
         if open[place].0 >= best.value - 0.5 * CLOSED * best.value.abs() {
             break;
         }
         let (_, boxed) = open.swap_remove(place);
-        let bent = |j: &usize| parts[*j].prepared.candidate.has_odd_powers();
+        let bent = |j: &usize| {
+            let part = &parts[*j];
+            part.prepared.candidate.has_odd_powers() || (returned.is_some() && part.moves())
+        };
         let width = |j: &usize| boxed[*j].1 / boxed[*j].0;
         let Some(split) = (0..boxed.len()).filter(bent).max_by(|a, b| width(a).total_cmp(&width(b))) else {
             settled = settled.min(best.lower);
@@ -261,7 +203,7 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
             for (part, ratios) in parts.iter_mut().zip(&boxed) {
                 part.ratios = *ratios;
             }
-            if let Outcome::Solved(solved) = solve_box(parts, schedule, limit) {
+            if let Outcome::Solved(solved) = solve_box(parts) {
                 open.push((solved.lower, boxed));
                 if solved.value < best.value {
                     best = solved;
@@ -274,7 +216,10 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64) -> Outc
     }
     let left = open.iter().map(|o| o.0).fold(settled, f64::min);
     if best.value == f64::INFINITY && left == f64::INFINITY {
-        return Outcome::TooMuch { least: limit, price: best.price };
+        return match returned {
+            Some(_) => Outcome::ComesBack,
+            None => Outcome::TooMuch { least: limit, price: best.price },
+        };
     }
     best.lower = left.min(best.value);
     Outcome::Solved(best)
@@ -291,17 +236,24 @@ fn contract(parts: &mut [Part], value: f64) {
     }
 }
 
-fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
-    let program = Program { parts, schedule };
+fn solve_box(program: Program, limit: f64) -> Outcome {
+    let parts = program.parts;
     let own: Vec<f64> = parts.iter().map(|p| p.own.clamp(p.ratios.0, p.ratios.1)).collect();
     let unmoved = own.iter().zip(parts).all(|(n, p)| *n == p.own);
-    if unmoved && program.power(&own, limit).0 <= limit * (1.0 + POWER_TOLERANCE) {
+    let (beyond, returned) = (program.beyond(&own), program.returned.is_some());
+    if beyond.as_ref().is_some_and(|places| program.comes_back(places)) {
+        return Outcome::ComesBack;
+    }
+    if unmoved && beyond.is_none() && program.power(&own, limit).0 <= limit * (1.0 + POWER_TOLERANCE) {
         let value = parts.iter().map(|p| p.scale * p.objective).sum();
         let lower = parts.iter().map(|p| p.scale * p.lower).sum();
         return Outcome::Solved(Solved { ratios: own, value, lower, price: Price::default() });
     }
     if limit == f64::INFINITY {
-        return program.best(own.clone(), &own, limit);
+        return match returned {
+            true => program.best_returning(&own, &own, limit),
+            false => program.best(own.clone(), &own, limit),
+        };
     }
     let (gentlest, least, price) = program.least_power(&own, limit);
     let (gentlest_power, _) = program.power(&gentlest, limit);
@@ -312,12 +264,15 @@ fn solve_box(parts: &[Part], schedule: &Schedule, limit: f64) -> Outcome {
         let lower = parts.iter().map(|p| p.scale * p.lower).sum();
         return Outcome::Solved(Solved { ratios: gentlest, value: f64::INFINITY, lower, price });
     }
-    program.best(own, &gentlest, limit)
+    match returned {
+        true => program.best_returning(&own, &gentlest, limit),
+        false => program.best(own, &gentlest, limit),
+    }
 }
 
 /// What each joint draws at these ratios.
 pub(super) fn draws(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> Vec<Draws> {
-    Program { parts, schedule }.draws(ratios)
+    Program { parts, schedule, returned: None }.draws(ratios)
 }
 
 impl Program<'_> {
@@ -337,29 +292,94 @@ impl Program<'_> {
         self.parts.iter().zip(ratios).map(|(p, n)| p.profile.draws(*n)).collect()
     }
 
-    /// What comes back at an instant of each group at least over all ratios \[W\], and by how much the ratio of each joint changes it.
-    fn returned_at(&self, places: &Places) -> (f64, Vec<f64>) {
-        let (mut least, mut spread) = (0.0, vec![0.0; self.parts.len()]);
-        for (j, sample, weight) in self.schedule.parts(places) {
-            let part = &self.parts[*j];
-            let (low, high) = part.profile.returned_between(*sample, part.ratios);
-            least += weight * low;
-            spread[*j] += if part.moves() { weight * (high - low) } else { 0.0 };
-        }
-        (least, spread)
+    /// The instants at which more comes back than may; `None` where none is.
+    fn beyond(&self, ratios: &[f64]) -> Option<Places> {
+        let most = self.returned?;
+        let (returned, places) = power::most_returned(self.schedule, &self.draws(ratios));
+        (returned > most + POWER_TOLERANCE * most.max(1.0)).then_some(places)
     }
 
-    /// The end of each joint's ratios at which less comes back at an instant of each group.
-    fn gentlest_returning(&self, places: &Places) -> Vec<f64> {
+    /// Whether more comes back at an instant of each group than may, at all ratios: the ratio of each joint has its own part in it.
+    fn comes_back(&self, places: &Places) -> bool {
+        let most = self.returned.unwrap_or(f64::INFINITY);
+        let least = |(j, sample, weight): &(usize, usize, f64)| {
+            weight * self.parts[*j].profile.least_returned(*sample, self.parts[*j].ratios)
+        };
+        self.schedule.parts(places).map(least).sum::<f64>() > most + POWER_TOLERANCE * most.max(1.0)
+    }
+
+    /// The row of what comes back at an instant of each group, by its tangents at some ratios: what keeps them keeps it.
+    fn returned_row(&self, places: &Places, ratios: &[f64]) -> Cut {
+        let mut sums: Vec<Option<Convex>> = vec![None; self.parts.len()];
+        let returned: Vec<(usize, usize, f64)> = self.schedule.parts(places).copied().collect();
+        for (j, sample, weight) in &returned {
+            let (n, profile) = (ratios[*j], &self.parts[*j].profile);
+            let slope = profile.returned_slope(*sample, n) / (2.0 * n);
+            let tangent = [0.0, profile.returned(*sample, n) - slope * n * n, slope, 0.0];
+            add(sums[*j].get_or_insert([0.0; 4]), &tangent, *weight);
+        }
+        let parts = sums.into_iter().enumerate().filter_map(|(j, sum)| Some((j, sum?))).collect();
+        Cut { epigraph: None, parts, places: None, most: self.returned.unwrap_or(f64::INFINITY), returned }
+    }
+
+    /// The least of a joint's share over its ratios, with what comes back at prices: its pieces are divided until they are settled.
+    fn least_with_returned(&self, j: usize, sum: &Convex, priced: &[(usize, f64)]) -> f64 {
+        let part = &self.parts[j];
+        let of = |(a, b): (f64, f64)| {
+            let middle = (a * b).sqrt();
+            let (mut least, mut here) = (*sum, value(sum, middle * middle));
+            for (sample, price) in priced {
+                let cut = part.profile.returned_cut(*sample, middle, (a, b));
+                add(&mut least, &under(&cut, (a, b), middle), *price);
+                here += price * part.profile.returned(*sample, middle);
+            }
+            let u = minimise(&least, a * a, b * b);
+            (value(&least, u) - 1e-14 * value(&least.map(f64::abs), u), here, (a, b))
+        };
+        let mut open = vec![of(part.ratios)];
+        let mut best = f64::INFINITY;
+        for _ in 0..DIVISIONS {
+            let least = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)).unwrap_or(0);
+            let (bound, here, (a, b)) = open[least];
+            best = best.min(here);
+            if best - bound <= 1e-10 * best.abs() || b <= a * (1.0 + 1e-12) {
+                break;
+            }
+            let middle = (a * b).sqrt();
+            open.swap_remove(least);
+            open.extend([of((a, middle)), of((middle, b))]);
+        }
+        open.iter().map(|(bound, ..)| *bound).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Ratios near some at which no more comes back than may: on the way to where each joint gives back least at an instant.
+    fn returning(&self, ratios: &[f64], limit: f64) -> Option<Vec<f64>> {
+        let fits = |ratios: &[f64]| {
+            self.beyond(ratios).is_none() && self.power(ratios, limit).0 <= limit * (1.0 + POWER_TOLERANCE)
+        };
+        let Some(places) = self.beyond(ratios) else { return Some(ratios.to_vec()) };
         let mut at_ends = vec![(0.0, 0.0); self.parts.len()];
-        for (j, sample, weight) in self.schedule.parts(places) {
+        for (j, sample, weight) in self.schedule.parts(&places) {
             let part = &self.parts[*j];
             let (a, b) = part.ratios;
-            at_ends[*j].0 += weight * part.profile.returned_between(*sample, (a, a)).1;
-            at_ends[*j].1 += weight * part.profile.returned_between(*sample, (b, b)).1;
+            at_ends[*j].0 += weight * part.profile.returned(*sample, a);
+            at_ends[*j].1 += weight * part.profile.returned(*sample, b);
         }
         let gentle = |(part, (a, b)): (&Part, (f64, f64))| if a <= b { part.ratios.0 } else { part.ratios.1 };
-        self.parts.iter().zip(at_ends).map(gentle).collect()
+        let gentle: Vec<f64> = self.parts.iter().zip(at_ends).map(gentle).collect();
+        let at = |share: f64| -> Vec<f64> {
+            let u = ratios.iter().zip(&gentle).map(|(a, b)| (a * a * (1.0 - share) + b * b * share).sqrt());
+            u.zip(self.parts).map(|(n, p)| n.clamp(p.ratios.0, p.ratios.1)).collect()
+        };
+        if !fits(&gentle) {
+            return None;
+        }
+        let (mut bad, mut good) = (0.0, 1.0);
+        for _ in 0..50 {
+            let middle = 0.5 * (bad + good);
+            if fits(&at(middle)) { good = middle } else { bad = middle }
+        }
+        Some(if good == 1.0 { gentle } else { at(good) })
     }
 
     /// The row of an instant of each group.
@@ -386,7 +406,7 @@ impl Program<'_> {
             }
         }
         let parts = sums.into_iter().enumerate().filter_map(|(j, sum)| Some((j, sum?))).collect();
-        Cut { epigraph, parts, places: Some(places.clone()) }
+        Cut { epigraph, parts, places: Some(places.clone()), most: limit, returned: Vec::new() }
     }
 
     /// Ratios of the least peak, a bound below it, and the rows that show the bound.
@@ -400,8 +420,8 @@ impl Program<'_> {
                 best = (power, ratios.clone());
             }
             cuts.push(self.row(&places, &ratios, Some(0), limit));
-            let Some((next, multipliers)) = self.propose(&cuts, 1, f64::NAN) else { break };
-            let lower = self.bound(&cuts, &multipliers, f64::NAN);
+            let Some((next, multipliers)) = self.propose(&cuts, 1) else { break };
+            let lower = self.bound(&cuts, &multipliers);
             if lower > bound {
                 bound = lower;
                 price = prices(&cuts, &multipliers);
@@ -423,7 +443,13 @@ impl Program<'_> {
         self.add_objective(&mut cuts, gentlest);
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
             for n in [part.ratios.0, part.ratios.1] {
-                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, part.cut(n))], places: None });
+                cuts.push(Cut {
+                    epigraph: Some(j),
+                    parts: vec![(j, part.cut(n))],
+                    places: None,
+                    most: 0.0,
+                    returned: Vec::new(),
+                });
             }
         }
         for _ in 0..ROUNDS {
@@ -440,8 +466,8 @@ impl Program<'_> {
                 cuts.push(self.row(&places, &ratios, None, limit));
             }
             self.add_objective(&mut cuts, &ratios);
-            let Some((next, multipliers)) = self.propose(&cuts, self.parts.len(), limit) else { break };
-            let lower = self.bound(&cuts, &multipliers, limit);
+            let Some((next, multipliers)) = self.propose(&cuts, self.parts.len()) else { break };
+            let lower = self.bound(&cuts, &multipliers);
             if lower > bound {
                 bound = lower;
                 price = prices(&cuts, &multipliers);
@@ -454,11 +480,76 @@ impl Program<'_> {
         Outcome::Solved(Solved { ratios: best.1, value: best.0, lower: bound.min(best.0), price })
     }
 
+    /// The best ratios where what comes back is limited. It is concave in them, so that its tangents at ratios that keep the limit leave
+    /// a convex part of those that do: the best of it is the next. The bound is that of the limit itself at the multipliers.
+    fn best_returning(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Outcome {
+        let total = |ratios: &[f64]| self.parts.iter().zip(ratios).map(|(p, n)| p.value(*n)).sum::<f64>();
+        let free = self.parts.iter().map(|p| p.scale * p.lower).sum::<f64>();
+        let mut price = Price::default();
+        let kept = self.kept(own, self.power(own, limit).0, gentlest, limit);
+        let Some(mut at) = [kept.as_slice(), gentlest].into_iter().find_map(|start| self.returning(start, limit))
+        else {
+            return Outcome::Solved(Solved { ratios: gentlest.to_vec(), value: f64::INFINITY, lower: free, price });
+        };
+        let (mut best, mut bound, mut stalled) = (total(&at), free, 0);
+        let mut instants: Vec<Places> = self.beyond(own).into_iter().collect();
+        let mut cuts: Vec<Cut> = Vec::new();
+        for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
+            for n in [part.ratios.0, part.ratios.1] {
+                let parts = vec![(j, part.cut(n))];
+                cuts.push(Cut { epigraph: Some(j), parts, places: None, most: 0.0, returned: Vec::new() });
+            }
+        }
+        self.add_objective(&mut cuts, own);
+        self.add_objective(&mut cuts, &at);
+        for _ in 0..ROUNDS {
+            let valid = cuts.len();
+            cuts.extend(instants.iter().map(|places| self.returned_row(places, &at)));
+            let proposed = self.propose(&cuts, self.parts.len());
+            let lower = proposed.as_ref().map_or(f64::NEG_INFINITY, |(_, multipliers)| self.bound(&cuts, multipliers));
+            let better_bound = lower > bound + 1e-10 * lower.abs();
+            if lower > bound {
+                bound = lower;
+                price = proposed.as_ref().map_or_else(Price::default, |(_, multipliers)| prices(&cuts, multipliers));
+            }
+            cuts.truncate(valid);
+            let Some((next, _)) = proposed else { break };
+            let (power, places) = self.power(&next, limit);
+            if power > limit {
+                cuts.push(self.row(&places, &next, None, limit));
+            }
+            let beyond = self.beyond(&next);
+            let new = beyond.filter(|places| !instants.contains(places));
+            if new.as_ref().is_some_and(|places| self.comes_back(places)) {
+                return Outcome::ComesBack;
+            }
+            self.add_objective(&mut cuts, &next);
+            let kept = self.returning(&self.kept(&next, power, gentlest, limit), limit);
+            let value = kept.as_ref().map_or(f64::INFINITY, |kept| total(kept));
+            let better = value < best * (1.0 - 1e-12 * best.signum());
+            if let Some(kept) = kept.filter(|_| value < best) {
+                (best, at) = (value, kept);
+            }
+            stalled = if better || better_bound || new.is_some() { 0 } else { stalled + 1 };
+            instants.extend(new);
+            if best - bound <= 1e-9 * best.abs() || stalled >= STALLED {
+                break;
+            }
+        }
+        Outcome::Solved(Solved { ratios: at, value: best, lower: bound.min(best), price })
+    }
+
     fn add_objective(&self, cuts: &mut Vec<Cut>, ratios: &[f64]) {
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
             let cut = part.cut(ratios[j]);
             if !cuts.iter().any(|c| c.epigraph == Some(j) && c.parts[0].1 == cut) {
-                cuts.push(Cut { epigraph: Some(j), parts: vec![(j, cut)], places: None });
+                cuts.push(Cut {
+                    epigraph: Some(j),
+                    parts: vec![(j, cut)],
+                    places: None,
+                    most: 0.0,
+                    returned: Vec::new(),
+                });
             }
         }
     }
@@ -485,7 +576,7 @@ impl Program<'_> {
     }
 
     /// For multipliers that sum to one over each epigraph: the least value of all joints together.
-    fn bound(&self, cuts: &[Cut], multipliers: &[f64], limit: f64) -> f64 {
+    fn bound(&self, cuts: &[Cut], multipliers: &[f64]) -> f64 {
         let epigraphs = cuts.iter().filter_map(|c| c.epigraph).max().map_or(0, |e| e + 1);
         let mut totals = vec![0.0; epigraphs];
         for (cut, m) in cuts.iter().zip(multipliers) {
@@ -494,25 +585,30 @@ impl Program<'_> {
             }
         }
         let mut sums = vec![[0.0; 4]; self.parts.len()];
+        let mut priced: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.parts.len()];
         let (mut constant, mut size) = (0.0, 0.0);
         for (cut, m) in cuts.iter().zip(multipliers) {
             let share = match cut.epigraph {
                 Some(e) if totals[e] > 0.0 => m.max(0.0) / totals[e],
                 Some(_) => 0.0,
                 None => {
-                    constant -= m.max(0.0) * limit;
+                    constant -= m.max(0.0) * cut.most;
                     m.max(0.0)
                 }
             };
-            for (j, convex) in &cut.parts {
-                add(&mut sums[*j], convex, share);
+            match cut.returned.is_empty() {
+                true => cut.parts.iter().for_each(|(j, convex)| add(&mut sums[*j], convex, share)),
+                false if share > 0.0 => {
+                    cut.returned.iter().for_each(|(j, sample, weight)| priced[*j].push((*sample, share * weight)));
+                }
+                false => {}
             }
         }
         let sole = epigraphs == 1 && cuts.iter().all(|c| c.epigraph.is_some());
-        for (part, sum) in self.parts.iter().zip(&sums) {
+        for (j, (part, sum)) in self.parts.iter().zip(&sums).enumerate() {
             let (a, b) = (part.ratios.0.powi(2), part.ratios.1.powi(2));
             let u = minimise(sum, a, b);
-            constant += value(sum, u);
+            constant += if priced[j].is_empty() { value(sum, u) } else { self.least_with_returned(j, sum, &priced[j]) };
             size += value(&sum.map(f64::abs), u);
             // What does not move has no cuts: its objective is what it is.
             if !sole && !part.moves() {
@@ -523,7 +619,7 @@ impl Program<'_> {
     }
 
     /// Solves the program with the cuts so far; gives ratios and the multiplier of each cut.
-    fn propose(&self, cuts: &[Cut], epigraphs: usize, limit: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+    fn propose(&self, cuts: &[Cut], epigraphs: usize) -> Option<(Vec<f64>, Vec<f64>)> {
         let joints = self.parts.len();
         let middle: Vec<f64> = self.parts.iter().map(|p| p.ratios.0 * p.ratios.1).collect();
         let width = 3 * joints + epigraphs;
@@ -537,7 +633,10 @@ impl Program<'_> {
         let (mut a, mut b, mut norms): (Vec<Vec<f64>>, Vec<f64>, Vec<f64>) = Default::default();
         for cut in cuts {
             let mut line = vec![0.0; width];
-            let mut right = if cut.epigraph.is_some() { 0.0 } else { limit };
+            let mut right = cut.most;
+            if cut.epigraph.is_some() {
+                right = 0.0;
+            }
             for (j, convex) in &cut.parts {
                 if !self.parts[*j].moves() {
                     right -= value(convex, middle[*j]);

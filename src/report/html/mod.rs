@@ -6,6 +6,7 @@
 //! script and style, which it names by their hashes. The page of a command is one file beside this one.
 
 mod bars;
+mod chain;
 mod figure;
 mod render;
 
@@ -27,6 +28,7 @@ mod unjudged;
 use std::path::Path;
 
 pub use bars::Bars;
+use chain::Chain;
 pub use render::text;
 
 use super::plot::{self, Figure};
@@ -110,6 +112,8 @@ pub enum Part {
     Figure(Figure),
     /// What sums are made of.
     Bars(Bars),
+    /// A robot joint by joint.
+    Chain(Chain),
     /// A part that is closed at first, under its title.
     Folded(String, Box<Part>),
 }

@@ -233,6 +233,7 @@ impl Body<'_> {
                 self.figures.push(data);
             }
             Part::Bars(bars) => self.put(&bars.html()),
+            Part::Chain(chain) => self.put(&chain.html()),
             Part::Folded(title, part) => {
                 self.put(&format!("<details><summary>{}</summary>\n", printed(title)));
                 self.part(part);

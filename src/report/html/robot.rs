@@ -1,6 +1,6 @@
 //! The choice for a whole robot, as tables.
 
-use super::{Part, Row, Table, estimated, folded, tightest};
+use super::{Chain, Part, Row, Table, estimated, folded, tightest};
 use crate::design::robot::{Choice, Combination};
 use crate::report::robot::{
     aim, change_text, differences, kept, name, no_combination, open, per_mass, proof, sag_text, sums, unit,
@@ -17,6 +17,7 @@ pub(super) fn parts(choice: &Choice) -> Vec<Part> {
         parts.extend(apart(choice));
         return parts;
     };
+    parts.push(Part::Chain(Chain::of(choice, best)));
     parts.push(Part::Table(designs(choice, best)));
     parts.push(Part::Text(format!("Together: {}. {}.", sums(choice, best), capital(&proof(choice)))));
     parts.extend(open(choice, None).iter().map(|line| Part::Text(format!("{}.", capital(line)))));

@@ -173,6 +173,11 @@ impl Case {
         self.periods(actuators).into_iter().map(|period| self.worst(actuators, period, &|watt| watt)).sum()
     }
 
+    /// What comes back from all at the worst instant, less what others draw then; joints of other periods at their worst.
+    fn returned(&self, actuators: &[Actuator]) -> f64 {
+        self.periods(actuators).into_iter().map(|period| self.worst(actuators, period, &|watt| -watt)).sum()
+    }
+
     fn periods(&self, actuators: &[Actuator]) -> Vec<f64> {
         let mut periods: Vec<f64> = actuators.iter().map(period).collect();
         periods.sort_by(f64::total_cmp);
@@ -219,7 +224,11 @@ impl Case {
         let own = actuators.iter().map(Actuator::excess).fold(f64::NEG_INFINITY, f64::max);
         let shared = self.robot.shared_power().map_or(f64::NEG_INFINITY, |most| self.power(&actuators) / most - 1.0);
         let sag = self.robot.bus.internal_resistance.map_or(f64::NEG_INFINITY, |r| self.sag(&actuators, r));
-        own.max(shared).max(sag)
+        let back = self.robot.budget.regeneration.map_or(f64::NEG_INFINITY, |most| {
+            let most = most + self.robot.bus.brake_power.unwrap_or(0.0);
+            (self.returned(&actuators) - most) / most.max(1.0)
+        });
+        own.max(shared).max(sag).max(back)
     }
 
     fn total(&self, scale: &[f64], picks: &[Pick], ratios: &[f64]) -> f64 {
@@ -306,7 +315,9 @@ impl Case {
     fn enumerate(&self, scale: &[f64]) -> (f64, f64, f64) {
         let joints = &self.robot.joints;
         let menus: Vec<Vec<Pick>> = joints.iter().map(|j| self.picks(j)).collect();
-        let coupled = self.robot.shared_power().is_some() || self.robot.bus.internal_resistance.is_some();
+        let coupled = self.robot.shared_power().is_some()
+            || self.robot.shared_regeneration().is_some()
+            || self.robot.bus.internal_resistance.is_some();
         let budget = &self.robot.budget;
         // Alone a joint's best does not depend on the others, but for what it carries.
         let known: RefCell<std::collections::HashMap<String, (f64, f64)>> = RefCell::default();
@@ -509,6 +520,28 @@ fn draw_sagging(index: u64) -> Case {
     let most = case.robot.bus.voltage.powi(2) / (4.0 * watt);
     case.robot.bus.internal_resistance = Some(most * 10.0_f64.powf(generator.random_range(-2.5..0.1)));
     case
+}
+
+/// A robot whose bus takes back less than its best gives back, with a brake or without.
+fn draw_returning(index: u64) -> Case {
+    let mut case = draw(3 * index + 2);
+    let mut generator = Pcg64::seed_from_u64(index + 7);
+    let mut within = |a: f64, b: f64| generator.random_range(a..b);
+    if within(0.0, 1.0) < 0.6 {
+        case.robot.budget.power = None;
+    }
+    let options = Options { budgets: false, runner_ups: 0, ..Options::default() };
+    let free = choose(&case.robot, &case.catalog, options).unwrap();
+    let returned = free.combinations.first().map_or(0.0, |first| first.most_returned.max(0.0));
+    let brake = if within(0.0, 1.0) < 0.3 { returned * within(0.0, 0.5) } else { 0.0 };
+    case.robot.bus.brake_power = Some(brake).filter(|brake| *brake > 0.0);
+    case.robot.budget.regeneration = Some((returned * within(0.4, 1.05) - brake).max(0.0));
+    case
+}
+
+#[test]
+fn no_more_comes_back_from_all_joints_than_the_bus_takes_and_no_combination_is_better() {
+    agree(cases(40_000, 120), draw_returning, (30, 5));
 }
 
 #[test]

@@ -240,6 +240,7 @@ fn breaking(code: &str) -> Case<'static> {
         "GW043" => robot(&[("\"6 kg\"", "\"6 kg\"\npower = \"1 W\"")]),
         // Each joint keeps its voltage alone.
         "GW044" => robot(&[("\"48.5 V\"", "\"480 V\"\ninternal_resistance = \"14 ohm\"")]),
+        "GW045" => robot(&[("\"6 kg\"", "\"6 kg\"\nregeneration = \"0 W\"")]),
         "GW042" => design(&[("ratio = 9", "gear = \"planetary-9\"")]),
         // Kept without the safety factor, but barely.
         "GW101" => {

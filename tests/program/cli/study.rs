@@ -186,6 +186,58 @@ fn a_grid_is_every_combination_and_each_is_what_optimize_says_of_it() {
     assert!(none.iter().all(|r| r["because"].contains("motors: ") && r["motor"].is_empty()));
 }
 
+/// A leg whose hip carries the knee's actuators, under budgets.
+fn whole(name: &str) -> String {
+    leg(name, 4.0).replace("name = \"hip\"\n", "name = \"hip\"\ntorque_per_mass = { knee = \"1.5 N*m/kg\" }\n")
+        + "[budget]\nmax_distinct_motors = 1\n"
+}
+
+#[test]
+fn whole_robots_are_what_optimize_says_of_them() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("whole.toml"), whole("whole")).unwrap();
+    let study = STUDY.replace("base.toml", "whole.toml").replace(", 40]", "]");
+    fs::write(at.join("study.toml"), study).unwrap();
+    ends(at, &["study", "study.toml", "--out", "one", "--top", "2", "--threads", "1"], 0);
+    ends(at, &["study", "study.toml", "--out", "two", "--top", "2", "--threads", "2"], 0);
+    same(&results(&at.join("one")), &results(&at.join("two")), "two threads");
+    let rows = rows(&at.join("one"));
+    let (mut with, mut without) = (0, 0);
+    for set in rows.chunk_by(|a, b| a["robot"] == b["robot"]).step_by(5) {
+        let first = &set[0];
+        let scale = |key: &str| format!("scale.{key}={}", first[&format!("grid_scale_{key}")]);
+        let mut arguments = vec!["optimize".into(), "whole.toml".into(), "--catalog".into(), "motors.csv".into()];
+        let voltage = format!("bus.voltage={} V", first["grid_bus_voltage_v"]);
+        let efficiency = format!("joint.knee.gear.efficiency={}", first["grid_joint_knee_gear_efficiency"]);
+        for value in [voltage, efficiency, scale("torque"), scale("speed")] {
+            arguments.extend(["--set".into(), value]);
+        }
+        arguments.extend(["--runner-ups".into(), "1".into(), "--json".into()]);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let output = run(at, &arguments);
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let (best, of) = (&json["robot"]["best"], |row: &BTreeMap<String, String>, key: &str| row[key].clone());
+        if best.is_null() {
+            assert!(set.len() == 2 && of(first, "because").to_lowercase().contains("no "), "{first:?}");
+            assert_eq!(of(first, "robot_total"), "");
+            without += 1;
+            continue;
+        }
+        with += 1;
+        for (joint, row) in best["joints"].as_array().unwrap().iter().zip(set.iter().filter(|r| r["rank"] == "1")) {
+            assert_eq!(joint["motor"], of(row, "motor"));
+            assert_eq!(best["objective"].as_f64(), of(row, "robot_total").parse().ok());
+            assert_eq!(of(row, "robot_proof"), "proved");
+            assert_eq!(of(row, "robot_total_is"), "loss [W]");
+        }
+    }
+    assert!(with > 2 && without > 0, "{with} with, {without} without");
+    // All designs of a whole robot are not found.
+    let said = ends(at, &["study", "study.toml", "--out", "all", "--all"], 1);
+    assert!(said.contains("`--top`"), "{said}");
+}
+
 #[test]
 fn threads_shards_and_order_do_not_change_a_byte() {
     let folder = folder();

@@ -281,3 +281,63 @@ fn two_joints_in_opposite_phase_need_the_power_of_one() {
     // What the other draws while it hardly moves is far below a tenth of the peak.
     assert!(apart > 0.5 * together && apart < 0.55 * together, "{together} {apart}");
 }
+
+/// The quadruped whose legs share the mass of their actuators.
+fn with_budget(folder: &std::path::Path) -> std::path::PathBuf {
+    let motions = common::repository("requirements/motions");
+    let text = fs::read_to_string(common::repository("requirements/quadruped_mini_cheetah.toml")).unwrap();
+    let text = text.replace("motions/", &format!("{}/", motions.display()));
+    let text = text.replace(
+        "name = \"hip_abad\"\n",
+        "name = \"hip_abad\"\ntorque_per_mass = { hip = \"0.6 N*m/kg\", knee = \"0.6 N*m/kg\" }\n",
+    );
+    let path = folder.join("robot.toml");
+    fs::write(&path, text + "[budget]\nmax_distinct_motors = 2\n").unwrap();
+    path
+}
+
+fn optimized(path: &std::path::Path, more: &[&str]) -> Output {
+    let path = path.to_str().unwrap();
+    let arguments = [&["optimize", path, "--no-estimates", "--quiet"], more].concat();
+    Command::new(env!("CARGO_BIN_EXE_gearwise")).args(arguments).output().unwrap()
+}
+
+#[test]
+fn a_search_that_time_ends_says_what_may_be_better_and_proves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = with_budget(folder.path());
+    let said =
+        |output: &Output| String::from_utf8_lossy(&output.stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    let whole = said(&optimized(&path, &[]));
+    assert!(whole.contains("proved: no combination is better"), "{whole}");
+    // Time enough: the same answer.
+    assert_eq!(said(&optimized(&path, &["--time-limit", "10 min"])), whole);
+    // The search begins and ends.
+    let short = said(&optimized(&path, &["--time-limit", "1 ms"]));
+    assert!(!short.contains("proved: no combination") && !short.contains("NO combination keeps"), "{short}");
+    assert!(short.contains("not ruled out: ") || short.contains("may be better: "), "{short}");
+    assert!(
+        short.contains("s more, if none of them") || short.contains("how long more it would take is not known"),
+        "{short}"
+    );
+    let json: Value = serde_json::from_slice(&optimized(&path, &["--time-limit", "1 ms", "--json"]).stdout).unwrap();
+    let proof = &json["robot"]["certificate"];
+    assert_eq!(proof["certified"], false);
+    assert!(!proof["may_be_better"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn a_time_that_is_none_and_a_robot_without_a_search_are_mistakes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = with_budget(folder.path());
+    for (limit, says) in [("0 s", "no time"), ("-3 s", "--time-limit"), ("5", "unit"), ("soon", "--time-limit")] {
+        let output = optimized(&path, &["--time-limit", limit]);
+        let said = String::from_utf8_lossy(&output.stderr).to_string();
+        assert_eq!(output.status.code(), Some(2), "{limit}: {said}");
+        assert!(said.contains(says), "{limit}: {said}");
+    }
+    let plain = common::repository("requirements/quadruped_mini_cheetah.toml");
+    let output = optimized(&plain, &["--time-limit", "5 s"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--robot"));
+}
