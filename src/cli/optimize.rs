@@ -83,7 +83,7 @@ pub struct Arguments {
     runner_ups: u32,
     /// End the search over the whole robot after so long, e.g. "30 s", and give what it has: without it the search ends after a fixed
     /// number of steps, and the answer is the same each time
-    #[arg(long, value_name = "TIME", conflicts_with_all = ["pareto", "robust"])]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, conflicts_with_all = ["pareto", "robust"])]
     time_limit: Option<String>,
     #[command(flatten)]
     set: Set,

@@ -152,7 +152,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
             regeneration: section.quantity(
                 key(
                     "regeneration",
-                    "what the bus takes back from all joints together at any instant, beside the brake",
+                    "what the bus takes back from all joints together at any instant; what a brake burns is added",
                 ),
                 &units::POWER,
                 Range::NonNegative,

@@ -68,6 +68,8 @@ pub(super) struct Context<'a> {
     pub supply: Option<f64>,
     /// What may come back from all joints together \[W\].
     pub returned: Option<f64>,
+    /// What power costs by the last combination that was too much for the bus.
+    pub too_much: Option<Price>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
     pub least_power: f64,
 }
@@ -150,6 +152,7 @@ impl<'a> Context<'a> {
             unproved: Vec::new(),
             doubted,
             ways,
+            too_much: None,
             least_power: f64::INFINITY,
             robot,
             catalog,
@@ -503,6 +506,35 @@ impl<'a> Context<'a> {
         Table { per_mass: 0.0, costs, offset: -worth }
     }
 
+    /// The weights of the power of each joint's samples at prices \[objective/W\], and what the budget is worth at them.
+    pub(super) fn powers(&self, price: &Price) -> (Vec<Vec<(usize, f64)>>, f64) {
+        let mut weights: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.robot.joints.len()];
+        let mut worth = 0.0;
+        let limit = self.power.unwrap_or(f64::INFINITY);
+        for (places, multiplier) in price.rows.iter().filter(|(places, _)| places.drive.is_none()) {
+            worth += multiplier * limit;
+            for (j, sample, weight) in self.schedule.parts(places) {
+                weights[*j].push((*sample, multiplier * weight));
+            }
+        }
+        (weights, worth)
+    }
+
+    /// Lower bounds of some ways to build a joint that carries nothing, with the power that they draw at prices.
+    pub(super) fn certain_costs(&self, joint: usize, ways: &[usize], weights: &[(usize, f64)]) -> Vec<f64> {
+        let (of, scale) = (&self.robot.joints[joint], self.total.scale[joint]);
+        let item = |way: &usize| self.ways[joint][*way].item.as_ref();
+        if weights.is_empty() {
+            return ways.iter().map(|way| scale * item(way).map_or(f64::NEG_INFINITY, |item| item.lower)).collect();
+        }
+        let load = Load::new(&of.motion, of.limits.torque_bandwidth);
+        let one = |way: &usize| {
+            item(way)
+                .map_or(f64::NEG_INFINITY, |item| priced(self.robot, self.catalog, of, &load, item, scale, weights))
+        };
+        ways.par_iter().map(one).collect()
+    }
+
     /// A combination with all that is known of it.
     pub(super) fn combination(&mut self, found: &Found<'a>) -> Combination<'a> {
         let items: Vec<&Item> = found.items.iter().map(|item| &**item).collect();
@@ -579,23 +611,31 @@ impl<'a> Context<'a> {
         let items: Vec<Arc<Item>> = items.into_iter().flatten().collect();
         let mass = items.iter().enumerate().map(|(j, item)| self.weight(j, item.mass)).sum();
         let motors = items.iter().map(|item| item.motor).collect();
-        let (ratios, value, lower) = match self.shares_power() {
+        let (ratios, value, lower, price) = match self.shares_power() {
             false => {
                 let sum = |of: &dyn Fn(&Item) -> f64| -> f64 {
                     items.iter().zip(&self.total.scale).map(|(item, scale)| scale * of(item)).sum()
                 };
-                (None, sum(&|i| i.design.optimum.objective), sum(&|i| i.lower))
+                (None, sum(&|i| i.design.optimum.objective), sum(&|i| i.lower), Price::default())
             }
             true => {
                 let refs: Vec<&Item> = items.iter().map(|item| &**item).collect();
                 let limit = self.limit().unwrap_or(f64::INFINITY);
                 match self.solve(&refs, &coordinates, limit, self.returned) {
-                    Outcome::Solved(solved) => (Some(solved.ratios), solved.value, solved.lower),
-                    Outcome::TooMuch { .. } | Outcome::ComesBack => return None,
+                    Outcome::Solved(solved) => (Some(solved.ratios), solved.value, solved.lower, solved.price),
+                    Outcome::TooMuch { price, .. } => {
+                        // Rows of a share of one are made as dear as the robot.
+                        let worth: f64 = items.iter().zip(&self.total.scale).map(|(i, s)| s * i.lower.abs()).sum();
+                        let factor = 3.0 * worth / limit;
+                        let dear = price.rows.into_iter().map(|(places, m)| (places, factor * m));
+                        self.too_much = Some(Price { rows: dear.collect() });
+                        return None;
+                    }
+                    Outcome::ComesBack => return None,
                 }
             }
         };
-        Some(Found { items, coordinates, motors, mass, ratios, value, lower })
+        Some(Found { items, coordinates, motors, mass, ratios, price, value, lower })
     }
 }
 

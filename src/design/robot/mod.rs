@@ -67,16 +67,16 @@ pub fn choose<'a>(robot: &'a Robot, catalog: &'a Catalog, options: Options<'a>) 
         (true, true) => wanting(&mut context, rules),
         (true, false) => Vec::new(),
     };
-    let (mut changes, mut front) = (Vec::new(), Vec::new());
-    // Where the search was long once, it is not repeated for each other budget.
-    let short = answer.finished
-        && !context.ends()
-        && (!context.shares_power() || answer.solved <= LONG)
-        && answer.bounded <= MANY_BOUNDED;
-    let others_left_out = options.budgets && !combinations.is_empty() && !short;
-    if options.budgets && !combinations.is_empty() && short {
-        changes = other_budgets(&mut context, rules);
-        front = mass_front(&mut context, rules);
+    let (mut changes, mut front, mut others_left_out) = (Vec::new(), Vec::new(), false);
+    if let Some(best) = combinations.first().filter(|_| options.budgets) {
+        let mut effort = Effort::after(&context, &answer);
+        changes = other_budgets(&mut context, rules, best.distinct_motors, &mut effort);
+        if effort.is_left(&context) {
+            front = mass_front(&mut context, rules);
+        } else {
+            effort.left_out |= rules.mass.is_some();
+        }
+        others_left_out = effort.left_out;
     }
     let proof = prove(&context, &answer);
     let unjudged = unjudged(&mut context, answer.found.first());
@@ -211,43 +211,87 @@ fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
 const LONG: usize = 100;
 /// The same of bounds of ways to build a joint over loads.
 const MANY_BOUNDED: usize = 1000;
-/// Steps of a budget, as shares of it.
-const STEPS: [f64; 4] = [-0.1, -0.05, 0.05, 0.1];
+/// How many times the bounds of the first search the others may take.
+const OTHERS: usize = 2;
+/// Steps of a budget, as shares of it: the nearest are looked at first.
+const STEPS: [f64; 4] = [-0.05, 0.05, -0.1, 0.1];
 
-fn other_budgets<'a>(context: &mut Context<'a>, rules: Rules) -> Vec<Change<'a>> {
+/// What searches under other budgets may take, so that they take no more than a few times that of the first.
+struct Effort {
+    bounded: usize,
+    /// Whether the search itself was short, and came to its end.
+    short: bool,
+    /// Whether some budget was not looked at.
+    left_out: bool,
+}
+
+impl Effort {
+    fn after(context: &Context, answer: &Answer) -> Effort {
+        let short = answer.finished && (!context.shares_power() || answer.solved <= LONG);
+        Effort { bounded: MANY_BOUNDED.max(OTHERS * answer.bounded), short, left_out: false }
+    }
+
+    fn is_left(&self, context: &Context) -> bool {
+        self.short && self.bounded > 0 && !context.ends()
+    }
+}
+
+/// Another budget that is looked at.
+enum Other {
+    Mass,
+    Motors,
+    Power,
+    Returned,
+}
+
+fn other_budgets<'a>(context: &mut Context<'a>, rules: Rules, distinct: usize, effort: &mut Effort) -> Vec<Change<'a>> {
     let one = Rules { keep: 1, ..rules };
+    let most = context.robot.joints.len();
+    let mut others: Vec<(Other, f64)> = Vec::new();
+    for step in STEPS {
+        others.extend(rules.mass.map(|mass| (Other::Mass, mass * (1.0 + step))));
+        others.extend(context.power.map(|power| (Other::Power, power * (1.0 + step))));
+        // Of nothing no share is another.
+        let returned = context.returned.filter(|most| *most > 0.0);
+        others.extend(returned.map(|most| (Other::Returned, most * (1.0 + step))));
+        if step == STEPS[0] {
+            let counts = match rules.motors {
+                Some(motors) => vec![motors.saturating_sub(1), motors + 1],
+                // What a motor less to buy and to stock would cost.
+                None if context.is_certain() => vec![distinct.saturating_sub(1)],
+                None => Vec::new(),
+            };
+            let counts = counts.into_iter().filter(|k| (1..=most).contains(k));
+            others.extend(counts.map(|k| (Other::Motors, k as f64)));
+        }
+    }
     let mut changes = Vec::new();
-    let mut with = |context: &mut Context<'a>, budget, unit, value: f64, rules: Rules| {
+    for (other, value) in others {
+        if !effort.is_left(context) {
+            effort.left_out = true;
+            break;
+        }
+        let (power, returned) = (context.power, context.returned);
+        let (budget, unit, rules) = match other {
+            Other::Mass => ("actuator_mass", "kg", Rules { mass: Some(value), ..one }),
+            Other::Motors => ("max_distinct_motors", "1", Rules { motors: Some(value as usize), ..one }),
+            Other::Power => {
+                context.power = Some(value);
+                ("power", "W", one)
+            }
+            Other::Returned => {
+                context.returned = Some(value);
+                ("regeneration", "W", one)
+            }
+        };
         let answer = solve(context, rules);
         let best = answer.found.first().map(|f| context.combination(f));
-        changes.push(Change { budget, unit, value, best, certified: prove(context, &answer).certified() });
-    };
-    if let Some(mass) = rules.mass {
-        for step in STEPS {
-            let value = mass * (1.0 + step);
-            with(context, "actuator_mass", "kg", value, Rules { mass: Some(value), ..one });
-        }
+        let certified = prove(context, &answer).certified();
+        (context.power, context.returned) = (power, returned);
+        effort.bounded = effort.bounded.saturating_sub(answer.bounded);
+        changes.push(Change { budget, unit, value, best, certified });
     }
-    if let Some(motors) = rules.motors {
-        let most = context.robot.joints.len();
-        for k in [motors.saturating_sub(1), motors + 1].into_iter().filter(|k| (1..=most).contains(k)) {
-            with(context, "max_distinct_motors", "1", k as f64, Rules { motors: Some(k), ..one });
-        }
-    }
-    if let Some(power) = context.power {
-        for step in STEPS {
-            context.power = Some(power * (1.0 + step));
-            with(context, "power", "W", power * (1.0 + step), one);
-        }
-        context.power = Some(power);
-    }
-    if let Some(most) = context.returned {
-        for step in STEPS {
-            context.returned = Some(most * (1.0 + step));
-            with(context, "regeneration", "W", most * (1.0 + step), one);
-        }
-        context.returned = Some(most);
-    }
+    changes.sort_by(|a, b| a.budget.cmp(b.budget).then(a.value.total_cmp(&b.value)));
     changes
 }
 

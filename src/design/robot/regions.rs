@@ -229,6 +229,8 @@ struct Place {
     /// For each carried joint how much lighter and heavier it may be \[kg\].
     masses: Vec<(f64, f64)>,
     coordinates: Vec<f64>,
+    /// Samples whose power has a price \[objective/W\].
+    power: Vec<(usize, f64)>,
 }
 
 /// Costs of all ways that are left, at the masses of a combination; without one, at those that seem best one after another. `priced`
@@ -242,6 +244,13 @@ fn table<'a>(
     priced: bool,
 ) -> Table {
     let n = ways.len();
+    // Power of all joints has a price where it is limited and some combination was solved; where the supply sags it has none.
+    let price = match found.map(|found| &found.price).filter(|price| !price.rows.is_empty()) {
+        Some(price) => Some(price.clone()),
+        None => context.too_much.clone().filter(|_| found.is_none()),
+    };
+    let price = price.filter(|_| priced && !rules.lightest && context.power.is_some() && context.supply.is_none());
+    let (powers, worth_of_power) = context.powers(&price.unwrap_or_default());
     let reach: Vec<(f64, f64)> = (0..n).map(|j| masses(context, j, &ways[j])).collect();
     let given = found.is_some();
     let of_found = |found: &Found| found.items.iter().map(|item| item.mass).collect();
@@ -258,17 +267,16 @@ fn table<'a>(
         let scale = context.total.scale[j];
         let carried: Vec<usize> = context.robot.joints[j].carries.iter().map(|c| c.joint).collect();
         if carried.is_empty() {
-            for way in &ways[j] {
-                let lower = context.ways[j][*way].item.as_ref().map_or(f64::NEG_INFINITY, |item| item.lower);
-                costs[j][*way] = scale * lower;
-            }
+            let of_ways = context.certain_costs(j, &ways[j], &powers[j]);
+            ways[j].iter().zip(of_ways).for_each(|(way, cost)| costs[j][*way] = cost);
             let least = ways[j].iter().min_by(|a, b| costs[j][**a].total_cmp(&costs[j][**b]));
             if let (false, Some(way)) = (given, least) {
                 center[j] = context.ways[j][*way].mass.0;
             }
             continue;
         }
-        let place = Place::new(context, j, &center, &reach);
+        let of_power = powers[j].iter().map(|(sample, price)| (*sample, price / scale)).collect();
+        let place = Place::new(context, j, &center, &reach, of_power);
         let here = vec![(0.0, 0.0); carried.len()];
         let nothing = vec![0.0; carried.len()];
         let over = Over { masses: &here, prices: &nothing, enough: f64::INFINITY, divisions: DIVISIONS.0 };
@@ -303,6 +311,7 @@ fn table<'a>(
         let costs = (0..n).map(|j| (0..costs[j].len()).map(|way| of(j, way)).collect()).collect();
         return Table { per_mass: 0.0, costs, offset: 0.0 };
     }
+    let offset = -worth_of_power;
     // What the mass of a way is worth to those that carry it.
     let worth = |context: &Context, j: usize, way: usize| {
         let (low, high) = context.ways[j][way].mass;
@@ -317,7 +326,7 @@ fn table<'a>(
     for j in (0..n).filter(|_| threshold.is_finite()) {
         let Some((place, slopes)) = &places[j] else { continue };
         let least = |k: usize| ways[k].iter().map(|way| costs[k][*way]).fold(f64::INFINITY, f64::min);
-        let others: f64 = (0..n).filter(|k| *k != j).map(least).sum();
+        let others: f64 = offset + (0..n).filter(|k| *k != j).map(least).sum::<f64>();
         let open: Vec<usize> = ways[j].iter().copied().filter(|way| others + costs[j][*way] < threshold).collect();
         let items = context.exact(j, &open, &place.coordinates);
         let scale = context.total.scale[j];
@@ -331,7 +340,7 @@ fn table<'a>(
             costs[j][*way] = costs[j][*way].max(scale * bound + own);
         }
     }
-    Table { per_mass: 0.0, costs, offset: 0.0 }
+    Table { per_mass: 0.0, costs, offset }
 }
 
 /// How much heavier an actuator is made to see what that costs \[kg\].
@@ -357,7 +366,7 @@ pub(super) fn per_mass<'a>(context: &mut Context<'a>, found: &Found<'a>) -> Vec<
 }
 
 impl Place {
-    fn new(context: &mut Context, j: usize, center: &[f64], reach: &[(f64, f64)]) -> Place {
+    fn new(context: &mut Context, j: usize, center: &[f64], reach: &[(f64, f64)], power: Vec<(usize, f64)>) -> Place {
         let joint = &context.robot.joints[j];
         let coordinates = carry::coordinates(joint, |k| center[k]);
         let directions = carry::directions_of(joint);
@@ -365,7 +374,7 @@ impl Place {
             joint.carries.iter().map(|c| (reach[c.joint].0 - center[c.joint], reach[c.joint].1 - center[c.joint]));
         let masses = masses.collect();
         let carrying = context.carrying(j, &coordinates);
-        Place { joint: carrying.joint.clone(), directions, masses, coordinates }
+        Place { joint: carrying.joint.clone(), directions, masses, coordinates, power }
     }
 
     /// Lower bounds of some ways to build the joint, with prices on the limits that bind where they are best at this load.
@@ -381,8 +390,8 @@ impl Place {
         let (robot, catalog, needs) = (context.robot, context.catalog, context.needs[j]);
         let site = Site::new(robot, &self.joint, &carrying.demand);
         let pieces = pieces(&self.joint, needs);
-        // Energy may be less than nothing; all else is not.
-        let trivial = match self.joint.objective.weight(Quantity::Energy) > 0.0 {
+        // Energy may be less than nothing, and power; all else is not.
+        let trivial = match self.joint.objective.weight(Quantity::Energy) > 0.0 || !self.power.is_empty() {
             true => f64::NEG_INFINITY,
             false => 0.0,
         };
@@ -414,7 +423,7 @@ impl Place {
             (Some(gear), _) => (gear.ratio, gear.ratio),
             (None, range) => range?,
         };
-        Tangent::new(mount, &self.directions, &self.joint.objective, range)
+        Some(Tangent::new(mount, &self.directions, &self.joint.objective, range)?.with_power(&self.power))
     }
 
     /// The best way to build the joint at this load, and what a kilogram more of each carried joint costs it.

@@ -10,6 +10,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use super::menu::Item;
+use super::shared::Price;
 
 /// Nodes after which the search gives up; what is left is reported as a gap.
 const MAX_NODES: usize = 2_000_000;
@@ -60,6 +61,8 @@ pub(super) struct Found<'a> {
     pub motors: Vec<usize>,
     pub mass: f64,
     pub ratios: Option<Vec<f64>>,
+    /// What power costs there, where it is limited.
+    pub price: Price,
     pub value: f64,
     pub lower: f64,
 }

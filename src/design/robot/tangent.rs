@@ -62,6 +62,8 @@ pub(super) struct Tangent<'t> {
     range: (f64, f64),
     /// A limit that binds at this load with its multiplier, and the ratio at which it does.
     priced: Option<(usize, f64, f64)>,
+    /// Samples whose power from the bus has a price \[objective/W\].
+    power: &'t [(usize, f64)],
 }
 
 /// A polynomial and its slopes by the mass of each carried joint.
@@ -94,7 +96,21 @@ impl<'t> Tangent<'t> {
         let peaks = [Quantity::PeakCurrent, Quantity::PeakPower];
         let terms = objective.terms.iter().copied().filter(|(quantity, _)| !peaks.contains(quantity)).collect();
         let range = (range.0, max);
-        Some(Tangent { prepared, directions, along, objective, calm: Objective { terms }, range, priced: None })
+        Some(Tangent {
+            prepared,
+            directions,
+            along,
+            objective,
+            calm: Objective { terms },
+            range,
+            priced: None,
+            power: &[],
+        })
+    }
+
+    /// The same with prices on the power that it draws from the bus at some samples \[objective/W\].
+    pub(super) fn with_power(self, power: &'t [(usize, f64)]) -> Tangent<'t> {
+        Tangent { power, ..self }
     }
 
     /// The same with a price on the limit that ends the ratios at the best one of this load.
@@ -118,9 +134,30 @@ impl<'t> Tangent<'t> {
         if let Some((index, multiplier, at)) = self.priced
             && let Some((row, _)) = self.row(index, at)
         {
-            plane.slopes.iter_mut().zip(&row.slopes).for_each(|(slope, of_row)| *slope = *slope + *of_row * multiplier);
+            plane.count(&row, multiplier);
         }
+        self.powers(ratio).for_each(|(drawn, price, _)| plane.count(&drawn, price));
         plane.slopes.iter().map(|slope| slope.at(ratio)).collect()
+    }
+
+    /// What it draws from the bus at each priced sample, its price, and the point and end of the drag that it is of.
+    fn powers(&self, ratio: f64) -> impl Iterator<Item = (Plane, f64, (WavePoint, &Actuator))> {
+        let candidate = &self.prepared.candidate;
+        let (drawn, standby) = (Drawn::new(&candidate.robot.bus), candidate.standby_power());
+        self.power.iter().filter_map(move |(sample, price)| {
+            let wave = &candidate.load.waveform;
+            let points = wave.of_sample(*sample).iter().map(|k| wave.point(*k));
+            let all = points.flat_map(|point| candidate.ends().map(move |end| (point, end)));
+            let power = |point: &WavePoint, end: &Actuator| Functional::Power.polynomial(end, point, ratio);
+            let worst = all.max_by(|a, b| power(&a.0, a.1).at(ratio).total_cmp(&power(&b.0, b.1).at(ratio)));
+            let (point, end) = worst?;
+            let here = power(&point, end);
+            // What is drawn is convex in the power, and so is this line below it.
+            let factor = drawn.per_power(here.at(ratio));
+            let slopes = self.of_point(&point, |point| power(point, end) * factor);
+            let value = here * factor + Laurent::constant(standby);
+            Some((Plane { value, slopes: self.by_mass(slopes) }, *price, (point, end)))
+        })
     }
 
     /// Least cost, less what the masses are worth at their prices, over the ratios and masses; infinite where none keeps the limits.
@@ -181,28 +218,35 @@ impl<'t> Tangent<'t> {
         point.flow != Flow::Holding && [low, high].iter().any(|torque| Flow::of(*torque, speed) != point.flow)
     }
 
-    /// By how much the mean of the squared torque at the shaft \[N²·m²\] may be below that with power flowing as it does, and by how
-    /// much the mean power through the gear may be above it \[W\].
-    fn turning(&self, (low, high): (f64, f64), over: Over) -> (f64, f64) {
+    /// By how much the squared torque at the shaft \[N²·m²\] may be below that with power flowing as it does, and by how much the power
+    /// through the gear may be above it \[W\], at a sample whose way may turn.
+    fn turned(&self, actuator: &Actuator, point: &WavePoint, (low, high): (f64, f64), over: Over) -> (f64, f64) {
+        let features = &point.features;
+        let torque = features[Feature::Load as usize];
+        let towards = features[Feature::Velocity as usize].signum();
+        let reach = self.reach(torque, point.origin, over);
+        let [_, constant, inertial] = actuator.torque_terms(point.flow, features);
+        let passed = actuator.torque_form(point.flow)[Feature::Load];
+        let least = |x: f64, a: f64, b: f64| (x * a).min(x * b);
+        let load = [reach.0, reach.1].map(|e| least(towards * passed * e, 1.0 / low, 1.0 / high));
+        let least_torque = load[0].min(load[1]) + towards * constant + least(towards * inertial, low, high);
+        let other_side = [reach.0, reach.1].into_iter().filter(|e| Flow::of(*e, towards) != point.flow);
+        let furthest = other_side.map(f64::abs).fold(0.0, f64::max);
+        let jump =
+            actuator.torque_form(Flow::Driving)[Feature::Load] - actuator.torque_form(Flow::Braking)[Feature::Load];
+        let squared = 2.0 * (-least_torque).max(0.0) * furthest * jump / low;
+        (squared, features[Feature::Velocity as usize].abs() * furthest * jump)
+    }
+
+    /// The same of means over the motion.
+    fn turning(&self, ratios: (f64, f64), over: Over) -> (f64, f64) {
         let candidate = &self.prepared.candidate;
         let of_end = |actuator: &Actuator| {
             let mut sums = (0.0, 0.0);
             for (point, weight) in candidate.load.means().filter(|(point, _)| self.may_turn(point, over)) {
-                let features = &point.features;
-                let torque = features[Feature::Load as usize];
-                let towards = features[Feature::Velocity as usize].signum();
-                let reach = self.reach(torque, point.origin, over);
-                let [_, constant, inertial] = actuator.torque_terms(point.flow, features);
-                let passed = actuator.torque_form(point.flow)[Feature::Load];
-                let least = |x: f64, a: f64, b: f64| (x * a).min(x * b);
-                let load = [reach.0, reach.1].map(|e| least(towards * passed * e, 1.0 / low, 1.0 / high));
-                let least_torque = load[0].min(load[1]) + towards * constant + least(towards * inertial, low, high);
-                let other_side = [reach.0, reach.1].into_iter().filter(|e| Flow::of(*e, towards) != point.flow);
-                let furthest = other_side.map(f64::abs).fold(0.0, f64::max);
-                let jump = actuator.torque_form(Flow::Driving)[Feature::Load]
-                    - actuator.torque_form(Flow::Braking)[Feature::Load];
-                sums.0 += weight * 2.0 * (-least_torque).max(0.0) * furthest * jump / low;
-                sums.1 += weight * features[Feature::Velocity as usize].abs() * furthest * jump;
+                let (squared, power) = self.turned(actuator, point, ratios, over);
+                sums.0 += weight * squared;
+                sums.1 += weight * power;
             }
             sums
         };
@@ -332,8 +376,16 @@ impl<'t> Tangent<'t> {
             let bound = self.prepared.asked[index].raw_bound();
             let share = self.prepared.candidate.load.share_of_time;
             lowered += if point.is_none() { multiplier * turning.0 * share } else { 0.0 };
-            plane.value = plane.value + (row.value + Laurent::constant(-bound - KEPT * bound.abs())) * multiplier;
-            plane.slopes.iter_mut().zip(&row.slopes).for_each(|(slope, of_row)| *slope = *slope + *of_row * multiplier);
+            plane.count(&row, multiplier);
+            plane.value = plane.value + Laurent::constant(-(bound + KEPT * bound.abs()) * multiplier);
+        }
+        for (drawn, price, (point, end)) in self.powers(middle) {
+            plane.count(&drawn, price);
+            if self.may_turn(&point, over) {
+                // It takes more towards its motion than with power flowing as it does, and heats less by so much.
+                let taken = Drawn::new(&self.prepared.candidate.robot.bus).per_power(1.0).max(1.0);
+                lowered += price * taken * end.loss_taken() * self.turned(end, &point, ratios, over).0;
+            }
         }
         let (bound, value) = plane.least(ratios, middle, over.masses, over.prices);
         Piece { ratios, bound: bound - lowered, value: value - lowered }
@@ -368,6 +420,12 @@ struct Piece {
 }
 
 impl Plane {
+    /// Adds another one at a price.
+    fn count(&mut self, other: &Plane, price: f64) {
+        self.value = self.value + other.value * price;
+        self.slopes.iter_mut().zip(&other.slopes).for_each(|(slope, of_other)| *slope = *slope + *of_other * price);
+    }
+
     /// A bound over ratios and masses at prices, and the value in the middle.
     fn least(&self, ratios: (f64, f64), middle: f64, masses: &[(f64, f64)], prices: &[f64]) -> (f64, f64) {
         let mut sum = self.value;

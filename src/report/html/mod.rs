@@ -28,7 +28,7 @@ mod unjudged;
 use std::path::Path;
 
 pub use bars::Bars;
-use chain::Chain;
+pub use chain::Chain;
 pub use render::text;
 
 use super::plot::{self, Figure};

@@ -541,7 +541,7 @@ fn draw_returning(index: u64) -> Case {
 
 #[test]
 fn no_more_comes_back_from_all_joints_than_the_bus_takes_and_no_combination_is_better() {
-    agree(cases(40_000, 120), draw_returning, (30, 5));
+    agree(cases(40_000, 60), draw_returning, (30, 5));
 }
 
 #[test]

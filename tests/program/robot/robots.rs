@@ -321,7 +321,7 @@ fn a_search_that_time_ends_says_what_may_be_better_and_proves_nothing() {
         "{short}"
     );
     let json: Value = serde_json::from_slice(&optimized(&path, &["--time-limit", "1 ms", "--json"]).stdout).unwrap();
-    let proof = &json["robot"]["certificate"];
+    let proof = &json["robot"]["choice"]["certificate"];
     assert_eq!(proof["certified"], false);
     assert!(!proof["may_be_better"].as_array().unwrap().is_empty());
 }

@@ -8,6 +8,7 @@ use crate::catalog::Catalog;
 use crate::design::best::best_design;
 use crate::design::mount::{JointDemand, Site};
 use crate::design::robot::carry;
+use crate::design::robot::power::Profile;
 use crate::input::Source;
 use crate::requirement::{Robot, read_source};
 
@@ -132,4 +133,58 @@ fn a_tangent_is_below_the_best_at_every_load_of_its_box() {
         "{looked} loads, {none} infeasible; {near} within 2 % of the bound, {flips} with a flip, {priced} bounds with a price"
     );
     assert!(looked > 500 && near > 100 && flips > 100 && priced > 5 && none > 100);
+}
+
+/// With prices on the power of some samples, too: at any masses in the box and any ratio that keeps the limits.
+#[test]
+fn with_priced_power_a_tangent_is_below_all_ratios_at_every_load_of_its_box() {
+    let catalog = Catalog::builtin().unwrap();
+    let mut random = Pcg64::seed_from_u64(11);
+    let (mut looked, mut near, mut flips) = (0, 0, 0);
+    for case in 0..160 {
+        let robot = robot(&mut random, ["\"loss\"", "\"copper_loss\"", "\"mass\""][case % 3]);
+        let joint = &robot.joints[0];
+        let directions = carry::directions_of(joint);
+        let from = random.random_range(0.2..2.0);
+        let masses = (-random.random_range(0.0..0.2), random.random_range(0.0..1.5));
+        let price = random.random_range(-3.0..6.0);
+        let samples = joint.motion.len();
+        let power = [(); 2].map(|()| (random.random_range(0..samples), random.random_range(0.0..0.5)));
+        let at = |mass: f64| carry::loaded(joint, &carry::coordinates(joint, |_| mass));
+        let center = at(from);
+        let demand = JointDemand::new(&center, &catalog);
+        let motor = &catalog.motors[random.random_range(0..catalog.motors.len())];
+        let range = center.ratio.range().unwrap();
+        let site = Site::new(&robot, &center, &demand);
+        let Some(tangent) = Tangent::new(site.direct(motor), &directions, &center.objective, range) else { continue };
+        let (masses, prices) = ([masses], [price]);
+        let over = Over { masses: &masses, prices: &prices, enough: f64::INFINITY, divisions: 200 };
+        let bound = tangent.with_power(&power).least(over);
+        for step in 0..=8 {
+            let moved = masses[0].0 + (masses[0].1 - masses[0].0) * f64::from(step) / 8.0;
+            let loaded = at(from + moved);
+            flips += usize::from((0..samples).any(|k| loaded.motion.torque[k] * center.motion.torque[k] < 0.0));
+            let demand = JointDemand::new(&loaded, &catalog);
+            let site = Site::new(&robot, &loaded, &demand);
+            let Ok(design) = best_design(site, motor, false) else { continue };
+            let prepared = site.direct(motor).prepared().unwrap();
+            let mut least = (f64::INFINITY, 0.0);
+            for window in &design.optimum.windows {
+                for k in 0..=80 {
+                    let n = window.min * (window.max / window.min).powf(f64::from(k) / 80.0);
+                    let objective = prepared.at(n).objective(&loaded.objective).unwrap();
+                    let profile = Profile::of(&prepared, n);
+                    let drawn: Vec<f64> = power.iter().map(|(k, price)| price * profile.at(*k, n).0).collect();
+                    let size = objective.abs() + drawn.iter().map(|w| w.abs()).sum::<f64>() + (price * moved).abs();
+                    let value = objective + drawn.iter().sum::<f64>() - price * moved;
+                    least = if value < least.0 { (value, size) } else { least };
+                }
+            }
+            assert!(bound <= least.0 + 1e-8 * least.1, "case {case}, {}: {bound} at +{moved}: {least:?}", motor.id);
+            looked += 1;
+            near += usize::from(least.0 - bound < 0.02 * least.1);
+        }
+    }
+    println!("{looked} loads; {near} within 2 % of the bound, {flips} with a flip");
+    assert!(looked > 200 && near > 50 && flips > 100);
 }
