@@ -21,6 +21,7 @@ Exit status as `gearwise`: 0 done, 1 done but robots were broken, 2 it could not
 import argparse
 import concurrent.futures
 import contextlib
+import functools
 import importlib
 import logging
 import os
@@ -114,6 +115,9 @@ def on_dask(tasks, arguments):
 
 def on_ray(tasks, arguments):
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    if arguments.address:
+        # Two minutes for a cluster that does not answer; Ray's own limit is some fourteen.
+        os.environ.setdefault("RAY_NUM_REDIS_GET_RETRIES", "3")
     ray = package("ray")
     cores = arguments.workers and arguments.workers * arguments.threads
     ray.init(
@@ -126,8 +130,8 @@ def on_ray(tasks, arguments):
         run = ray.remote(num_cpus=arguments.threads, max_retries=arguments.retries, retry_exceptions=True)(run_shard)
         waiting = [run.remote(*task) for task in tasks]
         while waiting:
-            ready, waiting = ray.wait(waiting)
-            yield outcome(lambda: ray.get(ready[0]))
+            (ready,), waiting = ray.wait(waiting)
+            yield outcome(functools.partial(ray.get, ready))
     finally:
         ray.shutdown()
 
@@ -194,7 +198,8 @@ def outcome(get):
     try:
         return get()
     except Exception as error:
-        return error
+        # Ray wraps what a task raises.
+        return getattr(error, "cause", None) or error
 
 
 def package(name):
@@ -218,7 +223,7 @@ def main():
     parser.add_argument("--workers", type=int, help="how many at a time on this machine")
     parser.add_argument("--threads", type=int, default=1, help="threads of each task")
     parser.add_argument("--retries", type=int, default=10, help="how often a shard is tried again")
-    parser.add_argument("--sbatch", default="", help="more options of sbatch, for instance --sbatch='--time=60 --mem=2G'")
+    parser.add_argument("--sbatch", default="", help="more options of sbatch: --sbatch='--time=60 --mem=2G'")
     parser.add_argument("--gearwise", default="gearwise", help="the program, as workers find it")
     parser.add_argument("study", nargs="+", help="arguments of `gearwise study`")
     arguments = parser.parse_args()

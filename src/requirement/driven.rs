@@ -12,6 +12,8 @@ pub struct Driven {
     /// How much the torque of one of the robot's joints rises per kilogram of another's actuator, over the
     /// samples of their motions; joints by their place in the requirement. In a joint with `count`, of each.
     pub carried: Vec<Carried>,
+    /// The joint next before each one in the tree of the description, by its place in the requirement; `None` where there is none.
+    pub hangs_on: Vec<Option<usize>>,
     /// Whether the masses of the description leave the actuators out (`actuators = "separate"`), so that
     /// the actuator that is chosen loads the joints that carry it.
     pub separate: bool,

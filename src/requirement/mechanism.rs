@@ -307,6 +307,16 @@ pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
         }
     }
     carried.sort_by_key(|c| (c.carrying, c.actuator));
+    // Of all joints that move it that which is moved by most.
+    let before = |joint: usize| {
+        let moving = mechanism.moving()[joint];
+        let moves = |k: &usize| uses[*k].as_ref().is_some_and(|u| u.joint != joint && mechanism.moves(u.joint, moving));
+        (0..uses.len()).filter(moves).max_by_key(|k| {
+            let own = uses[*k].as_ref().map_or(0, |u| mechanism.moving()[u.joint]);
+            ((0..mechanism.moving().len()).filter(|j| mechanism.moves(*j, own)).count(), std::cmp::Reverse(*k))
+        })
+    };
+    let hangs_on = uses.iter().map(|u| before(u.as_ref()?.joint)).collect();
     let unused: Vec<&str> = mechanism
         .joints()
         .enumerate()
@@ -316,5 +326,5 @@ pub(super) fn driven(model: Model, uses: &[Option<Use>]) -> Option<Driven> {
     if !unused.is_empty() {
         notes.push(format!("joints of the model that no joint of the requirement drives: {}", unused.join(", ")));
     }
-    Some(Driven { model, notes, carried, separate })
+    Some(Driven { model, notes, carried, hangs_on, separate })
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A study on every executor of tools/gearwise_cluster.py, a worker of each killed in the middle, is the single run byte for byte.
+"""A study on every executor of tools/gearwise_cluster.py, with a worker killed, is the single run byte for byte.
 
     pip install -r tests/external/requirements.txt        # see `.ci/external`
     python tests/external/cluster_study.py [target/debug/gearwise]
@@ -153,7 +153,8 @@ def compare(executor, folder, gearwise, study, robots, environment=None, what=""
     assert f"{SHARDS} of {SHARDS} shards" in said and done < robots, said
     assert contents(out) == contents(folder / "single"), f"{executor}: the results differ from the single run"
     took = time.monotonic() - began
-    print(f"{executor}{what}: {shard.name} lost {lost} processes after {done} of {robots} robots; byte for byte the single run, {took:.1f} s")
+    killed = f"{lost} processes of {shard.name} killed after {done} of {robots} robots"
+    print(f"{executor}{what}: {killed}; byte for byte the single run, {took:.1f} s")
     wrong = subprocess.run([*line[:-1], folder / "none.toml"], env=environment, capture_output=True, text=True)
     assert wrong.returncode == 2 and "there is no file or folder" in wrong.stderr, wrong
     return shard
@@ -187,7 +188,8 @@ def one_node_slurm(folder):
     conf = SLURM.format(folder=folder, host=host, user=user, cpus=os.cpu_count(), ports=ports)
     (folder / "slurm.conf").write_text(conf)
     environment = {**os.environ, "SLURM_CONF": str(folder / "slurm.conf")}
-    munge = [f"--{what}={folder}/{name}" for what, name in (("key-file", "key"), ("socket", "munge.socket"), ("pid-file", "munge.pid"), ("log-file", "munge.log"), ("seed-file", "seed"))]  # fmt: skip
+    files = {"key-file": "key", "socket": "munge.socket", "pid-file": "pid", "log-file": "log", "seed-file": "seed"}
+    munge = [f"--{option}={folder}/{name}" for option, name in files.items()]
     daemons = []
     try:
         for line in ([munged, "--foreground", "--force", *munge], [slurmctld, "-D", "-c"], [slurmd, "-D"]):
@@ -211,11 +213,11 @@ def one_node_slurm(folder):
 def slurm(folder, gearwise, study, robots):
     with one_node_slurm(folder / "slurm-node") as environment:
         if environment:
-            version = subprocess.run(["sbatch", "--version"], env=environment, capture_output=True, text=True).stdout.strip()
-            print(f"slurm: a real node, {version}")
+            version = subprocess.run(["sbatch", "--version"], env=environment, capture_output=True, text=True).stdout
+            print(f"slurm: a real node, {version.strip()}")
             compare("slurm", folder, gearwise, study, robots, environment)
             return
-    print("slurm: no Slurm could be started here; a STAND-IN for `sbatch` takes its place")
+    print("slurm: NOT the real one, which could not be started here; a stand-in for `sbatch` takes its place")
     stand_in = folder / "bin/sbatch"
     stand_in.parent.mkdir()
     stand_in.write_text(STAND_IN)
@@ -233,9 +235,11 @@ def slurm(folder, gearwise, study, robots):
 
 def refusals(folder, gearwise, study):
     """Mistakes of the command line are told, not shown as a traceback."""
+
     def refused(line, why, **more):
         told = subprocess.run(line, capture_output=True, text=True, **more)
         assert told.returncode == 2 and why in told.stderr and "Traceback" not in told.stderr, told
+
     out = folder / "refused"
     refused(command("local", out, gearwise, study, "--shards", "0"), "--shards, --threads and --workers are 1 or more")
     refused(command("local", out, folder / "none", study), "was not found: say where it is with --gearwise")

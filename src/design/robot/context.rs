@@ -635,7 +635,7 @@ impl<'a> Context<'a> {
                 }
             }
         };
-        Some(Found { items, coordinates, motors, mass, ratios, price, value, lower })
+        Some(Found { ways: chosen.to_vec(), items, coordinates, motors, mass, ratios, price, value, lower })
     }
 }
 

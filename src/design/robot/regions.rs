@@ -85,16 +85,91 @@ fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
             return None;
         }
         search(context, &region, rules, answer, SOLVED.0);
+        if answer.found.is_empty() {
+            // What is light loads the others least: where few combinations can be at all, one that can be is the first step.
+            answer.solved += 1;
+            let light = lightest(context, &region.ways).and_then(|found| search::counted(found, rules));
+            light.into_iter().filter(|found| found.value.is_finite()).for_each(|found| answer.take(found, rules.keep));
+        }
         rule_out(context, &mut region, rules, answer.threshold(rules.keep));
         if region.ways.iter().any(Vec::is_empty) {
             return None;
         }
         let better = answer.found.first().map(|found| found.value) != best;
         if !better && counts(&region.ways) * 10 > before * 9 {
-            break;
+            // Where bounds say little, a better combination near the best one narrows the region, too.
+            match descend(context, &region, rules, answer) {
+                true => rule_out(context, &mut region, rules, answer.threshold(rules.keep)),
+                false => break,
+            }
+            if region.ways.iter().any(Vec::is_empty) {
+                return None;
+            }
         }
     }
     Some(region)
+}
+
+/// Ways of each joint that are tried in the place of the best combination's, the cheapest first, and how often all joints are gone
+/// through.
+const TRIED: (usize, usize) = (16, 4);
+
+/// Goes from the best combination to better ones that differ at one joint, until there is none; whether there was one.
+fn descend<'a>(context: &mut Context<'a>, region: &Region, rules: Rules, answer: &mut Answer<'a>) -> bool {
+    let (Some(first), Some(table)) = (answer.found.first().cloned(), region.tables.last()) else { return false };
+    let mut best = first;
+    let before = best.value;
+    for _ in 0..TRIED.1 {
+        let start = best.value;
+        for j in 0..region.ways.len() {
+            let mut cheap: Vec<usize> = region.ways[j]
+                .iter()
+                .copied()
+                .filter(|way| *way != best.ways[j] && table.costs[j][*way].is_finite())
+                .collect();
+            cheap.sort_by(|a, b| table.costs[j][*a].total_cmp(&table.costs[j][*b]).then(a.cmp(b)));
+            for way in cheap.into_iter().take(TRIED.0) {
+                if context.ends() {
+                    break;
+                }
+                let mut chosen = best.ways.clone();
+                chosen[j] = way;
+                answer.solved += 1;
+                let found = context.complete(&chosen).and_then(|found| search::counted(found, rules));
+                if let Some(found) = found.filter(|found| found.value < best.value) {
+                    answer.take(found.clone(), rules.keep);
+                    best = found;
+                }
+            }
+        }
+        if best.value >= start {
+            break;
+        }
+    }
+    best.value < before
+}
+
+/// Ways that are tried together.
+const TOGETHER: usize = 8;
+
+/// A combination of the lightest way of each joint that can be under the load that it has then; `None` where one has none.
+fn lightest<'a>(context: &mut Context<'a>, ways: &[Vec<usize>]) -> Option<Found<'a>> {
+    let mut chosen = vec![0; ways.len()];
+    let mut masses = vec![0.0; ways.len()];
+    for j in context.order.clone() {
+        let coordinates = carry::coordinates(&context.robot.joints[j], |k| masses[k]);
+        let mut light = ways[j].clone();
+        light.sort_by(|a, b| {
+            let mass = |way: &usize| context.ways[j][*way].mass.0;
+            mass(a).total_cmp(&mass(b)).then(a.cmp(b))
+        });
+        let found = light.chunks(TOGETHER).find_map(|some| {
+            let items = context.exact(j, some, &coordinates);
+            some.iter().zip(items).find_map(|(way, item)| Some((*way, item?.mass)))
+        });
+        (chosen[j], masses[j]) = found?;
+    }
+    context.complete(&chosen)
 }
 
 /// Searches a region, and divides it where that was too much.

@@ -56,6 +56,8 @@ pub(super) struct Rules {
 pub(super) struct Found<'a> {
     /// What each joint is built of, under the load that it has there.
     pub items: Vec<Arc<Item<'a>>>,
+    /// Which way to build each joint that is.
+    pub ways: Vec<usize>,
     /// The coordinates of each joint's load.
     pub coordinates: Vec<Vec<f64>>,
     pub motors: Vec<usize>,
@@ -214,6 +216,24 @@ pub(super) fn run<'a, C: Combinations<'a>>(
     answer
 }
 
+/// A complete combination by what is minimised; `None` where it is beyond a budget.
+pub(super) fn counted<'a>(found: Found<'a>, rules: Rules) -> Option<Found<'a>> {
+    if rules.mass.is_some_and(|limit| found.mass > limit * (1.0 + 1e-12)) {
+        return None;
+    }
+    let motors: BTreeSet<usize> = found.motors.iter().copied().collect();
+    if rules.motors.is_some_and(|most| motors.len() > most) {
+        return None;
+    }
+    Some(match rules.lightest {
+        true => {
+            let value = if found.value.is_finite() { found.mass } else { f64::INFINITY };
+            Found { value, lower: found.mass, ..found }
+        }
+        false => found,
+    })
+}
+
 /// What the budgets are worth at a table's prices, taken off the sum.
 pub(super) fn constant(table: &Table, rules: Rules) -> f64 {
     match (rules.lightest, rules.mass) {
@@ -339,19 +359,13 @@ impl<'a, C: Combinations<'a>> Search<'_, 'a, C> {
             self.give_up(self.entries.len(), state);
             return;
         }
-        let Some(found) = self.robot.complete(&state.places) else { return };
-        if self.rules.mass.is_some_and(|limit| found.mass > limit * (1.0 + 1e-12)) {
+        let Some(found) = self.robot.complete(&state.places).and_then(|found| counted(found, self.rules)) else {
             return;
-        }
-        let (value, lower) = match self.rules.lightest {
-            true => (if found.value.is_finite() { found.mass } else { f64::INFINITY }, found.mass),
-            false => (found.value, found.lower),
         };
-        self.answer.lower = self.answer.lower.min(lower);
-        if !value.is_finite() {
-            self.answer.finished = false;
-            return;
+        self.answer.lower = self.answer.lower.min(found.lower);
+        match found.value.is_finite() {
+            true => self.answer.take(found, self.rules.keep),
+            false => self.answer.finished = false,
         }
-        self.answer.take(Found { value, lower, ..found }, self.rules.keep);
     }
 }

@@ -43,16 +43,20 @@ pub struct Chain {
     pub links: Vec<Link>,
 }
 
-/// Width of a column, and height of a line of the drawing.
+/// Width of a column.
 const COLUMN: f64 = 34.0;
-const HEIGHT: f64 = 56.0;
+/// Where the disc of a joint is, from above.
+const MIDDLE: &str = "24";
 /// Largest radius of a disc.
 const RADIUS: f64 = 15.0;
 /// Length of the longest bar in its own unit, which is stretched.
 const LONGEST: f64 = 1000.0;
 
-/// What carries each joint next to it: of all that carry it that which carries least.
+/// What carries each joint: as the description of the robot says it, else of all that carry its actuators that which carries least.
 fn carriers(robot: &Robot) -> Vec<Option<usize>> {
+    if let Some(driven) = &robot.driven {
+        return driven.hangs_on.clone();
+    }
     let carries = |k: usize, joint: usize| robot.joints[k].carries.iter().any(|c| c.joint == joint);
     let of = |joint: usize| {
         let all = (0..robot.joints.len()).filter(|k| carries(*k, joint));
@@ -160,25 +164,26 @@ impl Chain {
         out
     }
 
+    /// The robot at the start of a line, as high as that: ends of lines are shares of its height.
     fn drawn(&self, link: &Link, columns: usize, heaviest: f64) -> String {
         let at = |column: usize| COLUMN * (column as f64 + 0.5);
-        let (width, middle) = (COLUMN * columns as f64, HEIGHT / 2.0);
+        let width = COLUMN * columns as f64;
         let mut out = format!(
-            "<svg width=\"{width}\" height=\"{HEIGHT}\" viewBox=\"0 0 {width} {HEIGHT}\" aria-hidden=\"true\"><g stroke=\"{}\" stroke-width=\"4\">",
+            "<svg width=\"{width}\" height=\"100%\" aria-hidden=\"true\"><g stroke=\"{}\" stroke-width=\"4\">",
             Tone::Grey.colour()
         );
-        let mut line = |x1: f64, y1: f64, x2: f64, y2: f64| {
+        let mut line = |x1: f64, y1: &str, x2: f64, y2: &str| {
             let _ = write!(out, "<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"/>");
         };
-        link.above.iter().for_each(|column| line(at(*column), 0.0, at(*column), middle));
-        link.below.iter().for_each(|column| line(at(*column), middle, at(*column), HEIGHT));
+        link.above.iter().for_each(|column| line(at(*column), "0", at(*column), MIDDLE));
+        link.below.iter().for_each(|column| line(at(*column), MIDDLE, at(*column), "100%"));
         // What it carries in another column.
         let branches = link.below.iter().filter(|column| !link.above.contains(column) && **column != link.column);
-        branches.for_each(|column| line(at(link.column), middle, at(*column), middle));
+        branches.for_each(|column| line(at(link.column), MIDDLE, at(*column), MIDDLE));
         let share = link.mass.filter(|_| heaviest > 0.0).map_or(0.1, |mass| mass / heaviest);
         let radius = (RADIUS * share.sqrt()).max(3.0);
         let (x, colour) = (at(link.column), Tone::Blue.colour());
-        let _ = write!(out, "</g><circle cx=\"{x}\" cy=\"{middle}\" r=\"{radius:.1}\" fill=\"{colour}\"/></svg>");
+        let _ = write!(out, "</g><circle cx=\"{x}\" cy=\"{MIDDLE}\" r=\"{radius:.1}\" fill=\"{colour}\"/></svg>");
         out
     }
 }
