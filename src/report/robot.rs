@@ -356,17 +356,18 @@ pub fn wanting_lines(choice: &Choice) -> Vec<String> {
             format!("it can be done with {}, not with fewer", different_motors(*motors))
         }
         Wanting::Power(least, draws) => format!(
-            "without the limit on power the best draws {} W at its worst; of the combinations tried none can do \
+            "without the limit on power there is one, which draws {} W at its worst; of the combinations tried none can do \
              with less than {} W (budget {} W)",
             number(*draws),
             number(*least),
             optional(choice.robot.shared_power())
         ),
         Wanting::Returned(returned) => format!(
-            "without the limit on what comes back the best gives back {} W to the bus at its worst (it may be {} W)",
+            "without the limit on what comes back there is one, which gives back {} W to the bus at its worst (it may be {} W)",
             number(*returned),
             optional(choice.robot.shared_regeneration())
         ),
+        Wanting::NotSettled => "whether it can be done with another budget was not settled".to_string(),
         Wanting::Supply => format!(
             "with a supply that does not sag it can be done: its resistance is {} ohm",
             optional(choice.robot.shared_resistance())

@@ -179,6 +179,7 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
             *assumed.entry(*what).or_default() += 1;
         }
     }
+    let kept = sweep.designs.iter().filter(|design| design.evaluation.feasible).count();
     let mut out = Vec::new();
     if !worst.is_empty() {
         let mut worst: Vec<_> = worst.into_iter().collect();
@@ -204,7 +205,10 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
         ));
     }
     for ((limit, what), n) in assumed {
-        out.push(format!("Assumed in {} that keep all else: {limit}: {what}", crate::words::counted(n, "design")));
+        out.push(format!(
+            "Assumed in {n} of the {} that keep all else: {limit}: {what}",
+            crate::words::counted(kept, "design")
+        ));
     }
     out.extend(super::motion::notes(sweep.joint));
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();

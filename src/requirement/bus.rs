@@ -145,11 +145,6 @@ pub(super) fn read(section: Section) -> Option<Bus> {
     let contradicts = |key: &'static str, message: String, help: &str| {
         section.note(Problem::at(section.span_of(key), message, "nothing to act on").help(help));
     };
-    if brake_power.is_some() && regeneration == Regeneration::Allowed {
-        let message =
-            "`brake_power` of [bus] has nothing to take: `regeneration` is allowed, so that the supply takes all";
-        contradicts("brake_power", message.into(), "say regeneration = \"none\", \"dissipated\", or a power");
-    }
     let drive_efficiency =
         section.number(key("drive_efficiency", "efficiency of the drive, η_d").default("1"), Range::Fraction);
     let passed = drive_efficiency.unwrap_or(1.0);

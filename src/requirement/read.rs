@@ -162,13 +162,21 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         if budget.regeneration.is_some() && bus.as_ref().is_some_and(takes_all) {
             let message = "`regeneration` of [budget] limits nothing: the braking resistor of the [bus] takes all";
             let problem = Problem::at(section.span_of("regeneration"), message, "nothing comes back");
-            section.note(
-                problem.help("say what the resistor takes, as brake_power = \"500 W\" in [bus], or remove one of them"),
-            );
+            section.note(problem.help(
+                "a resistor that takes some of it is brake_power = \"500 W\" in [bus] without `regeneration` there",
+            ));
         }
         section.finish();
         budget
     });
+    let takes_nothing = |bus: &Bus| bus.brake_power.is_some() && bus.regeneration == Regeneration::Allowed;
+    let limited = budget.as_ref().is_some_and(|budget| budget.regeneration.is_some());
+    if bus.as_ref().is_some_and(takes_nothing) && !limited {
+        let message =
+            "`brake_power` of [bus] has nothing to take: `regeneration` is allowed, so that the supply takes all";
+        let help = "say regeneration = \"none\", \"dissipated\", or a power; or `regeneration` in [budget], for all joints together";
+        root.note(Problem::at(root.span_of("bus"), message, "nothing to act on").help(help));
+    }
     let sections = root.sections(key("joint", "the joints, at least one").required());
     if sections.is_empty() && !root.has("joint") {
         root.missing("joint", "a table [[joint]] for each joint");

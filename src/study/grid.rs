@@ -35,7 +35,9 @@ impl Parameter {
             .filter(|_| !quoted);
         let of_kind = |kind: &&units::Kind| texts.iter().all(|t| units::quantity(t, kind).is_ok());
         let base = key.replace(['.', ' ', '-'], "_").replace('*', "all");
-        let (column, numbers) = match (plain, units::KINDS.iter().copied().find(of_kind)) {
+        // A watt is a torque per second, too: nobody means that.
+        let kinds = std::iter::once(&units::POWER).chain(units::KINDS.iter().copied());
+        let (column, numbers) = match (plain, kinds.into_iter().find(of_kind)) {
             (Some(numbers), _) => (base, Some(numbers)),
             (None, Some(kind)) => {
                 let numbers = texts.iter().filter_map(|t| units::quantity(t, kind).ok()).collect();

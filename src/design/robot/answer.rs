@@ -149,13 +149,15 @@ pub enum Wanting {
     Mass(f64),
     /// The least number of different motors with which it can be done.
     Motors(usize),
-    /// The least power at the worst instant with which a combination that was tried can do \[W\], and what the
-    /// best draws that is not limited \[W\].
+    /// The least power at the worst instant with which a combination that was tried can do \[W\], and what one
+    /// draws that is not limited \[W\].
     Power(f64, f64),
-    /// Without the limit on what comes back there is a combination; that which is best then gives back so much at most \[W\].
+    /// Without the limit on what comes back there is a combination, which gives back so much at most \[W\].
     Returned(f64),
     /// The resistance of the supply: without it there is a combination.
     Supply,
+    /// Whether any would do was not settled: the searches were ended.
+    NotSettled,
 }
 
 /// The choice for a whole robot.

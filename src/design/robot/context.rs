@@ -68,6 +68,8 @@ pub(super) struct Context<'a> {
     pub supply: Option<f64>,
     /// What may come back from all joints together \[W\].
     pub returned: Option<f64>,
+    /// Where a search is to be short: bounds of ways to build a joint after which it ends.
+    pub most_bounded: Option<usize>,
     /// What power costs by the last combination that was too much for the bus.
     pub too_much: Option<Price>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
@@ -152,6 +154,7 @@ impl<'a> Context<'a> {
             unproved: Vec::new(),
             doubted,
             ways,
+            most_bounded: None,
             too_much: None,
             least_power: f64::INFINITY,
             robot,

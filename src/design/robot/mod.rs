@@ -171,22 +171,34 @@ fn open(context: &Context, answer: &Answer) -> Vec<Vec<String>> {
     answer.left.iter().enumerate().map(of).collect()
 }
 
-/// What would have to change, one budget at a time.
+/// Bounds of ways to build a joint that each search for what is wanting may make.
+const WANTING_BOUNDED: usize = 20_000;
+
+/// What would have to change, one budget at a time; where that is not settled, that it is not.
 fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
     let mut wanting = Vec::new();
     let one = Rules { keep: 1, ..rules };
+    context.most_bounded = Some(WANTING_BOUNDED);
+    let mut settled = true;
     if rules.mass.is_some() {
         let lightest = solve(context, Rules { mass: None, lightest: true, ..one });
-        wanting.extend(lightest.found.first().map(|f| Wanting::Mass(f.mass)));
+        settled &= lightest.finished;
+        wanting.extend(lightest.found.first().filter(|_| lightest.finished).map(|f| Wanting::Mass(f.mass)));
     }
     if let Some(limit) = rules.motors {
-        let more = (limit + 1..=context.robot.joints.len())
-            .find(|k| !solve(context, Rules { motors: Some(*k), ..one }).found.is_empty());
-        wanting.extend(more.map(Wanting::Motors));
+        for k in limit + 1..=context.robot.joints.len() {
+            let answer = solve(context, Rules { motors: Some(k), ..one });
+            settled &= answer.finished;
+            if !answer.found.is_empty() {
+                wanting.extend(settled.then_some(Wanting::Motors(k)));
+                break;
+            }
+        }
     }
     if let Some(limit) = context.power.take() {
         let least = context.least_power;
         let answer = solve(context, one);
+        settled &= answer.finished;
         if let Some(found) = answer.found.first() {
             let draws = context.combination(found).peak_power;
             wanting.push(Wanting::Power(least.min(draws), draws));
@@ -195,14 +207,19 @@ fn wanting(context: &mut Context, rules: Rules) -> Vec<Wanting> {
     }
     if let Some(most) = context.returned.take() {
         let answer = solve(context, one);
+        settled &= answer.finished;
         wanting.extend(answer.found.first().map(|f| Wanting::Returned(context.combination(f).most_returned)));
         context.returned = Some(most);
     }
     if let Some(supply) = context.supply.take() {
-        if !solve(context, one).found.is_empty() {
-            wanting.push(Wanting::Supply);
-        }
+        let answer = solve(context, one);
+        settled &= answer.finished;
+        wanting.extend((!answer.found.is_empty()).then_some(Wanting::Supply));
         context.supply = Some(supply);
+    }
+    context.most_bounded = None;
+    if wanting.is_empty() && !settled {
+        wanting.push(Wanting::NotSettled);
     }
     wanting
 }

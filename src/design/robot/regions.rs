@@ -48,9 +48,11 @@ pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
             answer.regions.0 += 1;
             continue;
         }
-        let most = context.at_most(search::MAX_SOLVED_LOADED);
+        let few = context.most_bounded.map_or(search::MAX_SOLVED_LOADED, |_| SOLVED.1);
+        let most = context.at_most(few);
         let programs = context.shares_power() && answer.solved >= most;
-        if programs || answer.bounded >= context.at_most(BOUNDED) || context.ends() {
+        let bounded = answer.bounded >= context.at_most(context.most_bounded.unwrap_or(BOUNDED));
+        if programs || bounded || context.ends() {
             answer.finished = false;
             answer.lower = answer.lower.min(region.bound);
             answer.leave(&region.ways);
@@ -70,6 +72,9 @@ pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
 /// Narrows a region; `None` where nothing is left of it.
 fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answer: &mut Answer<'a>) -> Option<Region> {
     for _ in 0..ROUNDS {
+        if context.ends() {
+            break;
+        }
         let best = answer.found.first().map(|found| found.value);
         let counts = |ways: &[Vec<usize>]| ways.iter().map(Vec::len).sum::<usize>();
         let before = counts(&region.ways);

@@ -27,7 +27,7 @@ const PIECES: usize = 32;
 /// Boxes of ratios that are looked at where a program is not convex.
 const BOXES: usize = 300;
 /// The same where what comes back is limited.
-const BOXES_RETURNING: usize = 40;
+const BOXES_RETURNING: usize = 150;
 /// How often the ratios of a joint are divided at most to bound its share with what comes back.
 const DIVISIONS: usize = 200;
 /// Rounds without anything new after which a box is given up.
@@ -84,6 +84,18 @@ impl Part<'_> {
             ratios = (edge(first), edge(last + 1));
         }
         ratios
+    }
+
+    /// The least of its share in the total at the ratios that it has now: where its own best is beyond them, it is at the nearer end.
+    fn least(&self) -> f64 {
+        let (a, b) = self.ratios;
+        let all = self.scale * self.lower;
+        if (a <= self.own && self.own <= b) || !self.moves() {
+            return all;
+        }
+        let cut = self.cut(if self.own < a { a } else { b });
+        let u = minimise(&cut, a * a, b * b);
+        all.max(value(&cut, u) - 1e-13 * value(&cut.map(f64::abs), u))
     }
 
     fn cut(&self, ratio: f64) -> Convex {
@@ -261,7 +273,7 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
         if least > limit * (1.0 - 1e-7) {
             return Outcome::TooMuch { least, price };
         }
-        let lower = parts.iter().map(|p| p.scale * p.lower).sum();
+        let lower = parts.iter().map(Part::least).sum();
         return Outcome::Solved(Solved { ratios: gentlest, value: f64::INFINITY, lower, price });
     }
     match returned {
@@ -437,7 +449,7 @@ impl Program<'_> {
     fn best(&self, own: Vec<f64>, gentlest: &[f64], limit: f64) -> Outcome {
         let total = |ratios: &[f64]| self.parts.iter().zip(ratios).map(|(p, n)| p.value(*n)).sum::<f64>();
         let mut cuts: Vec<Cut> = Vec::new();
-        let free = self.parts.iter().map(|p| p.scale * p.lower).sum::<f64>();
+        let free = self.parts.iter().map(Part::least).sum::<f64>();
         let (mut best, mut bound, mut price) = ((total(gentlest), gentlest.to_vec()), free, Price::default());
         let mut ratios = own;
         self.add_objective(&mut cuts, gentlest);
@@ -484,7 +496,7 @@ impl Program<'_> {
     /// a convex part of those that do: the best of it is the next. The bound is that of the limit itself at the multipliers.
     fn best_returning(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Outcome {
         let total = |ratios: &[f64]| self.parts.iter().zip(ratios).map(|(p, n)| p.value(*n)).sum::<f64>();
-        let free = self.parts.iter().map(|p| p.scale * p.lower).sum::<f64>();
+        let free = self.parts.iter().map(Part::least).sum::<f64>();
         let mut price = Price::default();
         let kept = self.kept(own, self.power(own, limit).0, gentlest, limit);
         let Some(mut at) = [kept.as_slice(), gentlest].into_iter().find_map(|start| self.returning(start, limit))

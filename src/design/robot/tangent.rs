@@ -62,8 +62,15 @@ pub(super) struct Tangent<'t> {
     range: (f64, f64),
     /// A limit that binds at this load with its multiplier, and the ratio at which it does.
     priced: Option<(usize, f64, f64)>,
-    /// Samples whose power from the bus has a price \[objective/W\].
-    power: &'t [(usize, f64)],
+    /// What the power that it draws from the bus at priced samples costs; `None` where none has a price.
+    power: Option<Priced>,
+}
+
+/// Power at prices, as a plane that is nowhere above it at any ratio and load.
+struct Priced {
+    plane: Plane,
+    /// The points that it is of, each with the end of the drag, and its price \[objective/W\].
+    points: Vec<(WavePoint, usize, f64)>,
 }
 
 /// A polynomial and its slopes by the mass of each carried joint.
@@ -104,13 +111,41 @@ impl<'t> Tangent<'t> {
             calm: Objective { terms },
             range,
             priced: None,
-            power: &[],
+            power: None,
         })
     }
 
     /// The same with prices on the power that it draws from the bus at some samples \[objective/W\].
-    pub(super) fn with_power(self, power: &'t [(usize, f64)]) -> Tangent<'t> {
-        Tangent { power, ..self }
+    pub(super) fn with_power(mut self, power: &[(usize, f64)]) -> Tangent<'t> {
+        if power.is_empty() {
+            return self;
+        }
+        let middle = (self.range.0 * self.range.1.max(self.range.0)).sqrt();
+        let candidate = &self.prepared.candidate;
+        let (drawn, standby) = (Drawn::new(&candidate.robot.bus), candidate.standby_power());
+        let nothing = vec![Laurent::default(); self.directions.of_carried.len()];
+        let mut priced = Priced { plane: Plane { value: Laurent::default(), slopes: nothing }, points: Vec::new() };
+        for (sample, price) in power {
+            let wave = &candidate.load.waveform;
+            let points = wave.of_sample(*sample).iter().map(|k| wave.point(*k));
+            let all = points.flat_map(|point| candidate.ends().enumerate().map(move |(end, of)| (point, end, of)));
+            let here = |(point, end, of): (WavePoint, usize, &Actuator)| {
+                let power = Functional::Power.polynomial(of, &point, middle);
+                (power.at(middle), power, point, end)
+            };
+            let worst = all.map(here).reduce(|a, b| if b.0 > a.0 { b } else { a });
+            let Some((watts, power, point, end)) = worst else { continue };
+            // What is drawn is convex in the power: this line is below it whatever the power is.
+            let factor = drawn.per_power(watts);
+            let actuator = candidate.ends().nth(end).unwrap_or(&candidate.actuator);
+            let of = |point: &WavePoint| Functional::Power.polynomial(actuator, point, middle) * factor;
+            let value = power * factor + Laurent::constant(standby);
+            let slopes = self.by_mass(self.of_point(&point, of));
+            priced.plane.count(&Plane { value, slopes }, *price);
+            priced.points.push((point, end, *price));
+        }
+        self.power = Some(priced);
+        self
     }
 
     /// The same with a price on the limit that ends the ratios at the best one of this load.
@@ -136,28 +171,8 @@ impl<'t> Tangent<'t> {
         {
             plane.count(&row, multiplier);
         }
-        self.powers(ratio).for_each(|(drawn, price, _)| plane.count(&drawn, price));
+        self.power.iter().for_each(|power| plane.count(&power.plane, 1.0));
         plane.slopes.iter().map(|slope| slope.at(ratio)).collect()
-    }
-
-    /// What it draws from the bus at each priced sample, its price, and the point and end of the drag that it is of.
-    fn powers(&self, ratio: f64) -> impl Iterator<Item = (Plane, f64, (WavePoint, &Actuator))> {
-        let candidate = &self.prepared.candidate;
-        let (drawn, standby) = (Drawn::new(&candidate.robot.bus), candidate.standby_power());
-        self.power.iter().filter_map(move |(sample, price)| {
-            let wave = &candidate.load.waveform;
-            let points = wave.of_sample(*sample).iter().map(|k| wave.point(*k));
-            let all = points.flat_map(|point| candidate.ends().map(move |end| (point, end)));
-            let power = |point: &WavePoint, end: &Actuator| Functional::Power.polynomial(end, point, ratio);
-            let worst = all.max_by(|a, b| power(&a.0, a.1).at(ratio).total_cmp(&power(&b.0, b.1).at(ratio)));
-            let (point, end) = worst?;
-            let here = power(&point, end);
-            // What is drawn is convex in the power, and so is this line below it.
-            let factor = drawn.per_power(here.at(ratio));
-            let slopes = self.of_point(&point, |point| power(point, end) * factor);
-            let value = here * factor + Laurent::constant(standby);
-            Some((Plane { value, slopes: self.by_mass(slopes) }, *price, (point, end)))
-        })
     }
 
     /// Least cost, less what the masses are worth at their prices, over the ratios and masses; infinite where none keeps the limits.
@@ -379,12 +394,14 @@ impl<'t> Tangent<'t> {
             plane.count(&row, multiplier);
             plane.value = plane.value + Laurent::constant(-(bound + KEPT * bound.abs()) * multiplier);
         }
-        for (drawn, price, (point, end)) in self.powers(middle) {
-            plane.count(&drawn, price);
-            if self.may_turn(&point, over) {
-                // It takes more towards its motion than with power flowing as it does, and heats less by so much.
-                let taken = Drawn::new(&self.prepared.candidate.robot.bus).per_power(1.0).max(1.0);
-                lowered += price * taken * end.loss_taken() * self.turned(end, &point, ratios, over).0;
+        if let Some(power) = &self.power {
+            plane.count(&power.plane, 1.0);
+            let candidate = &self.prepared.candidate;
+            // A sample whose way may turn takes more towards its motion than with power flowing as it does, and heats less by so much.
+            let taken = Drawn::new(&candidate.robot.bus).per_power(1.0).max(1.0);
+            for (point, end, price) in power.points.iter().filter(|(point, ..)| self.may_turn(point, over)) {
+                let end = candidate.ends().nth(*end).unwrap_or(&candidate.actuator);
+                lowered += price * taken * end.loss_taken() * self.turned(end, point, ratios, over).0;
             }
         }
         let (bound, value) = plane.least(ratios, middle, over.masses, over.prices);

@@ -144,9 +144,9 @@ impl Chain {
             printed(&self.title)
         );
         for link in &self.links {
-            let _ = write!(
+            let _ = writeln!(
                 out,
-                "<li>{}<div><p><b>{}</b> {}</p>\n",
+                "<li>{}<div><p><b>{}</b> {}</p>",
                 self.drawn(link, columns, heaviest),
                 printed(&link.name),
                 printed(&link.built)
@@ -191,9 +191,9 @@ impl Chain {
 /// A line with what it says and a bar of so much of the most.
 fn bar(out: &mut String, said: &str, value: f64, most: f64, tone: Tone) {
     let wide = if most > 0.0 { LONGEST * value.max(0.0) / most } else { 0.0 };
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<p class=\"bar\"><svg viewBox=\"0 0 {LONGEST} 10\" preserveAspectRatio=\"none\" aria-hidden=\"true\"><rect width=\"{wide:.1}\" height=\"10\" fill=\"{}\"/></svg> {}</p>\n",
+        "<p class=\"bar\"><svg viewBox=\"0 0 {LONGEST} 10\" preserveAspectRatio=\"none\" aria-hidden=\"true\"><rect width=\"{wide:.1}\" height=\"10\" fill=\"{}\"/></svg> {}</p>",
         tone.colour(),
         printed(said)
     );

@@ -172,7 +172,10 @@ pub struct Missing<'a> {
     /// It can be done with so many different motors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_distinct_motors: Option<usize>,
-    /// Without the limit on what comes back the best gives back so much.
+    /// Whether another budget would do was not settled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_settled: Option<bool>,
+    /// Without the limit on what comes back a combination gives back so much.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unlimited_returned_w: Option<f64>,
     /// A combination that was tried can do with so much power.
@@ -300,6 +303,7 @@ impl<'a> From<&'a Wanting> for Missing<'a> {
                 Missing { least_power_tried_w: Some(*least), unlimited_power_w: Some(*draws), ..Missing::default() }
             }
             Wanting::Returned(most) => Missing { unlimited_returned_w: Some(*most), ..Missing::default() },
+            Wanting::NotSettled => Missing { not_settled: Some(true), ..Missing::default() },
             Wanting::Supply => Missing { stiff_supply: Some(true), ..Missing::default() },
         }
     }

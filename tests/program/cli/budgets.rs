@@ -44,7 +44,7 @@ fn optimize(text: &str) -> Ran {
 const ALONE: &str = "no motor of the catalogue can do: hip";
 const HEAVY: &str = "kg of actuators, not with less (budget";
 const MOTORS: &str = "it can be done with 2 different motors, not with fewer";
-const POWER: &str = "without the limit on power the best draws";
+const POWER: &str = "without the limit on power there is one, which draws";
 const SEVERAL: &str = "with any one of the budgets given up none was found either";
 
 #[test]
