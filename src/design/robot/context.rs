@@ -349,8 +349,9 @@ impl<'a> Context<'a> {
 
     /// The best ratios of a combination under what its joints share, the limit on power given.
     fn solve(&mut self, items: &[&Item<'a>], coordinates: &[Vec<f64>], limit: f64, returned: Option<f64>) -> Outcome {
-        let outcome =
-            self.with_parts(items, coordinates, |parts| shared::solve(parts, &self.schedule, limit, returned));
+        let outcome = self.with_parts(items, coordinates, |parts| {
+            shared::solve(parts, &self.schedule, (limit, returned), &|| self.ends())
+        });
         // On a supply that sags it is not known what is too much.
         if let (Outcome::TooMuch { least, .. }, None) = (&outcome, self.supply) {
             self.least_power = self.least_power.min(*least);
@@ -547,19 +548,11 @@ impl<'a> Context<'a> {
         let powers: Vec<&[f64]> = draws.iter().map(|draws| draws.power.as_slice()).collect();
         let open = self.robot.bus.voltage;
         let sag = self.robot.shared_resistance().and_then(|shared| power::sag(&self.schedule, &draws, (open, shared)));
-        let limit = self.limit();
-        let returned = self.returned;
         // Where what comes back decides the ratios, the multipliers of the power are those of a part of them.
-        let price = match self.power.zip(limit).filter(|_| returned.is_none()) {
-            Some((_, limit)) => match self.solve(&items, &found.coordinates, limit, None) {
-                Outcome::Solved(solved) => {
-                    let of_power = solved.price.rows.iter().filter(|(places, _)| places.drive.is_none());
-                    Some(-of_power.map(|r| r.1).sum::<f64>())
-                }
-                Outcome::TooMuch { .. } | Outcome::ComesBack => Some(0.0),
-            },
-            None => None,
-        };
+        let price = self.power.filter(|_| self.returned.is_none()).map(|_| {
+            let of_power = found.price.rows.iter().filter(|(places, _)| places.drive.is_none());
+            -of_power.map(|(_, multiplier)| multiplier).sum::<f64>()
+        });
         let mounts = self.loaded(&items, &found.coordinates);
         let designs: Vec<Design> = (0..items.len())
             .map(|j| {

@@ -164,8 +164,13 @@ struct Program<'p> {
 
 /// Solves a combination under a limit on the power of all joints \[W\], and on what comes back from them \[W\]. Where a joint's program
 /// is not convex (motor Coulomb friction), or what comes back is limited (the complement of a convex set), the intervals of ratios are
-/// divided until the bounds meet.
-pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64, returned: Option<f64>) -> Outcome {
+/// divided until the bounds meet, or until somebody ends it.
+pub(super) fn solve(
+    parts: &mut [Part],
+    schedule: &Schedule,
+    (limit, returned): (f64, Option<f64>),
+    ends: &dyn Fn() -> bool,
+) -> Outcome {
     let solve_box = |parts: &[Part]| solve_box(Program { parts, schedule, returned }, limit);
     let first = match solve_box(parts) {
         Outcome::Solved(solved) if solved.is_open() => solved,
@@ -194,7 +199,7 @@ pub(super) fn solve(parts: &mut [Part], schedule: &Schedule, limit: f64, returne
     let mut settled = f64::INFINITY;
     for _ in 0..if returned.is_some() { BOXES_RETURNING } else { BOXES } {
         let Some(place) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) else { break };
-        if open[place].0 >= best.value - 0.5 * CLOSED * best.value.abs() {
+        if open[place].0 >= best.value - 0.5 * CLOSED * best.value.abs() || ends() {
             break;
         }
         let (_, boxed) = open.swap_remove(place);
