@@ -200,8 +200,8 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
     }
     for ((limit, why), n) in unchecked {
         out.push(format!(
-            "Not checked in {} that keep all else: {limit}, because {why}",
-            crate::words::counted(n, "design")
+            "Not checked in {n} of the {} that keep all else: {limit}, because {why}",
+            crate::words::counted(kept, "design")
         ));
     }
     for ((limit, what), n) in assumed {

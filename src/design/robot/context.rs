@@ -476,7 +476,7 @@ impl<'a> Context<'a> {
                 let old = center.rows.iter().map(|(places, m)| (places.clone(), (1.0 - share) * m));
                 let new = price.rows.iter().map(|(places, m)| (places.clone(), share * factor * m));
                 let mixed = Price { rows: old.chain(new).filter(|(_, m)| *m > 0.0).collect() };
-                let table = self.power_table(&menus, &mixed, limit);
+                let table = self.power_table(&mixed);
                 let least = |costs: &Vec<f64>| costs.iter().copied().fold(f64::INFINITY, f64::min);
                 let bound = table.offset + table.costs.iter().map(least).sum::<f64>();
                 tables.push((bound, mixed, table));
@@ -487,26 +487,10 @@ impl<'a> Context<'a> {
         tables.into_iter().skip(few).map(|(.., table)| table).collect()
     }
 
-    fn power_table(&self, menus: &[Arc<Menu<'a>>], price: &Price, limit: f64) -> Table {
-        let mut weights: Vec<Vec<(usize, f64)>> = vec![Vec::new(); menus.len()];
-        let mut worth = 0.0;
-        for (places, multiplier) in &price.rows {
-            worth += multiplier * limit;
-            for (j, sample, weight) in self.schedule.parts(places) {
-                weights[*j].push((*sample, multiplier * weight));
-            }
-        }
-        let costs = menus
-            .iter()
-            .enumerate()
-            .map(|(j, menu)| {
-                let joint = &self.robot.joints[j];
-                let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
-                let (robot, catalog, scale) = (self.robot, self.catalog, self.total.scale[j]);
-                let one = |item: &Arc<Item>| priced(robot, catalog, joint, &load, item, scale, &weights[j]);
-                menu.items.par_iter().map(one).collect()
-            })
-            .collect();
+    fn power_table(&self, price: &Price) -> Table {
+        let (weights, worth) = self.powers(price);
+        let all = |joint: usize| (0..self.ways[joint].len()).collect::<Vec<usize>>();
+        let costs = weights.iter().enumerate().map(|(j, weights)| self.certain_costs(j, &all(j), weights)).collect();
         Table { per_mass: 0.0, costs, offset: -worth }
     }
 

@@ -266,11 +266,12 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
         let lower = parts.iter().map(|p| p.scale * p.lower).sum();
         return Outcome::Solved(Solved { ratios: own, value, lower, price: Price::default() });
     }
+    let best = |gentlest: &[f64]| match returned {
+        true => program.best_returning(&own, gentlest, limit),
+        false => program.best(own.clone(), gentlest, limit),
+    };
     if limit == f64::INFINITY {
-        return match returned {
-            true => program.best_returning(&own, &own, limit),
-            false => program.best(own.clone(), &own, limit),
-        };
+        return best(&own);
     }
     let (gentlest, least, price) = program.least_power(&own, limit);
     let (gentlest_power, _) = program.power(&gentlest, limit);
@@ -281,10 +282,7 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
         let lower = parts.iter().map(Part::least).sum();
         return Outcome::Solved(Solved { ratios: gentlest, value: f64::INFINITY, lower, price });
     }
-    match returned {
-        true => program.best_returning(&own, &gentlest, limit),
-        false => program.best(own, &gentlest, limit),
-    }
+    best(&gentlest)
 }
 
 /// What each joint draws at these ratios.
@@ -384,19 +382,21 @@ impl Program<'_> {
         }
         let gentle = |(part, (a, b)): (&Part, (f64, f64))| if a <= b { part.ratios.0 } else { part.ratios.1 };
         let gentle: Vec<f64> = self.parts.iter().zip(at_ends).map(gentle).collect();
+        fits(&gentle).then(|| self.towards(ratios, &gentle, fits))
+    }
+
+    /// The nearest ratios on the way from some to others that fit, in u = N²; the others fit.
+    fn towards(&self, from: &[f64], to: &[f64], fits: impl Fn(&[f64]) -> bool) -> Vec<f64> {
         let at = |share: f64| -> Vec<f64> {
-            let u = ratios.iter().zip(&gentle).map(|(a, b)| (a * a * (1.0 - share) + b * b * share).sqrt());
+            let u = from.iter().zip(to).map(|(a, b)| (a * a * (1.0 - share) + b * b * share).sqrt());
             u.zip(self.parts).map(|(n, p)| n.clamp(p.ratios.0, p.ratios.1)).collect()
         };
-        if !fits(&gentle) {
-            return None;
-        }
         let (mut bad, mut good) = (0.0, 1.0);
         for _ in 0..50 {
             let middle = 0.5 * (bad + good);
             if fits(&at(middle)) { good = middle } else { bad = middle }
         }
-        Some(if good == 1.0 { gentle } else { at(good) })
+        if good == 1.0 { to.to_vec() } else { at(good) }
     }
 
     /// The row of an instant of each group.
@@ -576,20 +576,7 @@ impl Program<'_> {
         if power <= limit * (1.0 + POWER_TOLERANCE) {
             return ratios.to_vec();
         }
-        let at = |share: f64| -> Vec<f64> {
-            let u = ratios.iter().zip(gentlest).map(|(a, b)| (a * a * (1.0 - share) + b * b * share).sqrt());
-            u.zip(self.parts).map(|(n, p)| n.clamp(p.ratios.0, p.ratios.1)).collect()
-        };
-        let (mut bad, mut good) = (0.0, 1.0);
-        for _ in 0..50 {
-            let middle = 0.5 * (bad + good);
-            if self.power(&at(middle), limit).0 <= limit * (1.0 + POWER_TOLERANCE) {
-                good = middle
-            } else {
-                bad = middle
-            }
-        }
-        if good == 1.0 { gentlest.to_vec() } else { at(good) }
+        self.towards(ratios, gentlest, |at| self.power(at, limit).0 <= limit * (1.0 + POWER_TOLERANCE))
     }
 
     /// For multipliers that sum to one over each epigraph: the least value of all joints together.
