@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use super::answer::{Combination, Options};
 use super::carry;
-use super::convex::{Convex, add, under};
+use super::convex::{least_over, lowest};
 use super::menu::{Build, Item, Menu, Needs, made, menu, pieces};
 use super::power::{self, Profile, Schedule};
-use super::search::{Combinations, Entry, Found, Rules, Table};
-use super::shared::{self, Outcome, Part, Price};
+use super::search::{Combinations, Completed, Entry, Found, Rules, Table};
+use super::shared::{self, Known, Outcome, Part, Price};
 use super::total::Total;
-use crate::actuator::Load;
 use crate::actuator::limits::Remark;
+use crate::actuator::{Laurent, Load};
 use crate::catalog::Catalog;
 use crate::design::Prepared;
 use crate::design::answer::Design;
@@ -22,9 +22,8 @@ use crate::design::best::lacking;
 use crate::design::judge;
 use crate::design::mount::{JointDemand, Mount, Site, covered_inertia, load_through};
 use crate::design::options::Stop;
-use crate::design::program::{RatioProgram, minimise, value};
+use crate::design::program::RatioProgram;
 use crate::design::solved::design;
-use crate::numerics::line_search::least_in_range;
 use crate::requirement::{Joint, Robot};
 
 /// Loads of carrying joints that are kept ready.
@@ -32,6 +31,8 @@ const MAX_LOADS: usize = 200;
 
 /// Combinations whose programs give prices of power.
 const PRICES: usize = 6;
+/// Prices of solved combinations that are tried first on the next.
+const KNOWN_PRICES: usize = 2;
 /// Tables of prices that are kept, those with the best bounds.
 const TABLES: usize = 4;
 
@@ -70,6 +71,8 @@ pub(super) struct Context<'a> {
     pub returned: Option<f64>,
     /// Where a search is to be short: bounds of ways to build a joint after which it ends.
     pub most_bounded: Option<usize>,
+    /// What power cost in the combinations that were solved last, where it is all that is shared.
+    prices: Vec<Price>,
     /// What power costs by the last combination that was too much for the bus.
     pub too_much: Option<Price>,
     /// Least power that a combination which was too much for the bus could do with \[W\].
@@ -155,6 +158,7 @@ impl<'a> Context<'a> {
             doubted,
             ways,
             most_bounded: None,
+            prices: Vec::new(),
             too_much: None,
             least_power: f64::INFINITY,
             robot,
@@ -348,10 +352,26 @@ impl<'a> Context<'a> {
     }
 
     /// The best ratios of a combination under what its joints share, the limit on power given.
-    fn solve(&mut self, items: &[&Item<'a>], coordinates: &[Vec<f64>], limit: f64, returned: Option<f64>) -> Outcome {
+    fn solve(
+        &mut self,
+        items: &[&Item<'a>],
+        coordinates: &[Vec<f64>],
+        (limit, returned): (f64, Option<f64>),
+        threshold: f64,
+    ) -> Outcome {
+        let too_much = self.too_much.as_ref().filter(|_| self.supply.is_none());
+        let known = Known { prices: &self.prices, too_much };
         let outcome = self.with_parts(items, coordinates, |parts| {
-            shared::solve(parts, &self.schedule, (limit, returned), &|| self.ends())
+            shared::solve(parts, &self.schedule, (limit, returned), (threshold, known), &|| self.ends())
         });
+        if let Outcome::Solved(solved) = &outcome
+            && !solved.price.rows.is_empty()
+            && returned.is_none()
+            && self.supply.is_none()
+        {
+            self.prices.insert(0, solved.price.clone());
+            self.prices.truncate(KNOWN_PRICES);
+        }
         // On a supply that sags it is not known what is too much.
         if let (Outcome::TooMuch { least, .. }, None) = (&outcome, self.supply) {
             self.least_power = self.least_power.min(*least);
@@ -462,7 +482,7 @@ impl<'a> Context<'a> {
             let items: Vec<&Item> = menus.iter().zip(&chosen).map(|(m, i)| &*m.items[*i]).collect();
             let worth: f64 = items.iter().zip(&self.total.scale).map(|(i, s)| s * i.lower.abs()).sum();
             // Without what comes back: that has no part in the bounds.
-            let (price, factor) = match self.solve(&items, &nothing, limit, None) {
+            let (price, factor) = match self.solve(&items, &nothing, (limit, None), f64::INFINITY) {
                 Outcome::Solved(solved) => (solved.price, 1.0),
                 Outcome::TooMuch { price, .. } => (price, 3.0 * worth / limit),
                 Outcome::ComesBack => break,
@@ -510,21 +530,31 @@ impl<'a> Context<'a> {
 
     /// Lower bounds of some ways to build a joint that carries nothing, with the power that they draw at prices.
     pub(super) fn certain_costs(&self, joint: usize, ways: &[usize], weights: &[(usize, f64)]) -> Vec<f64> {
-        let (of, scale) = (&self.robot.joints[joint], self.total.scale[joint]);
+        let scale = self.total.scale[joint];
         let item = |way: &usize| self.ways[joint][*way].item.as_ref();
         if weights.is_empty() {
             return ways.iter().map(|way| scale * item(way).map_or(f64::NEG_INFINITY, |item| item.lower)).collect();
         }
+        self.priced_costs(joint, ways, weights, scale)
+    }
+
+    /// Lower bounds of the power that some ways to build a joint draw which carries nothing, at prices.
+    pub(super) fn certain_power(&self, joint: usize, ways: &[usize], weights: &[(usize, f64)]) -> Vec<f64> {
+        self.priced_costs(joint, ways, weights, 0.0)
+    }
+
+    fn priced_costs(&self, joint: usize, ways: &[usize], weights: &[(usize, f64)], scale: f64) -> Vec<f64> {
+        let of = &self.robot.joints[joint];
         let load = Load::new(&of.motion, of.limits.torque_bandwidth);
         let one = |way: &usize| {
-            item(way)
-                .map_or(f64::NEG_INFINITY, |item| priced(self.robot, self.catalog, of, &load, item, scale, weights))
+            let item = self.ways[joint][*way].item.as_ref();
+            item.map_or(f64::NEG_INFINITY, |item| priced(self.robot, self.catalog, of, &load, item, scale, weights))
         };
         ways.par_iter().map(one).collect()
     }
 
     /// A combination with all that is known of it.
-    pub(super) fn combination(&mut self, found: &Found<'a>) -> Combination<'a> {
+    pub(super) fn combination(&self, found: &Found<'a>) -> Combination<'a> {
         let items: Vec<&Item> = found.items.iter().map(|item| &**item).collect();
         let own_ratios: Vec<f64> = items.iter().map(|i| i.design.evaluation.ratio).collect();
         let ratios = found.ratios.clone().unwrap_or(own_ratios);
@@ -578,30 +608,35 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// A complete combination of ways; `None` where it cannot be.
-    pub(super) fn complete(&mut self, chosen: &[usize]) -> Option<Found<'a>> {
+    /// A complete combination of ways, where it may be better than a value.
+    pub(super) fn complete(&mut self, chosen: &[usize], threshold: f64) -> Completed<'a> {
         let n = chosen.len();
         let mut items: Vec<Option<Arc<Item>>> = vec![None; n];
         let mut coordinates = vec![Vec::new(); n];
         for j in self.order.clone() {
             let mass = |k: usize| items[k].as_ref().map_or(0.0, |item: &Arc<Item>| item.mass);
             coordinates[j] = carry::coordinates(&self.robot.joints[j], mass);
-            items[j] = Some(self.exact(j, &[chosen[j]], &coordinates[j]).pop().flatten()?);
+            let item = self.exact(j, &[chosen[j]], &coordinates[j]).pop().flatten();
+            if item.is_none() {
+                return Completed::Cannot;
+            }
+            items[j] = item;
         }
         let items: Vec<Arc<Item>> = items.into_iter().flatten().collect();
         let mass = items.iter().enumerate().map(|(j, item)| self.weight(j, item.mass)).sum();
         let motors = items.iter().map(|item| item.motor).collect();
+        let sum = |of: &dyn Fn(&Item) -> f64| -> f64 {
+            items.iter().zip(&self.total.scale).map(|(item, scale)| scale * of(item)).sum()
+        };
+        // What is shared makes nothing better.
+        let least = sum(&|i| i.lower);
         let (ratios, value, lower, price) = match self.shares_power() {
-            false => {
-                let sum = |of: &dyn Fn(&Item) -> f64| -> f64 {
-                    items.iter().zip(&self.total.scale).map(|(item, scale)| scale * of(item)).sum()
-                };
-                (None, sum(&|i| i.design.optimum.objective), sum(&|i| i.lower), Price::default())
-            }
+            false => (None, sum(&|i| i.design.optimum.objective), least, Price::default()),
+            true if least >= threshold => return Completed::NoBetter(least),
             true => {
                 let refs: Vec<&Item> = items.iter().map(|item| &**item).collect();
                 let limit = self.limit().unwrap_or(f64::INFINITY);
-                match self.solve(&refs, &coordinates, limit, self.returned) {
+                match self.solve(&refs, &coordinates, (limit, self.returned), threshold) {
                     Outcome::Solved(solved) => (Some(solved.ratios), solved.value, solved.lower, solved.price),
                     Outcome::TooMuch { price, .. } => {
                         // Rows of a share of one are made as dear as the robot.
@@ -609,13 +644,13 @@ impl<'a> Context<'a> {
                         let factor = 3.0 * worth / limit;
                         let dear = price.rows.into_iter().map(|(places, m)| (places, factor * m));
                         self.too_much = Some(Price { rows: dear.collect() });
-                        return None;
+                        return Completed::Cannot;
                     }
-                    Outcome::ComesBack => return None,
+                    Outcome::ComesBack => return Completed::Cannot,
                 }
             }
         };
-        Some(Found { ways: chosen.to_vec(), items, coordinates, motors, mass, ratios, price, value, lower })
+        Completed::Found(Found { ways: chosen.to_vec(), items, coordinates, motors, mass, ratios, price, value, lower })
     }
 }
 
@@ -638,9 +673,9 @@ impl<'a> Combinations<'a> for Among<'_, 'a> {
         (self.context.searched)(branches, solved);
     }
 
-    fn complete(&mut self, entries: &[usize]) -> Option<Found<'a>> {
+    fn complete(&mut self, entries: &[usize], threshold: f64) -> Completed<'a> {
         let chosen: Vec<usize> = entries.iter().zip(self.ways).map(|(entry, ways)| ways[*entry]).collect();
-        self.context.complete(&chosen)
+        self.context.complete(&chosen, threshold)
     }
 }
 
@@ -774,13 +809,10 @@ fn priced(
     }
     let program = RatioProgram::new(&prepared, &joint.objective, item.ratios.0, item.ratios.1);
     let (a, b) = item.ratios;
-    let best = least_in_range(&|n: f64| scale * program.objective_at(n) + power(n), a, b);
-    let (polynomial, _) = program.objective_cut(best);
-    let mut sum: Convex = under(&polynomial, item.ratios, best).map(|c| c * scale);
-    sum[1] += scale * program.objective_cut(b).1;
-    for (k, weight) in weights {
-        add(&mut sum, &under(&profile.at(*k, best).1, item.ratios, best), *weight);
-    }
-    let u = minimise(&sum, a * a, b * b);
-    value(&sum, u) - 1e-13 * value(&sum.map(f64::abs), u)
+    let cut = |n: f64| {
+        let own = (program.objective_cut(n).0 + Laurent::constant(program.objective_cut(b).1)) * scale;
+        weights.iter().fold(own, |sum, (k, weight)| sum + profile.at(*k, n).1 * *weight)
+    };
+    let best = lowest((a, b), cut, |n| scale * program.objective_at(n) + power(n));
+    least_over(&cut(best), (a, b))
 }

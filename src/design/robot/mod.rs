@@ -11,6 +11,7 @@ mod answer;
 mod carry;
 mod context;
 mod convex;
+mod dual;
 mod menu;
 mod power;
 mod regions;
@@ -116,6 +117,24 @@ fn unjudged<'a>(context: &mut Context<'a>, found: Option<&Found<'a>>) -> Vec<Apa
 }
 
 fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
+    let Some(most) = context.returned.filter(|_| !rules.lightest) else { return search_all(context, rules) };
+    // Without the limit on what comes back the search is short; what keeps it all the same is the best with it.
+    context.returned = None;
+    let free = search_all(context, rules);
+    let keeps = |found: &&Found<'a>| context.combination(found).most_returned <= most;
+    let kept: Vec<Found> = free.found.iter().filter(keeps).cloned().collect();
+    context.returned = Some(most);
+    if free.finished && kept.len() == free.found.len() {
+        return free;
+    }
+    let mut answer = search_all(context, rules);
+    kept.into_iter().for_each(|found| answer.take(found, rules.keep));
+    answer.lower = answer.lower.max(free.lower);
+    (answer.bounded, answer.solved) = (answer.bounded + free.bounded, answer.solved + free.solved);
+    answer
+}
+
+fn search_all<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     if !context.is_certain() {
         return regions::solve(context, rules);
     }
@@ -301,7 +320,9 @@ fn other_budgets<'a>(context: &mut Context<'a>, rules: Rules, distinct: usize, e
                 ("regeneration", "W", one)
             }
         };
+        context.most_bounded = Some(effort.bounded);
         let answer = solve(context, rules);
+        context.most_bounded = None;
         let best = answer.found.first().map(|f| context.combination(f));
         let certified = prove(context, &answer).certified();
         (context.power, context.returned) = (power, returned);
@@ -350,7 +371,7 @@ pub(crate) fn carried_first(joints: &[Joint]) -> Vec<usize> {
 
 /// What one actuator draws and asks for at each sample of its motion.
 pub(crate) fn draws(prepared: &Prepared, ratio: f64) -> Draws {
-    power::Profile::of(prepared, ratio).draws(ratio)
+    power::Profile::of(prepared, ratio).draws(ratio, true)
 }
 
 /// What a supply with a resistance makes of all joints together, from the [`draws`] of each; `None` where it is stiff, or feeds one

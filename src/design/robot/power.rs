@@ -371,17 +371,24 @@ impl Profile {
         self.reaching(self.back_between(sample, ratios, false))
     }
 
-    /// What it draws and asks for at every sample.
-    pub(super) fn draws(&self, ratio: f64) -> Draws {
+    /// Whether the supply gives its drive what the others leave.
+    pub(super) fn sags(&self) -> bool {
+        self.supply.is_some()
+    }
+
+    /// What it draws and asks for at every sample; what it gives back only where that is asked.
+    pub(super) fn draws(&self, ratio: f64, comes_back: bool) -> Draws {
         let mut power = vec![f64::NEG_INFINITY; self.samples];
-        let mut back = vec![f64::NEG_INFINITY; self.samples];
+        let mut back = vec![f64::NEG_INFINITY; if comes_back { self.samples } else { 0 }];
         let mut beyond = vec![(f64::NEG_INFINITY, 0.0); if self.supply.is_some() { self.samples } else { 0 }];
         for end in &self.ends {
             let here = self.waveform.at(end, ratio);
             for k in 0..self.waveform.len() {
                 let (sample, terminals) = (self.waveform.origin(k), here.terminals(k));
                 power[sample] = power[sample].max(terminals.1 * self.drawn.per_power(terminals.1) + self.standby);
-                back[sample] = back[sample].max(here.given_back(k));
+                if comes_back {
+                    back[sample] = back[sample].max(here.given_back(k));
+                }
                 let Some((supply, shared)) = &self.supply else { continue };
                 let asks = supply.asks_beyond(terminals, *shared);
                 if asks.0 > beyond[sample].0 {

@@ -15,12 +15,14 @@ use super::menu::{Item, pieces};
 use super::search::{self, Answer, Found, Rules, Table};
 use super::tangent::{Directions, Over, Tangent};
 use crate::design::mount::{Mount, Site};
-use crate::requirement::{Joint, Quantity};
+use crate::requirement::{Joint, Objective, Quantity};
 
 /// How often a region is narrowed at most before it is searched.
 const ROUNDS: usize = 6;
 /// Combinations that are solved at most in each round, and in the search of a region.
 const SOLVED: (usize, usize) = (24, 400);
+/// The same in the search of a region where each takes a program of its own.
+const SOLVED_SHARED: usize = 60;
 /// Bounds of ways to build a joint that are made at most.
 const BOUNDED: usize = 100_000;
 /// How often a range of ratios is divided at most, to see which ways are worth more, and for those.
@@ -29,26 +31,31 @@ const DIVISIONS: (usize, usize) = (6, 200);
 const CLOSE: f64 = 1e-9;
 
 /// A region: the ways to build each joint that are left, and a bound of all combinations of them.
+#[derive(Clone)]
 struct Region {
     ways: Vec<Vec<usize>>,
     bound: f64,
     tables: Vec<Table>,
     /// Whether the first of them is without prices.
     has_plain: bool,
+    /// What all combinations draw at least at instants at which one of them drew too much, over what they may; where none was found.
+    too_much: Option<Table>,
 }
 
 /// Finds the best combinations.
 pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     let mut answer = Answer::nothing();
     let all = (0..context.ways.len()).map(|j| (0..context.ways[j].len()).collect()).collect();
-    let mut open = vec![Region { ways: all, bound: f64::NEG_INFINITY, tables: Vec::new(), has_plain: false }];
+    let mut open =
+        vec![Region { ways: all, bound: f64::NEG_INFINITY, tables: Vec::new(), has_plain: false, too_much: None }];
     while let Some(place) = (0..open.len()).min_by(|a, b| open[*a].bound.total_cmp(&open[*b].bound)) {
         let region = open.swap_remove(place);
         if region.bound >= answer.threshold(rules.keep) || region.ways.iter().any(Vec::is_empty) {
             answer.regions.0 += 1;
             continue;
         }
-        let few = context.most_bounded.map_or(search::MAX_SOLVED_LOADED, |_| SOLVED.1);
+        let short = if context.shares_power() { SOLVED_SHARED } else { SOLVED.1 };
+        let few = context.most_bounded.map_or(search::MAX_SOLVED_LOADED, |_| short);
         let most = context.at_most(few);
         let programs = context.shares_power() && answer.solved >= most;
         let bounded = answer.bounded >= context.at_most(context.most_bounded.unwrap_or(BOUNDED));
@@ -79,6 +86,11 @@ fn narrow<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
         let best = answer.found.first().map(|found| found.value);
         let counts = |ways: &[Vec<usize>]| ways.iter().map(Vec::len).sum::<usize>();
         let before = counts(&region.ways);
+        region.too_much = if answer.found.is_empty() { too_much(context, &region.ways) } else { None };
+        rule_out_too_much(&mut region);
+        if region.ways.iter().any(Vec::is_empty) {
+            return None;
+        }
         let table = table(context, &region.ways, answer.found.first(), answer.threshold(rules.keep), rules, true);
         answer.bounded += before;
         region.tables.push(table);
@@ -141,7 +153,9 @@ fn descend<'a>(context: &mut Context<'a>, region: &Region, rules: Rules, answer:
                 let mut chosen = best.ways.clone();
                 chosen[j] = way;
                 answer.solved += 1;
-                let found = context.complete(&chosen).and_then(|found| search::counted(found, rules));
+                let threshold = if rules.lightest { f64::INFINITY } else { best.value };
+                let found =
+                    context.complete(&chosen, threshold).found().and_then(|found| search::counted(found, rules));
                 if let Some(found) = found.filter(|found| found.value < best.value) {
                     answer.take(found.clone(), rules.keep);
                     best = found;
@@ -175,13 +189,14 @@ fn lightest<'a>(context: &mut Context<'a>, ways: &[Vec<usize>]) -> Option<Found<
         });
         (chosen[j], masses[j]) = found?;
     }
-    context.complete(&chosen)
+    context.complete(&chosen, f64::INFINITY).found()
 }
 
 /// Searches a region, and divides it where that was too much.
 fn divide<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answer: &mut Answer<'a>) -> Vec<Region> {
     let by = dividing(context, &region.ways);
-    let most = if by.is_some() { SOLVED.1 } else { context.at_most(search::MAX_SOLVED_LOADED) };
+    let few = if context.shares_power() { SOLVED_SHARED } else { SOLVED.1 };
+    let most = if by.is_some() { few } else { context.at_most(search::MAX_SOLVED_LOADED) };
     let (finished, lower) = search(context, &region, rules, answer, most);
     if finished {
         answer.lower = answer.lower.min(lower);
@@ -206,7 +221,7 @@ fn divide<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
     let halves = [false, true].map(|heavy| {
         let mut ways = region.ways.clone();
         ways[joint].retain(|way| (mass(way) > middle) == heavy);
-        Region { ways, bound: region.bound.max(lower), tables: region.tables.clone(), has_plain: region.has_plain }
+        Region { ways, bound: region.bound.max(lower), tables: region.tables.clone(), ..region.clone() }
     });
     halves.into_iter().collect()
 }
@@ -268,7 +283,7 @@ fn search<'a>(
 /// Of all ways to build each joint those of combinations that may be better than a value, by some tables of prices.
 pub(super) fn may_be_better(context: &Context, tables: Vec<Table>, rules: Rules, threshold: f64) -> Vec<Vec<usize>> {
     let ways = (0..context.ways.len()).map(|j| (0..context.ways[j].len()).collect()).collect();
-    let mut region = Region { ways, bound: f64::NEG_INFINITY, tables, has_plain: false };
+    let mut region = Region { ways, bound: f64::NEG_INFINITY, tables, has_plain: false, too_much: None };
     rule_out(context, &mut region, rules, threshold);
     region.ways
 }
@@ -301,6 +316,59 @@ fn rule_out(context: &Context, region: &mut Region, rules: Rules, threshold: f64
         let mut keep = keep.into_iter();
         ways.retain(|_| keep.next().unwrap_or(true));
     }
+}
+
+/// Leaves out what draws too much in all combinations.
+fn rule_out_too_much(region: &mut Region) {
+    let Some(table) = &region.too_much else { return };
+    let least = |(costs, ways): (&Vec<f64>, &Vec<usize>)| ways.iter().map(|w| costs[*w]).fold(f64::INFINITY, f64::min);
+    let all: Vec<f64> = table.costs.iter().zip(&region.ways).map(least).collect();
+    for (joint, ways) in region.ways.iter_mut().enumerate() {
+        let others = all.iter().enumerate().filter(|(j, _)| *j != joint).map(|(_, least)| least).sum::<f64>();
+        // In watts, as all of it is.
+        let beyond = |way: &usize| table.offset + others + table.costs[joint][*way] > -table.offset * CLOSE;
+        ways.retain(|way| !beyond(way));
+    }
+}
+
+/// What each way to build each joint draws at least at the instants at which some combination drew too much, less what its mass is worth
+/// to those that carry it; `None` where none drew too much.
+fn too_much(context: &mut Context, ways: &[Vec<usize>]) -> Option<Table> {
+    let price = context.too_much.clone().filter(|_| context.supply.is_none())?;
+    let limit = context.power?;
+    let (powers, _) = context.powers(&price.shares());
+    let n = ways.len();
+    let reach: Vec<(f64, f64)> = (0..n).map(|j| masses(context, j, &ways[j])).collect();
+    // What is light draws least, mostly.
+    let center: Vec<f64> = reach.iter().map(|(low, _)| *low).collect();
+    let mut costs: Vec<Vec<f64>> = context.ways.iter().map(|ways| vec![f64::INFINITY; ways.len()]).collect();
+    let mut prices = vec![0.0; n];
+    for j in context.order.clone() {
+        let carried: Vec<usize> = context.robot.joints[j].carries.iter().map(|c| c.joint).collect();
+        let bounds = if carried.is_empty() {
+            context.certain_power(j, &ways[j], &powers[j])
+        } else {
+            let mut place = Place::new(context, j, &center, &reach, powers[j].clone());
+            place.joint.objective = Objective { terms: Vec::new() };
+            let nothing = vec![0.0; carried.len()];
+            let here = vec![(0.0, 0.0); carried.len()];
+            let over = Over { masses: &here, prices: &nothing, enough: f64::INFINITY, divisions: DIVISIONS.0 };
+            let of_here = place.bounds(context, j, &ways[j], over, &[]);
+            let least = (0..ways[j].len()).min_by(|a, b| of_here[*a].total_cmp(&of_here[*b]));
+            let slopes = least.and_then(|k| place.slopes_between(context, j, ways[j][k])).unwrap_or(nothing);
+            carried.iter().zip(&slopes).for_each(|(k, slope)| prices[*k] += slope);
+            let over = Over { masses: &place.masses, prices: &slopes, enough: f64::INFINITY, divisions: DIVISIONS.0 };
+            place.bounds(context, j, &ways[j], over, &[])
+        };
+        ways[j].iter().zip(bounds).for_each(|(way, bound)| costs[j][*way] = bound);
+    }
+    for j in 0..n {
+        for way in &ways[j] {
+            let (low, high) = context.ways[j][*way].mass;
+            costs[j][*way] += (prices[j] * (low - center[j])).min(prices[j] * (high - center[j]));
+        }
+    }
+    Some(Table { per_mass: 0.0, costs, offset: -limit })
 }
 
 /// A carrying joint at the load of a table.
@@ -491,7 +559,7 @@ impl Place {
             let Some(tangent) = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)]) else { return floor };
             let item = items.get(k).and_then(Option::as_ref);
             let tangent = match item {
-                Some(item) => with_binding(tangent, item),
+                Some(item) => with_binding(tangent, item).0,
                 None => tangent,
             };
             tangent.least(over).max(floor)
@@ -528,25 +596,38 @@ impl Place {
         (Some(way), slopes.unwrap_or(nothing))
     }
 
+    /// What a kilogram more of each carried joint costs a way to build the joint at its best ratio at this load, whatever its limits.
+    fn slopes_between(&self, context: &mut Context, j: usize, way: usize) -> Option<Vec<f64>> {
+        let carrying = context.carrying(j, &self.coordinates);
+        let site = Site::new(context.robot, &self.joint, &carrying.demand);
+        let build = context.ways[j][way].build;
+        let mount = site.mount(&context.catalog.motors[build.motor], build.gear.map(|gear| gear.id.as_str())).ok()?;
+        let pieces = pieces(&self.joint, context.needs[j]);
+        let tangent = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)])?;
+        let ratio = tangent.best_of_all();
+        Some(tangent.slopes(ratio))
+    }
+
     /// What a kilogram more of each carried joint costs an item at its best ratio at this load.
     fn slopes_of(&self, context: &mut Context, j: usize, item: &Item) -> Option<Vec<f64>> {
         let carrying = context.carrying(j, &self.coordinates);
         let site = Site::new(context.robot, &self.joint, &carrying.demand);
         let mount = site.mount(&context.catalog.motors[item.motor], item.design.gear).ok()?;
-        let ratio = item.design.evaluation.ratio;
-        let tangent = with_binding(self.tangent(mount, &self.joint)?, item);
+        let (tangent, ratio) = with_binding(self.tangent(mount, &self.joint)?, item);
         Some(tangent.slopes(ratio))
     }
 }
 
-/// A tangent with a price on the limit that ends the ratios of an item where it is best, where one does.
-fn with_binding<'t>(tangent: Tangent<'t>, item: &Item) -> Tangent<'t> {
-    let (optimum, ratio) = (&item.design.optimum, item.design.evaluation.ratio);
-    let Some(window) = optimum.windows.first().map(|_| optimum.window()) else { return tangent };
+/// A tangent with a price on the limit that ends the ratios of an item where it is best, where one does; and where it is best.
+fn with_binding<'t>(tangent: Tangent<'t>, item: &Item) -> (Tangent<'t>, f64) {
+    let (optimum, own) = (&item.design.optimum, item.design.evaluation.ratio);
+    let Some(window) = optimum.windows.first().map(|_| optimum.window()) else { return (tangent, own) };
+    let ratio = tangent.best_between((window.min, window.max), own);
     let is = |end: f64| (ratio / end - 1.0).abs() < CLOSE.sqrt();
-    match () {
+    let tangent = match () {
         () if is(window.max) => tangent.with_price(ratio, window.high.limit),
         () if is(window.min) => tangent.with_price(ratio, window.low.limit),
         () => tangent,
-    }
+    };
+    (tangent, ratio)
 }

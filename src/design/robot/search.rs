@@ -69,6 +69,24 @@ pub(super) struct Found<'a> {
     pub lower: f64,
 }
 
+/// What came of a complete combination.
+pub(super) enum Completed<'a> {
+    /// Its value is infinite where it is not known.
+    Found(Found<'a>),
+    /// It is not below this, which is as much as was asked.
+    NoBetter(f64),
+    Cannot,
+}
+
+impl<'a> Completed<'a> {
+    pub(super) fn found(self) -> Option<Found<'a>> {
+        match self {
+            Completed::Found(found) => Some(found),
+            Completed::NoBetter(_) | Completed::Cannot => None,
+        }
+    }
+}
+
 /// What a search says.
 #[derive(Debug, Clone)]
 pub(super) struct Answer<'a> {
@@ -141,8 +159,8 @@ pub(super) trait Combinations<'a> {
     fn is_timed(&self) -> bool;
     /// Told at each branch: how many were looked at, and how many complete combinations solved.
     fn searched(&self, branches: usize, solved: usize);
-    /// A complete combination, by the places of its entries; `None` where it cannot be. Its value is infinite where that is not known.
-    fn complete(&mut self, entries: &[usize]) -> Option<Found<'a>>;
+    /// A complete combination, by the places of its entries, where it may be better than a value.
+    fn complete(&mut self, entries: &[usize], threshold: f64) -> Completed<'a>;
 }
 
 /// What is summed up of a joint under a table.
@@ -359,12 +377,21 @@ impl<'a, C: Combinations<'a>> Search<'_, 'a, C> {
             self.give_up(self.entries.len(), state);
             return;
         }
-        let Some(found) = self.robot.complete(&state.places).and_then(|found| counted(found, self.rules)) else {
-            return;
+        // Where mass is minimised a total says nothing.
+        let threshold = if self.rules.lightest { f64::INFINITY } else { self.answer.threshold(self.rules.keep) };
+        let found = match self.robot.complete(&state.places, threshold) {
+            Completed::Found(found) => counted(found, self.rules),
+            Completed::NoBetter(lower) => {
+                self.answer.lower = self.answer.lower.min(lower);
+                return;
+            }
+            Completed::Cannot => return,
         };
+        let Some(found) = found else { return };
         self.answer.lower = self.answer.lower.min(found.lower);
         match found.value.is_finite() {
             true => self.answer.take(found, self.rules.keep),
+            false if found.lower >= threshold => {}
             false => self.answer.finished = false,
         }
     }

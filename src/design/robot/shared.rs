@@ -9,7 +9,8 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use super::convex::{Convex, add, under};
+use super::convex::{Convex, add, least_of_pieces, least_over, under};
+use super::dual::{self, Separable};
 use super::power::{self, Draws, Places, Profile, Schedule, largest, worst_drive};
 use crate::actuator::Laurent;
 use crate::design::Prepared;
@@ -28,8 +29,12 @@ const PIECES: usize = 32;
 const BOXES: usize = 300;
 /// The same where what comes back is limited.
 const BOXES_RETURNING: usize = 150;
-/// How often the ratios of a joint are divided at most to bound its share with what comes back.
-const DIVISIONS: usize = 200;
+/// Ratios that draw little more than the least, relative to it, are as good as those that draw least.
+const GENTLE: f64 = 0.01;
+/// What draws more than the limit by this share certainly does.
+const SURELY: f64 = 1e-7;
+/// Steps on the way to ratios that keep the power.
+const STEPS: usize = 50;
 /// Rounds without anything new after which a box is given up.
 const STALLED: usize = 3;
 /// The power of all joints is kept to this relative accuracy.
@@ -93,18 +98,21 @@ impl Part<'_> {
         if (a <= self.own && self.own <= b) || !self.moves() {
             return all;
         }
-        let cut = self.cut(if self.own < a { a } else { b });
-        let u = minimise(&cut, a * a, b * b);
-        all.max(value(&cut, u) - 1e-13 * value(&cut.map(f64::abs), u))
+        all.max(least_over(&self.cut(if self.own < a { a } else { b }), (a, b)))
     }
 
-    fn cut(&self, ratio: f64) -> Convex {
+    /// The share in the total as a polynomial that touches it at a ratio and is nowhere above it.
+    fn cut(&self, ratio: f64) -> Laurent {
         let (polynomial, _) = self.program().objective_cut(ratio);
         // The mass by stages is the same all over the interval but at its start.
         let steps = self.program().objective_cut(self.ratios.1).1;
-        let mut cut = under(&polynomial, self.ratios, ratio);
-        cut[1] += steps;
-        cut.map(|c| c * self.scale)
+        (polynomial + Laurent::constant(steps)) * self.scale
+    }
+
+    /// The row of its share in the total that touches it at a ratio.
+    fn epigraph(&self, joint: usize, ratio: f64) -> Cut {
+        let parts = vec![Share::new(self, joint, self.cut(ratio), ratio)];
+        Cut { epigraph: Some(joint), parts, places: None, most: 0.0, returned: Vec::new() }
     }
 }
 
@@ -113,6 +121,14 @@ impl Part<'_> {
 pub(super) struct Price {
     /// For each row the instant of each group, and its multiplier \[objective/W\].
     pub rows: Vec<(Places, f64)>,
+}
+
+impl Price {
+    /// The same as shares of one.
+    pub(super) fn shares(&self) -> Price {
+        let all: f64 = self.rows.iter().map(|(_, price)| price).sum();
+        Price { rows: self.rows.iter().map(|(places, price)| (places.clone(), price / all)).collect() }
+    }
 }
 
 /// What came of a combination.
@@ -143,10 +159,23 @@ impl Solved {
     }
 }
 
+/// What a joint has in a row: a polynomial in its ratio, and what is convex, nowhere above it and touches it.
+struct Share {
+    joint: usize,
+    polynomial: Laurent,
+    convex: Convex,
+}
+
+impl Share {
+    fn new(part: &Part, joint: usize, polynomial: Laurent, ratio: f64) -> Share {
+        Share { joint, polynomial, convex: under(&polynomial, part.ratios, ratio) }
+    }
+}
+
 /// A row `Σ convex ≤ bound`, or `≤ z` of an epigraph.
 struct Cut {
     epigraph: Option<usize>,
-    parts: Vec<(usize, Convex)>,
+    parts: Vec<Share>,
     /// Of power: the instants that it is the row of.
     places: Option<Places>,
     /// What a row may be at most; nothing of an epigraph.
@@ -160,20 +189,113 @@ struct Program<'p> {
     schedule: &'p Schedule,
     /// What may come back from all joints together \[W\].
     returned: Option<f64>,
+    /// What is not below this is of no interest.
+    threshold: f64,
+    /// What power cost in other combinations.
+    known: Known<'p>,
+}
+
+/// What is known of other combinations.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Known<'k> {
+    /// What power cost in them.
+    pub prices: &'k [Price],
+    /// What it cost in the last that the bus could not feed.
+    pub too_much: Option<&'k Price>,
+}
+
+/// The joints of a program, each for itself.
+struct Apart<'d> {
+    program: &'d Program<'d>,
+    programs: Vec<RatioProgram<'d>>,
+    gentlest: &'d [f64],
+    limit: f64,
+}
+
+impl Separable for Apart<'_> {
+    type Row = Places;
+
+    fn ratios(&self) -> Vec<(f64, f64)> {
+        let of = |part: &Part| if part.moves() { part.ratios } else { (part.own, part.own) };
+        self.program.parts.iter().map(of).collect()
+    }
+
+    fn value(&self, joint: usize, ratio: f64) -> f64 {
+        let part = &self.program.parts[joint];
+        let objective = if ratio == part.own { part.objective } else { self.programs[joint].objective_at(ratio) };
+        part.scale * objective
+    }
+
+    fn cut(&self, joint: usize, ratio: f64) -> Laurent {
+        let part = &self.program.parts[joint];
+        // What does not move is what it is.
+        if part.moves() { part.cut(ratio) } else { Laurent::constant(part.scale * part.lower) }
+    }
+
+    fn drawn(&self, row: &Places, joint: usize, ratio: f64) -> f64 {
+        let of_joint = self.program.schedule.parts(row).filter(|(j, ..)| *j == joint);
+        let profile = &self.program.parts[joint].profile;
+        of_joint.map(|(_, sample, weight)| weight * profile.at(*sample, ratio).0).sum()
+    }
+
+    fn drawn_cut(&self, row: &Places, joint: usize, ratio: f64) -> Laurent {
+        let of_joint = self.program.schedule.parts(row).filter(|(j, ..)| *j == joint);
+        let profile = &self.program.parts[joint].profile;
+        let rows = of_joint.map(|(_, sample, weight)| profile.at(*sample, ratio).1 * *weight);
+        rows.fold(Laurent::default(), |sum, row| sum + row)
+    }
+
+    fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Places>) {
+        let (power, places) = self.program.power(ratios, self.limit);
+        let kept = self.program.kept(ratios, power, self.gentlest, self.limit);
+        (kept, (power > self.limit).then_some(places))
+    }
+}
+
+/// The same where nothing counts but what they draw.
+struct Drawing<'d>(Apart<'d>);
+
+impl Separable for Drawing<'_> {
+    type Row = Places;
+
+    fn ratios(&self) -> Vec<(f64, f64)> {
+        self.0.ratios()
+    }
+
+    fn value(&self, _: usize, _: f64) -> f64 {
+        0.0
+    }
+
+    fn cut(&self, _: usize, _: f64) -> Laurent {
+        Laurent::default()
+    }
+
+    fn drawn(&self, row: &Places, joint: usize, ratio: f64) -> f64 {
+        self.0.drawn(row, joint, ratio)
+    }
+
+    fn drawn_cut(&self, row: &Places, joint: usize, ratio: f64) -> Laurent {
+        self.0.drawn_cut(row, joint, ratio)
+    }
+
+    fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Places>) {
+        self.0.kept(ratios)
+    }
 }
 
 /// Solves a combination under a limit on the power of all joints \[W\], and on what comes back from them \[W\]. Where a joint's program
 /// is not convex (motor Coulomb friction), or what comes back is limited (the complement of a convex set), the intervals of ratios are
-/// divided until the bounds meet, or until somebody ends it.
+/// divided until the bounds meet, or none of them is below what is of interest, or until somebody ends it.
 pub(super) fn solve(
     parts: &mut [Part],
     schedule: &Schedule,
     (limit, returned): (f64, Option<f64>),
+    (threshold, known): (f64, Known),
     ends: &dyn Fn() -> bool,
 ) -> Outcome {
-    let solve_box = |parts: &[Part]| solve_box(Program { parts, schedule, returned }, limit);
+    let solve_box = |parts: &[Part]| solve_box(Program { parts, schedule, returned, threshold, known }, limit);
     let first = match solve_box(parts) {
-        Outcome::Solved(solved) if solved.is_open() => solved,
+        Outcome::Solved(solved) if solved.is_open() && solved.lower < threshold => solved,
         done => return done,
     };
     let whole: Vec<(f64, f64)> = parts.iter().map(|p| p.ratios).collect();
@@ -190,7 +312,7 @@ pub(super) fn solve(
             // Nothing there, and nothing better elsewhere.
             Outcome::TooMuch { .. } | Outcome::ComesBack => best.lower = best.value,
         }
-        if !best.is_open() {
+        if !best.is_open() || best.lower >= threshold {
             break;
         }
     }
@@ -199,7 +321,8 @@ pub(super) fn solve(
     let mut settled = f64::INFINITY;
     for _ in 0..if returned.is_some() { BOXES_RETURNING } else { BOXES } {
         let Some(place) = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)) else { break };
-        if open[place].0 >= best.value - 0.5 * CLOSED * best.value.abs() || ends() {
+        let enough = threshold.min(best.value - 0.5 * CLOSED * best.value.abs());
+        if open[place].0 >= enough || ends() {
             break;
         }
         let (_, boxed) = open.swap_remove(place);
@@ -268,10 +391,22 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
     }
     let best = |gentlest: &[f64]| match returned {
         true => program.best_returning(&own, gentlest, limit),
-        false => program.best(own.clone(), gentlest, limit),
+        false if parts.iter().any(|p| p.profile.sags()) => program.best(own.clone(), gentlest, limit),
+        false => program.by_prices(&own, gentlest, limit),
     };
     if limit == f64::INFINITY {
         return best(&own);
+    }
+    let known = if returned { f64::NEG_INFINITY } else { program.least_at_known_prices(limit) };
+    if known >= program.threshold {
+        return Outcome::Solved(Solved { ratios: own, value: f64::INFINITY, lower: known, price: Price::default() });
+    }
+    if let Some(price) = program.known.too_much.filter(|_| !returned) {
+        let price = price.shares();
+        let least = program.least_power_at(&price, limit);
+        if least > limit * (1.0 + SURELY) {
+            return Outcome::TooMuch { least, price };
+        }
     }
     let (gentlest, least, price) = program.least_power(&own, limit);
     let (gentlest_power, _) = program.power(&gentlest, limit);
@@ -287,7 +422,8 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
 
 /// What each joint draws at these ratios.
 pub(super) fn draws(parts: &[Part], schedule: &Schedule, ratios: &[f64]) -> Vec<Draws> {
-    Program { parts, schedule, returned: None }.draws(ratios)
+    Program { parts, schedule, returned: Some(f64::INFINITY), threshold: f64::INFINITY, known: Known::default() }
+        .draws(ratios)
 }
 
 impl Program<'_> {
@@ -304,7 +440,9 @@ impl Program<'_> {
     }
 
     fn draws(&self, ratios: &[f64]) -> Vec<Draws> {
-        self.parts.iter().zip(ratios).map(|(p, n)| p.profile.draws(*n)).collect()
+        // What comes back takes time to find.
+        let comes_back = self.returned.is_some();
+        self.parts.iter().zip(ratios).map(|(p, n)| p.profile.draws(*n, comes_back)).collect()
     }
 
     /// The instants at which more comes back than may; `None` where none is.
@@ -325,46 +463,37 @@ impl Program<'_> {
 
     /// The row of what comes back at an instant of each group, by its tangents at some ratios: what keeps them keeps it.
     fn returned_row(&self, places: &Places, ratios: &[f64]) -> Cut {
-        let mut sums: Vec<Option<Convex>> = vec![None; self.parts.len()];
+        let mut sums: Vec<Option<Laurent>> = vec![None; self.parts.len()];
         let returned: Vec<(usize, usize, f64)> = self.schedule.parts(places).copied().collect();
         for (j, sample, weight) in &returned {
             let (n, profile) = (ratios[*j], &self.parts[*j].profile);
             let slope = profile.returned_slope(*sample, n) / (2.0 * n);
-            let tangent = [0.0, profile.returned(*sample, n) - slope * n * n, slope, 0.0];
-            add(sums[*j].get_or_insert([0.0; 4]), &tangent, *weight);
+            let constant = Laurent::constant(profile.returned(*sample, n) - slope * n * n);
+            count(&mut sums[*j], constant + Laurent::monomial(slope, 2), *weight);
         }
-        let parts = sums.into_iter().enumerate().filter_map(|(j, sum)| Some((j, sum?))).collect();
+        let parts = self.shares(sums, ratios);
         Cut { epigraph: None, parts, places: None, most: self.returned.unwrap_or(f64::INFINITY), returned }
     }
 
-    /// The least of a joint's share over its ratios, with what comes back at prices: its pieces are divided until they are settled.
-    fn least_with_returned(&self, j: usize, sum: &Convex, priced: &[(usize, f64)]) -> f64 {
+    /// Shares of joints in a row that touch what they stand for at some ratios.
+    fn shares(&self, sums: Vec<Option<Laurent>>, ratios: &[f64]) -> Vec<Share> {
+        let of = |(j, sum): (usize, Option<Laurent>)| Some(Share::new(&self.parts[j], j, sum?, ratios[j]));
+        sums.into_iter().enumerate().filter_map(of).collect()
+    }
+
+    /// The least of a joint's share over its ratios, with what comes back at prices.
+    fn least_with_returned(&self, j: usize, sum: &Laurent, priced: &[(usize, f64)]) -> f64 {
         let part = &self.parts[j];
-        let of = |(a, b): (f64, f64)| {
+        least_of_pieces(part.ratios, |(a, b)| {
             let middle = (a * b).sqrt();
-            let (mut least, mut here) = (*sum, value(sum, middle * middle));
+            let mut least = under(sum, (a, b), middle);
             for (sample, price) in priced {
                 let cut = part.profile.returned_cut(*sample, middle, (a, b));
                 add(&mut least, &under(&cut, (a, b), middle), *price);
-                here += price * part.profile.returned(*sample, middle);
             }
-            let u = minimise(&least, a * a, b * b);
-            (value(&least, u) - 1e-14 * value(&least.map(f64::abs), u), here, (a, b))
-        };
-        let mut open = vec![of(part.ratios)];
-        let mut best = f64::INFINITY;
-        for _ in 0..DIVISIONS {
-            let least = (0..open.len()).min_by(|a, b| open[*a].0.total_cmp(&open[*b].0)).unwrap_or(0);
-            let (bound, here, (a, b)) = open[least];
-            best = best.min(here);
-            if best - bound <= 1e-10 * best.abs() || b <= a * (1.0 + 1e-12) {
-                break;
-            }
-            let middle = (a * b).sqrt();
-            open.swap_remove(least);
-            open.extend([of((a, middle)), of((middle, b))]);
-        }
-        open.iter().map(|(bound, ..)| *bound).fold(f64::INFINITY, f64::min)
+            let of_priced = |n: f64| priced.iter().map(|(k, price)| price * part.profile.returned(*k, n)).sum::<f64>();
+            (least, Box::new(move |n| sum.at(n) + of_priced(n)))
+        })
     }
 
     /// Ratios near some at which no more comes back than may: on the way to where each joint gives back least at an instant.
@@ -387,10 +516,7 @@ impl Program<'_> {
 
     /// The nearest ratios on the way from some to others that fit, in u = N²; the others fit.
     fn towards(&self, from: &[f64], to: &[f64], fits: impl Fn(&[f64]) -> bool) -> Vec<f64> {
-        let at = |share: f64| -> Vec<f64> {
-            let u = from.iter().zip(to).map(|(a, b)| (a * a * (1.0 - share) + b * b * share).sqrt());
-            u.zip(self.parts).map(|(n, p)| n.clamp(p.ratios.0, p.ratios.1)).collect()
-        };
+        let at = |share: f64| self.between(from, to, share);
         let (mut bad, mut good) = (0.0, 1.0);
         for _ in 0..50 {
             let middle = 0.5 * (bad + good);
@@ -401,11 +527,8 @@ impl Program<'_> {
 
     /// The row of an instant of each group.
     fn row(&self, places: &Places, ratios: &[f64], epigraph: Option<usize>, limit: f64) -> Cut {
-        let mut sums: Vec<Option<Convex>> = vec![None; self.parts.len()];
-        let mut count = |j: usize, polynomial: &Laurent, weight: f64| {
-            let convex = under(polynomial, self.parts[j].ratios, ratios[j]);
-            add(sums[j].get_or_insert([0.0; 4]), &convex, weight);
-        };
+        let mut sums: Vec<Option<Laurent>> = vec![None; self.parts.len()];
+        let mut count = |j: usize, polynomial: &Laurent, weight: f64| count(&mut sums[j], *polynomial, weight);
         for (j, sample, weight) in self.schedule.parts(places) {
             let profile = &self.parts[*j].profile;
             match places.drive {
@@ -422,7 +545,7 @@ impl Program<'_> {
                 count(j, &(beyond + Laurent::constant(limit)), *share);
             }
         }
-        let parts = sums.into_iter().enumerate().filter_map(|(j, sum)| Some((j, sum?))).collect();
+        let parts = self.shares(sums, ratios);
         Cut { epigraph, parts, places: Some(places.clone()), most: limit, returned: Vec::new() }
     }
 
@@ -443,7 +566,9 @@ impl Program<'_> {
                 bound = lower;
                 price = prices(&cuts, &multipliers);
             }
-            if best.0 - bound <= 1e-8 * best.0.abs() || next == ratios {
+            // What can be fed needs no more than ratios on the safe side.
+            let enough = if best.0 <= limit { GENTLE } else { 1e-8 };
+            if best.0 - bound <= enough * best.0.abs() || next == ratios {
                 break;
             }
             ratios = next;
@@ -459,15 +584,7 @@ impl Program<'_> {
         let mut ratios = own;
         self.add_objective(&mut cuts, gentlest);
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
-            for n in [part.ratios.0, part.ratios.1] {
-                cuts.push(Cut {
-                    epigraph: Some(j),
-                    parts: vec![(j, part.cut(n))],
-                    places: None,
-                    most: 0.0,
-                    returned: Vec::new(),
-                });
-            }
+            cuts.extend([part.ratios.0, part.ratios.1].map(|n| part.epigraph(j, n)));
         }
         for _ in 0..ROUNDS {
             let (power, places) = self.power(&ratios, limit);
@@ -497,6 +614,45 @@ impl Program<'_> {
         Outcome::Solved(Solved { ratios: best.1, value: best.0, lower: bound.min(best.0), price })
     }
 
+    /// A bound at what power cost in other combinations: of those that are alike it says most.
+    fn least_at_known_prices(&self, limit: f64) -> f64 {
+        let apart = self.apart(&[], limit);
+        let mut best = f64::NEG_INFINITY;
+        for price in self.known.prices {
+            let rows: Vec<(&Places, f64)> = price.rows.iter().map(|(places, price)| (places, *price)).collect();
+            best = best.max(dual::bounded(&apart, limit, &rows).1);
+            if best >= self.threshold {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The least that all joints draw at prices of instants that sum to one \[W\].
+    fn least_power_at(&self, price: &Price, limit: f64) -> f64 {
+        let rows: Vec<(&Places, f64)> = price.rows.iter().map(|(places, price)| (places, *price)).collect();
+        // What the budget is worth at them is the budget.
+        dual::bounded(&Drawing(self.apart(&[], limit)), limit, &rows).1 + limit
+    }
+
+    fn apart<'d>(&'d self, gentlest: &'d [f64], limit: f64) -> Apart<'d> {
+        Apart { program: self, programs: self.parts.iter().map(Part::program).collect(), gentlest, limit }
+    }
+
+    /// The best ratios by prices alone, from some that keep the limit.
+    fn by_prices(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Outcome {
+        let apart = self.apart(gentlest, limit);
+        let priced = dual::solve(&apart, limit, &[gentlest.to_vec(), own.to_vec()], self.threshold);
+        let free = self.parts.iter().map(Part::least).sum::<f64>();
+        let lower = priced.lower.max(free).min(priced.value);
+        Outcome::Solved(Solved {
+            ratios: priced.ratios,
+            value: priced.value,
+            lower,
+            price: Price { rows: priced.rows },
+        })
+    }
+
     /// The best ratios where what comes back is limited. It is concave in them, so that its tangents at ratios that keep the limit leave
     /// a convex part of those that do: the best of it is the next. The bound is that of the limit itself at the multipliers.
     fn best_returning(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Outcome {
@@ -512,10 +668,7 @@ impl Program<'_> {
         let mut instants: Vec<Places> = self.beyond(own).into_iter().collect();
         let mut cuts: Vec<Cut> = Vec::new();
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
-            for n in [part.ratios.0, part.ratios.1] {
-                let parts = vec![(j, part.cut(n))];
-                cuts.push(Cut { epigraph: Some(j), parts, places: None, most: 0.0, returned: Vec::new() });
-            }
+            cuts.extend([part.ratios.0, part.ratios.1].map(|n| part.epigraph(j, n)));
         }
         self.add_objective(&mut cuts, own);
         self.add_objective(&mut cuts, &at);
@@ -558,15 +711,9 @@ impl Program<'_> {
 
     fn add_objective(&self, cuts: &mut Vec<Cut>, ratios: &[f64]) {
         for (j, part) in self.parts.iter().enumerate().filter(|(_, p)| p.moves()) {
-            let cut = part.cut(ratios[j]);
-            if !cuts.iter().any(|c| c.epigraph == Some(j) && c.parts[0].1 == cut) {
-                cuts.push(Cut {
-                    epigraph: Some(j),
-                    parts: vec![(j, cut)],
-                    places: None,
-                    most: 0.0,
-                    returned: Vec::new(),
-                });
+            let cut = part.epigraph(j, ratios[j]);
+            if !cuts.iter().any(|c| c.epigraph == Some(j) && c.parts[0].convex == cut.parts[0].convex) {
+                cuts.push(cut);
             }
         }
     }
@@ -576,7 +723,30 @@ impl Program<'_> {
         if power <= limit * (1.0 + POWER_TOLERANCE) {
             return ratios.to_vec();
         }
-        self.towards(ratios, gentlest, |at| self.power(at, limit).0 <= limit * (1.0 + POWER_TOLERANCE))
+        let tolerance = POWER_TOLERANCE * limit;
+        let excess = |share: f64| self.power(&self.between(ratios, gentlest, share), limit).0 - limit;
+        // The power is nearly convex on the way: a chord ends where it is kept.
+        let (mut bad, mut good) = ((0.0, power - limit), (1.0, excess(1.0)));
+        for _ in 0..STEPS {
+            if good.1 >= -tolerance || good.0 - bad.0 <= f64::EPSILON {
+                break;
+            }
+            let share = (bad.0 + (good.0 - bad.0) * bad.1 / (bad.1 - good.1)).clamp(bad.0, good.0);
+            let here = (share, excess(share));
+            if here.1 <= tolerance {
+                // The end that stays counts half, so that it does not stay for long.
+                (good, bad.1) = (here, 0.5 * bad.1);
+            } else {
+                bad = here;
+            }
+        }
+        if good.0 == 1.0 { gentlest.to_vec() } else { self.between(ratios, gentlest, good.0) }
+    }
+
+    /// Ratios on the way from some to others, in u = N².
+    fn between(&self, from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
+        let u = from.iter().zip(to).map(|(a, b)| (a * a * (1.0 - share) + b * b * share).sqrt());
+        u.zip(self.parts).map(|(n, p)| n.clamp(p.ratios.0, p.ratios.1)).collect()
     }
 
     /// For multipliers that sum to one over each epigraph: the least value of all joints together.
@@ -588,9 +758,9 @@ impl Program<'_> {
                 totals[e] += m.max(0.0);
             }
         }
-        let mut sums = vec![[0.0; 4]; self.parts.len()];
+        let mut sums = vec![Laurent::default(); self.parts.len()];
         let mut priced: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.parts.len()];
-        let (mut constant, mut size) = (0.0, 0.0);
+        let mut constant = 0.0;
         for (cut, m) in cuts.iter().zip(multipliers) {
             let share = match cut.epigraph {
                 Some(e) if totals[e] > 0.0 => m.max(0.0) / totals[e],
@@ -601,7 +771,9 @@ impl Program<'_> {
                 }
             };
             match cut.returned.is_empty() {
-                true => cut.parts.iter().for_each(|(j, convex)| add(&mut sums[*j], convex, share)),
+                true => {
+                    cut.parts.iter().for_each(|of| sums[of.joint] = sums[of.joint] + of.polynomial * share);
+                }
                 false if share > 0.0 => {
                     cut.returned.iter().for_each(|(j, sample, weight)| priced[*j].push((*sample, share * weight)));
                 }
@@ -610,16 +782,16 @@ impl Program<'_> {
         }
         let sole = epigraphs == 1 && cuts.iter().all(|c| c.epigraph.is_some());
         for (j, (part, sum)) in self.parts.iter().zip(&sums).enumerate() {
-            let (a, b) = (part.ratios.0.powi(2), part.ratios.1.powi(2));
-            let u = minimise(sum, a, b);
-            constant += if priced[j].is_empty() { value(sum, u) } else { self.least_with_returned(j, sum, &priced[j]) };
-            size += value(&sum.map(f64::abs), u);
+            constant += match priced[j].is_empty() {
+                true => least_over(sum, part.ratios),
+                false => self.least_with_returned(j, sum, &priced[j]),
+            };
             // What does not move has no cuts: its objective is what it is.
             if !sole && !part.moves() {
                 constant += part.scale * part.lower;
             }
         }
-        constant - 1e-14 * size
+        constant - 1e-14 * constant.abs()
     }
 
     /// Solves the program with the cuts so far; gives ratios and the multiplier of each cut.
@@ -630,7 +802,8 @@ impl Program<'_> {
         let mut size = 0.0_f64;
         let scaled = |j: usize, c: &Convex| [c[0] / middle[j], c[1], c[2] * middle[j], c[3] * middle[j] * middle[j]];
         for cut in cuts.iter().filter(|c| c.epigraph.is_some()) {
-            let here: f64 = cut.parts.iter().map(|(j, c)| scaled(*j, c).iter().map(|x| x.abs()).sum::<f64>()).sum();
+            let of = |share: &Share| scaled(share.joint, &share.convex).iter().map(|x| x.abs()).sum::<f64>();
+            let here: f64 = cut.parts.iter().map(of).sum();
             size = size.max(here);
         }
         let reference = if size > 0.0 { size } else { 1.0 };
@@ -641,7 +814,7 @@ impl Program<'_> {
             if cut.epigraph.is_some() {
                 right = 0.0;
             }
-            for (j, convex) in &cut.parts {
+            for Share { joint: j, convex, .. } in &cut.parts {
                 if !self.parts[*j].moves() {
                     right -= value(convex, middle[*j]);
                     continue;
@@ -731,6 +904,10 @@ impl Program<'_> {
         let multipliers = norms.iter().enumerate().map(|(i, norm)| solution.z[i] * reference / norm).collect();
         Some((ratios, multipliers))
     }
+}
+
+fn count(sum: &mut Option<Laurent>, more: Laurent, weight: f64) {
+    *sum = Some(sum.unwrap_or_default() + more * weight);
 }
 
 fn prices(cuts: &[Cut], multipliers: &[f64]) -> Price {

@@ -8,7 +8,7 @@
 //! Power is held to the way in which it flows through the gear at the load of the tangent. A sample whose way may turn takes more torque
 //! towards its motion than that, which heats less only where the motor brakes: by that much the tangent is lowered.
 
-use super::convex::under;
+use super::convex::{lowest, under};
 use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Class, Demand, GEAR_LIFE};
 use crate::actuator::load::Along;
@@ -156,11 +156,28 @@ impl<'t> Tangent<'t> {
         let worst = all.filter(|a| same(&a)).max_by(|a, b| raw(a.1).total_cmp(&raw(b.1)));
         let Some((index, _)) = worst else { return self };
         let Some(row) = self.row(index, ratio).map(|(plane, _)| plane) else { return self };
-        let multiplier = -self.cut(self.objective, ratio).slope(ratio) / row.value.slope(ratio);
+        let multiplier = -self.with_power_at(ratio).slope(ratio) / row.value.slope(ratio);
         if multiplier.is_finite() && multiplier > 0.0 {
             self.priced = Some((index, multiplier, ratio));
         }
         self
+    }
+
+    /// The best ratio of this load between two, with the power that it draws at prices; `own` is that without.
+    pub(super) fn best_between(&self, (a, b): (f64, f64), own: f64) -> f64 {
+        let Some(power) = &self.power else { return own };
+        let value = |n: f64| self.program(self.objective).objective_at(n) + power.plane.value.at(n);
+        lowest((a, b), |n| self.with_power_at(n), value)
+    }
+
+    /// The best of all ratios at this load, with the power that it draws at prices.
+    pub(super) fn best_of_all(&self) -> f64 {
+        self.best_between(self.range, self.range.0)
+    }
+
+    fn with_power_at(&self, ratio: f64) -> Laurent {
+        let power = self.power.as_ref().map_or_else(Laurent::default, |power| power.plane.value);
+        self.cut(self.objective, ratio) + power
     }
 
     /// What a kilogram more of each carried joint costs at a ratio, with what is priced.
