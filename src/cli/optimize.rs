@@ -250,6 +250,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     let choice = whole.then(|| choose(robot, catalog, options)).transpose()?;
     let took = limit.map(|_| begun.elapsed());
+    let of_rules = choice.as_ref().map(|whole| ruled.cost_of_robot(&plain, catalog, whole, options)).transpose()?;
     of_joints.end();
     search.end();
     arguments.html.write(
@@ -288,7 +289,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let costs = ruled.costs(&plain, catalog, &result)?;
     let text = arguments.output.choose(
         || {
-            let whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c, took)));
+            let mut whole = choice.as_ref().map_or_else(String::new, |c| format!("\n{}", robot_report::text(c, took)));
+            if let Some(cost) = of_rules.iter().flatten().next() {
+                whole.push_str(&format!("\n{}", table::paragraph(cost, 0, 2)));
+            }
             let costs: String = costs.iter().map(|line| table::paragraph(line, 0, 2)).collect();
             super::told_set(robot) + &costs + &report::text(&result, &outlooks, shown) + &whole
         },

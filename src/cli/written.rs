@@ -11,7 +11,7 @@ use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
 use crate::design::options::Options;
-use crate::design::robot::Choice;
+use crate::design::robot::{self, Choice};
 use crate::input::Source;
 use crate::report::design_file::{self, Made, Written, building_costs, way};
 use crate::report::{design_ratio, number, optimize::without_choice};
@@ -79,6 +79,43 @@ impl Ruled {
             }
         };
         Ok(result.joints.iter().zip(&free.joints).filter_map(line).collect())
+    }
+
+    /// What the limits that rules add cost a whole robot: its best combination against that without them; `None` where they cost nothing.
+    ///
+    /// # Errors
+    /// It was stopped.
+    pub fn cost_of_robot(
+        &self,
+        plain: &Robot,
+        catalog: &Catalog,
+        whole: &Choice,
+        options: robot::Options,
+    ) -> Result<Option<String>, Failure> {
+        if self.kept.is_empty() {
+            return Ok(None);
+        }
+        let mut plain = plain.clone();
+        take_objectives(&mut plain, &self.robot);
+        let options = robot::Options { budgets: false, runner_ups: 0, tick: &|| (), searched: &|_, _| (), ..options };
+        let free = robot::choose(&plain, catalog, options)?;
+        let Some(free) = free.combinations.first() else { return Ok(None) };
+        let Some(with) = whole.combinations.first() else {
+            return Ok(Some("The whole robot without the rules (`--no-rules`) has a combination.".into()));
+        };
+        let (now, was) = (with.objective, free.objective);
+        if now <= was + 1e-6 * was.abs() {
+            return Ok(None);
+        }
+        let less = match now > 0.0 {
+            true => format!("{:+.1} % of the objective", 100.0 * (was / now - 1.0)),
+            false => format!("{} instead of {}", number(was), number(now)),
+        };
+        let pairs = with.joints.iter().zip(&free.joints).zip(&plain.joints);
+        let other = pairs.filter(|((with, free), _)| with.motor.id != free.motor.id || with.gear != free.gear);
+        let other: Vec<String> = other.map(|((_, free), joint)| format!("{}: {}", joint.name, named(free))).collect();
+        let instead = if other.is_empty() { "the same motors at other ratios".into() } else { other.join(", ") };
+        Ok(Some(format!("The whole robot without the rules (`--no-rules`): {less}, with {instead}.")))
     }
 
     fn cost(&self, joint: &Joint, with: &Design, free: &Design, catalog: &Catalog) -> Option<String> {

@@ -268,7 +268,7 @@ pub(super) fn open(choice: &Choice, took: Option<Duration>) -> Vec<String> {
     lines.push(match took.map(|took| took.as_secs_f64()) {
         None => "the search ends after a fixed number of steps; with `--time-limit` it goes on for that long".to_string(),
         Some(seconds) if settled > 0 && left > 0 => format!(
-            "{settled} parts of the combinations are settled, {left} are left; as fast as so far that is {} s more, if none of \
+            "parts of all combinations: {settled} settled, {left} left; as fast as so far that is {} s more, if none of \
              them has to be divided again",
             number(seconds * left as f64 / settled as f64)
         ),

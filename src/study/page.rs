@@ -5,6 +5,7 @@ use std::path::Path;
 use super::effects::Effect;
 use super::output::Manifest;
 use super::plan::PlannedParameter;
+use super::summary::JointSummary;
 use super::{StudyError, Summary, plot};
 use crate::input::InputFile;
 use crate::report::html::{Page, Part, Row, Section, Table, Verdict};
@@ -14,14 +15,18 @@ use crate::words::csv::unguarded;
 /// Robots in the table of the best.
 const BEST: usize = 30;
 
+/// Whether a joint has no design in any robot, and not because its robot has no combination.
+fn is_impossible(joint: &JointSummary) -> bool {
+    joint.without_design - joint.without_combination == joint.robots
+}
+
 /// The page of the finished study in a folder.
 ///
 /// # Errors
 /// Its results cannot be read.
 pub fn page(out: &Path, summary: &Summary, manifest: &Manifest) -> Result<Page, StudyError> {
     let best = best(out, manifest)?;
-    let without: Vec<&str> =
-        summary.joints.iter().filter(|j| j.without_design == j.robots).map(|j| j.joint.as_str()).collect();
+    let without: Vec<&str> = summary.joints.iter().filter(|j| is_impossible(j)).map(|j| j.joint.as_str()).collect();
     let robots = counted(summary.robots as usize, "robot");
     let headline = match (best.first(), without.as_slice()) {
         (Some(first), _) => format!(
@@ -219,6 +224,7 @@ fn joints(summary: &Summary) -> Vec<Part> {
         "joint",
         ">robots",
         ">without a design",
+        ">of them without a combination",
         ">of them not judged",
         ">least loss [W]",
         ">mean loss [W]",
@@ -233,7 +239,8 @@ fn joints(summary: &Summary) -> Vec<Part> {
         let share = |first: u64| number((1000.0 * first as f64 / joint.robots.max(1) as f64).round() / 10.0);
         let first = joint.motors.first().filter(|m| m.first > 0);
         let mut cells = vec![joint.joint.clone()];
-        cells.extend([joint.robots, joint.without_design, joint.unjudged].map(|n| n.to_string()));
+        let counts = [joint.robots, joint.without_design, joint.without_combination, joint.unjudged];
+        cells.extend(counts.map(|n| n.to_string()));
         cells.extend([joint.least_loss_w, joint.mean_loss_w, joint.largest_loss_w].map(optional));
         cells.push(first.map_or_else(|| "none".into(), |m| m.motor.clone()));
         cells.push(first.map_or_else(String::new, |m| share(m.first)));

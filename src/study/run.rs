@@ -255,6 +255,13 @@ fn unharmed(
         let said = said.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
         let first = format!("{requirement}: a fault of the program, please report it: {said}");
         let broken = Broken { report: format!("error: {first}\n"), first, mistakes: 1 };
-        Ok(Record { robot, name: String::new(), inputs: Vec::new(), joints: Vec::new(), broken: Some(broken) })
+        Ok(Record {
+            robot,
+            name: String::new(),
+            inputs: Vec::new(),
+            joints: Vec::new(),
+            combined: None,
+            broken: Some(broken),
+        })
     })
 }

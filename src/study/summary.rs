@@ -39,8 +39,10 @@ pub struct JointSummary {
     pub joint: String,
     /// How many robots have one.
     pub robots: u64,
-    /// How many of them no motor that can be judged can do.
+    /// How many of them have no design: no motor that can be judged can do it, or there is no combination.
     pub without_design: u64,
+    /// Of how many of those no combination for the whole robot was found, whatever the joint itself could have.
+    pub without_combination: u64,
     /// At how many of those some motor may, but a limit that the requirement states cannot be judged of it.
     pub unjudged: u64,
     /// Least loss of a first choice, in watts.
@@ -77,6 +79,7 @@ struct Gathered {
     name: String,
     robots: u64,
     without: u64,
+    uncombined: u64,
     unjudged: u64,
     losses: Option<(f64, f64, f64)>,
     // First, among, behind, cannot, unknown, unjudged: for each motor.
@@ -118,7 +121,9 @@ impl Gatherer {
             let without = choice.motor == u32::MAX;
             let apart = joint.motors.chars().any(|letter| Standing::of(letter) == Some(Standing::Unjudged));
             gathered.without += u64::from(without);
-            gathered.unjudged += u64::from(without && apart);
+            let uncombined = record.combined == Some(false);
+            gathered.uncombined += u64::from(uncombined);
+            gathered.unjudged += u64::from(without && apart && !uncombined);
             if choice.loss.is_finite() {
                 let (least, sum, most) = gathered.losses.unwrap_or((f64::INFINITY, 0.0, f64::NEG_INFINITY));
                 gathered.losses = Some((least.min(choice.loss), sum + choice.loss, most.max(choice.loss)));
@@ -158,6 +163,7 @@ impl Gatherer {
                 joint: joint.name,
                 robots: joint.robots,
                 without_design: joint.without,
+                without_combination: joint.uncombined,
                 unjudged: joint.unjudged,
                 least_loss_w: joint.losses.map(|l| l.0),
                 mean_loss_w: joint.losses.map(|l| l.1 / with_design as f64),

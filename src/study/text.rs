@@ -28,12 +28,16 @@ fn robots(count: u64) -> String {
 
 fn joint_text(joint: &JointSummary, top: Option<u32>) -> String {
     let mut heading = format!("{}: {}", joint.joint, robots(joint.robots));
-    let impossible = joint.without_design - joint.unjudged;
+    let impossible = joint.without_design - joint.unjudged - joint.without_combination;
     if impossible > 0 {
         heading.push_str(&format!(", in {impossible} of them no motor can do it"));
     }
     if joint.unjudged > 0 {
         heading.push_str(&format!(", in {} of them no motor that can be judged can do it", joint.unjudged));
+    }
+    if joint.without_combination > 0 {
+        let of = format!(", for {} of them no combination of all joints was found", joint.without_combination);
+        heading.push_str(&of);
     }
     if let (Some(least), Some(mean), Some(most)) = (joint.least_loss_w, joint.mean_loss_w, joint.largest_loss_w) {
         let [least, mean, most] = [least, mean, most].map(number);

@@ -34,6 +34,9 @@ pub struct Record {
     pub inputs: Files,
     /// Its joints.
     pub joints: Vec<JointRecord>,
+    /// Whether a combination was found that keeps all of it; nothing where each joint is chosen by itself.
+    #[serde(default)]
+    pub combined: Option<bool>,
     /// Why it could not be worked on.
     pub broken: Option<Broken>,
 }
@@ -232,6 +235,7 @@ impl Worker<'_> {
             name,
             inputs: inputs.clone(),
             joints: Vec::new(),
+            combined: None,
             broken: Some(broken),
         };
         let read = match read {
@@ -266,9 +270,9 @@ impl Worker<'_> {
             Ok(wound) => wound,
             Err(message) => return Ok(refused(&read.name, message)),
         };
-        let joints = match read.is_coupled() {
+        let (joints, combined) = match read.is_coupled() {
             true => match self.whole(&read, &catalog, stop)? {
-                Ok(joints) => joints,
+                Ok((joints, combined)) => (joints, Some(combined)),
                 Err(message) => return Ok(refused(&read.name, message)),
             },
             false => {
@@ -278,10 +282,10 @@ impl Worker<'_> {
                     motors: standings(joint, self.catalog),
                     rows: columns::rows(joint),
                 });
-                joints.collect()
+                (joints.collect(), None)
             }
         };
-        Ok(Record { robot, name: read.name.clone(), inputs, joints, broken: None })
+        Ok(Record { robot, name: read.name.clone(), inputs, joints, combined, broken: None })
     }
 
     /// A robot whose joints depend on each other has combinations: as many as designs are asked for.
@@ -309,7 +313,7 @@ impl Worker<'_> {
         robot: &Robot,
         catalog: &Catalog,
         stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Result<Vec<JointRecord>, String>, Stopped> {
+    ) -> Result<Result<(Vec<JointRecord>, bool), String>, Stopped> {
         let options = robot::Options {
             only_checked: self.settings.only_checked,
             runner_ups: self.settings.top.map_or(0, |top| top.saturating_sub(1) as usize),
@@ -327,7 +331,7 @@ impl Worker<'_> {
             motors: standings_of_robot(&choice, j, self.catalog),
             rows: columns::rows_of_robot(&choice, j),
         };
-        Ok(Ok(robot.joints.iter().enumerate().map(joint).collect()))
+        Ok(Ok((robot.joints.iter().enumerate().map(joint).collect(), !choice.combinations.is_empty())))
     }
 }
 

@@ -123,9 +123,11 @@ fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
     let free = search_all(context, rules);
     let keeps = |found: &&Found<'a>| context.combination(found).most_returned <= most;
     let kept: Vec<Found> = free.found.iter().filter(keeps).cloned().collect();
+    // Behind one that does not keep it others may come next.
+    let first: Vec<Found> = free.found.iter().take_while(keeps).cloned().collect();
     context.returned = Some(most);
-    if free.finished && kept.len() == free.found.len() {
-        return free;
+    if free.finished && (!first.is_empty() || free.found.is_empty()) {
+        return Answer { found: first, ..free };
     }
     let mut answer = search_all(context, rules);
     kept.into_iter().for_each(|found| answer.take(found, rules.keep));

@@ -367,3 +367,37 @@ fn a_joint_without_a_design_of_its_own_is_no_measure() {
     let Err(gearwise::design::robot::NoChoice::Cannot(why)) = refused else { panic!("a choice without a measure") };
     assert!(why.contains("no design without what it carries"), "{why}");
 }
+
+/// Power that binds the ratios of all joints together is no reason to be without a proof; what the best keeps anyway changes nothing; and
+/// that nothing can do with less is shown, not given up.
+#[test]
+fn an_arm_under_shared_power_is_proved() {
+    let (mut robot, catalog) = (arm(), some(7, 25));
+    robot.joints.iter_mut().for_each(|joint| joint.objective = Objective::single(Quantity::Loss));
+    let free = decide(&robot, &catalog, 0);
+    assert!(free.proof.certified(), "{:?}", free.proof);
+    let (objective, power, returned) =
+        (free.combinations[0].objective, free.combinations[0].peak_power, free.combinations[0].most_returned);
+    let mut last = objective;
+    for share in [1.001, 0.985, 0.965] {
+        let mut limited = robot.clone();
+        limited.budget.power = Some(share * power);
+        let choice = decide(&limited, &catalog, 0);
+        let best = &choice.combinations[0];
+        assert!(choice.proof.certified(), "{share}: {:?}", choice.proof);
+        assert!(best.peak_power <= share * power * (1.0 + 1e-8), "{share}: {} {power}", best.peak_power);
+        // Less power costs more; more than is drawn costs nothing.
+        assert!(best.objective >= last * (1.0 - 1e-9), "{share}: {} {last}", best.objective);
+        assert!(share < 1.0 || (best.objective / objective - 1.0).abs() < 1e-9, "{} {objective}", best.objective);
+        last = best.objective;
+    }
+    assert!(last > objective * (1.0 + 1e-5), "the power does not bind: {last} {objective}");
+    robot.budget.power = Some(0.8 * power);
+    let none = decide(&robot, &catalog, 0);
+    assert!(none.combinations.is_empty() && none.proof.not_proved.is_empty(), "{:?}", none.proof);
+    robot.budget.power = None;
+    robot.budget.regeneration = Some(1.001 * returned.max(0.0));
+    let same = decide(&robot, &catalog, 0);
+    assert!(same.proof.certified(), "{:?}", same.proof);
+    assert!((same.combinations[0].objective / objective - 1.0).abs() < 1e-9);
+}
