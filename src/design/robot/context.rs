@@ -813,6 +813,6 @@ fn priced(
         let own = (program.objective_cut(n).0 + Laurent::constant(program.objective_cut(b).1)) * scale;
         weights.iter().fold(own, |sum, (k, weight)| sum + profile.at(*k, n).1 * *weight)
     };
-    let best = lowest((a, b), cut, |n| scale * program.objective_at(n) + power(n));
+    let best = lowest((a, b), cut, None, |n| scale * program.objective_at(n) + power(n));
     least_over(&cut(best), (a, b))
 }

@@ -2,7 +2,7 @@
 //! on an interval: concave terms become secants, odd convex ones tangents, `1/u`, `u` and `u²` stay.
 
 use crate::actuator::Laurent;
-use crate::design::program::{minimise, value};
+use crate::design::program::{RatioProgram, minimise, value};
 use crate::numerics::line_search::least_in_range;
 
 /// How often a range of ratios is divided at most.
@@ -86,9 +86,14 @@ pub(super) fn least_of_pieces<'o>(
     open.iter().map(|(bound, ..)| *bound).fold(f64::INFINITY, f64::min)
 }
 
-/// Where a function is least between two ratios: where polynomials lead that touch it and are nowhere above it, and where they lead back
-/// and forth, between these.
-pub(super) fn lowest((a, b): (f64, f64), cut: impl Fn(f64) -> Laurent, value: impl Fn(f64) -> f64) -> f64 {
+/// Where a function is least between two ratios: where polynomials lead that touch it and are nowhere above it, with what is `beside` them
+/// and may have more than one valley; and where they lead back and forth, between these.
+pub(super) fn lowest(
+    (a, b): (f64, f64),
+    cut: impl Fn(f64) -> Laurent,
+    beside: Option<&dyn Fn(f64) -> f64>,
+    value: impl Fn(f64) -> f64,
+) -> f64 {
     if a >= b {
         return a;
     }
@@ -96,7 +101,13 @@ pub(super) fn lowest((a, b): (f64, f64), cut: impl Fn(f64) -> Laurent, value: im
     let mut at = (a * b).sqrt();
     for _ in 0..LEADS {
         let cut = cut(at);
-        let next = least_in_range(&|n: f64| cut.at(n), a, b);
+        let next = match beside {
+            None => least_in_range(&|n: f64| cut.at(n), a, b),
+            Some(beside) => {
+                let of = |n: f64| cut.at(n) + beside(n);
+                RatioProgram::least_over(&of, &[(a, b)]).map_or(at, |(ratio, _)| ratio)
+            }
+        };
         last = [at, next];
         if (next / at - 1.0).abs() < NEAR {
             return next;

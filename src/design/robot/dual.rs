@@ -8,7 +8,7 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use super::convex::{least_over, lowest};
+use super::convex::lowest;
 use crate::actuator::Laurent;
 
 /// Rounds of new prices.
@@ -18,7 +18,7 @@ const CLOSED: f64 = 1e-9;
 /// How far to both sides of a ratio the polynomials are taken that bound a joint there, where it may have a corner.
 const ASIDE: f64 = 1e-7;
 
-/// Joints that share rows `Σ drawn ≤ limit`.
+/// Joints that share rows, each a sum over joints that may be at most a limit.
 pub(super) trait Separable {
     type Row: Clone + PartialEq;
     /// The ratios that each joint may have.
@@ -29,8 +29,12 @@ pub(super) trait Separable {
     fn cut(&self, joint: usize, ratio: f64) -> Laurent;
     /// A joint's share of a row.
     fn drawn(&self, row: &Self::Row, joint: usize, ratio: f64) -> f64;
-    /// A polynomial that touches it at a ratio and is nowhere above it.
-    fn drawn_cut(&self, row: &Self::Row, joint: usize, ratio: f64) -> Laurent;
+    /// A polynomial that touches it at a ratio and is nowhere above it; `None` where there is none that is.
+    fn drawn_cut(&self, row: &Self::Row, joint: usize, ratio: f64) -> Option<Laurent>;
+    /// What a row may be at most.
+    fn limit(&self, row: &Self::Row) -> f64;
+    /// The least of a polynomial and of those rows at their prices that have none, over a joint's ratios, from below.
+    fn least(&self, joint: usize, polynomial: &Laurent, rows: &[(&Self::Row, f64)]) -> f64;
     /// Ratios near some that keep all rows, and the row that these break most, where they break one.
     fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Self::Row>);
 }
@@ -44,9 +48,8 @@ pub(super) struct Priced<R> {
     pub rows: Vec<(R, f64)>,
 }
 
-/// The best ratios under rows of which each may be at most `limit`, from some of which the first keep them; what is not below a
-/// threshold is not told from it.
-pub(super) fn solve<S: Separable>(of: &S, limit: f64, start: &[Vec<f64>], threshold: f64) -> Priced<S::Row> {
+/// The best ratios that keep all rows, from some of which the first keep them; what is not below a threshold is not told from it.
+pub(super) fn solve<S: Separable>(of: &S, start: &[Vec<f64>], threshold: f64) -> Priced<S::Row> {
     let ranges = of.ratios();
     let n = ranges.len();
     let total = |ratios: &[f64]| ratios.iter().enumerate().map(|(j, n)| of.value(j, *n)).sum::<f64>();
@@ -71,10 +74,10 @@ pub(super) fn solve<S: Separable>(of: &S, limit: f64, start: &[Vec<f64>], thresh
         });
     }
     for _ in 0..ROUNDS {
-        let Some((shares, prices)) = mixed(of, limit, &columns, &rows) else { break };
+        let Some((shares, prices)) = mixed(of, &columns, &rows) else { break };
         let priced = rows.iter().zip(&prices).map(|(row, price)| (row, *price)).filter(|priced| priced.1 > 0.0);
         let priced: Vec<(&S::Row, f64)> = priced.collect();
-        let (at, lower) = bounded(of, limit, &priced);
+        let (at, lower) = bounded(of, &priced);
         if lower > best.lower {
             best.lower = lower;
             best.rows = priced.iter().map(|(row, price)| ((*row).clone(), *price)).collect();
@@ -102,15 +105,16 @@ pub(super) fn solve<S: Separable>(of: &S, limit: f64, start: &[Vec<f64>], thresh
 }
 
 /// The best ratios at prices, each joint for itself, and the bound of all ratios that they show.
-pub(super) fn bounded<S: Separable>(of: &S, limit: f64, priced: &[(&S::Row, f64)]) -> (Vec<f64>, f64) {
+pub(super) fn bounded<S: Separable>(of: &S, priced: &[(&S::Row, f64)]) -> (Vec<f64>, f64) {
     let of_joint = |(joint, range): (usize, &(f64, f64))| {
         let sum = Sum { of, joint, priced };
-        let at = lowest(*range, |n| sum.cut(n), |n| sum.value(n));
+        let beside = |n: f64| sum.beside(n);
+        let at = lowest(*range, |n| sum.cut(n), sum.is_bent().then_some(&beside), |n| sum.value(n));
         (at, sum.bound(at, *range))
     };
     let (at, bounds): (Vec<f64>, Vec<f64>) = of.ratios().iter().enumerate().map(of_joint).unzip();
     let bound = bounds.iter().sum::<f64>();
-    let worth = limit * priced.iter().map(|(_, price)| price).sum::<f64>();
+    let worth = priced.iter().map(|(row, price)| price * of.limit(row)).sum::<f64>();
     (at, bound - worth - 1e-14 * (bound.abs() + worth.abs()))
 }
 
@@ -137,28 +141,41 @@ impl<S: Separable> Sum<'_, S> {
     }
 
     fn cut(&self, ratio: f64) -> Laurent {
-        let rows = self.priced.iter().map(|(row, price)| self.of.drawn_cut(row, self.joint, ratio) * *price);
-        rows.fold(self.of.cut(self.joint, ratio), |sum, row| sum + row)
+        let row = |(row, price): &(&S::Row, f64)| Some(self.of.drawn_cut(row, self.joint, ratio)? * *price);
+        self.priced.iter().filter_map(row).fold(self.of.cut(self.joint, ratio), |sum, row| sum + row)
+    }
+
+    /// Whether some row has no polynomial below it.
+    fn is_bent(&self) -> bool {
+        self.priced.iter().any(|(row, _)| self.of.drawn_cut(row, self.joint, 1.0).is_none())
+    }
+
+    /// The rows that have none, at their prices.
+    fn beside(&self, ratio: f64) -> f64 {
+        let bent = self.priced.iter().filter(|(row, _)| self.of.drawn_cut(row, self.joint, ratio).is_none());
+        bent.map(|(row, price)| price * self.of.drawn(row, self.joint, ratio)).sum()
     }
 
     /// A bound of it between two ratios, made at its best.
     fn bound(&self, at: f64, (a, b): (f64, f64)) -> f64 {
         let cut = self.cut(at);
-        let here = least_over(&cut, (a, b));
+        let least = |polynomial: &Laurent| self.of.least(self.joint, polynomial, self.priced);
+        let here = least(&cut);
         let (below, above) = (at * (1.0 - ASIDE), at * (1.0 + ASIDE));
-        if below <= a || above >= b || cut.at(at) - here <= CLOSED * here.abs() {
+        if below <= a || above >= b || cut.at(at) + self.beside(at) - here <= CLOSED * here.abs() {
             return here;
         }
         // At a corner the polynomials of both sides are mixed so that they have no slope.
         let sides = [below, above].map(|n| self.cut(n));
-        let slopes = sides.map(|side| side.slope(at));
+        let bent = (self.beside(above) - self.beside(below)) / (above - below);
+        let slopes = sides.map(|side| side.slope(at) + bent);
         let share = if slopes[0] < 0.0 && slopes[1] > 0.0 { slopes[1] / (slopes[1] - slopes[0]) } else { 0.5 };
-        here.max(least_over(&(sides[0] * share + sides[1] * (1.0 - share)), (a, b)))
+        here.max(least(&(sides[0] * share + sides[1] * (1.0 - share))))
     }
 }
 
 /// The cheapest mixture of known ratios that keeps the rows, and the price of each row.
-fn mixed<S: Separable>(of: &S, limit: f64, columns: &[Vec<f64>], rows: &[S::Row]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+fn mixed<S: Separable>(of: &S, columns: &[Vec<f64>], rows: &[S::Row]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
     let all: Vec<(usize, f64)> =
         columns.iter().enumerate().flat_map(|(j, column)| column.iter().map(move |n| (j, *n))).collect();
     let (joints, width) = (columns.len(), all.len());
@@ -166,9 +183,13 @@ fn mixed<S: Separable>(of: &S, limit: f64, columns: &[Vec<f64>], rows: &[S::Row]
     let size = costs.iter().map(|c| c.abs()).fold(f64::MIN_POSITIVE, f64::max);
     let mut a: Vec<Vec<f64>> = (0..joints).map(|j| all.iter().map(|(k, _)| f64::from(*k == j)).collect()).collect();
     let mut b = vec![1.0; joints];
+    let mut sizes = Vec::new();
     for row in rows {
-        a.push(all.iter().map(|(j, n)| of.drawn(row, *j, *n) / limit).collect());
-        b.push(1.0);
+        let drawn: Vec<f64> = all.iter().map(|(j, n)| of.drawn(row, *j, *n)).collect();
+        let size = drawn.iter().fold(of.limit(row).abs().max(f64::MIN_POSITIVE), |most, drawn| most.max(drawn.abs()));
+        a.push(drawn.iter().map(|drawn| drawn / size).collect());
+        b.push(of.limit(row) / size);
+        sizes.push(size);
     }
     for k in 0..width {
         let mut line = vec![0.0; width];
@@ -206,7 +227,7 @@ fn mixed<S: Separable>(of: &S, limit: f64, columns: &[Vec<f64>], rows: &[S::Row]
         shares.iter_mut().for_each(|share| *share /= sum);
     }
     let of_rows = &solution.z[joints..joints + rows.len()];
-    let prices: Vec<f64> = of_rows.iter().map(|price| price.max(0.0) * size / limit).collect();
+    let prices: Vec<f64> = of_rows.iter().zip(&sizes).map(|(price, of)| price.max(0.0) * size / of).collect();
     // What is as good as nothing is nothing.
     let most = prices.iter().copied().fold(0.0, f64::max);
     Some((shares, prices.into_iter().map(|price| if price > 1e-9 * most { price } else { 0.0 }).collect()))
@@ -215,6 +236,7 @@ fn mixed<S: Separable>(of: &S, limit: f64, columns: &[Vec<f64>], rows: &[S::Row]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::design::robot::convex::least_over;
     use crate::numerics::line_search::least_in_range;
 
     /// Joints `a/N² + b N² + c N` that draw `d N` each: not convex in N², and one with a corner.
@@ -252,8 +274,16 @@ mod tests {
             (2.0 + joint as f64) * ratio
         }
 
-        fn drawn_cut(&self, _: &usize, joint: usize, _: f64) -> Laurent {
-            Laurent::of_terms(0.0, 0.0, 2.0 + joint as f64)
+        fn drawn_cut(&self, _: &usize, joint: usize, _: f64) -> Option<Laurent> {
+            Some(Laurent::of_terms(0.0, 0.0, 2.0 + joint as f64))
+        }
+
+        fn limit(&self, _: &usize) -> f64 {
+            self.limit
+        }
+
+        fn least(&self, joint: usize, polynomial: &Laurent, _: &[(&usize, f64)]) -> f64 {
+            least_over(polynomial, self.ratios()[joint])
         }
 
         fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<usize>) {
@@ -271,7 +301,7 @@ mod tests {
     fn value_and_bound_meet_where_joints_share_a_row() {
         for limit in [32.0, 36.0, 44.0, 50.0, 80.0] {
             let toy = Toy { limit };
-            let found = solve(&toy, limit, &[vec![1.0, 1.0, 4.0]], f64::INFINITY);
+            let found = solve(&toy, &[vec![1.0, 1.0, 4.0]], f64::INFINITY);
             assert!(toy.drawn_in_all(&found.ratios) <= limit * (1.0 + 1e-9));
             assert!(
                 found.value - found.lower <= 1e-8 * found.value && found.lower <= found.value,

@@ -54,7 +54,11 @@ pub(super) fn solve<'a>(context: &mut Context<'a>, rules: Rules) -> Answer<'a> {
             answer.regions.0 += 1;
             continue;
         }
-        let short = if context.shares_power() { SOLVED_SHARED } else { SOLVED.1 };
+        let short = match context.returned {
+            Some(_) => SOLVED.0,
+            None if context.shares_power() => SOLVED_SHARED,
+            None => SOLVED.1,
+        };
         let few = context.most_bounded.map_or(search::MAX_SOLVED_LOADED, |_| short);
         let most = context.at_most(few);
         let programs = context.shares_power() && answer.solved >= most;

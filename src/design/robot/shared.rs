@@ -33,6 +33,8 @@ const BOXES_RETURNING: usize = 150;
 const GENTLE: f64 = 0.01;
 /// What draws more than the limit by this share certainly does.
 const SURELY: f64 = 1e-7;
+/// Halvings of the way to ratios that fit.
+const HALVINGS: usize = 36;
 /// Steps on the way to ratios that keep the power.
 const STEPS: usize = 50;
 /// Rounds without anything new after which a box is given up.
@@ -124,6 +126,19 @@ pub(super) struct Price {
 }
 
 impl Price {
+    /// Of rows the power alone.
+    fn of(rows: Vec<(Shared, f64)>) -> Price {
+        let power = |(row, price)| match row {
+            Shared::Power(places) => Some((places, price)),
+            Shared::Returned(_) => None,
+        };
+        Price { rows: rows.into_iter().filter_map(power).collect() }
+    }
+
+    fn of_power(&self) -> Vec<(Shared, f64)> {
+        self.rows.iter().map(|(places, price)| (Shared::Power(places.clone()), *price)).collect()
+    }
+
     /// The same as shares of one.
     pub(super) fn shares(&self) -> Price {
         let all: f64 = self.rows.iter().map(|(_, price)| price).sum();
@@ -212,8 +227,15 @@ struct Apart<'d> {
     limit: f64,
 }
 
+/// A row over all joints: what they draw at an instant of each group, or what comes back there.
+#[derive(Debug, Clone, PartialEq)]
+enum Shared {
+    Power(Places),
+    Returned(Places),
+}
+
 impl Separable for Apart<'_> {
-    type Row = Places;
+    type Row = Shared;
 
     fn ratios(&self) -> Vec<(f64, f64)> {
         let of = |part: &Part| if part.moves() { part.ratios } else { (part.own, part.own) };
@@ -232,23 +254,56 @@ impl Separable for Apart<'_> {
         if part.moves() { part.cut(ratio) } else { Laurent::constant(part.scale * part.lower) }
     }
 
-    fn drawn(&self, row: &Places, joint: usize, ratio: f64) -> f64 {
-        let of_joint = self.program.schedule.parts(row).filter(|(j, ..)| *j == joint);
+    fn drawn(&self, row: &Shared, joint: usize, ratio: f64) -> f64 {
         let profile = &self.program.parts[joint].profile;
-        of_joint.map(|(_, sample, weight)| weight * profile.at(*sample, ratio).0).sum()
+        let of_joint = |places| self.program.schedule.parts(places).filter(|(j, ..)| *j == joint);
+        match row {
+            Shared::Power(places) => of_joint(places).map(|(_, k, weight)| weight * profile.at(*k, ratio).0).sum(),
+            Shared::Returned(places) => {
+                of_joint(places).map(|(_, k, weight)| weight * profile.returned(*k, ratio)).sum()
+            }
+        }
     }
 
-    fn drawn_cut(&self, row: &Places, joint: usize, ratio: f64) -> Laurent {
-        let of_joint = self.program.schedule.parts(row).filter(|(j, ..)| *j == joint);
+    fn drawn_cut(&self, row: &Shared, joint: usize, ratio: f64) -> Option<Laurent> {
+        let Shared::Power(places) = row else { return None };
+        let of_joint = self.program.schedule.parts(places).filter(|(j, ..)| *j == joint);
         let profile = &self.program.parts[joint].profile;
         let rows = of_joint.map(|(_, sample, weight)| profile.at(*sample, ratio).1 * *weight);
-        rows.fold(Laurent::default(), |sum, row| sum + row)
+        Some(rows.fold(Laurent::default(), |sum, row| sum + row))
     }
 
-    fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Places>) {
+    fn limit(&self, row: &Shared) -> f64 {
+        match row {
+            Shared::Power(_) => self.limit,
+            Shared::Returned(_) => self.program.returned.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    fn least(&self, joint: usize, polynomial: &Laurent, rows: &[(&Shared, f64)]) -> f64 {
+        let mut priced: Vec<(usize, f64)> = Vec::new();
+        for (row, price) in rows {
+            let Shared::Returned(places) = row else { continue };
+            let of_joint = self.program.schedule.parts(places).filter(|(j, ..)| *j == joint);
+            priced.extend(of_joint.map(|(_, sample, weight)| (*sample, price * weight)));
+        }
+        match priced.is_empty() {
+            true => least_over(polynomial, self.ratios()[joint]),
+            false => self.program.least_with_returned(joint, polynomial, &priced),
+        }
+    }
+
+    fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Shared>) {
         let (power, places) = self.program.power(ratios, self.limit);
         let kept = self.program.kept(ratios, power, self.gentlest, self.limit);
-        (kept, (power > self.limit).then_some(places))
+        let broken = (power > self.limit).then_some(Shared::Power(places));
+        match self.program.beyond(&kept) {
+            None => (kept, broken),
+            Some(places) => {
+                let fits = |at: &[f64]| self.program.fits(at, self.limit);
+                (self.program.towards(&kept, self.gentlest, fits), Some(Shared::Returned(places)))
+            }
+        }
     }
 }
 
@@ -256,7 +311,7 @@ impl Separable for Apart<'_> {
 struct Drawing<'d>(Apart<'d>);
 
 impl Separable for Drawing<'_> {
-    type Row = Places;
+    type Row = Shared;
 
     fn ratios(&self) -> Vec<(f64, f64)> {
         self.0.ratios()
@@ -270,15 +325,23 @@ impl Separable for Drawing<'_> {
         Laurent::default()
     }
 
-    fn drawn(&self, row: &Places, joint: usize, ratio: f64) -> f64 {
+    fn drawn(&self, row: &Shared, joint: usize, ratio: f64) -> f64 {
         self.0.drawn(row, joint, ratio)
     }
 
-    fn drawn_cut(&self, row: &Places, joint: usize, ratio: f64) -> Laurent {
+    fn drawn_cut(&self, row: &Shared, joint: usize, ratio: f64) -> Option<Laurent> {
         self.0.drawn_cut(row, joint, ratio)
     }
 
-    fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Places>) {
+    fn limit(&self, row: &Shared) -> f64 {
+        self.0.limit(row)
+    }
+
+    fn least(&self, joint: usize, polynomial: &Laurent, rows: &[(&Shared, f64)]) -> f64 {
+        self.0.least(joint, polynomial, rows)
+    }
+
+    fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Shared>) {
         self.0.kept(ratios)
     }
 }
@@ -496,11 +559,15 @@ impl Program<'_> {
         })
     }
 
+    /// Whether some ratios keep what all share.
+    fn fits(&self, ratios: &[f64], limit: f64) -> bool {
+        self.beyond(ratios).is_none()
+            && (limit == f64::INFINITY || self.power(ratios, limit).0 <= limit * (1.0 + POWER_TOLERANCE))
+    }
+
     /// Ratios near some at which no more comes back than may: on the way to where each joint gives back least at an instant.
     fn returning(&self, ratios: &[f64], limit: f64) -> Option<Vec<f64>> {
-        let fits = |ratios: &[f64]| {
-            self.beyond(ratios).is_none() && self.power(ratios, limit).0 <= limit * (1.0 + POWER_TOLERANCE)
-        };
+        let fits = |ratios: &[f64]| self.fits(ratios, limit);
         let Some(places) = self.beyond(ratios) else { return Some(ratios.to_vec()) };
         let mut at_ends = vec![(0.0, 0.0); self.parts.len()];
         for (j, sample, weight) in self.schedule.parts(&places) {
@@ -518,7 +585,7 @@ impl Program<'_> {
     fn towards(&self, from: &[f64], to: &[f64], fits: impl Fn(&[f64]) -> bool) -> Vec<f64> {
         let at = |share: f64| self.between(from, to, share);
         let (mut bad, mut good) = (0.0, 1.0);
-        for _ in 0..50 {
+        for _ in 0..HALVINGS {
             let middle = 0.5 * (bad + good);
             if fits(&at(middle)) { good = middle } else { bad = middle }
         }
@@ -619,8 +686,9 @@ impl Program<'_> {
         let apart = self.apart(&[], limit);
         let mut best = f64::NEG_INFINITY;
         for price in self.known.prices {
-            let rows: Vec<(&Places, f64)> = price.rows.iter().map(|(places, price)| (places, *price)).collect();
-            best = best.max(dual::bounded(&apart, limit, &rows).1);
+            let rows = price.of_power();
+            let rows: Vec<(&Shared, f64)> = rows.iter().map(|(row, price)| (row, *price)).collect();
+            best = best.max(dual::bounded(&apart, &rows).1);
             if best >= self.threshold {
                 break;
             }
@@ -630,9 +698,10 @@ impl Program<'_> {
 
     /// The least that all joints draw at prices of instants that sum to one \[W\].
     fn least_power_at(&self, price: &Price, limit: f64) -> f64 {
-        let rows: Vec<(&Places, f64)> = price.rows.iter().map(|(places, price)| (places, *price)).collect();
+        let rows = price.of_power();
+        let rows: Vec<(&Shared, f64)> = rows.iter().map(|(row, price)| (row, *price)).collect();
         // What the budget is worth at them is the budget.
-        dual::bounded(&Drawing(self.apart(&[], limit)), limit, &rows).1 + limit
+        dual::bounded(&Drawing(self.apart(&[], limit)), &rows).1 + limit
     }
 
     fn apart<'d>(&'d self, gentlest: &'d [f64], limit: f64) -> Apart<'d> {
@@ -642,15 +711,11 @@ impl Program<'_> {
     /// The best ratios by prices alone, from some that keep the limit.
     fn by_prices(&self, own: &[f64], gentlest: &[f64], limit: f64) -> Outcome {
         let apart = self.apart(gentlest, limit);
-        let priced = dual::solve(&apart, limit, &[gentlest.to_vec(), own.to_vec()], self.threshold);
+        let priced = dual::solve(&apart, &[gentlest.to_vec(), own.to_vec()], self.threshold);
         let free = self.parts.iter().map(Part::least).sum::<f64>();
         let lower = priced.lower.max(free).min(priced.value);
-        Outcome::Solved(Solved {
-            ratios: priced.ratios,
-            value: priced.value,
-            lower,
-            price: Price { rows: priced.rows },
-        })
+        let price = Price::of(priced.rows);
+        Outcome::Solved(Solved { ratios: priced.ratios, value: priced.value, lower, price })
     }
 
     /// The best ratios where what comes back is limited. It is concave in them, so that its tangents at ratios that keep the limit leave
@@ -706,7 +771,18 @@ impl Program<'_> {
                 break;
             }
         }
-        Outcome::Solved(Solved { ratios: at, value: best, lower: bound.min(best), price })
+        let solved = Solved { ratios: at, value: best, lower: bound.min(best), price };
+        let sags = self.parts.iter().any(|part| part.profile.sags());
+        if sags || !solved.is_open() || solved.lower >= self.threshold || solved.value == f64::INFINITY {
+            return Outcome::Solved(solved);
+        }
+        // What is made convex for the program may be far below what it is: prices alone say more.
+        let apart = self.apart(&solved.ratios, limit);
+        let priced = dual::solve(&apart, &[solved.ratios.clone(), own.to_vec()], self.threshold);
+        let better = priced.value < solved.value;
+        let (ratios, value) =
+            if better { (priced.ratios, priced.value) } else { (solved.ratios.clone(), solved.value) };
+        Outcome::Solved(Solved { ratios, value, lower: solved.lower.max(priced.lower).min(value), price: solved.price })
     }
 
     fn add_objective(&self, cuts: &mut Vec<Cut>, ratios: &[f64]) {

@@ -167,7 +167,7 @@ impl<'t> Tangent<'t> {
     pub(super) fn best_between(&self, (a, b): (f64, f64), own: f64) -> f64 {
         let Some(power) = &self.power else { return own };
         let value = |n: f64| self.program(self.objective).objective_at(n) + power.plane.value.at(n);
-        lowest((a, b), |n| self.with_power_at(n), value)
+        lowest((a, b), |n| self.with_power_at(n), None, value)
     }
 
     /// The best of all ratios at this load, with the power that it draws at prices.
