@@ -50,7 +50,7 @@ pub fn text(choice: &Choice, took: Option<Duration>) -> String {
         }
     }
     if choice.others_left_out {
-        let line = "The search took long: not all other budgets were looked at.";
+        let line = "Not all other budgets were looked at: that would take long.";
         out.push_str(&format!("\n{}", paragraph(line, 2, 4)));
     }
     if choice.front.len() > 1 {

@@ -265,7 +265,9 @@ struct Effort {
 
 impl Effort {
     fn after(context: &Context, answer: &Answer) -> Effort {
-        let short = answer.finished && (!context.shares_power() || answer.solved <= LONG);
+        // Each program takes long where what comes back is limited and loads are not known.
+        let slow = context.returned.is_some() && !context.is_certain();
+        let short = answer.finished && !slow && (!context.shares_power() || answer.solved <= LONG);
         Effort { bounded: MANY_BOUNDED.max(OTHERS * answer.bounded), short, left_out: false }
     }
 

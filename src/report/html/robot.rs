@@ -33,7 +33,7 @@ pub(super) fn parts(choice: &Choice) -> Vec<Part> {
         parts.push(Part::List(choice.changes.iter().map(|change| change_text(choice, best, change)).collect()));
     }
     if choice.others_left_out {
-        parts.push(Part::Text("The search took long: not all other budgets were looked at.".into()));
+        parts.push(Part::Text("Not all other budgets were looked at: that would take long.".into()));
     }
     parts.extend(folded("Less mass costs", front(choice, best).part()));
     parts.extend(apart(choice));
