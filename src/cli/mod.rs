@@ -133,6 +133,11 @@ struct Output {
 }
 
 impl Output {
+    /// Whether it is for people.
+    fn is_text(&self) -> bool {
+        !self.json && !self.csv
+    }
+
     /// The text in the form that was asked for.
     fn choose(
         &self,

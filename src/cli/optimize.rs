@@ -250,7 +250,8 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     let choice = whole.then(|| choose(robot, catalog, options)).transpose()?;
     let took = limit.map(|_| begun.elapsed());
-    let of_rules = choice.as_ref().map(|whole| ruled.cost_of_robot(&plain, catalog, whole, options)).transpose()?;
+    let told = choice.as_ref().filter(|_| arguments.output.is_text());
+    let of_rules = told.map(|whole| ruled.cost_of_robot(&plain, catalog, whole, options)).transpose()?;
     of_joints.end();
     search.end();
     arguments.html.write(

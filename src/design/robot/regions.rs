@@ -225,7 +225,7 @@ fn divide<'a>(context: &mut Context<'a>, mut region: Region, rules: Rules, answe
     let halves = [false, true].map(|heavy| {
         let mut ways = region.ways.clone();
         ways[joint].retain(|way| (mass(way) > middle) == heavy);
-        Region { ways, bound: region.bound.max(lower), tables: region.tables.clone(), ..region.clone() }
+        Region { ways, bound: region.bound.max(lower), ..region.clone() }
     });
     halves.into_iter().collect()
 }

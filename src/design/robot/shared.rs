@@ -225,6 +225,16 @@ struct Apart<'d> {
     programs: Vec<RatioProgram<'d>>,
     gentlest: &'d [f64],
     limit: f64,
+    /// Nothing counts but what they draw.
+    drawing: bool,
+}
+
+impl Apart<'_> {
+    /// What a joint has in an instant of each group: samples and weights.
+    fn of_joint<'p>(&'p self, places: &'p Places, joint: usize) -> impl Iterator<Item = (usize, f64)> + 'p {
+        let parts = self.program.schedule.parts(places).filter(move |(j, ..)| *j == joint);
+        parts.map(|(_, sample, weight)| (*sample, *weight))
+    }
 }
 
 /// A row over all joints: what they draw at an instant of each group, or what comes back there.
@@ -243,12 +253,18 @@ impl Separable for Apart<'_> {
     }
 
     fn value(&self, joint: usize, ratio: f64) -> f64 {
+        if self.drawing {
+            return 0.0;
+        }
         let part = &self.program.parts[joint];
         let objective = if ratio == part.own { part.objective } else { self.programs[joint].objective_at(ratio) };
         part.scale * objective
     }
 
     fn cut(&self, joint: usize, ratio: f64) -> Laurent {
+        if self.drawing {
+            return Laurent::default();
+        }
         let part = &self.program.parts[joint];
         // What does not move is what it is.
         if part.moves() { part.cut(ratio) } else { Laurent::constant(part.scale * part.lower) }
@@ -256,20 +272,16 @@ impl Separable for Apart<'_> {
 
     fn drawn(&self, row: &Shared, joint: usize, ratio: f64) -> f64 {
         let profile = &self.program.parts[joint].profile;
-        let of_joint = |places| self.program.schedule.parts(places).filter(|(j, ..)| *j == joint);
         match row {
-            Shared::Power(places) => of_joint(places).map(|(_, k, weight)| weight * profile.at(*k, ratio).0).sum(),
-            Shared::Returned(places) => {
-                of_joint(places).map(|(_, k, weight)| weight * profile.returned(*k, ratio)).sum()
-            }
+            Shared::Power(places) => self.of_joint(places, joint).map(|(k, w)| w * profile.at(k, ratio).0).sum(),
+            Shared::Returned(places) => self.of_joint(places, joint).map(|(k, w)| w * profile.returned(k, ratio)).sum(),
         }
     }
 
     fn drawn_cut(&self, row: &Shared, joint: usize, ratio: f64) -> Option<Laurent> {
         let Shared::Power(places) = row else { return None };
-        let of_joint = self.program.schedule.parts(places).filter(|(j, ..)| *j == joint);
         let profile = &self.program.parts[joint].profile;
-        let rows = of_joint.map(|(_, sample, weight)| profile.at(*sample, ratio).1 * *weight);
+        let rows = self.of_joint(places, joint).map(|(k, weight)| profile.at(k, ratio).1 * weight);
         Some(rows.fold(Laurent::default(), |sum, row| sum + row))
     }
 
@@ -284,8 +296,7 @@ impl Separable for Apart<'_> {
         let mut priced: Vec<(usize, f64)> = Vec::new();
         for (row, price) in rows {
             let Shared::Returned(places) = row else { continue };
-            let of_joint = self.program.schedule.parts(places).filter(|(j, ..)| *j == joint);
-            priced.extend(of_joint.map(|(_, sample, weight)| (*sample, price * weight)));
+            priced.extend(self.of_joint(places, joint).map(|(sample, weight)| (sample, price * weight)));
         }
         match priced.is_empty() {
             true => least_over(polynomial, self.ratios()[joint]),
@@ -304,45 +315,6 @@ impl Separable for Apart<'_> {
                 (self.program.towards(&kept, self.gentlest, fits), Some(Shared::Returned(places)))
             }
         }
-    }
-}
-
-/// The same where nothing counts but what they draw.
-struct Drawing<'d>(Apart<'d>);
-
-impl Separable for Drawing<'_> {
-    type Row = Shared;
-
-    fn ratios(&self) -> Vec<(f64, f64)> {
-        self.0.ratios()
-    }
-
-    fn value(&self, _: usize, _: f64) -> f64 {
-        0.0
-    }
-
-    fn cut(&self, _: usize, _: f64) -> Laurent {
-        Laurent::default()
-    }
-
-    fn drawn(&self, row: &Shared, joint: usize, ratio: f64) -> f64 {
-        self.0.drawn(row, joint, ratio)
-    }
-
-    fn drawn_cut(&self, row: &Shared, joint: usize, ratio: f64) -> Option<Laurent> {
-        self.0.drawn_cut(row, joint, ratio)
-    }
-
-    fn limit(&self, row: &Shared) -> f64 {
-        self.0.limit(row)
-    }
-
-    fn least(&self, joint: usize, polynomial: &Laurent, rows: &[(&Shared, f64)]) -> f64 {
-        self.0.least(joint, polynomial, rows)
-    }
-
-    fn kept(&self, ratios: &[f64]) -> (Vec<f64>, Option<Shared>) {
-        self.0.kept(ratios)
     }
 }
 
@@ -454,7 +426,7 @@ fn solve_box(program: Program, limit: f64) -> Outcome {
     }
     let best = |gentlest: &[f64]| match returned {
         true => program.best_returning(&own, gentlest, limit),
-        false if parts.iter().any(|p| p.profile.sags()) => program.best(own.clone(), gentlest, limit),
+        false if program.sags() => program.best(own.clone(), gentlest, limit),
         false => program.by_prices(&own, gentlest, limit),
     };
     if limit == f64::INFINITY {
@@ -701,11 +673,22 @@ impl Program<'_> {
         let rows = price.of_power();
         let rows: Vec<(&Shared, f64)> = rows.iter().map(|(row, price)| (row, *price)).collect();
         // What the budget is worth at them is the budget.
-        dual::bounded(&Drawing(self.apart(&[], limit)), &rows).1 + limit
+        dual::bounded(&Apart { drawing: true, ..self.apart(&[], limit) }, &rows).1 + limit
     }
 
     fn apart<'d>(&'d self, gentlest: &'d [f64], limit: f64) -> Apart<'d> {
-        Apart { program: self, programs: self.parts.iter().map(Part::program).collect(), gentlest, limit }
+        Apart {
+            program: self,
+            programs: self.parts.iter().map(Part::program).collect(),
+            gentlest,
+            limit,
+            drawing: false,
+        }
+    }
+
+    /// Whether a supply gives each drive what the others leave.
+    fn sags(&self) -> bool {
+        self.parts.iter().any(|part| part.profile.sags())
     }
 
     /// The best ratios by prices alone, from some that keep the limit.
@@ -772,8 +755,7 @@ impl Program<'_> {
             }
         }
         let solved = Solved { ratios: at, value: best, lower: bound.min(best), price };
-        let sags = self.parts.iter().any(|part| part.profile.sags());
-        if sags || !solved.is_open() || solved.lower >= self.threshold || solved.value == f64::INFINITY {
+        if self.sags() || !solved.is_open() || solved.lower >= self.threshold || solved.value == f64::INFINITY {
             return Outcome::Solved(solved);
         }
         // What is made convex for the program may be far below what it is: prices alone say more.
