@@ -220,18 +220,12 @@ fn best(out: &Path, manifest: &Manifest) -> Result<Best, StudyError> {
 
 /// How often which motor is first, joint by joint.
 fn joints(summary: &Summary) -> Vec<Part> {
-    let header = [
-        "joint",
-        ">robots",
-        ">without a design",
-        ">of them without a combination",
-        ">of them not judged",
-        ">least loss [W]",
-        ">mean loss [W]",
-        ">largest loss [W]",
-        "most frequent first choice",
-        ">share [%]",
-    ];
+    // Robots whose joints are chosen one by one have no combinations.
+    let combined = summary.joints.iter().any(|joint| joint.without_combination > 0);
+    let mut header = vec!["joint", ">robots", ">no design"];
+    header.extend(combined.then_some(">no combination"));
+    header.extend([">not judged", ">least loss [W]", ">mean loss [W]", ">largest loss [W]"]);
+    header.extend(["most frequent first choice", ">share [%]"]);
     let mut table = Table::new("Joints of one name", &header);
     let mut all =
         Table::new("Motors", &["joint", "motor", ">first choice", ">share [%]", ">among those asked for", ">cannot"]);
@@ -239,8 +233,9 @@ fn joints(summary: &Summary) -> Vec<Part> {
         let share = |first: u64| number((1000.0 * first as f64 / joint.robots.max(1) as f64).round() / 10.0);
         let first = joint.motors.first().filter(|m| m.first > 0);
         let mut cells = vec![joint.joint.clone()];
-        let counts = [joint.robots, joint.without_design, joint.without_combination, joint.unjudged];
-        cells.extend(counts.map(|n| n.to_string()));
+        cells.extend([joint.robots, joint.without_design].map(|n| n.to_string()));
+        cells.extend(combined.then(|| joint.without_combination.to_string()));
+        cells.push(joint.unjudged.to_string());
         cells.extend([joint.least_loss_w, joint.mean_loss_w, joint.largest_loss_w].map(optional));
         cells.push(first.map_or_else(|| "none".into(), |m| m.motor.clone()));
         cells.push(first.map_or_else(String::new, |m| share(m.first)));
