@@ -28,7 +28,7 @@ const PIECES: usize = 32;
 /// Boxes of ratios that are looked at where a program is not convex.
 const BOXES: usize = 300;
 /// The same where what comes back is limited.
-const BOXES_RETURNING: usize = 150;
+const BOXES_RETURNING: usize = 600;
 /// Ratios that draw little more than the least, relative to it, are as good as those that draw least.
 const GENTLE: f64 = 0.01;
 /// What draws more than the limit by this share certainly does.

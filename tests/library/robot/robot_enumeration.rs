@@ -27,6 +27,19 @@ const POINTS: [usize; 5] = [0, 400, 60, 16, 9];
 /// A case is too close to call where a limit is met to this accuracy.
 const CLOSE: f64 = 1e-6;
 
+/// Value, and excess over the limits.
+type Point = (f64, f64);
+
+/// What keeps the limits comes first, by value; of others what breaks them least.
+fn is_better(one: &Point, other: &Point) -> bool {
+    match (one.1 <= 1e-12, other.1 <= 1e-12) {
+        (true, true) => one.0 < other.0,
+        (true, false) => true,
+        (false, true) => false,
+        (false, false) => one.1 < other.1,
+    }
+}
+
 struct Case {
     robot: Robot,
     catalog: Catalog,
@@ -263,12 +276,33 @@ impl Case {
     }
 
     /// The least of `f` over the ratios of some joints, on a grid that is refined around its best point, where
-    /// `f` gives value and excess; a point that breaks a limit counts only while none keeps all.
+    /// `f` gives value and excess; a point that breaks a limit counts only while none keeps all. Over three joints and more a grid is
+    /// coarse: it is refined around the best of those that nearly keep the limits too.
     fn least(&self, ranges: &[(f64, f64)], f: &dyn Fn(&[f64]) -> (f64, f64)) -> (f64, f64) {
+        let d = ranges.iter().filter(|r| r.1 > r.0).count();
+        let mut best = self.refined(ranges, f, &is_better);
+        for weight in [3.0, 30.0].into_iter().filter(|_| d > 2) {
+            let scored = |of: &Point| of.0 * (1.0 + weight * of.1.max(0.0) * of.0.signum());
+            let found = self.refined(ranges, f, &|one, other| scored(one) < scored(other));
+            if is_better(&found, &best) {
+                best = found;
+            }
+        }
+        best
+    }
+
+    /// The best of all points that the way of one order to its best comes by, by the order of what keeps the limits.
+    fn refined(
+        &self,
+        ranges: &[(f64, f64)],
+        f: &dyn Fn(&[f64]) -> (f64, f64),
+        before: &dyn Fn(&Point, &Point) -> bool,
+    ) -> (f64, f64) {
         let d = ranges.iter().filter(|r| r.1 > r.0).count();
         let points = if d == 0 { 1 } else { POINTS[d] };
         let mut boxed = ranges.to_vec();
-        let mut best = (f64::INFINITY, f64::INFINITY, ranges.iter().map(|r| r.0).collect::<Vec<f64>>());
+        let mut best = ((f64::INFINITY, f64::INFINITY), ranges.iter().map(|r| r.0).collect::<Vec<f64>>());
+        let mut kept = (f64::INFINITY, f64::INFINITY);
         for round in 0..14 {
             let points = if round == 0 { points } else { points.min(9) };
             let grid: Vec<Vec<f64>> = boxed
@@ -289,26 +323,23 @@ impl Case {
                         n
                     })
                     .collect();
-                let (value, excess) = f(&at);
-                let better = match (excess <= 1e-12, best.1 <= 1e-12) {
-                    (true, true) => value < best.0,
-                    (true, false) => true,
-                    (false, true) => false,
-                    (false, false) => excess < best.1,
-                };
-                if better {
-                    best = (value, excess, at);
+                let here = f(&at);
+                if is_better(&here, &kept) {
+                    kept = here;
+                }
+                if before(&here, &best.0) {
+                    best = (here, at);
                 }
             }
             if d == 0 {
                 break;
             }
-            for ((range, whole), n) in boxed.iter_mut().zip(ranges).zip(&best.2) {
+            for ((range, whole), n) in boxed.iter_mut().zip(ranges).zip(&best.1) {
                 let step = (range.1 / range.0).powf(1.5 / (points.max(2) - 1) as f64);
                 *range = ((n / step).max(whole.0), (n * step).min(whole.1));
             }
         }
-        (best.0, best.1)
+        kept
     }
 
     /// All combinations: the best total, the least excess over limits where there is none, the least mass.
@@ -560,11 +591,15 @@ fn agree(indices: std::ops::Range<u64>, draw: fn(u64) -> Case, (with, without): 
     let count = |of: &dyn Fn(&Told) -> bool| told.iter().filter(|t| of(t)).count();
     let (feasible, infeasible) = (count(&|t| t.feasible), count(&|t| !t.feasible));
     let (close, open) = (count(&|t| t.close), count(&|t| t.open));
-    println!("{feasible} feasible, {infeasible} not ({close} close), {open} not certified");
+    let beaten = count(&|t| t.beaten);
+    println!("{feasible} feasible, {infeasible} not ({close} close), {open} not certified, {beaten} of them beaten");
     let wrong: Vec<&str> = told.iter().flat_map(|t| t.wrong.iter().map(String::as_str)).collect();
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
     assert!(!are_all() || feasible >= with && infeasible >= without, "{feasible} feasible, {infeasible} not");
     assert!(open * 20 <= feasible, "{open} of {feasible} not certified");
+    let missed = count(&|t| t.missed);
+    assert!(missed * 40 <= feasible, "of {feasible} the enumeration misses {missed}: it is too coarse to say anything");
+    assert!(beaten * 40 <= feasible, "{beaten} of {feasible} are not the best");
 }
 
 /// What came of a case.
@@ -573,6 +608,8 @@ struct Told {
     feasible: bool,
     close: bool,
     open: bool,
+    beaten: bool,
+    missed: bool,
     wrong: Vec<String>,
 }
 
@@ -606,14 +643,14 @@ fn compare(index: u64, case: Case) -> Told {
     if (value - found.objective).abs() > 1e-8 * value.abs() || excess > 2e-9 {
         told.wrong.push(format!("{index}: says {}, is {value}, excess {excess:.1e}", found.objective));
     }
-    if best < found.objective * (1.0 - 1e-7) {
+    told.open = !choice.proof.certified();
+    // What is not proved may be beaten: by how much at most is what the bound says below.
+    told.beaten = best < found.objective * (1.0 - 1e-7);
+    if told.beaten && !told.open {
         told.wrong.push(format!("{index} (kind {}): found {}, but there is {best}", index % 6, found.objective));
     }
-    // Ratios of the grid come as near as it is fine.
-    if best > found.objective * 1.02 {
-        told.wrong.push(format!("{index}: found {}, but the enumeration only {best}", found.objective));
-    }
-    told.open = !choice.proof.certified();
+    // What was found keeps all by the equations above; ratios of the grid come as near to it as it is fine.
+    told.missed = best > found.objective * 1.02;
     if choice.proof.lower_bound.is_none_or(|bound| bound > best * (1.0 + 1e-9)) {
         told.wrong.push(format!("{index}: bound {:?} above {best}", choice.proof.lower_bound));
     }
