@@ -45,8 +45,8 @@ pub fn text(choice: &Choice, took: Option<Duration>) -> String {
     }
     if !choice.changes.is_empty() {
         out.push_str("\n  What the budgets cost:\n");
-        for change in &choice.changes {
-            out.push_str(&format!("    {}\n", wrap(&change_text(choice, best, change), 6)));
+        for line in change_lines(choice, best) {
+            out.push_str(&format!("    {}\n", wrap(&line, 6)));
         }
     }
     if choice.others_left_out {
@@ -160,7 +160,7 @@ fn designs(robot: &Robot, best: &Combination) -> String {
     let mut headings = vec![Column::name("joint"), Column::number("×", ""), Column::name("motor")];
     headings.push(Column::number("N", ""));
     headings.extend(columns::in_tables().map(|figure| columns::heading(figure, "")));
-    headings.push(Column::name("tightest\nmargin").dropped(9));
+    headings.push(Column::name("tightest\nmargin").dropped(6));
     let mut out = Table::new(headings).indented(2).also_in("`--json`").rows(rows).text();
     if best.joints.iter().any(|d| !d.unchecked.is_empty()) {
         let line = "* not every limit could be checked: the joint's table above says which";
@@ -303,7 +303,23 @@ fn budget_now(robot: &Robot, budget: &str) -> Option<f64> {
 }
 
 /// The joint question of a budget: what a step more or less of it is worth.
-pub(super) fn change_text(choice: &Choice, best: &Combination, change: &Change) -> String {
+/// What other budgets would change; of a budget that decides nothing that alone.
+pub(super) fn change_lines(choice: &Choice, best: &Combination) -> Vec<String> {
+    let is_same = |change: &Change| {
+        let same = |a: &Combination, b: &Combination| a.objective == b.objective && a.mass == b.mass;
+        change.certified && change.best.as_ref().is_some_and(|new| same(new, best))
+    };
+    let of = |changes: &[Change]| match changes.iter().all(is_same) {
+        true => {
+            let values: Vec<String> = changes.iter().map(|c| format!("{} {}", number(c.value), c.unit)).collect();
+            vec![format!("{} decides nothing: with {} the best is the same", changes[0].budget, values.join(" or "))]
+        }
+        false => changes.iter().map(|change| change_text(choice, best, change)).collect(),
+    };
+    choice.changes.chunk_by(|a, b| a.budget == b.budget).flat_map(of).collect()
+}
+
+fn change_text(choice: &Choice, best: &Combination, change: &Change) -> String {
     let now = budget_now(choice.robot, change.budget).unwrap_or(f64::NAN);
     let step = change.value - now;
     let word = if step > 0.0 { "more" } else { "less" };

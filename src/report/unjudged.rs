@@ -9,7 +9,7 @@ use crate::actuator::limits::Remark;
 use crate::design::answer::{JointResult, JointSweep, Reason, Says, Unjudged};
 use crate::design::outlook::Outlook;
 use crate::design::pareto::{Front, FrontPoint};
-use crate::design::robot::{Apart, Choice};
+use crate::design::robot::Choice;
 
 /// Why something cannot be judged, in a sentence.
 pub fn sentence(because: &[Remark]) -> String {
@@ -146,15 +146,19 @@ pub fn front_remarks(front: &Front) -> Vec<String> {
     told
 }
 
-/// The block of a whole robot.
+/// The block of a whole robot: what is the same at several joints is said once.
 pub fn robot_text(choice: &Choice) -> String {
-    let of_joint = |apart: &[Apart]| {
-        let name = &apart[0].joint.name;
-        let reasons = lines(apart.iter().map(|a| (a.motor.id.as_str(), a.because.as_slice())));
-        reasons.into_iter().map(|line| format!("{name}: {}", line.trim_start())).collect::<Vec<_>>()
-    };
-    let joints = choice.unjudged.chunk_by(|a, b| std::ptr::eq(a.joint, b.joint));
-    block(HEADING, joints.flat_map(of_joint).collect())
+    let mut told: Vec<(String, Vec<&str>)> = Vec::new();
+    for apart in choice.unjudged.chunk_by(|a, b| std::ptr::eq(a.joint, b.joint)) {
+        for line in lines(apart.iter().map(|a| (a.motor.id.as_str(), a.because.as_slice()))) {
+            let name = apart[0].joint.name.as_str();
+            match told.iter_mut().find(|(of, _)| *of == line) {
+                Some((_, joints)) => joints.push(name),
+                None => told.push((line, vec![name])),
+            }
+        }
+    }
+    block(HEADING, told.iter().map(|(line, joints)| format!("{}: {}", joints.join(", "), line.trim_start())).collect())
 }
 
 /// How many motors cannot be judged, to go on a sentence that counts the others.

@@ -7,8 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::grid::Grid;
 
-/// Robots of a block. Shards get whole blocks in turn.
+/// Most robots of a block. Shards get whole blocks in turn.
 pub const BLOCK: u64 = 16;
+/// So many blocks are made before they grow: shards of a small study get the same number of robots too.
+const BLOCKS: u64 = 64;
 
 /// How a study is run, as far as its results depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,14 +99,19 @@ impl Plan {
         (point / self.stride(parameter) % self.grid[parameter].values.len() as u64) as usize
     }
 
+    /// Robots of a block, but for the last.
+    fn block(&self) -> u64 {
+        (self.robots / BLOCKS).clamp(1, BLOCK)
+    }
+
     /// Number of blocks.
     pub fn blocks(&self) -> u64 {
-        self.robots.div_ceil(BLOCK)
+        self.robots.div_ceil(self.block())
     }
 
     /// The robots of a block.
     pub fn robots_of(&self, block: u64) -> std::ops::Range<u64> {
-        block * BLOCK..((block + 1) * BLOCK).min(self.robots)
+        block * self.block()..((block + 1) * self.block()).min(self.robots)
     }
 
     /// Robots of a shard.

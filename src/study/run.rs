@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::journal::{Journal, Lock, write_list};
-use super::plan::{Hashed, Inputs, Plan, Settings, Shard, path_name};
+use super::journal::{Block, Journal, Lock, write_list};
+use super::plan::{BLOCK, Hashed, Inputs, Plan, Settings, Shard, path_name};
 use super::worker::{Broken, Record, Store, Worker};
 use super::{StudyError, output};
 use crate::catalog::Catalog;
@@ -82,10 +82,15 @@ fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal
     let there = Journal::is_in(out);
     if existing == Existing::Refuse {
         if there {
-            return Err(StudyError::Argument(format!(
-                "`{}` has a study that is not finished: `--resume` goes on with it, `--force` starts again",
-                out.display()
-            )));
+            let finished =
+                Journal::open(out, lock).and_then(|j| Ok((j.recorded()? == j.plan.robots_in(j.shard), j.shard)));
+            let what = match finished {
+                Ok((true, shard)) if shard != Shard::WHOLE => {
+                    format!("`{}` has shard {shard}, finished: `gearwise merge` takes it", out.display())
+                }
+                _ => format!("`{}` has a study that is not finished: `--resume` goes on with it", out.display()),
+            };
+            return Err(StudyError::Argument(format!("{what}, `--force` starts again")));
         }
         if let Some(file) = output::FILES.iter().find(|f| out.join(f).exists()) {
             return Err(StudyError::Argument(format!(
@@ -204,27 +209,33 @@ pub fn run(study: &Study, journal: &Journal, watch: &Watch) -> Result<u64, Study
     let worker = worker(study);
     let points = plan.points();
     let mut requirements = journal.requirements(0)?;
-    for block in (0..plan.blocks()).filter(|b| journal.shard.has(*b)) {
-        let mut finished = journal.read(block)?;
-        finished.retain(|r| r.broken.is_none());
-        let mut left = Vec::new();
-        for robot in plan.robots_of(block) {
-            if finished.binary_search_by_key(&robot, |r| r.robot).is_err() {
-                left.push((robot, requirements.get(robot / points)?.to_string()));
+    let mut blocks = (0..plan.blocks()).filter(|b| journal.shard.has(*b)).peekable();
+    while blocks.peek().is_some() {
+        // Small blocks are worked on together.
+        let (mut files, mut left) = (Vec::new(), Vec::new());
+        while (left.len() as u64) < BLOCK
+            && let Some(block) = blocks.next()
+        {
+            let mut finished = journal.read(block)?;
+            finished.retain(|r| r.broken.is_none());
+            let before = left.len();
+            for robot in plan.robots_of(block) {
+                if finished.binary_search_by_key(&robot, |r| r.robot).is_err() {
+                    left.push((robot, requirements.get(robot / points)?.to_string(), files.len()));
+                }
+            }
+            if left.len() > before {
+                files.push(journal.append(block, &finished)?);
             }
         }
-        if left.is_empty() {
-            continue;
-        }
-        let file = journal.append(block, &finished)?;
-        left.par_iter().try_for_each(|(robot, requirement)| {
+        left.par_iter().try_for_each(|(robot, requirement, file)| {
             if watch.stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
             // A robot that was stopped is done again when the study goes on.
             let stop = || watch.stop.load(Ordering::Relaxed);
             let Ok(record) = unharmed(&worker, *robot, requirement, robot % points, &stop) else { return Ok(()) };
-            file.add(&record)?;
+            files[*file].add(&record)?;
             done.fetch_add(1, Ordering::Relaxed);
             if let Some(why) = &record.broken {
                 (watch.broken)(*robot, requirement, &study.inputs.grid.name(robot % points), why);
@@ -235,7 +246,7 @@ pub fn run(study: &Study, journal: &Journal, watch: &Watch) -> Result<u64, Study
         if watch.stop.load(Ordering::Relaxed) {
             break;
         }
-        file.finish()?;
+        files.iter().try_for_each(Block::finish)?;
     }
     let done = done.into_inner();
     if done < of { Err(StudyError::Stopped { done, of }) } else { Ok(of) }

@@ -52,11 +52,14 @@ pub fn page(result: &RobotResult, outlooks: &[Outlook], whole: Option<&Choice>, 
             )
         }
     };
-    let mut summary = vec![Part::Table(choices(result, whole))];
-    match whole {
-        // The budgets are those of the combination, not of the first choices.
-        Some(whole) => summary.extend(robot_page::parts(whole)),
-        None => summary.extend(budget(result).into_iter().map(Part::Text)),
+    // The budgets are those of the combination, not of the first choices of joints.
+    let mut summary = match whole {
+        Some(whole) => robot_page::parts(whole),
+        None => Vec::new(),
+    };
+    summary.push(Part::Table(choices(result, whole)));
+    if whole.is_none() {
+        summary.extend(budget(result).into_iter().map(Part::Text));
     }
     let figure = plot::optimized(result, catalog);
     let mut sections = Vec::new();

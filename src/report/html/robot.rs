@@ -3,7 +3,7 @@
 use super::{Chain, Part, Row, Table, estimated, folded, tightest};
 use crate::design::robot::{Choice, Combination};
 use crate::report::robot::{
-    aim, change_text, differences, kept, name, no_combination, open, per_mass, proof, sag_text, sums, unit,
+    aim, change_lines, differences, kept, name, no_combination, open, per_mass, proof, sag_text, sums, unit,
     wanting_lines,
 };
 use crate::report::{columns, number, optional, unjudged};
@@ -30,7 +30,7 @@ pub(super) fn parts(choice: &Choice) -> Vec<Part> {
     parts.extend(next_best(choice, best).part());
     if !choice.changes.is_empty() {
         parts.push(Part::Text("What the budgets cost:".into()));
-        parts.push(Part::List(choice.changes.iter().map(|change| change_text(choice, best, change)).collect()));
+        parts.push(Part::List(change_lines(choice, best)));
     }
     if choice.others_left_out {
         parts.push(Part::Text("Not all other budgets were looked at: that would take long.".into()));

@@ -293,7 +293,14 @@ fn shards_that_do_not_belong_together_are_refused_by_name() {
     let block = block.filter(|p| p.extension().is_some_and(|e| e == "jsonl")).max().unwrap();
     fs::remove_file(block).unwrap();
     refused(&["merge", "m", "p1", "p2", "p3"], "shard 3/3 in `p3` is not finished");
+    let stderr = ends(at, &["study", "study.toml", "--out", "p3", "--shard", "3/3"], 2);
+    assert!(stderr.contains("`p3` has a study that is not finished: `--resume` goes on with it"), "{stderr}");
     ends(at, &["study", "study.toml", "--out", "p3", "--shard", "3/3", "--resume"], 0);
+    let stderr = ends(at, &["study", "study.toml", "--out", "p3", "--shard", "3/3"], 2);
+    assert!(stderr.contains("`p3` has shard 3/3, finished: `gearwise merge` takes it, `--force` starts"), "{stderr}");
+    // Each has its third of the robots, few as they are.
+    let sizes: Vec<usize> = (1..=3).map(|k| robots_in(&at.join(format!("p{k}")))).collect();
+    assert!(sizes.iter().max().unwrap() - sizes.iter().min().unwrap() <= 1, "{sizes:?}");
     ends(at, &["merge", "m", "p1", "p2", "p3"], 0);
     assert!(at.join("m/results.csv").exists());
     for wrong in ["0/3", "4/3", "1", "a/b"] {
@@ -323,6 +330,13 @@ fn a_broken_robot_is_told_and_does_not_stop_the_others() {
     let stderr = ends(at, &["study", "robots", "--out", "out", "--catalog", "motors.csv", "--resume"], 0);
     assert!(stderr.contains("29 of 30 robots were finished before"), "{stderr}");
     same(&results(&at.join("good")), &results(&at.join("out")), "mended");
+}
+
+/// Robots that are recorded in a journal.
+fn robots_in(out: &Path) -> usize {
+    let entries = fs::read_dir(out.join("journal")).unwrap().map(|e| e.unwrap().path());
+    let blocks = entries.filter(|p| p.extension().is_some_and(|e| e == "jsonl"));
+    blocks.map(|p| fs::read_to_string(p).unwrap().lines().count()).sum()
 }
 
 fn journal_bytes(out: &Path) -> u64 {
@@ -371,12 +385,19 @@ fn torn_and_damaged_lines_are_done_again() {
     let at = folder.path();
     ends(at, &["study", "robots", "--out", "whole", "--catalog", "motors.csv"], 0);
     ends(at, &["study", "robots", "--out", "part", "--catalog", "motors.csv", "--shard", "1/1"], 0);
-    let block = at.join("part/journal/block-00000000.jsonl");
-    let mut bytes = fs::read(&block).unwrap();
-    let middle = bytes.len() / 2;
-    bytes[middle] ^= 1;
-    bytes.truncate(bytes.len() - 100);
-    fs::write(&block, bytes).unwrap();
+    let damaged = |block: u32, damage: &dyn Fn(&mut Vec<u8>)| {
+        let path = at.join(format!("part/journal/block-{block:08}.jsonl"));
+        let mut bytes = fs::read(&path).unwrap();
+        damage(&mut bytes);
+        fs::write(&path, bytes).unwrap();
+    };
+    damaged(0, &|bytes| {
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+    });
+    damaged(1, &|bytes| bytes.truncate(bytes.len() - 100));
+    // A line that was being written after one that is whole.
+    damaged(2, &|bytes| bytes.extend_from_within(..100));
     let again = ["study", "robots", "--out", "part", "--catalog", "motors.csv", "--shard", "1/1", "--resume"];
     let stderr = ends(at, &again, 0);
     assert!(stderr.contains("28 of 30 robots were finished before"), "{stderr}");
