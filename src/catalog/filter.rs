@@ -157,12 +157,7 @@ pub(crate) fn other<R: Row>(name: &str) -> Option<&'static Column<R>> {
 
 /// What a column that holds no number with a unit says in a row; `None` where it is blank.
 pub(crate) fn text_of<R>(column: &Column<R>, row: &R) -> Option<String> {
-    let text = match column.holds {
-        Holds::Text(get, _) => get(row),
-        Holds::Choice(_, get, _) => get(row).unwrap_or_default().to_string(),
-        Holds::Count(get, _) => get(row).map_or_else(String::new, |count| count.to_string()),
-    };
-    Some(text).filter(|t| !t.is_empty())
+    Some(super::row::text(column, row)).filter(|t| !t.is_empty())
 }
 
 /// What a filter asks of a kind of row; `None` where that has no such column.

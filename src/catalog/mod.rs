@@ -17,6 +17,7 @@ pub mod fitted;
 mod free;
 mod gear;
 pub mod import;
+pub mod module;
 mod motor;
 pub mod outlier;
 mod read;
@@ -35,8 +36,9 @@ pub use gear::{
     ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, matches_pattern,
     no_load_friction,
 };
+pub use module::Module;
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE, Wound};
-pub use read::{VERSION, gear_columns, motor_columns, read_gears, read_motors};
+pub use read::{VERSION, gear_columns, module_columns, motor_columns, read_gears, read_motors};
 pub use row::Field;
 pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
 
@@ -51,6 +53,8 @@ pub struct Catalog {
     pub motors: Vec<Motor>,
     /// The gears.
     pub gears: Vec<Gear>,
+    /// The modules.
+    pub modules: Vec<Module>,
     /// Rows that are no free choice and can be named: see [`Catalog::free`].
     pub aside: Vec<Motor>,
     origin: Origin,
@@ -184,18 +188,23 @@ impl Catalog {
                 Ok(rows) => {
                     rows.motors.iter().for_each(|m| twice(&mut motor_homes, &m.id));
                     rows.gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));
+                    // A module stands beside motors in answers.
+                    rows.modules.iter().for_each(|m| twice(&mut motor_homes, &m.id));
                     catalog.motors.extend(rows.motors);
                     catalog.gears.extend(rows.gears);
+                    catalog.modules.extend(rows.modules);
                 }
                 Err(error) => errors.push(error),
             }
         }
         errors.extend(sources.iter().flat_map(|source| wrong_twins(source, &catalog.motors)));
+        errors.extend(sources.iter().flat_map(|source| wrong_insides(source, &catalog)));
         if !errors.is_empty() {
             return Err(errors);
         }
         catalog.motors.sort_by(|a, b| a.id.cmp(&b.id));
         catalog.gears.sort_by(|a, b| a.id.cmp(&b.id));
+        catalog.modules.sort_by(|a, b| a.id.cmp(&b.id));
         catalog.origin = Origin::Files(sources);
         Ok(catalog)
     }
@@ -269,6 +278,38 @@ fn wrong_twins(source: &Arc<Source>, motors: &[Motor]) -> Option<InputError> {
         Some(problem.help("name the one row that counts; that row has no `same_as`"))
     };
     let problems: Vec<Problem> = wrong.filter_map(problem).collect();
+    (!problems.is_empty()).then(|| InputError { source: source.clone(), problems })
+}
+
+/// What a module's ratio may differ from that of the gear that it names.
+const SAME_RATIO: f64 = 0.01;
+
+/// Modules that name a motor or a gear that is none, or a gear of another ratio.
+fn wrong_insides(source: &Arc<Source>, catalog: &Catalog) -> Option<InputError> {
+    let mut problems = Vec::new();
+    for module in &catalog.modules {
+        // Each is reported where its own row is.
+        let Some(at) = source.text().find(&format!("{},", module.id)) else { continue };
+        let mut wrong = |message: String, help: String| {
+            problems.push(Problem::at(at..at + module.id.len(), message, "this row").help(help));
+        };
+        let help = "name a row of the same catalogue: with `--catalog builtin mine.csv` the shipped rows are there too";
+        if !module.motor.is_empty() && !catalog.motors.iter().any(|m| m.id == module.motor) {
+            wrong(format!("`{}` names the motor `{}`, which is none", module.id, module.motor), help.into());
+        }
+        let gear = catalog.gears.iter().find(|g| g.id == module.gear);
+        match gear {
+            None if !module.gear.is_empty() => {
+                wrong(format!("`{}` names the gear `{}`, which is none", module.id, module.gear), help.into());
+            }
+            Some(gear) if (gear.ratio / module.ratio() - 1.0).abs() > SAME_RATIO => {
+                let (own, other) = (crate::words::number(module.ratio()), crate::words::number(gear.ratio));
+                let message = format!("`{}` has the ratio {own}, its gear `{}` has {other}", module.id, gear.id);
+                wrong(message, "the two are one gear: look at the source".into());
+            }
+            _ => {}
+        }
+    }
     (!problems.is_empty()).then(|| InputError { source: source.clone(), problems })
 }
 

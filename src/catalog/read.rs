@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::fitted;
 use super::gear::Gear;
+use super::module::Module;
 use super::motor::Motor;
 use super::row::{self, Cells, CsvCells, MotorRow, TomlCells};
 use crate::input::csv::{Column, Table};
@@ -22,6 +23,7 @@ pub const VERSION: u32 = 1;
 pub(super) struct Rows {
     pub(super) motors: Vec<Motor>,
     pub(super) gears: Vec<Gear>,
+    pub(super) modules: Vec<Module>,
 }
 
 /// A kind of catalogue file.
@@ -40,7 +42,19 @@ pub(super) struct FileKind {
 }
 
 /// Every kind of file; the first whose header fits, so that the last takes what no other does.
-pub(super) const KINDS: &[FileKind] = &[GEARS, MOTORS];
+pub(super) const KINDS: &[FileKind] = &[MODULES, GEARS, MOTORS];
+
+const MODULES: FileKind = FileKind {
+    folder: "modules",
+    table: "module",
+    with: &["ratio", "drive"],
+    without: &[],
+    columns: module_columns,
+    read: |cells, rows| {
+        rows.modules.push(row::module(cells)?);
+        rows.modules.last().map(|m| m.id.clone())
+    },
+};
 
 const GEARS: FileKind = FileKind {
     folder: "gears",
@@ -74,6 +88,11 @@ pub fn motor_columns() -> Vec<Column> {
 /// The columns that a gear catalogue may have.
 pub fn gear_columns() -> Vec<Column> {
     row::csv_columns::<Gear>()
+}
+
+/// The columns that a catalogue of modules may have.
+pub fn module_columns() -> Vec<Column> {
+    row::csv_columns::<Module>()
 }
 
 /// Reads the motors of one CSV file.
@@ -111,7 +130,7 @@ fn rows_of(source: &Arc<Source>) -> Result<Rows, InputError> {
             return Some(read_lists(root));
         }
         let motor = fitted::read_choice(root)?;
-        Some(Rows { motors: vec![motor], gears: Vec::new() })
+        Some(Rows { motors: vec![motor], ..Rows::default() })
     })
 }
 

@@ -21,6 +21,8 @@ pub trait Cells {
     fn choice(&self, column: Key, words: &'static [&'static str]) -> Option<&'static str>;
     /// A whole number from 1 on.
     fn count(&self, column: Key) -> Option<u32>;
+    /// Pairs of numbers in SI.
+    fn pairs(&self, column: Key, kinds: [(&'static Kind, Range); 2]) -> Option<Vec<[f64; 2]>>;
     /// A number in SI, and what it states of itself.
     fn number(&self, column: Key, kind: &'static Kind, range: Range, words: Words) -> Option<(f64, Stated)>;
     /// A ±: its number and whether that is a share of the value.
@@ -87,6 +89,10 @@ impl Cells for CsvCells<'_> {
     fn count(&self, column: Key) -> Option<u32> {
         // The table has seen that it is a whole number that fits.
         self.read(column.name()).map(|n| n.value as u32)
+    }
+
+    fn pairs(&self, column: Key, _: [(&'static Kind, Range); 2]) -> Option<Vec<[f64; 2]>> {
+        self.table.pairs(self.row, column.name(), &mut self.problems.borrow_mut())
     }
 
     fn number(&self, column: Key, _: &'static Kind, _: Range, _: Words) -> Option<(f64, Stated)> {
@@ -182,6 +188,10 @@ impl Cells for TomlCells<'_, '_> {
 
     fn count(&self, column: Key) -> Option<u32> {
         self.0.count(self.key(column))
+    }
+
+    fn pairs(&self, column: Key, kinds: [(&'static Kind, Range); 2]) -> Option<Vec<[f64; 2]>> {
+        self.0.pairs(self.key(column), kinds)
     }
 
     fn number(&self, column: Key, kind: &'static Kind, range: Range, words: Words) -> Option<(f64, Stated)> {

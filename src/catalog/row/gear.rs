@@ -9,6 +9,8 @@ use crate::input::Stated;
 impl Row for Gear {
     type Numbers = Gear;
 
+    const REQUIRED: &'static [&'static str] = &["ratio"];
+
     const BEFORE: &'static [Column<Gear>] = &[
         identity!(id),
         identity!(manufacturer),

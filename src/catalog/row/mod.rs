@@ -6,6 +6,7 @@
 mod alias;
 mod cells;
 mod gear;
+mod module;
 mod motor;
 mod read;
 mod write;
@@ -13,7 +14,8 @@ mod write;
 pub use alias::{ALIASES, aliases_of, column_of};
 pub(super) use cells::{Cells, CsvCells, TomlCells};
 pub use motor::{Convention, MotorRow};
-pub(super) use read::{check_gear, gear, motor, numbers};
+pub(super) use read::{check_gear, gear, module, motor, numbers};
+pub(crate) use write::text;
 pub use write::{csv_text, numbers_text, toml_text};
 #[cfg(feature = "report")]
 pub(crate) use write::{number_line, quoted, say};
@@ -31,6 +33,8 @@ pub trait Row: Sized + 'static {
     const BEFORE: &'static [Column<Self>];
     /// The columns behind them.
     const AFTER: &'static [Column<Self>];
+    /// Numeric columns that the header of a file must have.
+    const REQUIRED: &'static [&'static str];
 
     /// The numbers.
     fn fields() -> &'static [Field<Self::Numbers>];
@@ -87,6 +91,8 @@ pub enum Holds<R: 'static> {
     Choice(&'static [&'static str], fn(&R) -> Option<&'static str>, fn(&mut R, &str)),
     /// A whole number from 1 on.
     Count(fn(&R) -> Option<u32>, fn(&mut R, u32)),
+    /// Pairs of numbers, in SI; none where the cell is blank.
+    Pairs([(&'static Kind, Range); 2], fn(&R) -> Vec<[f64; 2]>, fn(&mut R, Vec<[f64; 2]>)),
 }
 
 /// A numeric column.
@@ -164,13 +170,11 @@ impl<R: 'static> Column<R> {
         let content = match self.holds {
             Holds::Count(..) => Content::Count,
             Holds::Text(..) | Holds::Choice(..) => Content::Text,
+            Holds::Pairs(kinds, ..) => Content::Pairs(kinds),
         };
         CsvColumn { name: self.name.into(), content, required: self.need != Need::May }
     }
 }
-
-/// Numeric columns that the header of a file must have.
-const REQUIRED: &[&str] = &["resistance", "ratio"];
 
 /// The columns of a kind of row as a table of CSV has them, in the order of the documentation: what must be there first,
 /// numbers last.
@@ -188,7 +192,7 @@ pub(crate) fn csv_columns<R: Row>() -> Vec<CsvColumn> {
             States::Nothing => Content::Quantity(field.kind, field.range),
             states => Content::Stated(field.kind, field.range, states.words()),
         };
-        let required = REQUIRED.contains(&field.name);
+        let required = R::REQUIRED.contains(&field.name);
         columns.push(CsvColumn { name: field.name.into(), content, required });
         if let Some(name) = field.tolerance {
             columns.push(CsvColumn { name: name.into(), content: Content::Tolerance(field.kind), required: false });

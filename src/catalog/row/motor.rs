@@ -210,6 +210,8 @@ fn once<T: Copy + PartialEq>(
 impl Row for MotorRow {
     type Numbers = Sheet;
 
+    const REQUIRED: &'static [&'static str] = &["resistance"];
+
     const BEFORE: &'static [Column<MotorRow>] = &[
         identity!(id),
         identity!(manufacturer),

@@ -4,6 +4,8 @@ use super::cells::{Cells, Missing};
 use super::{Column, Field, Holds, MotorRow, Need, Row};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::gear::{Gear, GearKind, GearRatings};
+use crate::catalog::module::Module;
+use crate::catalog::module::check::{self, Wrong};
 use crate::catalog::motor::{Incomplete, Motor};
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::input::{Problem, key};
@@ -75,6 +77,11 @@ fn read_column<R: Row>(cells: &dyn Cells, column: &Column<R>, row: &mut R, spare
         Holds::Count(_, set) => {
             if let Some(count) = cells.count(asked) {
                 set(row, count);
+            }
+        }
+        Holds::Pairs(kinds, _, set) => {
+            if let Some(pairs) = cells.pairs(asked, kinds) {
+                set(row, pairs);
             }
         }
     }
@@ -185,6 +192,21 @@ pub fn gear(cells: &dyn Cells) -> Option<Gear> {
     }
     check_gear(cells, &gear);
     (cells.noted() == before).then_some(gear)
+}
+
+/// Reads the row of a module.
+pub fn module(cells: &dyn Cells) -> Option<Module> {
+    let before = cells.noted();
+    let mut module = Module::default();
+    read(cells, &mut module, &[]);
+    check_id(cells, &module.id);
+    if !cells.is_given("ratio") {
+        cells.blank("ratio", Need::Must("9"), &[]);
+    }
+    for Wrong { column, message, label, help } in check::wrong(&module) {
+        cells.note(Problem::at(cells.span(column), message, label).help(help));
+    }
+    (cells.noted() == before).then_some(module)
 }
 
 /// What must hold between the numbers of a gear.

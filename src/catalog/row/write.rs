@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Column, Field, Holds, Need, REQUIRED, Row};
+use super::{Column, Field, Holds, Need, Row};
 use crate::catalog::fitted::settled_difference;
 use crate::catalog::sheet::Printed;
 use crate::input::Stated;
@@ -24,11 +24,15 @@ fn head(name: &str, kind: &Kind, stated: Stated) -> String {
 }
 
 /// What a column that holds no number has in a row.
-fn text<R>(column: &Column<R>, row: &R) -> String {
+pub(crate) fn text<R>(column: &Column<R>, row: &R) -> String {
     match column.holds {
         Holds::Text(get, _) => get(row),
         Holds::Choice(_, get, _) => get(row).unwrap_or_default().to_string(),
         Holds::Count(get, _) => get(row).map_or_else(String::new, |count| count.to_string()),
+        Holds::Pairs(_, get, _) => {
+            let pair = |[a, b]: &[f64; 2]| format!("{}:{}", cell(Some(*a)), cell(Some(*b)));
+            get(row).iter().map(pair).collect::<Vec<_>>().join(" ")
+        }
     }
 }
 
@@ -44,7 +48,13 @@ pub fn csv_text<R: Row>(rows: &[R], always: &[&str]) -> String {
     let others = |columns: &'static [Column<R>]| {
         columns.iter().filter_map(move |column| {
             let cells: Vec<String> = rows.iter().map(|row| text(column, row)).collect();
-            keep(column.name, column.need, &cells).then(|| (column.name.to_string(), cells))
+            let name = match column.holds {
+                Holds::Pairs([(first, _), (second, _)], ..) => {
+                    format!("{} [{} : {}]", column.name, first.si, second.si)
+                }
+                _ => column.name.to_string(),
+            };
+            keep(column.name, column.need, &cells).then_some((name, cells))
         })
     };
     let mut columns: Vec<Cells> = others(R::BEFORE).collect();
@@ -65,7 +75,7 @@ fn number_columns<R: Row>(rows: &[R], field: &'static Field<R::Numbers>, always:
             stated.push(*states);
         }
     }
-    if stated.is_empty() && (REQUIRED.contains(&field.name) || always.contains(&field.name)) {
+    if stated.is_empty() && (R::REQUIRED.contains(&field.name) || always.contains(&field.name)) {
         stated.push(Stated::default());
     }
     let of = |states: &Stated| {
@@ -91,6 +101,13 @@ pub fn toml_text<R: Row>(row: &R) -> String {
             match column.holds {
                 Holds::Count(..) if !text.is_empty() => {
                     let _ = writeln!(out, "{} = {text}", column.name);
+                }
+                Holds::Pairs([(first, _), (second, _)], get, _) if !text.is_empty() => {
+                    let pair = |[a, b]: &[f64; 2]| {
+                        format!("[\"{} {}\", \"{} {}\"]", digits(*a), first.si, digits(*b), second.si)
+                    };
+                    let pairs: Vec<String> = get(row).iter().map(pair).collect();
+                    let _ = writeln!(out, "{} = [{}]", column.name, pairs.join(", "));
                 }
                 _ => say(out, column.name, &text),
             }

@@ -51,6 +51,20 @@ pub struct Row {
     pub texts: Vec<Text>,
     /// Columns that are numbers.
     pub numbers: Vec<Number>,
+    /// Columns that are curves or tables.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pairs: Vec<Pairs>,
+}
+
+/// A column that is a curve or a table.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Pairs {
+    /// The column.
+    pub column: &'static str,
+    /// SI units of the two numbers of a pair.
+    pub unit: [&'static str; 2],
+    /// The pairs, as printed.
+    pub points: Vec<[f64; 2]>,
 }
 
 /// A column that is a text.
@@ -79,11 +93,20 @@ pub struct Number {
 
 impl Row {
     fn of<R: CatalogRow>(row: &R) -> Row {
-        let (mut texts, mut numbers, mut id) = (Vec::new(), Vec::new(), String::new());
+        let (mut texts, mut numbers, mut pairs, mut id) = (Vec::new(), Vec::new(), Vec::new(), String::new());
         for column in R::BEFORE.iter().chain(R::AFTER) {
             let value = match column.holds {
                 Holds::Text(get, _) => get(row),
                 Holds::Choice(_, get, _) => get(row).unwrap_or_default().to_string(),
+                Holds::Pairs([(first, _), (second, _)], get, _) => {
+                    let unit = [first.si, second.si];
+                    pairs.extend(Some(get(row)).filter(|p| !p.is_empty()).map(|points| Pairs {
+                        column: column.name,
+                        unit,
+                        points,
+                    }));
+                    continue;
+                }
                 Holds::Count(get, _) => {
                     let (column, unit) = (column.name, "1");
                     let number =
@@ -108,7 +131,7 @@ impl Row {
                 states: row.states(field).convention,
             });
         }
-        Row { id, texts, numbers }
+        Row { id, texts, numbers, pairs }
     }
 
     fn of_motor(motor: &Motor) -> Row {
