@@ -15,6 +15,7 @@ use super::thermal;
 use crate::catalog::convention::Commutation;
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::{Estimate, Estimated};
+use crate::catalog::module::Depth;
 use crate::catalog::{Catalog, Construction, Motor};
 
 /// Highest winding temperature where neither row nor requirement gives one \[K\]: 100 °C, assumed.
@@ -337,6 +338,18 @@ pub fn completed(motor: Motor) -> Motor {
         estimates: [heat, inertia, inductance, drag].into_iter().flatten().collect(),
         ..motor
     }
+}
+
+/// A module with the drag of its motor estimated, where its row says none and its constants are known: the largest that motors of
+/// like motor constant have, however they are built.
+pub fn completed_module(module: Motor) -> Motor {
+    let known = module.inside.as_deref().is_some_and(|inside| inside.depth == Depth::Constants);
+    if !known || module.drag() != Drag::Unknown {
+        return module;
+    }
+    let laws = builtin_laws().iter().filter(|law| law.of == Estimated::Drag && law.is_shipped());
+    let drag = laws.filter_map(|law| law.estimate(&module)).max_by(|a, b| a.value.total_cmp(&b.value));
+    Motor { no_load_torque: drag.map(|e| e.value), estimates: drag.into_iter().collect(), ..module }
 }
 
 /// A catalogue with what its rows lack estimated, where the laws of the built-in catalogue say it.

@@ -750,7 +750,31 @@ impl Load {
     pub fn squared_current_course(&self, actuator: &Actuator, standing: f64, ratio: f64) -> (Vec<Piece>, bool) {
         let heat = self.copper_heat(actuator, ratio).into_iter().enumerate();
         let per_heat = 1.0 / actuator.resistance;
-        let squares: Vec<f64> = heat.map(|(k, heat)| self.held(k, standing) * heat * per_heat).collect();
+        self.course_of(heat.map(|(k, heat)| self.held(k, standing) * heat * per_heat).collect())
+    }
+
+    /// The squared torque over the motion at a flange that has an inertia of its own \[kg·m²\] to turn \[N²·m²\], as
+    /// [`Load::squared_current_course`]; at standstill it counts twice, as the worst phase's heat does. `None` without durations.
+    pub fn flange_course(&self, inertia: f64) -> Option<(Vec<Piece>, bool)> {
+        self.duration.filter(|_| self.has_durations)?;
+        let square = |(k, sample): (usize, &WavePoint)| {
+            let of = |feature: Feature| sample.features[feature as usize];
+            self.held(k, 1.0) * (of(Feature::Load) + inertia * of(Feature::Acceleration)).powi(2)
+        };
+        Some(self.course_of(self.samples.iter().enumerate().map(square).collect()))
+    }
+
+    /// Mean square of the same torque \[N²·m²\], that at standstill twice.
+    pub fn flange_mean_square(&self, inertia: f64) -> f64 {
+        let square = |(k, sample): (usize, &WavePoint)| {
+            let of = |feature: Feature| sample.features[feature as usize];
+            self.share(k, 1.0) * (of(Feature::Load) + inertia * of(Feature::Acceleration)).powi(2)
+        };
+        self.samples.iter().enumerate().map(square).sum()
+    }
+
+    /// Squares of the samples in the order of time, and whether they repeat.
+    fn course_of(&self, squares: Vec<f64>) -> (Vec<Piece>, bool) {
         let Some(course) = &self.course else {
             let Some(lasts) = self.duration else { return (Vec::new(), true) };
             let points = squares.iter().zip(self.weight.iter());

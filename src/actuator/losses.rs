@@ -28,6 +28,16 @@ pub struct Losses {
 }
 
 impl Losses {
+    /// Nobody knows any of them.
+    pub const UNKNOWN: Losses = Losses {
+        copper: f64::NAN,
+        motor_drag: f64::NAN,
+        gear_load: f64::NAN,
+        gear_no_load: f64::NAN,
+        drive: f64::NAN,
+        braking: f64::NAN,
+    };
+
     /// Keys and values, in the order from the motor's copper to the drive.
     pub fn parts(&self) -> [(&'static str, f64); 6] {
         [

@@ -1,9 +1,12 @@
 //! A motor as the program computes with it: the power-invariant q-axis equivalent of its sheet.
 
+use std::sync::Arc;
+
 use super::about::{About, PeakTorqueOf};
 use super::convention::{Commutation, Terminals};
 use super::estimate::{Estimate, Estimated};
 use super::fit::{Fit, FittedGear};
+use super::module::Inside;
 use super::sheet::{Conventions, Printed, Sheet, SourceKind};
 use crate::effects::{EFFECTS, Effect, FittedEffect};
 
@@ -66,6 +69,8 @@ pub struct Motor {
     pub continuous_current: Option<f64>,
     /// Largest current \[A\] (by its torque).
     pub peak_current: Option<f64>,
+    /// What is inside the module that it stands for; `None` of a motor.
+    pub inside: Option<Arc<Inside>>,
     /// What it is where it has other turns than its row.
     pub wound: Option<Wound>,
     /// Largest q-axis ampere against the magnets, at their hottest \[A\].
@@ -254,6 +259,7 @@ impl Motor {
                 .map(|i| i * conventions.of_continuous_current().heating_current(commutation)),
             peak_current: value(sheet.peak_current)
                 .map(|i| i * conventions.of_peak_current().torque_current(commutation)),
+            inside: None,
             wound: None,
             demagnetization_current: value(sheet.demagnetization_current)
                 .map(|i| i * conventions.current.torque_current(commutation)),

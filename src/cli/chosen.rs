@@ -46,6 +46,7 @@ pub fn design<'c>(text: &str, joint: &Joint, catalog: &'c Catalog) -> Result<Cho
         Some((text, Ok(_))) => {
             return Err(Failure::Argument(format!("`{text}` is not a ratio: expected a number from 1e-6 to 1e6")));
         }
+        Some((name, Err(_))) if motor.inside.as_deref().is_some_and(|inside| inside.gear.id == name) => {}
         Some((name, Err(_))) => {
             let ids = catalog.gears.iter().map(|g| g.id.as_str());
             let found = catalog.gears.iter().find(|g| g.id == name);
@@ -54,6 +55,13 @@ pub fn design<'c>(text: &str, joint: &Joint, catalog: &'c Catalog) -> Result<Cho
                 Failure::Argument(format!("`{name}` is neither a ratio nor a gear of the catalogue{help}"))
             })?);
         }
+    }
+    if let Some(inside) = motor.inside.as_deref() {
+        if ratio.is_some_and(|ratio: f64| (ratio / inside.gear.ratio - 1.0).abs() > 1e-3) {
+            let message = format!("the module `{id}` has a ratio of {}: name it alone", inside.gear.ratio);
+            return Err(Failure::Argument(message));
+        }
+        return Ok(Chosen { motor, gear: Some(&inside.gear), ratio: None });
     }
     if gear.is_none() && matches!(joint.ratio, RatioChoice::Catalog { .. }) {
         let message = format!("joint `{}` takes gears of the catalogue: name one, as in {id}@GEAR", joint.name);

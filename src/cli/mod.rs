@@ -40,7 +40,7 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
-use crate::actuator::estimate::complete;
+use crate::actuator::estimate::{complete, completed_module};
 use crate::catalog::{BUILTIN_WORD, Catalog, Motor};
 use crate::design::options::{Options, Stopped};
 use crate::design::robot::NoChoice;
@@ -189,6 +189,17 @@ impl CatalogChoice {
         Ok(catalog)
     }
 
+    /// The same for a robot: with the windings and the modules that it asks for.
+    fn for_robot(&self, robot: &Robot) -> Result<Catalog, Failure> {
+        Ok(self.with_modules(self.motors()?.with_turns(&robot.listed_turns()), robot))
+    }
+
+    /// A catalogue with the modules that a robot asks for among its motors.
+    fn with_modules(&self, catalog: Catalog, robot: &Robot) -> Catalog {
+        let complete = if self.no_estimates { |module| module } else { completed_module };
+        catalog.with_modules(robot.modules(), complete)
+    }
+
     /// The paths that are named; none for the built-in catalogue alone.
     fn paths(&self) -> Vec<PathBuf> {
         match self.also.as_slice() {
@@ -308,6 +319,9 @@ fn wound<'c>(robot: &mut Robot, catalog: &'c Catalog, only_checked: bool) -> Res
 
 /// The catalogue with the windings that joints list, and those that designs name.
 fn with_named<'i>(robot: &Robot, catalog: Catalog, ids: impl Iterator<Item = &'i str>) -> Catalog {
+    let ids: Vec<String> = ids.map(str::to_string).collect();
+    let catalog = catalog.with_modules(robot.modules().chain(&ids), completed_module);
+    let ids = ids.iter().map(String::as_str);
     let within = |turns: f64, (min, max): (f64, f64)| min <= turns && turns <= max;
     let allow =
         |turns: f64| robot.joints.iter().filter_map(|j| j.motors.turns.range()).any(|range| within(turns, range));

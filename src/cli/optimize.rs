@@ -162,7 +162,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
             "`--time-limit` ends the search over a whole robot, and nothing couples these joints: give `--robot` too";
         return Err(Failure::Argument(message.into()));
     }
-    let mut catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
+    let mut catalog = arguments.catalog.for_robot(&robot)?;
     if let Some(share) = tolerance {
         assume_tolerance(&mut catalog.motors, share);
     }

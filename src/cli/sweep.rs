@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     super::check_plot(arguments.plot.as_ref())?;
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = arguments.set.read(&arguments.requirement, Some("`sweep`"))?;
-    let catalog = arguments.catalog.motors()?.with_turns(&robot.listed_turns());
+    let catalog = arguments.catalog.for_robot(&robot)?;
     super::check_patterns(&robot, &catalog)?;
     let mut robot = super::balanced(&robot, &catalog)?;
     let catalog = &*super::wound(&mut robot, &catalog, false)?;

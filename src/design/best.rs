@@ -101,8 +101,8 @@ fn best_known<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> R
         return Err(refuse(Reason::Unusable(why)));
     }
     let found = match joint.limits.spring {
-        Some(_) if site.is_geared() => spring::best_gear(site, motor, only_checked)?,
-        None if site.is_geared() => best_gear(site, motor, only_checked)?,
+        Some(_) if site.is_geared_with(motor) => spring::best_gear(site, motor, only_checked)?,
+        None if site.is_geared_with(motor) => best_gear(site, motor, only_checked)?,
         _ => free_ratio(site.direct(motor), only_checked).map_err(refuse)?,
     };
     judge::judged(robot, joint, found, only_checked)

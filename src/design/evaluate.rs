@@ -14,6 +14,7 @@ use crate::actuator::thermal::{self, Winding};
 use crate::actuator::waveform::Functional;
 use crate::actuator::weakening::Weakening;
 use crate::actuator::{Actuator, Laurent, fitted};
+use crate::catalog::module::Inside;
 use crate::requirement::{Course, Objective, Quantity};
 
 /// A margin below this is a violation: what rounding leaves of a limit that binds exactly.
@@ -152,6 +153,30 @@ pub struct Evaluation {
     pub gear: GearFigures,
     /// Lowest and highest voltage of a bus whose supply has a resistance \[V\], by the power of this joint alone.
     pub bus_voltage: Option<BusVoltage>,
+}
+
+impl Evaluation {
+    /// Without what a module's row does not let one know: such a figure is no number.
+    fn of_module(self, inside: &Inside) -> Evaluation {
+        let unless = |known: bool, value: f64| if known { value } else { f64::NAN };
+        let (currents, emf) = (inside.says_currents(), inside.says_currents() && inside.says_back_emf);
+        let inertia = unless(inside.says_inertia, self.reflected_inertia);
+        let losses = if currents { self.losses } else { Losses::UNKNOWN };
+        Evaluation {
+            loss: unless(currents, self.loss),
+            loss_low: unless(currents, self.loss_low),
+            losses,
+            copper_loss: unless(currents, self.copper_loss),
+            peak_current: unless(currents, self.peak_current),
+            rms_current: unless(currents, self.rms_current),
+            reflected_inertia: inertia,
+            mean_power: unless(emf, self.mean_power),
+            energy: self.energy.map(|energy| unless(emf, energy)),
+            peak_power: self.peak_power.map(|power| unless(emf, power)),
+            bus_voltage: self.bus_voltage.filter(|_| emf),
+            ..self
+        }
+    }
 }
 
 impl<'a> Prepared<'a> {
@@ -418,6 +443,15 @@ impl<'a> Prepared<'a> {
 
     /// Evaluates the design at a ratio.
     pub fn at(&self, ratio: f64) -> Evaluation {
+        let evaluation = self.as_if_known(ratio);
+        match self.candidate.motor.inside.as_deref() {
+            Some(inside) => evaluation.of_module(inside),
+            None => evaluation,
+        }
+    }
+
+    /// The same, whatever of a module is not known.
+    fn as_if_known(&self, ratio: f64) -> Evaluation {
         if self.candidate.is_evaluated() {
             let there = self.at_ratio(ratio, |here| here.at(ratio));
             return Evaluation { feasible: there.feasible && self.says_gear_at(ratio), ..there };

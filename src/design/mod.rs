@@ -64,6 +64,17 @@ pub fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
                 return Err(format!("joint `{}`: no motor of the catalogue matches `{pattern}`; {help}", joint.name));
             }
         }
+        for pattern in &joint.motors.modules {
+            if !catalog.modules.iter().any(|module| module.matches(pattern)) {
+                let ids = catalog.modules.iter().map(|module| module.id.as_str());
+                let help = match crate::words::nearest(pattern, ids) {
+                    _ if catalog.modules.is_empty() => "it has no modules at all: `--also` adds a file".to_string(),
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => "`gearwise catalog list modules` lists them".to_string(),
+                };
+                return Err(format!("joint `{}`: no module of the catalogue matches `{pattern}`; {help}", joint.name));
+            }
+        }
         let RatioChoice::Catalog { patterns, .. } = &joint.ratio else { continue };
         for pattern in patterns {
             if catalog.gears.iter().any(|g| matches_pattern(pattern, &g.id)) {

@@ -42,13 +42,15 @@ pub struct Mount<'a, 'l> {
 impl<'a: 'l, 'l> Mount<'a, 'l> {
     /// A motor at a joint with a ratio that is still free.
     pub fn new(robot: &'a Robot, joint: &'a Joint, load: &'l Load, motor: &'a Motor) -> Mount<'a, 'l> {
-        Mount { robot, joint, load, motor, gear: None, stop: Stop::NEVER, whole_windows: false }
+        // A module has its gear in it.
+        let gear = motor.inside.as_deref().map(|inside| &inside.gear);
+        Mount { robot, joint, load, motor, gear, stop: Stop::NEVER, whole_windows: false }
     }
 
     /// The same with a gear of the catalogue, where one is given; `load` has to be as that gear passes it on
     /// ([`load_through`]).
     pub fn with_gear(self, gear: Option<&'a Gear>) -> Mount<'a, 'l> {
-        Mount { gear, ..self }
+        Mount { gear: self.motor.inside.as_deref().map(|inside| &inside.gear).or(gear), ..self }
     }
 
     /// Id of the gear, where it is one of the catalogue.
@@ -244,6 +246,11 @@ impl<'a: 'd, 'd> Site<'a, 'd> {
         matches!(self.joint.ratio, RatioChoice::Catalog { .. })
     }
 
+    /// Whether a motor has no free ratio here: gears of the catalogue are asked for, or it is a module.
+    pub fn is_geared_with(&self, motor: &Motor) -> bool {
+        self.is_geared() || motor.inside.is_some()
+    }
+
     /// A motor with a free ratio, whatever the joint asks for.
     pub fn direct(self, motor: &'a Motor) -> Mount<'a, 'd> {
         Mount {
@@ -255,8 +262,8 @@ impl<'a: 'd, 'd> Site<'a, 'd> {
 
     /// All that the requirement lets a motor be here: with a free ratio, or with each gear that is allowed and fits.
     pub fn mounts(self, motor: &'a Motor) -> impl Iterator<Item = Mount<'a, 'd>> {
-        let free = (!self.is_geared()).then(|| self.direct(motor));
-        let geared = self.demand.gears_for(motor).map(move |(gear, load)| Mount {
+        let free = (!self.is_geared() || motor.inside.is_some()).then(|| self.direct(motor));
+        let geared = self.demand.gears_for(motor).filter(|_| motor.inside.is_none()).map(move |(gear, load)| Mount {
             gear: Some(gear),
             load,
             ..self.direct(motor)
@@ -271,6 +278,7 @@ impl<'a: 'd, 'd> Site<'a, 'd> {
     pub fn mount(self, motor: &'a Motor, gear: Option<&str>) -> Result<Mount<'a, 'd>, Unusable> {
         match gear {
             None => Ok(self.direct(motor)),
+            Some(_) if motor.inside.is_some() => Ok(self.direct(motor)),
             Some(id) => self.mounts(motor).find(|m| m.gear_id() == Some(id)).ok_or(Unusable::NoGearFits),
         }
     }

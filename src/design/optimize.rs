@@ -62,7 +62,7 @@ fn solve_joint<'a>(
     let found: Result<Vec<Result<Design, Refused>>, Stopped> = catalog
         .motors
         .par_iter()
-        .filter(|motor| !joint.motors.turns.pass_over(motor))
+        .filter(|motor| !joint.motors.pass_over(motor))
         .map(|motor| {
             let found = best_wound(site, motor, options.only_checked);
             (options.tick)();

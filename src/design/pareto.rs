@@ -125,7 +125,7 @@ impl<'a> Asked<'a, '_> {
         if let Some(why) = lacking(motor, durations, |quantity| self.quantities.contains(&quantity)) {
             return Err(Reason::Unusable(why));
         }
-        if self.site.is_geared() { self.of_gears(motor) } else { self.of_ratios(self.site.direct(motor)) }
+        if self.site.is_geared_with(motor) { self.of_gears(motor) } else { self.of_ratios(self.site.direct(motor)) }
     }
 
     /// The gate: why a design is not on a front, from what is not known of it.

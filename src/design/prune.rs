@@ -37,7 +37,7 @@ pub(super) fn first<'a>(
     let first_look = if options.reasons { Look::All } else { Look::Loose };
     let first = |index: &usize| site.stop.unless(bound(site, &catalog.motors[*index], first_look));
     let asked: Vec<usize> =
-        (0..catalog.motors.len()).filter(|k| !site.joint.motors.turns.pass_over(&catalog.motors[*k])).collect();
+        (0..catalog.motors.len()).filter(|k| !site.joint.motors.pass_over(&catalog.motors[*k])).collect();
     let bounds: Vec<Bound> = asked.par_iter().map(first).collect::<Result<_, _>>()?;
     let mut motors = Motors::default();
     for (motor, bound) in asked.into_iter().zip(bounds) {

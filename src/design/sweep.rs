@@ -40,7 +40,7 @@ pub fn sweep_with<'a>(
                 (options.tick)();
                 stop.unless(swept)
             };
-            let own = |motor: &&Motor| !joint.motors.turns.pass_over(motor);
+            let own = |motor: &&Motor| !joint.motors.pass_over(motor);
             let per_motor: Vec<_> = catalog.motors.par_iter().filter(own).map(one).collect::<Result<_, _>>()?;
             let mut result = JointSweep { joint, designs: Vec::new(), unusable: Vec::new() };
             for (designs, unusable) in per_motor {

@@ -57,7 +57,7 @@ pub fn best(site: Site, motor: &Motor, range: (f64, f64), only_checked: bool) ->
         return None;
     }
     let found = search(site, open, &motor, &relaxed, allowed);
-    if site.is_geared() || joint.ratio.listed().is_some() {
+    if site.is_geared_with(&motor) || joint.ratio.listed().is_some() {
         // All of them were looked at.
         return found.map(|at| Best::of(&at, at.turns, Some(at.objective)));
     }

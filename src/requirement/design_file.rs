@@ -179,7 +179,12 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
     };
     let at = |message: String, label: String| Problem::at(design.reduction_span.clone(), message, label);
     let mut gear = None;
+    let built_in = motor.and_then(|motor| motor.inside.as_deref()).map(|inside| &inside.gear);
     let ratio = match &design.reduction {
+        Reduction::Gear(id) if built_in.is_some_and(|own| &own.id == id) => {
+            gear = built_in;
+            gear.map(|g| g.ratio)
+        }
         Reduction::Ratio(ratio) => Some(*ratio),
         Reduction::Gear(id) => {
             gear = catalog.gears.iter().find(|g| &g.id == id);
@@ -197,6 +202,7 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
     };
     if let (Some(gear), Some(ratio)) = (gear, ratio) {
         match &joint.ratio {
+            _ if built_in.is_some() => {}
             RatioChoice::Continuous { min, max } if !joint.ratio.allows(ratio) => problems.push(at(
                 format!("gear `{}` has a ratio of {}, outside the requirement's range", gear.id, number(ratio)),
                 format!("joint `{}` asks for {} to {}", joint.name, number(*min), number(*max)),
@@ -214,11 +220,20 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
             _ => {}
         }
     }
+    if let (Some(motor), Some(own), Some(ratio)) = (motor, built_in, ratio)
+        && (ratio / own.ratio - 1.0).abs() > SAME_RATIO
+    {
+        let message = format!("the module `{}` has a ratio of {}", motor.id, number(own.ratio));
+        problems.push(at(message, format!("write gear = \"{}\"", own.id)));
+    }
     match (motor, ratio) {
         (Some(motor), Some(ratio)) if problems.is_empty() => Ok(Choice { design, joint, motor, gear, ratio }),
         _ => Err(problems),
     }
 }
+
+/// What a ratio that is written may differ from that of a module.
+const SAME_RATIO: f64 = 1e-3;
 
 /// The listed ratios next to one that is none of them, in words.
 fn nearest_of(values: &[f64], ratio: f64) -> String {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::carried::{self, Asked};
-use super::gear::{GearModel, RatioChoice};
+use super::gear::{EfficiencyCovers, GearModel, RatioChoice};
 use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
@@ -25,7 +25,10 @@ pub(super) fn read(
 ) -> Option<(Joint, Option<Use>, Vec<Asked>)> {
     let name = section.required_text(key("name", "name of the joint"), "\"knee\"").map(|t| t.into_inner());
     let count = section.count(key("count", "how many joints like this").default("1")).unwrap_or(1);
-    let ratio = gear::read_ratio(&section);
+    let ratio = match is_for_modules_alone(&section) {
+        true => Some(RatioChoice::Catalog { patterns: Vec::new(), efficiency_covers: EfficiencyCovers::Load }),
+        false => gear::read_ratio(&section),
+    };
     let (gear, map) =
         match section.section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one")) {
             Some(gear) => {
@@ -116,7 +119,16 @@ pub(super) fn read(
         ),
         excluded: names("motors that may not be chosen, by id or maker", "exclude"),
         turns: turns::read(&section),
+        modules: names(
+            "modules that may be chosen, by id or maker, `*` for any run of characters; beside motors where the joint has `ratio` or `gears`, else alone",
+            "modules",
+        ),
+        only_modules: is_for_modules_alone(&section),
     };
+    if section.has("modules") && motors.modules.is_empty() {
+        let problem = Problem::at(section.span_of("modules"), "`modules` names none", "an empty list");
+        section.note(problem.help("for example modules = [\"robstride-*\"]"));
+    }
     let phases = read_phases(&section, count, motion.as_deref());
     if let (Some(objective), Some(motion)) = (&objective, &motion) {
         check_cycle(&section, objective, motion);
@@ -141,6 +153,11 @@ pub(super) fn read(
         carries: Vec::new(),
     };
     Some((joint, taken, carries))
+}
+
+/// Whether a joint names modules and neither a ratio nor gears for motors.
+fn is_for_modules_alone(section: &Section) -> bool {
+    section.has("modules") && !section.has("ratio") && !section.has("gears")
 }
 
 /// Energy per cycle needs a cycle.

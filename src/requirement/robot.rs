@@ -154,15 +154,32 @@ pub struct Filter {
     pub excluded: Vec<String>,
     /// Which windings of them.
     pub turns: Windings,
+    /// Patterns of modules of which one has to match; empty for none.
+    pub modules: Vec<String>,
+    /// Whether modules alone may be chosen.
+    pub only_modules: bool,
 }
 
 impl Filter {
     /// Whether a motor may be chosen: by its id, or by its maker in letters of either case.
     pub fn allows(&self, motor: &Motor) -> bool {
         let is = |pattern: &String| Filter::matches(pattern, motor);
-        self.turns.allow(motor)
+        if motor.inside.is_some() {
+            return self.modules.iter().any(is) && !self.excluded.iter().any(is);
+        }
+        !self.only_modules
+            && self.turns.allow(motor)
             && (self.allowed.is_empty() || self.allowed.iter().any(is))
             && !self.excluded.iter().any(is)
+    }
+
+    /// Whether a motor is passed over without a word: a winding that is none of this joint, a module where none is asked for, or a
+    /// motor where modules alone are.
+    pub fn pass_over(&self, motor: &Motor) -> bool {
+        match motor.inside.is_some() {
+            true => !self.allows(motor),
+            false => self.only_modules || self.turns.pass_over(motor),
+        }
     }
 
     /// Whether a pattern is of a motor.
@@ -171,13 +188,18 @@ impl Filter {
         matches_pattern(pattern, &motor.id) || matches_pattern(pattern, motor.row_id()) || maker()
     }
 
-    /// Every pattern.
+    /// Every pattern of motors.
     pub fn patterns(&self) -> impl Iterator<Item = &String> {
         self.allowed.iter().chain(&self.excluded)
     }
 }
 
 impl Robot {
+    /// Patterns of the modules that joints may have.
+    pub fn modules(&self) -> impl Iterator<Item = &String> {
+        self.joints.iter().flat_map(|joint| &joint.motors.modules)
+    }
+
     /// Whether a joint may have any number of turns between two.
     pub fn has_range_of_turns(&self) -> bool {
         self.joints.iter().any(|joint| joint.motors.turns.range().is_some())

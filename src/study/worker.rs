@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::columns;
 use super::grid::Grid;
 use super::plan::Settings;
+use crate::actuator::estimate::completed_module;
 use crate::catalog::{Catalog, Motor};
 use crate::design::answer::{JointResult, Says};
 use crate::design::balance::balanced;
@@ -251,10 +252,11 @@ impl Worker<'_> {
         {
             return Ok(refused(&read.name, message));
         }
-        let wound = match read.listed_turns() {
-            none if none.is_empty() => None,
-            turns => Some(self.catalog.clone().with_turns(&turns)),
-        };
+        let turns = read.listed_turns();
+        let wound = (!turns.is_empty() || read.modules().next().is_some()).then(|| {
+            let complete = if self.settings.estimates { completed_module } else { |module| module };
+            self.catalog.clone().with_turns(&turns).with_modules(read.modules(), complete)
+        });
         let catalog = wound.as_ref().unwrap_or(self.catalog);
         let keep = self.settings.top.map(|k| k as usize);
         let options = Options {

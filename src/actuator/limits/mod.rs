@@ -10,6 +10,7 @@ mod heat;
 mod joint;
 mod limit;
 mod mass;
+mod module;
 mod motor;
 mod needs;
 mod remarks;
@@ -26,8 +27,17 @@ pub use remarks::LOW_SAFETY;
 use crate::requirement::{Joint, Robot};
 
 /// The limits by what they are about, in the order in which they are reported.
-const KINDS: &[&[Limit]] =
-    &[motor::LIMITS, heat::LIMITS, speed::LIMITS, gear::LIMITS, joint::LIMITS, bus::LIMITS, mass::LIMITS, size::LIMITS];
+const KINDS: &[&[Limit]] = &[
+    motor::LIMITS,
+    heat::LIMITS,
+    module::LIMITS,
+    speed::LIMITS,
+    gear::LIMITS,
+    joint::LIMITS,
+    bus::LIMITS,
+    mass::LIMITS,
+    size::LIMITS,
+];
 
 const COUNT: usize = {
     let (mut count, mut kind) = (0, 0);

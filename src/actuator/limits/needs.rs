@@ -8,6 +8,10 @@ use crate::catalog::Motor;
 use crate::catalog::convention::Commutation;
 use crate::requirement::{Joint, MotorDrag, Quantity, Robot};
 
+/// What cannot be told without currents.
+const ELECTRICAL: [Quantity; 5] =
+    [Quantity::Loss, Quantity::CopperLoss, Quantity::Energy, Quantity::PeakCurrent, Quantity::PeakPower];
+
 /// Something that is asked of a candidate and that no limit of the model asks for: a number without which a limit
 /// says less, or one that the whole robot needs.
 pub struct Need {
@@ -87,6 +91,60 @@ pub const NEEDS: &[Need] = &[
             (Some(_), None) => Some(
                 "the motor's pole pairs are not known: voltage is checked with L di/dt, but without p N ω L i across it",
             ),
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "module_constants",
+        of: Of::Other,
+        stated: |_, joint| ELECTRICAL.iter().any(|q| joint.objective.weight(*q) > 0.0),
+        key: |_| Some(Key::Joint(&["objective"])),
+        missing: |c| match c.motor.inside.as_deref() {
+            Some(inside) if !inside.says_currents() => {
+                Some("the module's row does not say what its currents are: neither current nor loss is known")
+            }
+            _ => None,
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "module_gear_loss",
+        of: Of::Other,
+        stated: |_, joint| ELECTRICAL.iter().any(|q| joint.objective.weight(*q) > 0.0),
+        key: |_| Some(Key::Joint(&["objective"])),
+        missing: |c| match c.motor.inside.as_deref() {
+            Some(inside) if inside.says_currents() && inside.gear_loss.is_none() && !inside.loss_in_constant => Some(
+                "the module's row does not say what its gear loses: currents and copper loss are at least what is computed",
+            ),
+            _ => None,
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "module_back_emf",
+        of: Of::Other,
+        stated: |_, joint| [Quantity::Energy, Quantity::PeakPower].iter().any(|q| joint.objective.weight(*q) > 0.0),
+        key: |_| Some(Key::Joint(&["objective"])),
+        missing: |c| match c.motor.inside.as_deref() {
+            Some(inside) if inside.says_currents() && !inside.says_back_emf => {
+                Some("the module's back-EMF constant is not known: power and energy are not")
+            }
+            _ => None,
+        },
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "module_inertia",
+        of: Of::Other,
+        stated: |_, joint| {
+            joint.objective.weight(Quantity::ReflectedInertia) > 0.0 || joint.limits.reflected_inertia.is_some()
+        },
+        key: by_nobody,
+        missing: |c| match c.motor.inside.as_deref() {
+            Some(inside) if !inside.says_inertia => {
+                Some("the module's own inertia is not known: torques and currents are without it")
+            }
+            _ => None,
         },
         at_ratio: |_| None,
     },

@@ -120,7 +120,10 @@ mod tests {
     fn the_shipped_modules_are_read() {
         let catalog = match Catalog::builtin() {
             Ok(catalog) => catalog,
-            Err(errors) => panic!("{}", errors.iter().flat_map(|e| &e.problems).map(|p| format!("{}\n", p.message)).collect::<String>()),
+            Err(errors) => panic!(
+                "{}",
+                errors.iter().flat_map(|e| &e.problems).map(|p| format!("{}\n", p.message)).collect::<String>()
+            ),
         };
         assert!(catalog.modules.len() >= 72, "{}", catalog.modules.len());
     }

@@ -3,10 +3,14 @@
 //! The one idea: a module is *a motor whose shaft is the output flange*. Every number of it keeps the side and the convention
 //! that its own column declares; [`constants`] takes them to the flange and the q axis once.
 
+mod actuator;
 pub mod check;
 pub mod constants;
+pub mod inside;
+pub mod overload;
 mod sheet;
 
+pub use inside::{BUILT_IN, Depth, Inside};
 pub use sheet::{MODULE_FIELDS, ModuleSheet};
 
 use super::convention::{BackEmfConvention, CurrentConvention, SpeedConstantConvention, Terminals, Winding, has_words};

@@ -692,6 +692,9 @@ fn bits(coordinates: &[f64]) -> Vec<u64> {
 
 /// How a motor may be built into a joint, whatever its load.
 fn builds<'a>(site: Site, catalog: &'a Catalog, motor: usize, needs: Needs) -> Vec<Build<'a>> {
+    if let Some(inside) = catalog.motors[motor].inside.as_deref() {
+        return vec![Build { motor, gear: Some(&inside.gear), piece: 0 }];
+    }
     if !site.is_geared() {
         return (0..pieces(site.joint, needs).len()).map(|piece| Build { motor, gear: None, piece }).collect();
     }

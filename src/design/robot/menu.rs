@@ -62,6 +62,12 @@ pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog,
         .map(|motor| match &carrying.ratio {
             // What is found is no answer any more.
             _ if stop.now() => Made::default(),
+            _ if carrying.motors.pass_over(&catalog.motors[motor]) => Made::default(),
+            _ if catalog.motors[motor].inside.is_some() && carrying.limits.spring.is_none() => {
+                let mut made = Made::default();
+                site.mounts(&catalog.motors[motor]).for_each(|mount| made.geared(&mount, catalog, motor, needs));
+                made
+            }
             RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => {
                 let mut made = Made::default();
                 pieces.iter().for_each(|piece| made.continuous(site, piece, catalog, motor, needs));

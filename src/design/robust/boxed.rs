@@ -41,7 +41,7 @@ pub fn best_robust<'a>(
     }
     let corners = corners(motor).map_err(|column| Reason::NotSolved(Unsolved::ToleranceReachesZero(column)))?;
     let over = Over { site, nominal, toleranced: all, corners: &corners, only_checked };
-    if site.is_geared() { over.gears() } else { over.ratios() }
+    if site.is_geared_with(nominal.motor) { over.gears() } else { over.ratios() }
 }
 
 /// A design whose tolerances are looked at.

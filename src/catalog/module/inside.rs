@@ -1,0 +1,60 @@
+//! What is inside a module, and how much its row says of it.
+
+use super::Module;
+use super::constants::EfficiencyFrom;
+use super::overload::Response;
+use crate::catalog::gear::Gear;
+
+/// Id that the gear of a module has in answers, where it is no row of its own.
+pub const BUILT_IN: &str = "built-in";
+
+/// How much a module's row says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Depth {
+    /// Torques, speeds, masses: nothing of currents, voltages and losses.
+    Ratings,
+    /// Its constants too.
+    Constants,
+    /// Motor and gear are rows of the catalogue.
+    Inside,
+}
+
+/// What is inside a module.
+#[derive(Debug, Clone)]
+pub struct Inside {
+    /// Its row.
+    pub module: Module,
+    /// The gear.
+    pub gear: Gear,
+    /// How much the row says.
+    pub depth: Depth,
+    /// Whether its own inertia is known.
+    pub says_inertia: bool,
+    /// Whether its back-EMF constant is known.
+    pub says_back_emf: bool,
+    /// How the loss of its gear is known; `None` where it is not.
+    pub gear_loss: Option<EfficiencyFrom>,
+    /// Whether torque per ampere has the gear's loss in it.
+    pub loss_in_constant: bool,
+    /// How its winding answers to torque, from the overload table.
+    pub response: Option<Response>,
+}
+
+impl Inside {
+    /// Whether currents, and what follows of them, are known.
+    pub fn says_currents(&self) -> bool {
+        self.depth != Depth::Ratings
+    }
+}
+
+impl Module {
+    /// How much the row says.
+    pub fn depth(&self) -> Depth {
+        let constants = self.constants();
+        match () {
+            () if !self.motor.is_empty() && !self.gear.is_empty() => Depth::Inside,
+            () if constants.resistance.is_some() && constants.torque_constant.is_some() => Depth::Constants,
+            () => Depth::Ratings,
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! An overload table as the thermal answer of a winding.
+//!
+//! The one idea: if a constant torque T from ambient reaches the limit after t, and the rated torque never does, the answer of
+//! the normalised temperature to a step of T² is s(t) = (T_r/T)², s(∞) = 1. A sum of lags through these points follows any
+//! motion: `ẏ_i = (g_i (T/T_r)² − y_i)/τ_i`, with Σ y_i ≤ 1.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+
+/// Time constants that lags are looked for among.
+const LAGS: usize = 60;
+/// Lags of a smaller share of the answer are left out.
+const LEAST_SHARE: f64 = 1e-6;
+/// By how much a table may bend the wrong way: no passive body does, and times are rounded.
+pub const BENDS: f64 = 0.15;
+
+/// The answer of a winding to a step of the squared torque, over what the rated torque ends at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Response {
+    /// Torque that never reaches the limit \[N·m\].
+    pub rated: f64,
+    /// Shares, which sum to one, and time constants \[s\].
+    pub lags: Vec<(f64, f64)>,
+}
+
+/// A time over which the squared torque goes linearly from one value to another \[s, N²·m²\].
+pub type Piece = (f64, f64, f64);
+
+impl Response {
+    /// The answer through the points of a table \[N·m, s\], nowhere below them; `None` where a table has less than two points or
+    /// contradicts itself.
+    pub fn fit(rated: f64, table: &[[f64; 2]]) -> Option<Response> {
+        let points: Vec<(f64, f64)> =
+            table.iter().filter(|p| p[0] > rated).map(|[torque, time]| (*time, (rated / torque).powi(2))).collect();
+        if points.len() < 2 || bends(rated, table) > BENDS {
+            return None;
+        }
+        let (least, most) = points.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), p| (a.min(p.0), b.max(p.0)));
+        let (from, to) = (0.05 * least, 10.0 * most);
+        let lags: Vec<f64> = (0..LAGS).map(|k| from * (to / from).powf(k as f64 / (LAGS - 1) as f64)).collect();
+        let answer = |time: f64, lag: f64| -(-time / lag).exp_m1();
+        // Least squares of relative misses, answers nowhere below the points, shares that sum to one.
+        let rows: Vec<Vec<f64>> =
+            points.iter().map(|(time, s)| lags.iter().map(|lag| answer(*time, *lag) / s).collect()).collect();
+        let mut quadratic = vec![vec![0.0; LAGS]; LAGS];
+        for row in &rows {
+            for (i, line) in quadratic.iter_mut().enumerate() {
+                line.iter_mut().zip(row).for_each(|(cell, b)| *cell += row[i] * b);
+            }
+        }
+        for (i, line) in quadratic.iter_mut().enumerate() {
+            line[i] += 1e-9;
+            line[..i].fill(0.0);
+        }
+        let linear: Vec<f64> = (0..LAGS).map(|i| -rows.iter().map(|row| row[i]).sum::<f64>()).collect();
+        let mut lines = vec![vec![1.0; LAGS]];
+        let mut right = vec![1.0];
+        for row in &rows {
+            lines.push(row.iter().map(|x| -x).collect());
+            right.push(-1.0);
+        }
+        for k in 0..LAGS {
+            let mut line = vec![0.0; LAGS];
+            line[k] = -1.0;
+            lines.push(line);
+            right.push(0.0);
+        }
+        let cones = [SupportedConeT::ZeroConeT(1), SupportedConeT::NonnegativeConeT(rows.len() + LAGS)];
+        let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
+        let (p, a) = (CscMatrix::from(&quadratic), CscMatrix::from(&lines));
+        let mut solver = DefaultSolver::new(&p, &linear, &a, &right, &cones, settings).ok()?;
+        solver.solve();
+        if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+            return None;
+        }
+        let shares: Vec<f64> = solver.solution.x.iter().map(|share| share.max(0.0)).collect();
+        let kept = |share: &f64| *share > LEAST_SHARE;
+        let all: f64 = shares.iter().filter(|s| kept(s)).sum();
+        let lags: Vec<(f64, f64)> =
+            shares.iter().zip(&lags).filter(|(s, _)| kept(s)).map(|(share, lag)| (share / all, *lag)).collect();
+        (!lags.is_empty()).then_some(Response { rated, lags })
+    }
+
+    /// The answer to a step after a time \[s\].
+    pub fn step(&self, time: f64) -> f64 {
+        self.lags.iter().map(|(share, lag)| -share * (-time / lag).exp_m1()).sum()
+    }
+
+    /// The largest normalised temperature over a course of the squared torque: in the state that repeats, or from cold.
+    pub fn peak(&self, course: &[Piece], repeats: bool) -> f64 {
+        let square = self.rated * self.rated;
+        let end = |y: f64, (share, lag): (f64, f64), (lasts, from, to): Piece| {
+            if lasts <= 0.0 {
+                return y;
+            }
+            // y follows share·x with a lag; x is a ramp.
+            let (a, slope) = (share * from / square, share * (to - from) / square / lasts);
+            let decay = (-lasts / lag).exp();
+            let settled = |t: f64| a + slope * (t - lag);
+            settled(lasts) + (y - settled(0.0)) * decay
+        };
+        let start = |lag: (f64, f64)| {
+            if !repeats {
+                return 0.0;
+            }
+            // One period takes y to c + d y.
+            let after = course.iter().fold(0.0, |y, piece| end(y, lag, *piece));
+            let lasts: f64 = course.iter().map(|piece| piece.0).sum();
+            after / -(-lasts / lag.1).exp_m1()
+        };
+        let mut state: Vec<f64> = self.lags.iter().map(|lag| start(*lag)).collect();
+        let mut peak: f64 = state.iter().sum();
+        for piece in course {
+            // Within a piece it may be higher than at its ends.
+            const LOOKS: usize = 4;
+            for k in 0..LOOKS {
+                let at = |share: f64| piece.1 + (piece.2 - piece.1) * share;
+                let part = (piece.0 / LOOKS as f64, at(k as f64 / LOOKS as f64), at((k + 1) as f64 / LOOKS as f64));
+                for (y, lag) in state.iter_mut().zip(&self.lags) {
+                    *y = end(*y, *lag, part);
+                }
+                peak = peak.max(state.iter().sum());
+            }
+        }
+        peak
+    }
+}
+
+/// By how much an overload table bends the wrong way: the largest share by which a time exceeds what its neighbours leave, of the
+/// concave answer that any passive body has. Zero where it bends nowhere.
+pub fn bends(rated: f64, table: &[[f64; 2]]) -> f64 {
+    // Of rising time: the table goes from the least torque, and the longest time, on.
+    let mut points: Vec<(f64, f64)> =
+        table.iter().map(|[torque, time]| (*time, (rated / torque).powi(2).min(1.0))).collect();
+    points.push((0.0, 0.0));
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let over = |w: &[(f64, f64)]| {
+        let [(t0, s0), (t1, s1), (t2, s2)] = [w[0], w[1], w[2]];
+        // The chord of the neighbours reaches s1 at this time; a concave answer is there earlier.
+        let chord = t0 + (t2 - t0) * (s1 - s0) / (s2 - s0);
+        if s2 > s0 && chord > 0.0 { t1 / chord - 1.0 } else { 0.0 }
+    };
+    points.windows(3).map(over).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_of_two_nodes_is_followed_as_the_nodes_are() {
+        // Shares and time constants of a body that shares no code: 0.3 with 8 s, 0.7 with 300 s.
+        let s = |t: f64| 0.3 * (1.0 - (-t / 8.0_f64).exp()) + 0.7 * (1.0 - (-t / 300.0_f64).exp());
+        let rated = 10.0;
+        let times = [400.0, 90.0, 20.0, 4.0];
+        let table: Vec<[f64; 2]> = times.iter().map(|t| [rated / s(*t).sqrt(), *t]).collect();
+        let response = Response::fit(rated, &table).unwrap();
+        for [torque, time] in &table {
+            let miss = response.step(*time) / (rated / torque).powi(2) - 1.0;
+            assert!((-1e-6..2e-3).contains(&miss), "{torque}: {miss}");
+        }
+        // A duty of 20 s at twice the rated torque in 200 s, by small steps.
+        let (mut hot, mut slow, mut peak, dt) = (0.0, 0.0, 0.0_f64, 1e-3);
+        for k in 0..2_000_000 {
+            let t = k as f64 * dt % 200.0;
+            let x = if t < 20.0 { 4.0 } else { 0.0 };
+            hot += dt * (0.3 * x - hot) / 8.0;
+            slow += dt * (0.7 * x - slow) / 300.0;
+            if k > 1_800_000 {
+                peak = peak.max(hot + slow);
+            }
+        }
+        let found = response.peak(&[(20.0, 400.0, 400.0), (180.0, 0.0, 0.0)], true);
+        assert!((found / peak - 1.0).abs() < 0.01, "{found} {peak}");
+        assert!(found > peak * (1.0 - 1e-3));
+    }
+
+    #[test]
+    fn a_table_that_bends_the_wrong_way_is_refused() {
+        let concave = [[6.0, 285.0], [7.0, 94.0], [8.0, 53.0], [10.0, 20.0]];
+        assert!(bends(5.0, &concave) < BENDS && Response::fit(5.0, &concave).is_some());
+        // 40 N·m for 126 s between 50 for 12 s and 30 for 189 s, as one sheet of 2025 had it.
+        let table = [[30.0, 189.0], [40.0, 126.0], [50.0, 12.0]];
+        assert!(bends(20.0, &table) > BENDS, "{}", bends(20.0, &table));
+        assert!(Response::fit(20.0, &table).is_none());
+    }
+}
