@@ -11,6 +11,7 @@ use super::weakening::{AlongD, Weakening};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::Estimated;
+use crate::catalog::module::Drive;
 use crate::catalog::{Gear, Motor};
 use crate::requirement::{GearMap, GearModel, GearPiece, Joint, MotorDrag, Robot, Turns};
 
@@ -153,13 +154,24 @@ impl Candidate<'_> {
         }
     }
 
+    /// Whether its drive is inside a module: what the requirement says of drives is not said of that.
+    pub fn has_drive_inside(&self) -> bool {
+        self.motor.inside.as_deref().is_some_and(|inside| inside.module.drive == Drive::BuiltIn)
+    }
+
     /// The drive's largest current, q axis \[A\].
     pub fn drive_current(&self) -> Option<f64> {
+        if self.has_drive_inside() {
+            return None;
+        }
         self.joint.drive_current.or(self.robot.bus.drive_current).map(|i| i * self.current_per_amplitude())
     }
 
     /// The current that the drive gives for ever, q axis \[A\].
     pub fn drive_continuous_current(&self) -> Option<f64> {
+        if self.has_drive_inside() {
+            return None;
+        }
         let amplitude = self.joint.drive.or(self.robot.bus.drive).continuous_current;
         amplitude.map(|i| i * self.current_per_amplitude())
     }

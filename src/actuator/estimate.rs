@@ -16,7 +16,7 @@ use crate::catalog::convention::Commutation;
 use crate::catalog::drag::Drag;
 use crate::catalog::estimate::{Estimate, Estimated};
 use crate::catalog::module::Depth;
-use crate::catalog::{Catalog, Construction, Motor};
+use crate::catalog::{About, Catalog, Construction, Motor};
 
 /// Highest winding temperature where neither row nor requirement gives one \[K\]: 100 °C, assumed.
 pub const ASSUMED_WINDING_TEMPERATURE: f64 = 373.15;
@@ -348,7 +348,11 @@ pub fn completed_module(module: Motor) -> Motor {
         return module;
     }
     let laws = builtin_laws().iter().filter(|law| law.of == Estimated::Drag && law.is_shipped());
-    let drag = laws.filter_map(|law| law.estimate(&module)).max_by(|a, b| a.value.total_cmp(&b.value));
+    let built = |construction: Construction| {
+        let about = About { construction: Some(construction), ..module.about.clone() };
+        Motor { about, ..module.clone() }
+    };
+    let drag = laws.filter_map(|law| law.estimate(&built(law.construction))).max_by(|a, b| a.value.total_cmp(&b.value));
     Motor { no_load_torque: drag.map(|e| e.value), estimates: drag.into_iter().collect(), ..module }
 }
 

@@ -113,7 +113,7 @@ impl Motor {
     /// Why not.
     pub fn can_be_rewound(&self) -> Result<(), NoTurns> {
         match self {
-            _ if !self.about.only_inside.is_empty() => Err(NoTurns::InsideModule),
+            _ if !self.about.only_inside.is_empty() || self.inside.is_some() => Err(NoTurns::InsideModule),
             _ if self.wound.is_some() => Err(NoTurns::Wound),
             _ if self.fit.is_some() || !self.effects.is_empty() => Err(NoTurns::Fitted),
             _ => Ok(()),

@@ -288,6 +288,15 @@ pub enum Reason {
         /// How many gears were tried.
         tried: usize,
     },
+    /// A module, whose ratio is what it is, exceeds a limit.
+    Module {
+        /// The limit, with its sample.
+        bind: Bind,
+        /// Demand over limit.
+        over: f64,
+        /// The limit, in its natural unit.
+        allowed: f64,
+    },
     /// The objective has no lower bound.
     Unbounded,
     /// The program could not be solved.

@@ -2,7 +2,7 @@
 
 use super::answer::{Design, Reason, Refused, Rejected, Unjudged, Unusable};
 use super::mount::{Mount, Site};
-use super::program::{Certificate, Optimum, RatioProgram};
+use super::program::{Bind, Certificate, Optimum, RatioProgram};
 use super::selection::Selection;
 use super::solved::{design, one_gear, solve};
 use super::{Prepared, judge, spring};
@@ -149,7 +149,7 @@ pub(super) fn is_known(prepared: &Prepared) -> bool {
 pub(super) fn is_impossible(site: Site, motor: &Motor) -> bool {
     let mount = site.direct(motor);
     let Some((min, max)) = mount.range() else { return false };
-    if site.joint.limits.spring.is_some() {
+    if site.joint.limits.spring.is_some() || motor.inside.is_some() {
         return false;
     }
     mount
@@ -177,6 +177,12 @@ fn best_gear<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Re
         }
         let evaluation = prepared.at(gear.ratio);
         match evaluation.objective(&joint.objective) {
+            _ if !evaluation.feasible && motor.inside.is_some() => {
+                let Some(margin) = evaluation.tightest() else { continue };
+                let bind = Bind::of(margin.limit, margin.sample);
+                let reason = Reason::Module { bind, over: margin.demand / margin.bound, allowed: margin.bound };
+                return Err(Refused::rejected(Rejected { motor, gear: None, reason }));
+            }
             _ if !evaluation.feasible => gears.exceeds(&gear.id, evaluation.tightest()),
             None => gears.unusable(Unusable::Mass),
             Some(objective) => {

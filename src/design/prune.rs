@@ -172,6 +172,10 @@ fn bound(site: Site, motor: &Motor, look: Look) -> Bound {
     let Site { joint, demand, .. } = site;
     // A spring takes load off: a bound without it is none.
     let counts = |quantity| joint.objective.weight(quantity) > 0.0;
+    // A module is one design: it is looked at.
+    if motor.inside.is_some() {
+        return Bound::Unknown;
+    }
     if joint.limits.spring.is_some() || lacking(motor, demand.load.duration.is_some(), counts).is_some() {
         return Bound::Unknown;
     }

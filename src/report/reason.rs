@@ -67,6 +67,9 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
                 number(*ratio)
             ),
         ),
+        Reason::Module { bind, over, allowed } => {
+            (format!("{} is exceeded", bind.limit), format!("{} is {}", bind_text(bind, joint), by(*over, *allowed)))
+        }
         Reason::Gears { bind, over, allowed, tried } => (
             format!("no gear will do; with the nearest, {} is exceeded", bind.limit),
             format!(

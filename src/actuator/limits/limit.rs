@@ -251,6 +251,8 @@ impl Limit {
         let of_heat = super::heat::LIMITS.iter().any(|limit| limit.name == self.name);
         let by_ratings = match self.name {
             "voltage" => super::module::says_torque_speed(candidate),
+            // A drive inside gives what the ratings say.
+            "peak_current" => candidate.has_drive_inside() && candidate.motor.peak_current.is_none(),
             "gear_peak_torque" | "gear_continuous_torque" | "gear_input_speed" => inside.gear.id == BUILT_IN,
             _ => of_heat && super::module::says_heat(candidate),
         };

@@ -6,7 +6,13 @@ use crate::actuator::candidate::Candidate;
 use crate::actuator::weakening::{AlongD, Weakening};
 use crate::catalog::Motor;
 use crate::catalog::convention::Commutation;
+use crate::catalog::module::Inside;
 use crate::requirement::{Joint, MotorDrag, Quantity, Robot};
+
+/// Whether all joints together have a budget or a supply that their power counts for.
+fn shares_power(robot: &Robot) -> bool {
+    robot.shared_power().is_some() || robot.shared_regeneration().is_some() || robot.shared_resistance().is_some()
+}
 
 /// What cannot be told without currents.
 const ELECTRICAL: [Quantity; 5] =
@@ -97,7 +103,7 @@ pub const NEEDS: &[Need] = &[
     Need {
         name: "module_constants",
         of: Of::Other,
-        stated: |_, joint| ELECTRICAL.iter().any(|q| joint.objective.weight(*q) > 0.0),
+        stated: |robot, joint| ELECTRICAL.iter().any(|q| joint.objective.weight(*q) > 0.0) || shares_power(robot),
         key: |_| Some(Key::Joint(&["objective"])),
         missing: |c| match c.motor.inside.as_deref() {
             Some(inside) if !inside.says_currents() => {
@@ -123,7 +129,10 @@ pub const NEEDS: &[Need] = &[
     Need {
         name: "module_back_emf",
         of: Of::Other,
-        stated: |_, joint| [Quantity::Energy, Quantity::PeakPower].iter().any(|q| joint.objective.weight(*q) > 0.0),
+        stated: |robot, joint| {
+            let asked = [Quantity::Energy, Quantity::PeakPower].iter().any(|q| joint.objective.weight(*q) > 0.0);
+            asked || shares_power(robot)
+        },
         key: |_| Some(Key::Joint(&["objective"])),
         missing: |c| match c.motor.inside.as_deref() {
             Some(inside) if inside.says_currents() && !inside.says_back_emf => {
@@ -154,7 +163,9 @@ pub const NEEDS: &[Need] = &[
         stated: |_, joint| [Quantity::Loss, Quantity::Energy].iter().any(|q| joint.objective.weight(*q) > 0.0),
         key: |_| Some(Key::Joint(&["objective"])),
         missing: |c| {
-            let counts = c.joint.motor_drag == MotorDrag::Counted && c.drag_is_unknown();
+            // Of a module without constants there is no loss at all.
+            let says_loss = c.motor.inside.as_deref().is_none_or(Inside::says_currents);
+            let counts = c.joint.motor_drag == MotorDrag::Counted && c.drag_is_unknown() && says_loss;
             counts.then_some("the motor's drag is not known and left out: its row says no no-load current and no friction, and it is not estimated")
         },
         at_ratio: |_| None,

@@ -6,7 +6,7 @@ use super::overload::Response;
 use crate::catalog::gear::Gear;
 
 /// Id that the gear of a module has in answers, where it is no row of its own.
-pub const BUILT_IN: &str = "built-in";
+pub const BUILT_IN: &str = "its own gear";
 
 /// How much a module's row says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

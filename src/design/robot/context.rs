@@ -592,14 +592,18 @@ impl<'a> Context<'a> {
         motors.sort_unstable();
         motors.dedup();
         let carried_torque = found.coordinates.clone();
+        // Of a module whose currents nobody knows there is no power.
+        let says_power = |d: &Design| d.motor.inside.as_deref().is_none_or(|i| i.says_currents() && i.says_back_emf);
+        let known = designs.iter().all(says_power);
+        let if_known = |power: f64| if known { power } else { f64::NAN };
         Combination {
             joints: designs,
             objective: found.value,
             lower_bound: found.lower,
             mass,
-            peak_power: power::largest(&self.schedule, &powers).0,
-            most_returned: power::most_returned(&self.schedule, &draws).0,
-            peak_power_by_case: power::by_case(&self.schedule, &powers),
+            peak_power: if_known(power::largest(&self.schedule, &powers).0),
+            most_returned: if_known(power::most_returned(&self.schedule, &draws).0),
+            peak_power_by_case: if known { power::by_case(&self.schedule, &powers) } else { Vec::new() },
             sag,
             power_price: price,
             per_mass: Vec::new(),
