@@ -8,36 +8,13 @@
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
+use super::finding::Outcome;
+pub use super::finding::{Finding, Severity};
+use super::module::audit::audit_module;
 use super::outlier::{CODE as UNUSUAL, Outlier, outliers};
 use super::row::{MotorRow, Row};
 use super::{Catalog, Gear, GearKind, Motor, Printed};
 use crate::words::number;
-
-/// How much a finding weighs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Severity {
-    /// The row contradicts itself.
-    Error,
-    /// Worth knowing, not wrong.
-    Note,
-}
-
-/// What a check found in a row.
-#[derive(Debug, Clone)]
-pub struct Finding {
-    /// Id of the motor or gear.
-    pub id: String,
-    /// Code of the check.
-    pub code: &'static str,
-    /// How much it weighs.
-    pub severity: Severity,
-    /// What does not fit, with numbers.
-    pub message: String,
-    /// What would explain it.
-    pub explanation: Option<String>,
-    /// Whether the row's note already explains it.
-    pub accepted: bool,
-}
 
 /// One comparison of redundant numbers.
 pub struct MotorCheck {
@@ -46,12 +23,6 @@ pub struct MotorCheck {
     /// What is compared.
     pub compares: &'static str,
     run: fn(&Motor) -> Option<Outcome>,
-}
-
-struct Outcome {
-    severity: Severity,
-    message: String,
-    explanation: Option<String>,
 }
 
 /// Every check of a motor row.
@@ -120,11 +91,17 @@ pub fn audit(catalog: &Catalog) -> Vec<Finding> {
         audit_motor(motor).into_iter().chain(beside).collect::<Vec<_>>()
     };
     let motors = catalog.motors.iter().flat_map(of_row);
-    motors.chain(catalog.gears.iter().flat_map(audit_gear)).collect()
+    let gears = catalog.gears.iter().flat_map(audit_gear);
+    let modules = catalog.modules.iter().flat_map(|module| audit_module(module, &catalog.modules, &catalog.motors));
+    motors.chain(gears).chain(modules).collect()
 }
 
 /// Runs every check over one motor.
 pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
+    // Of a module its own row is audited.
+    if motor.inside.is_some() {
+        return Vec::new();
+    }
     let mut findings = Vec::new();
     for check in CHECKS {
         if let Some(outcome) = (check.run)(motor) {
@@ -608,6 +585,12 @@ fn thermal(motor: &Motor) -> Option<Outcome> {
 
 /// How a row declares its conventions, in one line for people.
 pub fn conventions_line(motor: &Motor) -> String {
+    if motor.inside.is_some() {
+        let id = &motor.id;
+        return format!(
+            "a module, its constants taken to the q axis; `gearwise catalog show {id}` has them as printed"
+        );
+    }
     let c = &motor.conventions;
     let winding = c.winding.map_or(String::new(), |w| format!(", {}", word(Winding::NAMES, &w)));
     let row = MotorRow::of(motor);

@@ -47,7 +47,7 @@ pub enum Became {
 /// A row that is not the same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
-    /// `motor` or `gear`.
+    /// `motor`, `gear` or `module`.
     pub kind: &'static str,
     /// Its id.
     pub id: String,
@@ -58,11 +58,13 @@ pub struct Difference {
 /// Numbers that differ by less (relative) are the same: what is left of a unit's conversion.
 const SAME: f64 = 1e-12;
 
-/// The differences of two catalogues by id: motors, then gears.
+/// The differences of two catalogues by id: motors, then gears, then modules.
 pub fn difference(before: &Catalog, after: &Catalog) -> Vec<Difference> {
     let rows = |catalog: &Catalog| -> Vec<MotorRow> { catalog.motors.iter().map(MotorRow::of).collect() };
     let motors = between("motor", &rows(before), &rows(after), |row| &row.id);
-    motors.into_iter().chain(between("gear", &before.gears, &after.gears, |row| &row.id)).collect()
+    let gears = between("gear", &before.gears, &after.gears, |row| &row.id);
+    let modules = between("module", &before.modules, &after.modules, |row| &row.id);
+    motors.into_iter().chain(gears).chain(modules).collect()
 }
 
 fn between<R: Row>(kind: &'static str, before: &[R], after: &[R], id: fn(&R) -> &String) -> Vec<Difference> {

@@ -5,7 +5,7 @@
 
 use super::gear::matches_pattern;
 use super::row::{Column, Convention, Field, Holds, MotorRow, Row, States, column_of};
-use super::{Catalog, Gear, Motor};
+use super::{Catalog, Gear, Module, Motor};
 use crate::input::Words;
 use crate::units::{self, RATIO};
 use crate::words::nearest;
@@ -41,7 +41,7 @@ enum Asked {
     Text(&'static str, bool, String),
 }
 
-/// A filter as it was written, and what it asks of motors and of gears; `None` of a kind that has no such column.
+/// A filter as it was written, and what it asks of each kind of row; `None` of a kind that has no such column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filter {
     /// As it was written.
@@ -50,6 +50,7 @@ pub struct Filter {
     pub column: String,
     motors: Option<Asked>,
     gears: Option<Asked>,
+    modules: Option<Asked>,
 }
 
 /// What a filter says of a row.
@@ -90,13 +91,12 @@ impl Filter {
         }
         let motors = asked::<MotorRow>(column, *comparison, value);
         let gears = asked::<Gear>(column, *comparison, value);
-        let (motors, gears) = match (motors, gears) {
-            (None, None) => {
-                let meant = || {
-                    let own = names::<MotorRow>().chain(names::<Gear>());
-                    own.chain(super::row::ALIASES.iter().map(|(alias, _)| *alias))
-                };
-                let mut all: Vec<&str> = names::<MotorRow>().chain(names::<Gear>()).collect();
+        let modules = asked::<Module>(column, *comparison, value);
+        let (motors, gears, modules) = match (motors, gears, modules) {
+            (None, None, None) => {
+                let own = || names::<MotorRow>().chain(names::<Gear>()).chain(names::<Module>());
+                let meant = || own().chain(super::row::ALIASES.iter().map(|(alias, _)| *alias));
+                let mut all: Vec<&str> = own().collect();
                 all.sort_unstable();
                 all.dedup();
                 let help = match nearest(name, meant()) {
@@ -105,11 +105,21 @@ impl Filter {
                 };
                 return Err(wrong(format!("there is no column `{name}`; {help}")));
             }
-            // Of a column that both have, one reading is enough.
-            (Some(Err(why)), None | Some(Err(_))) | (None, Some(Err(why))) => return Err(wrong(why)),
-            (motors, gears) => (motors.and_then(Result::ok), gears.and_then(Result::ok)),
+            (motors, gears, modules) => {
+                // Of a column that several have, one reading is enough.
+                let all = [&motors, &gears, &modules];
+                // That of motors has conventions, which have to be said.
+                if let Some(Err(why)) = &motors {
+                    return Err(wrong(why.clone()));
+                }
+                let read = all.iter().any(|of| matches!(of, Some(Ok(_))));
+                if let Some(why) = all.iter().find_map(|of| of.as_ref()?.as_ref().err()).filter(|_| !read) {
+                    return Err(wrong(why.clone()));
+                }
+                (motors.and_then(Result::ok), gears.and_then(Result::ok), modules.and_then(Result::ok))
+            }
         };
-        Ok(Filter { text: text.into(), column: column.into(), motors, gears })
+        Ok(Filter { text: text.into(), column: column.into(), motors, gears, modules })
     }
 
     /// Whether motors have the column.
@@ -122,9 +132,23 @@ impl Filter {
         self.gears.is_some()
     }
 
+    /// Whether modules have the column.
+    pub fn is_of_modules(&self) -> bool {
+        self.modules.is_some()
+    }
+
+    /// Whether a kind of row has the column.
+    pub fn is_of(&self, kind: RowKind) -> bool {
+        match kind {
+            RowKind::Motor => self.is_of_motors(),
+            RowKind::Gear => self.is_of_gears(),
+            RowKind::Module => self.is_of_modules(),
+        }
+    }
+
     /// Whether it asks for a text.
     pub fn is_text(&self) -> bool {
-        [&self.motors, &self.gears].iter().any(|asked| matches!(asked, Some(Asked::Text(..))))
+        [&self.motors, &self.gears, &self.modules].iter().any(|asked| matches!(asked, Some(Asked::Text(..))))
     }
 
     /// What it says of a motor. Resistance, inductance, constants and currents are compared on the q axis, or in the
@@ -141,6 +165,14 @@ impl Filter {
     pub fn of_gear(&self, gear: &Gear) -> Says {
         let Some(asked) = &self.gears else { return Says::No };
         asked.says(gear, |field, _| (field.get)(gear).map(|p| p.value))
+    }
+}
+
+impl Filter {
+    /// What it says of a module: its numbers are compared as printed, at the side and in the convention that its row says.
+    pub fn of_module(&self, module: &Module) -> Says {
+        let Some(asked) = &self.modules else { return Says::No };
+        asked.says(module, |field, _| (field.get)(&module.sheet).map(|p| p.value))
     }
 }
 
@@ -239,16 +271,25 @@ impl Asked {
     }
 }
 
-/// Which kinds of row are asked for.
+/// A kind of row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kinds {
-    /// Motors and gears.
-    Both,
-    /// Motors alone.
-    Motors,
-    /// Gears alone.
-    Gears,
+pub enum RowKind {
+    /// A motor.
+    Motor,
+    /// A gear.
+    Gear,
+    /// A module.
+    Module,
 }
+
+impl RowKind {
+    /// Every kind with its word.
+    pub const NAMES: &[(&str, RowKind)] =
+        &[("motor", RowKind::Motor), ("gear", RowKind::Gear), ("module", RowKind::Module)];
+}
+
+/// Which kinds of row are asked for; none in particular for all.
+pub type Kinds = Option<RowKind>;
 
 /// The rows that filters leave.
 #[derive(Debug)]
@@ -257,6 +298,8 @@ pub struct Found<'c> {
     pub motors: Vec<&'c Motor>,
     /// Gears.
     pub gears: Vec<&'c Gear>,
+    /// Modules.
+    pub modules: Vec<&'c Module>,
     /// Rows that would be there if numbers of theirs that are not known allowed it.
     pub unknown: usize,
     /// Of each filter of which some row does not know the value: its column, and in how many rows.
@@ -278,17 +321,22 @@ pub fn select<'c>(catalog: &'c Catalog, kinds: Kinds, filters: &[Filter]) -> Fou
         }
         !open
     };
-    let (mut motors, mut gears) = (Vec::new(), Vec::new());
-    if kinds != Kinds::Gears {
+    let (mut motors, mut gears, mut modules) = (Vec::new(), Vec::new(), Vec::new());
+    let is = |kind: RowKind| kinds.is_none_or(|asked| asked == kind);
+    if is(RowKind::Motor) {
         let all = catalog.motors.iter();
         motors.extend(all.filter(|m| keep(filters.iter().map(|f| f.of_motor(m)).collect())));
     }
-    if kinds != Kinds::Motors {
+    if is(RowKind::Gear) {
         let all = catalog.gears.iter();
         gears.extend(all.filter(|g| keep(filters.iter().map(|f| f.of_gear(g)).collect())));
     }
+    if is(RowKind::Module) {
+        let all = catalog.modules.iter();
+        modules.extend(all.filter(|m| keep(filters.iter().map(|f| f.of_module(m)).collect())));
+    }
     unknown_by.retain(|(_, count)| *count > 0);
-    Found { motors, gears, unknown, unknown_by }
+    Found { motors, gears, modules, unknown, unknown_by }
 }
 
 /// What a search compares: letters and digits alone.
@@ -306,6 +354,7 @@ pub fn search<'c>(catalog: &'c Catalog, text: &str) -> Found<'c> {
     Found {
         motors: catalog.motors.iter().filter(|m| has([&m.id, &m.model, &m.manufacturer])).collect(),
         gears: catalog.gears.iter().filter(|g| has([&g.id, &g.model, &g.manufacturer])).collect(),
+        modules: catalog.modules.iter().filter(|m| has([&m.id, &m.model, &m.manufacturer])).collect(),
         unknown: 0,
         unknown_by: Vec::new(),
     }
@@ -315,7 +364,9 @@ pub fn search<'c>(catalog: &'c Catalog, text: &str) -> Found<'c> {
 pub fn like<'c>(catalog: &'c Catalog, text: &str) -> Vec<&'c str> {
     let motors = catalog.motors.iter().flat_map(|m| [&m.id, &m.model, &m.manufacturer]);
     let gears = catalog.gears.iter().flat_map(|g| [&g.id, &g.model, &g.manufacturer]);
-    let mut names: Vec<&str> = motors.chain(gears).map(String::as_str).filter(|n| !n.is_empty()).collect();
+    let modules = catalog.modules.iter().flat_map(|m| [&m.id, &m.model, &m.manufacturer]);
+    let mut names: Vec<&str> =
+        motors.chain(gears).chain(modules).map(String::as_str).filter(|n| !n.is_empty()).collect();
     names.sort_unstable();
     names.dedup();
     let mut found = Vec::new();
@@ -334,7 +385,7 @@ mod tests {
     fn ids(filters: &[&str]) -> (Vec<String>, usize) {
         let catalog = Catalog::builtin().unwrap();
         let filters: Vec<Filter> = filters.iter().map(|f| Filter::read(f).unwrap()).collect();
-        let found = select(&catalog, Kinds::Motors, &filters);
+        let found = select(&catalog, Some(RowKind::Motor), &filters);
         (found.motors.iter().map(|m| m.id.clone()).collect(), found.unknown)
     }
 
@@ -370,6 +421,6 @@ mod tests {
         let catalog = Catalog::builtin().unwrap();
         let filter = Filter::read("ratio>=5").unwrap();
         assert!(filter.is_of_gears() && !filter.is_of_motors());
-        assert!(select(&catalog, Kinds::Both, &[filter]).motors.is_empty());
+        assert!(select(&catalog, None, &[filter]).motors.is_empty());
     }
 }

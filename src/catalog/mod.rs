@@ -12,6 +12,7 @@ pub mod difference;
 pub mod drag;
 pub mod estimate;
 pub mod filter;
+mod finding;
 mod fit;
 pub mod fitted;
 mod free;

@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Weigh S_M or S_T by the motor's mass
     #[arg(long)]
     mass_weight: bool,
+    /// Modules too whose rows have constants: by id or maker, `*` for any run of characters; their J has the gear in it. May be repeated
+    #[arg(long, value_name = "PATTERN")]
+    modules: Vec<String>,
     /// How many motors the table shows
     #[arg(long, default_value_t = 20, value_name = "N")]
     top: usize,
@@ -46,7 +49,9 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let tolerance = super::tolerance(arguments.tolerance.as_deref())?;
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let catalog = super::motors(&arguments.catalog)?.free(true);
+    let mut catalog = super::motors(&arguments.catalog)?.free(true).with_modules(arguments.modules.iter(), |m| m);
+    // A module without constants has no metric.
+    catalog.motors.retain(|motor| motor.torque_constant.is_finite());
     let marked: Vec<_> = arguments.mark.iter().map(|id| super::find_motor(&catalog, id)).collect::<Result<_, _>>()?;
     let ranking = Ranking::new(&catalog.motors, by, tolerance);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&ranking, &marked))?;

@@ -5,7 +5,7 @@ use crate::catalog::convention::{
     BLOCK, BackEmfConvention, Commutation, CurrentConvention, Modulation, SpeedConstantConvention, Terminals, Winding,
 };
 use crate::catalog::row::{MotorRow, about, aliases_of, choices};
-use crate::catalog::{Gear, VERSION, fitted, gear_columns, motor_columns};
+use crate::catalog::{Gear, Module, VERSION, fitted, gear_columns, module_columns, motor_columns};
 use crate::effects::EFFECTS;
 use crate::input::TableAsked;
 use crate::input::csv::{Column, Content};
@@ -78,7 +78,7 @@ pub fn text() -> String {
 /// What is said behind the tables of a format.
 fn after(title: &str) -> String {
     match title {
-        REQUIREMENT => currents_in_results() + &motions() + &motors() + &gears() + &rows_in_toml(),
+        REQUIREMENT => currents_in_results() + &motions() + &motors() + &gears() + &modules() + &rows_in_toml(),
         FITTED => {
             let names: Vec<String> = EFFECTS.iter().map(|e| code(e.name())).collect();
             format!(
@@ -162,6 +162,18 @@ fn gears() -> String {
     )
 }
 
+fn modules() -> String {
+    let all = module_columns();
+    let of = |name: &str| about::<Module>(name).unwrap_or_default().to_string();
+    format!(
+        "\n## Module catalogue (CSV)\n\nMotor, gear and mostly a drive, bought as one ([modules.md](modules.md)). A file with the columns `ratio` and `drive` \
+         holds modules. Torques, speeds, backlash and stiffness are those of the output flange. Every other number says at which side and in which \
+         convention it is, in a column of its own; a number that does not is a mistake. Curves and tables are pairs in one cell, `0:71 22.6:71 35.5:0`, \
+         with both units in the header, `driving_curve [rad/s : N*m]`; in TOML a list of pairs, `[[\"0 rad/s\", \"71 N*m\"], …]`.\n\n{}",
+        columns(&all, of, choices::<Module>),
+    )
+}
+
 /// Other names of columns.
 fn aliases(columns: &[Column]) -> String {
     let of = |column: &Column| {
@@ -180,7 +192,7 @@ fn rows_in_toml() -> String {
         "\n## Catalogues in general\n\nThe first line may say the version of the columns, `# gearwise catalogue {VERSION}`; without it the \
          version is 1, and a later version than this gearwise reads is refused. A column may be there several times, each time with \
          other words behind its unit (`torque_constant [N*m/A rms]`, `torque_constant [N*m/A dc]`); a row fills one of them.\n\n\
-         A catalogue may also be a TOML file with a table `[[motor]]` or `[[gear]]` for each row. Its keys are the columns, and its \
+         A catalogue may also be a TOML file with a table `[[motor]]`, `[[gear]]` or `[[module]]` for each row. Its keys are the columns, and its \
          values have their units and words:\n\n```toml\n[[motor]]\nid = \"my-motor\"\nterminals = \"line_to_line\"\n\
          current = \"phase_amplitude\"\nresistance = \"0.16 ohm\"\ntorque_constant = \"0.23 N*m/A rms\"\n\
          torque_constant_tolerance = \"5 %\"\nsource = \"data sheet\"\nsource_kind = \"datasheet\"\n```\n"

@@ -1,7 +1,7 @@
 //! The answer first: what to take at each joint, on one screen.
 
 use super::balance;
-use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at, per_cent};
+use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at, per_cent, with_gear};
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{design_ratio, estimated, number, number_between, optional, turns};
@@ -143,7 +143,7 @@ fn said(design: &Design, joint: &Joint) -> String {
         || Tint::Doubtful.on("nothing could be checked"),
         |m| format!("smallest margin {}", Tint::of(m).on(&margin_at(m, joint))),
     );
-    let gear = design.gear.map(|gear| format!("with {gear}"));
+    let gear = with_gear(design);
     let spring = design.spring.and_then(|s| s.rest_angle.map(|_| format!("spring {} N*m/rad", number(s.stiffness))));
     let unchecked = match design.unchecked.len() {
         0 => None,

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 pub use super::said::{Shown, bind_text, proof};
-pub(super) use super::said::{choice_text, margin_at};
+pub(super) use super::said::{choice_text, margin_at, with_gear};
 pub(super) use super::said::{joint_notes, windows_text};
 
 use super::columns::{self, Entry, State};
@@ -69,6 +69,15 @@ pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String 
 
 /// The ratios that a joint may have.
 pub(super) fn ratio_text(joint: &Joint) -> String {
+    let modules = &joint.motors.modules;
+    if joint.motors.only_modules {
+        return format!("modules {}", modules.join(", "));
+    }
+    let motors = ratio_of_motors(joint);
+    if modules.is_empty() { motors } else { format!("{motors}, or modules {}", modules.join(", ")) }
+}
+
+fn ratio_of_motors(joint: &Joint) -> String {
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
         RatioChoice::Listed { values, step: Some(step) } => {
@@ -195,8 +204,8 @@ fn details(design: &Design, joint: &Joint) -> String {
         Some(spring) => format!("{tightest}; {}", super::spring::text(spring, design.evaluation.loss)),
         None => tightest,
     };
-    if let Some(gear) = design.gear {
-        return format!("with {gear}; {tightest}");
+    if let Some(gear) = with_gear(design) {
+        return format!("{gear}; {tightest}");
     }
     match windows_text(&design.optimum, joint) {
         Some(windows) => format!("feasible from {windows}; {tightest}"),

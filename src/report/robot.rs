@@ -142,8 +142,8 @@ pub(super) fn kept(choice: &Choice) -> String {
 }
 
 pub(super) fn name(design: &Design) -> String {
-    let gear = design.gear.map_or_else(String::new, |g| format!(" + {g}"));
-    format!("{}{gear}", design.motor.id)
+    let gear = design.gear.filter(|_| design.motor.inside.is_none());
+    format!("{}{}", design.motor.id, gear.map_or_else(String::new, |g| format!(" + {g}")))
 }
 
 fn designs(robot: &Robot, best: &Combination) -> String {

@@ -2,6 +2,7 @@
 
 use super::{design_ratio, estimated, number};
 use crate::actuator::limits::LOW_SAFETY;
+use crate::catalog::module::Drive;
 use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
 use crate::design::program::{Bind, Certificate, Optimum};
@@ -110,8 +111,19 @@ pub(super) fn margin_at(margin: &Margin, joint: &Joint) -> String {
         + &case.map_or_else(String::new, |case| format!(" ({})", case.name))
 }
 
+/// With what gear a design is; a module has its own.
+pub(super) fn with_gear(design: &Design) -> Option<String> {
+    let drive = design.motor.inside.as_deref().map(|inside| inside.module.drive);
+    match drive {
+        Some(Drive::BuiltIn) => Some("a module, drive inside".into()),
+        Some(Drive::External) => Some("a module without drive".into()),
+        None => design.gear.map(|gear| format!("with {gear}")),
+    }
+}
+
 pub(super) fn choice_text(design: &Design) -> String {
-    let gear = design.gear.map_or_else(String::new, |g| format!(" with {g}"));
+    let gear = design.gear.filter(|_| design.motor.inside.is_none());
+    let gear = gear.map_or_else(String::new, |g| format!(" with {g}"));
     let unchecked = match design.unchecked.len() {
         0 => String::new(),
         1 => ", 1 thing not checked".into(),

@@ -4,6 +4,7 @@
 //! that its own column declares; [`constants`] takes them to the flange and the q axis once.
 
 mod actuator;
+pub mod audit;
 pub mod check;
 pub mod constants;
 pub mod inside;

@@ -9,10 +9,13 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 /// Time constants that lags are looked for among.
 const LAGS: usize = 60;
+/// Steps by a thousandth by which an answer is made quicker at most.
+const QUICKER: usize = 100;
 /// Lags of a smaller share of the answer are left out.
 const LEAST_SHARE: f64 = 1e-6;
-/// By how much a table may bend the wrong way: no passive body does, and times are rounded.
-pub const BENDS: f64 = 0.15;
+/// By how much a table may bend the wrong way: no passive body does, and times are rounded. An answer is nowhere below the points, so
+/// that a bend costs reserve and no safety; more than this is a mistake in the table.
+pub const BENDS: f64 = 0.5;
 
 /// The answer of a winding to a step of the squared torque, over what the rated torque ends at.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +81,16 @@ impl Response {
         let all: f64 = shares.iter().filter(|s| kept(s)).sum();
         let lags: Vec<(f64, f64)> =
             shares.iter().zip(&lags).filter(|(s, _)| kept(s)).map(|(share, lag)| (share / all, *lag)).collect();
-        (!lags.is_empty()).then_some(Response { rated, lags })
+        let mut response = Response { rated, lags };
+        // What the solver leaves is on the safe side: a quicker answer is a higher one.
+        let undercuts = |of: &Response| points.iter().any(|(time, s)| of.step(*time) < *s);
+        for _ in 0..QUICKER {
+            if !undercuts(&response) {
+                break;
+            }
+            response.lags.iter_mut().for_each(|(_, lag)| *lag *= 0.999);
+        }
+        (!response.lags.is_empty() && !undercuts(&response)).then_some(response)
     }
 
     /// The answer to a step after a time \[s\].
@@ -157,7 +169,7 @@ mod tests {
         let response = Response::fit(rated, &table).unwrap();
         for [torque, time] in &table {
             let miss = response.step(*time) / (rated / torque).powi(2) - 1.0;
-            assert!((-1e-6..2e-3).contains(&miss), "{torque}: {miss}");
+            assert!((0.0..5e-3).contains(&miss), "{torque}: {miss}");
         }
         // A duty of 20 s at twice the rated torque in 200 s, by small steps.
         let (mut hot, mut slow, mut peak, dt) = (0.0, 0.0, 0.0_f64, 1e-3);

@@ -1,7 +1,8 @@
 use clap::Args;
 
 use super::{Done, Failure, Output, Which};
-use crate::catalog::filter::{Filter, Kinds};
+use crate::catalog::convention::word;
+use crate::catalog::filter::{Filter, RowKind};
 use crate::report::catalog::list::{self as report, Listing};
 use crate::report::json;
 
@@ -15,7 +16,7 @@ use crate::report::json;
                    `--csv` writes a catalogue file."
 )]
 pub struct Arguments {
-    /// `motors` or `gears`, both without it; then filters that a row has to keep
+    /// `motors`, `gears` or `modules`, all without it; then filters that a row has to keep
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     #[command(flatten)]
@@ -26,25 +27,28 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let (kinds, filters) = match arguments.filters.split_first() {
-        Some((first, rest)) if matches!(first.as_str(), "motors" | "motor") => (Kinds::Motors, rest),
-        Some((first, rest)) if matches!(first.as_str(), "gears" | "gear") => (Kinds::Gears, rest),
-        _ => (Kinds::Both, arguments.filters.as_slice()),
+        Some((first, rest)) if matches!(first.as_str(), "motors" | "motor") => (Some(RowKind::Motor), rest),
+        Some((first, rest)) if matches!(first.as_str(), "gears" | "gear") => (Some(RowKind::Gear), rest),
+        Some((first, rest)) if matches!(first.as_str(), "modules" | "module") => (Some(RowKind::Module), rest),
+        _ => (None, arguments.filters.as_slice()),
     };
     let filters: Vec<Filter> =
         filters.iter().map(|text| Filter::read(text)).collect::<Result<_, _>>().map_err(Failure::Argument)?;
+    let having = |filter: &Filter| {
+        let kinds = RowKind::NAMES.iter().filter(|(_, kind)| filter.is_of(*kind));
+        kinds.map(|(word, _)| format!("{word}s")).collect::<Vec<_>>()
+    };
     for filter in &filters {
-        let (lacks, has) = match kinds {
-            Kinds::Motors if !filter.is_of_motors() => ("motors", "gears"),
-            Kinds::Gears if !filter.is_of_gears() => ("gears", "motors"),
-            _ => continue,
-        };
-        let why = format!("the filter `{}`: {lacks} have no column `{}`; {has} do", filter.text, filter.column);
+        let Some(kind) = kinds.filter(|kind| !filter.is_of(*kind)) else { continue };
+        let (lacks, has) = (word(RowKind::NAMES, &kind), having(filter).join(" and "));
+        let why = format!("the filter `{}`: {lacks}s have no column `{}`; {has} do", filter.text, filter.column);
         return Err(Failure::Argument(why));
     }
-    let of = |is: fn(&Filter) -> bool| filters.iter().find(|f| !is(f)).map(|f| f.text.as_str());
-    if let (Kinds::Both, Some(gears), Some(motors)) = (kinds, of(Filter::is_of_motors), of(Filter::is_of_gears)) {
-        let why = format!("`{motors}` asks for motors and `{gears}` for gears: no row keeps both");
-        return Err(Failure::Argument(why));
+    let all = |kind: RowKind| filters.iter().all(|filter| filter.is_of(kind));
+    if kinds.is_none() && !RowKind::NAMES.iter().any(|(_, kind)| all(*kind)) {
+        let of = |filter: &Filter| format!("`{}` asks for {}", filter.text, having(filter).join(" or "));
+        let each: Vec<String> = filters.iter().map(of).collect();
+        return Err(Failure::Argument(format!("{}: no row keeps all", each.join(", "))));
     }
     let catalog = arguments.which.read()?;
     let listing = Listing::new(&catalog, kinds, filters);

@@ -15,12 +15,13 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
+    let rows = |catalog: &Catalog| [catalog.motors.len(), catalog.gears.len(), catalog.modules.len()];
     let builtin = Catalog::builtin()?;
     let user = user_catalog();
     let found = match user.exists() {
         false => User::Absent,
         true => match Catalog::read(std::slice::from_ref(&user)) {
-            Ok(catalog) => User::Read(catalog.motors.len(), catalog.gears.len()),
+            Ok(catalog) => User::Read(rows(&catalog)),
             Err(errors) => User::Wrong(errors.iter().map(|e| e.problems.len()).sum()),
         },
     };
@@ -28,7 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         user,
         by_variable: std::env::var_os("GEARWISE_CATALOG").is_some_and(|value| !value.is_empty()),
         found,
-        builtin: (builtin.motors.len(), builtin.gears.len()),
+        builtin: rows(&builtin),
         files: Catalog::builtin_sources().len(),
         sha256: builtin.files().first().map(|file| file.sha256.clone()).unwrap_or_default(),
     };

@@ -4,6 +4,7 @@ use super::{Done, Failure, Which};
 use crate::catalog::Catalog;
 use crate::catalog::filter::search;
 use crate::report::catalog::card::{self, Card};
+use crate::report::catalog::module::module_text;
 use crate::report::{json, json_text};
 use crate::words::nearest;
 
@@ -13,7 +14,7 @@ use crate::words::nearest;
     before_help = "Examples:\n  gearwise catalog show t-motor-u8-lee\n  gearwise catalog show my-motor --catalog user\n  gearwise catalog show t-motor-ri50 --json"
 )]
 pub struct Arguments {
-    /// Id of a motor or a gear
+    /// Id of a motor, a gear or a module
     id: String,
     #[command(flatten)]
     which: Which,
@@ -42,6 +43,12 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             false => card::gear_text(gear),
         });
     }
+    if let Some(module) = catalog.modules.iter().find(|m| m.id == id).filter(|_| texts.is_empty()) {
+        texts.push(match arguments.json {
+            true => json_text(&json::catalog::module_shown(module, Vec::new())),
+            false => module_text(module),
+        });
+    }
     if texts.is_empty() {
         return Err(unknown(&catalog, id));
     }
@@ -51,10 +58,14 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
 /// That there is no such row, with those that may have been meant.
 fn unknown(catalog: &Catalog, id: &str) -> Failure {
     let found = search(catalog, id);
-    let has = found.motors.iter().map(|m| m.id.as_str()).chain(found.gears.iter().map(|g| g.id.as_str()));
+    let modules = found.modules.iter().map(|m| m.id.as_str());
+    let gears = found.gears.iter().map(|g| g.id.as_str());
+    let has = found.motors.iter().map(|m| m.id.as_str()).chain(gears).chain(modules);
     let mut near: Vec<&str> = has.take(3).collect();
     if near.is_empty() {
-        let all = catalog.motors.iter().map(|m| m.id.as_str()).chain(catalog.gears.iter().map(|g| g.id.as_str()));
+        let gears = catalog.gears.iter().map(|g| g.id.as_str());
+        let modules = catalog.modules.iter().map(|m| m.id.as_str());
+        let all = catalog.motors.iter().map(|m| m.id.as_str()).chain(gears).chain(modules);
         near.extend(nearest(id, all));
     }
     let names: Vec<String> = near.iter().map(|n| format!("`{n}`")).collect();
@@ -62,5 +73,5 @@ fn unknown(catalog: &Catalog, id: &str) -> Failure {
         true => "`gearwise catalog list` shows them all".to_string(),
         false => format!("did you mean {}?", names.join(" or ")),
     };
-    Failure::Argument(format!("there is no motor and no gear `{id}` in the catalogue; {help}"))
+    Failure::Argument(format!("there is no motor, gear or module `{id}` in the catalogue; {help}"))
 }

@@ -162,13 +162,13 @@ pub fn estimated(estimate: &Estimate) -> String {
     )
 }
 
-fn titled(out: &mut String, title: &str) {
+pub(super) fn titled(out: &mut String, title: &str) {
     out.push('\n');
     out.push_str(&paragraph(title, 0, 2));
 }
 
 /// A label and a text.
-fn line(out: &mut String, label: &str, text: &str) {
+pub(super) fn line(out: &mut String, label: &str, text: &str) {
     if !text.is_empty() {
         out.push_str(&paragraph(&format!("{label}: {text}"), 0, 4));
     }
@@ -261,15 +261,15 @@ pub fn motor_text(card: &Card) -> String {
     out
 }
 
-fn sourced(source: &str, kind: SourceKind) -> String {
+pub(super) fn sourced(source: &str, kind: SourceKind) -> String {
     format!("{source} ({})", word(SourceKind::NAMES, &kind))
 }
 
-fn numbers_table() -> Table {
+pub(super) fn numbers_table() -> Table {
     Table::new(vec![Column::name("column"), Column::number("value", ""), Column::number("±", "")]).indented(2)
 }
 
-fn number_row<S>(field: &Field<S>, value: f64, tolerance: Option<f64>) -> Vec<String> {
+pub(super) fn number_row<S>(field: &Field<S>, value: f64, tolerance: Option<f64>) -> Vec<String> {
     let unit = unit_for(field.kind, value);
     // A difference of temperatures has no offset.
     let scaled = |t: f64| if unit == "degC" { t } else { in_unit(t, unit) };

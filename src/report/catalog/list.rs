@@ -1,9 +1,10 @@
 //! Rows of a catalogue as a table.
 
 use crate::catalog::convention::word;
-use crate::catalog::filter::{Filter, Found, Kinds, like};
+use crate::catalog::filter::{Filter, Found, Kinds, RowKind, like};
+use crate::catalog::module::Drive;
 use crate::catalog::row::{self, MotorRow};
-use crate::catalog::{Catalog, Construction, Gear, GearKind, Motor};
+use crate::catalog::{Catalog, Construction, Gear, GearKind, Module, Motor};
 use crate::report::table::{Column, Table, paragraph};
 use crate::report::{counted, optional};
 use crate::units::in_unit;
@@ -24,18 +25,17 @@ pub struct Listing<'c> {
 impl<'c> Listing<'c> {
     /// The rows that filters leave; a kind of row that a filter's column does not have is not asked for.
     pub fn new(catalog: &'c Catalog, kinds: Kinds, filters: Vec<Filter>) -> Listing<'c> {
-        let kinds = match kinds {
-            Kinds::Both if !filters.iter().all(Filter::is_of_gears) => Kinds::Motors,
-            Kinds::Both if !filters.iter().all(Filter::is_of_motors) => Kinds::Gears,
-            asked => asked,
-        };
+        // A kind of row that a filter's column does not have is not asked for; one alone that has all is.
+        let has = |kind: &RowKind| filters.iter().all(|filter| filter.is_of(*kind));
+        let mut having = RowKind::NAMES.iter().map(|(_, kind)| *kind).filter(has);
+        let kinds = kinds.or_else(|| having.next().filter(|_| having.next().is_none()));
         let found = crate::catalog::filter::select(catalog, kinds, &filters);
         let mut near = Vec::new();
         // A text that no row has may be a slip.
         for filter in filters.iter().filter(|f| f.is_text() && f.column == "manufacturer") {
             let alone = crate::catalog::filter::select(catalog, kinds, std::slice::from_ref(filter));
             let value = filter.text.split_once('=').map_or("", |(_, value)| value);
-            if alone.motors.is_empty() && alone.gears.is_empty() {
+            if alone.motors.is_empty() && alone.gears.is_empty() && alone.modules.is_empty() {
                 near.extend(like(catalog, value).into_iter().filter(|name| is_maker(catalog, name)));
                 near.extend(makers_with(catalog, value).into_iter().filter(|m| !near.contains(m)).collect::<Vec<_>>());
             }
@@ -46,19 +46,23 @@ impl<'c> Listing<'c> {
     /// What a search found.
     pub fn search(catalog: &'c Catalog, text: &str) -> Listing<'c> {
         let found = crate::catalog::filter::search(catalog, text);
-        let near = if found.motors.is_empty() && found.gears.is_empty() { like(catalog, text) } else { Vec::new() };
-        Listing { found, kinds: Kinds::Both, filters: Vec::new(), near }
+        let mut listing = Listing { found, kinds: None, filters: Vec::new(), near: Vec::new() };
+        if listing.is_empty() {
+            listing.near = like(catalog, text);
+        }
+        listing
     }
 
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
-        self.found.motors.is_empty() && self.found.gears.is_empty()
+        self.found.motors.is_empty() && self.found.gears.is_empty() && self.found.modules.is_empty()
     }
 }
 
 fn makers(catalog: &Catalog) -> impl Iterator<Item = &str> {
     let motors = catalog.motors.iter().map(|m| m.manufacturer.as_str());
-    motors.chain(catalog.gears.iter().map(|g| g.manufacturer.as_str())).filter(|m| !m.is_empty())
+    let modules = catalog.modules.iter().map(|m| m.manufacturer.as_str());
+    motors.chain(catalog.gears.iter().map(|g| g.manufacturer.as_str())).chain(modules).filter(|m| !m.is_empty())
 }
 
 fn is_maker(catalog: &Catalog, name: &str) -> bool {
@@ -91,12 +95,21 @@ pub fn text(listing: &Listing) -> String {
         out.push_str(&gears(&found.gears).text());
         out.push('\n');
     }
-    let count = match listing.kinds {
-        Kinds::Both => {
-            format!("{} and {}", counted(found.motors.len(), "motor"), counted(found.gears.len(), "gear"))
+    if !found.modules.is_empty() {
+        if !found.motors.is_empty() || !found.gears.is_empty() {
+            out.push('\n');
         }
-        Kinds::Motors => counted(found.motors.len(), "motor"),
-        Kinds::Gears => counted(found.gears.len(), "gear"),
+        out.push_str(&modules(&found.modules).text());
+        out.push('\n');
+        let frame = "Torques and speeds at the output; `–` is unknown, not zero. What a row has constants for can be followed in currents, losses and voltages; of the others ratings alone.";
+        out.push_str(&paragraph(frame, 0, 2));
+    }
+    let counts = [("motor", found.motors.len()), ("gear", found.gears.len()), ("module", found.modules.len())];
+    let asked = |(kind, _): &&(&str, usize)| listing.kinds.is_none_or(|asked| word(RowKind::NAMES, &asked) == *kind);
+    let counts: Vec<String> = counts.iter().filter(asked).map(|(kind, count)| counted(*count, kind)).collect();
+    let count = match counts.split_last() {
+        Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
+        _ => counts.concat(),
     };
     out.push_str(&paragraph(&format!("{count}."), 0, 2));
     if found.unknown > 0 {
@@ -190,16 +203,65 @@ fn gears(gears: &[&Gear]) -> Table {
     Table::new(columns).also_in("`--csv`, `--json`").rows(rows)
 }
 
+fn modules(modules: &[&Module]) -> Table {
+    let columns = vec![
+        Column::name("module"),
+        Column::name("maker").dropped(2),
+        Column::number("ratio", "").dropped(6),
+        Column::number("T_rated", "N*m"),
+        Column::number("T_peak", "N*m"),
+        Column::number("no-load", "rpm").dropped(7),
+        Column::number("at", "V").dropped(5),
+        Column::number("mass", "g"),
+        Column::number("J", "kg*m^2").dropped(4),
+        Column::name("drive").dropped(1),
+        Column::name("says").dropped(3),
+    ];
+    let rows = modules.iter().map(|module| {
+        let sheet = &module.sheet;
+        let unit = |p: Option<crate::catalog::Printed>, unit: &str| optional(p.map(|p| in_unit(p.value, unit)));
+        vec![
+            module.id.clone(),
+            module.manufacturer.clone(),
+            optional(Some(module.ratio())),
+            unit(sheet.rated_torque, "N*m"),
+            unit(sheet.peak_torque, "N*m"),
+            unit(sheet.no_load_speed, "rpm"),
+            unit(sheet.voltage, "V"),
+            unit(sheet.mass, "g"),
+            optional(module.constants().inertia),
+            word(Drive::NAMES, &module.drive).replace('_', " "),
+            says(module).into(),
+        ]
+    });
+    Table::new(columns).also_in("`--csv`, `--json`").rows(rows)
+}
+
+/// How much a module's row says, in a word.
+pub(crate) fn says(module: &Module) -> &'static str {
+    match module.depth() {
+        crate::catalog::module::Depth::Ratings => "ratings",
+        crate::catalog::module::Depth::Constants => "constants",
+        crate::catalog::module::Depth::Inside => "motor and gear",
+    }
+}
+
 /// As a catalogue file, which is read again as the same rows.
 ///
 /// # Errors
-/// In words, where there are motors and gears: a file has rows of one kind.
+/// In words, where there are rows of several kinds: a file has rows of one.
 pub fn csv(listing: &Listing) -> Result<String, String> {
     let found = &listing.found;
-    if !found.motors.is_empty() && !found.gears.is_empty() {
-        return Err("a catalogue file has motors or gears: add `motors` or `gears` before the filters".into());
+    let kinds = [found.motors.is_empty(), found.gears.is_empty(), found.modules.is_empty()];
+    if kinds.iter().filter(|none| !**none).count() > 1 {
+        let why = "a catalogue file has rows of one kind: add `motors`, `gears` or `modules` before the filters";
+        return Err(why.into());
     }
-    if found.gears.is_empty() && listing.kinds != Kinds::Gears {
+    if !found.modules.is_empty() || listing.kinds == Some(RowKind::Module) {
+        let rows: Vec<Module> = found.modules.iter().map(|m| (*m).clone()).collect();
+        return Ok(row::csv_text(&rows, &[]));
+    }
+    if found.gears.is_empty() && listing.kinds != Some(RowKind::Gear) {
         let rows: Vec<MotorRow> = found.motors.iter().map(|m| MotorRow::of(m)).collect();
         return Ok(row::csv_text(&rows, &[]));
     }

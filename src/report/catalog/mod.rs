@@ -4,6 +4,7 @@ pub mod card;
 pub mod diff;
 pub mod lacks;
 pub mod list;
+pub mod module;
 pub mod path;
 
 use crate::units::{Kind, in_unit};

@@ -10,8 +10,8 @@ use crate::report::table::paragraph;
 pub enum User {
     /// Nothing is there.
     Absent,
-    /// A catalogue with so many motors and gears.
-    Read(usize, usize),
+    /// A catalogue with so many motors, gears and modules.
+    Read([usize; 3]),
     /// Something that is no catalogue: how many mistakes it has.
     Wrong(usize),
 }
@@ -25,8 +25,8 @@ pub struct Places {
     pub by_variable: bool,
     /// What is there.
     pub found: User,
-    /// Motors and gears of the built-in catalogue.
-    pub builtin: (usize, usize),
+    /// Motors, gears and modules of the built-in catalogue.
+    pub builtin: [usize; 3],
     /// Files that it was made of.
     pub files: usize,
     /// The SHA-256 of all of them.
@@ -35,14 +35,16 @@ pub struct Places {
 
 /// For people.
 pub fn text(places: &Places) -> String {
-    let rows = |motors, gears| format!("{} and {}", counted(motors, "motor"), counted(gears, "gear"));
+    let rows = |[motors, gears, modules]: [usize; 3]| {
+        format!("{}, {} and {}", counted(motors, "motor"), counted(gears, "gear"), counted(modules, "module"))
+    };
     let by = match places.by_variable {
         true => "by $GEARWISE_CATALOG",
         false => "the system's configuration directory; $GEARWISE_CATALOG names another place",
     };
     let found = match places.found {
         User::Absent => "nothing is there yet; `gearwise catalog add ROW.csv` makes it".to_string(),
-        User::Read(motors, gears) => rows(motors, gears),
+        User::Read(read) => rows(read),
         User::Wrong(mistakes) => {
             format!("cannot be read: {}; `gearwise audit user` shows them", counted(mistakes, "mistake"))
         }
@@ -50,9 +52,8 @@ pub fn text(places: &Places) -> String {
     let mut out = paragraph(&format!("user: {}", places.user.display()), 0, 2);
     out += &paragraph(by, 2, 2);
     out += &paragraph(&found, 2, 2);
-    let (motors, gears) = places.builtin;
     out += &paragraph(&format!("builtin: in the program itself, {}", counted(places.files, "file")), 0, 2);
-    out += &paragraph(&rows(motors, gears), 2, 2);
+    out += &paragraph(&rows(places.builtin), 2, 2);
     // As much as tells two versions apart, in a line of any width; JSON has all of it.
     let start = places.sha256.get(..16).unwrap_or(&places.sha256);
     out += &paragraph(&format!("sha256 {start}…"), 2, 2);

@@ -10,10 +10,11 @@ use crate::actuator::estimate::builtin_laws;
 use crate::catalog::convention::{Winding, word};
 use crate::catalog::difference::{Became, Cell, Change, Difference};
 use crate::catalog::row::{Holds, MotorRow, Row as CatalogRow};
-use crate::catalog::{Gear, Motor};
+use crate::catalog::{Gear, Module, Motor};
 use crate::report::catalog::card::{Card, gear_lacks};
 use crate::report::catalog::diff::counts;
 use crate::report::catalog::list::Listing;
+use crate::report::catalog::module::module_lacks;
 use crate::report::catalog::path::{Places, User};
 
 /// What `catalog list` and `catalog search` print.
@@ -25,6 +26,8 @@ pub struct Listed<'a> {
     pub motors: Vec<Row>,
     /// Gears.
     pub gears: Vec<Row>,
+    /// Modules.
+    pub modules: Vec<Row>,
     /// Rows that are not here because a number is not known that a filter asks for.
     pub unknown_rows: usize,
     /// Of each filter of which some row does not know the value.
@@ -145,6 +148,7 @@ fn listing<'a>(of: &'a Listing) -> Listed<'a> {
         filters: of.filters.iter().map(|f| f.text.as_str()).collect(),
         motors: of.found.motors.iter().map(|m| Row::of_motor(m)).collect(),
         gears: of.found.gears.iter().map(|g| Row::of(*g)).collect(),
+        modules: of.found.modules.iter().map(|m| Row::of(*m)).collect(),
         unknown_rows: of.found.unknown,
         unknown: unknown.collect(),
         near: of.near.clone(),
@@ -164,7 +168,7 @@ pub fn searched(of: &Listing) -> Value {
 /// What `catalog show` prints.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Shown<'a> {
-    /// `motor` or `gear`.
+    /// `motor`, `gear` or `module`.
     pub kind: &'static str,
     /// The row.
     pub row: Row,
@@ -276,6 +280,22 @@ pub fn gear_shown(gear: &Gear) -> Value {
     document("catalog show", shown)
 }
 
+/// A module's card.
+pub fn module_shown(module: &Module, audit: Vec<AuditRemark>) -> Value {
+    let lacks = module_lacks(module).into_iter().map(|(lacks, prevents)| Lacking { lacks, prevents, estimate: None });
+    let shown = Shown {
+        kind: "module",
+        row: Row::of(module),
+        conventions: Vec::new(),
+        heat: None,
+        lacks: lacks.collect(),
+        same_motor: Vec::new(),
+        assumptions: Vec::new(),
+        audit,
+    };
+    document("catalog show", shown)
+}
+
 /// What `catalog diff` prints.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Differ<'a> {
@@ -292,7 +312,7 @@ pub struct Differ<'a> {
 /// A row that is not the same.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct DifferentRow<'a> {
-    /// `motor` or `gear`.
+    /// `motor`, `gear` or `module`.
     pub kind: &'static str,
     /// Its id.
     pub id: &'a str,
@@ -388,6 +408,8 @@ pub struct UserPlace {
     pub motors: Option<usize>,
     /// Its gears.
     pub gears: Option<usize>,
+    /// Its modules.
+    pub modules: Option<usize>,
 }
 
 /// The built-in catalogue.
@@ -397,6 +419,8 @@ pub struct BuiltinPlace {
     pub motors: usize,
     /// Its gears.
     pub gears: usize,
+    /// Its modules.
+    pub modules: usize,
     /// Files that it was made of.
     pub files: usize,
     /// The SHA-256 of all of them.
@@ -405,14 +429,15 @@ pub struct BuiltinPlace {
 
 /// Where catalogues are.
 pub fn paths(places: &Places) -> Value {
-    let (state, motors, gears) = match places.found {
-        User::Absent => ("absent", None, None),
-        User::Read(motors, gears) => ("read", Some(motors), Some(gears)),
-        User::Wrong(_) => ("wrong", None, None),
+    let (state, read) = match places.found {
+        User::Absent => ("absent", None),
+        User::Read(rows) => ("read", Some(rows)),
+        User::Wrong(_) => ("wrong", None),
     };
+    let of = |kind: usize| read.map(|rows| rows[kind]);
     let path = places.user.display().to_string();
-    let user = UserPlace { path, by_variable: places.by_variable, state, motors, gears };
-    let (motors, gears) = places.builtin;
-    let builtin = BuiltinPlace { motors, gears, files: places.files, sha256: places.sha256.clone() };
+    let user = UserPlace { path, by_variable: places.by_variable, state, motors: of(0), gears: of(1), modules: of(2) };
+    let [motors, gears, modules] = places.builtin;
+    let builtin = BuiltinPlace { motors, gears, modules, files: places.files, sha256: places.sha256.clone() };
     document("catalog path", Paths { user, builtin })
 }

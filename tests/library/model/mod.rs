@@ -3,6 +3,7 @@
 mod audit;
 mod gear_limits;
 mod model_on_paper;
+mod module_audit;
 mod modules;
 mod one_place;
 mod saturation;
