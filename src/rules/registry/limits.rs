@@ -194,6 +194,29 @@ limits! { OF_MORE_LIMITS:
         fix "Shorter or thicker leads, a braking resistor, or drives for a higher voltage.";
 }
 
+limits! { OF_MODULES:
+    "GW046" "module-torque-speed" "torque_speed",
+        "at every speed the torque stays below the module's torque–speed curve",
+        why "A module's drive and voltage are fixed: beyond its curve the torque is not there, however the load looks. The box of peak torque and no-load speed promises more than it has.",
+        example "A knee that asks 60 N*m at 16 rad/s of a module that has 43 N*m there.",
+        fix "A larger module, a higher supply voltage (up to that of the curve), or a slower motion.";
+    "GW047" "module-rated-torque" "rated_torque",
+        "the rms torque stays within the module's rated torque",
+        why "It is what the maker says that the module gives for ever; above it the winding or the drive ends too hot.",
+        example "An rms of 26 N*m on a module rated 20 N*m.",
+        fix "A larger module, pauses in the motion, or a spring.";
+    "GW048" "module-overload" "overload",
+        "over the motion the module stays within its overload table",
+        why "The table says how long a torque may last from ambient; a motion that repeats begins warmer each time.",
+        example "120 N*m for 3 s, again after 10 s.",
+        fix "Longer pauses, a larger module, or better cooling than that of the maker's test.";
+    "GW049" "module-supply-range" "supply_range",
+        "the bus voltage is within the module's range",
+        why "Below its range the drive inside does not start; above it, it switches off or breaks.",
+        example "A module for 24 to 50 V on a 58 V pack.",
+        fix "Another module, or another supply.";
+}
+
 /// A motor and gear that cannot be evaluated at all.
 pub(crate) const NOT_EVALUATED: Rule = Rule {
     code: "GW030",
