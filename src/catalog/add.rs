@@ -180,6 +180,14 @@ fn text_with<R: Row>(there: Option<&str>, new: &Sheet) -> Result<String, String>
     Ok(out + &lines(rows, end))
 }
 
+/// Whether the rows of a file can be put into another one.
+///
+/// # Errors
+/// Mistakes of the file, and rows that cannot.
+pub fn can_be_added(source: &Arc<Source>) -> Result<(), InputError> {
+    tables(source).map(drop)
+}
+
 /// A file with rows, as the tables of its motors and of its gears.
 fn tables(source: &Arc<Source>) -> Result<[Option<Sheet>; 2], InputError> {
     let rows = read::read_rows(source)?;
@@ -188,6 +196,12 @@ fn tables(source: &Arc<Source>) -> Result<[Option<Sheet>; 2], InputError> {
     if let Some(motor) = made {
         let message = format!("`{}` is a fitted actuator, which a table of CSV cannot hold", motor.id);
         let problem = Problem::whole(message).help("keep its file, and name it with `--also`");
+        return Err(InputError { source: source.clone(), problems: vec![problem] });
+    }
+    if let Some(module) = rows.modules.first() {
+        let message = format!("`{}` is a module, and rows of modules are not put into another file", module.id);
+        let problem =
+            Problem::whole(message).help("name the file with `--also`, or put it into the folder of your catalogue");
         return Err(InputError { source: source.clone(), problems: vec![problem] });
     }
     let motors: Vec<MotorRow> = rows.motors.iter().map(MotorRow::of).collect();

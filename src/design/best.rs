@@ -187,7 +187,9 @@ fn best_gear<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Re
             None => gears.unusable(Unusable::Mass),
             Some(objective) => {
                 let apart = !judge::unjudged(robot, joint, &here).is_empty();
-                gears.take(apart, (objective, evaluation.loss), (mount, prepared, one_gear(gear.ratio, objective)));
+                let method = if motor.inside.is_some() { "nothing to choose" } else { "all gears evaluated" };
+                let optimum = one_gear(gear.ratio, objective, method);
+                gears.take(apart, (objective, evaluation.loss), (mount, prepared, optimum));
             }
         }
     }

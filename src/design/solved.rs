@@ -136,14 +136,14 @@ pub(super) fn design<'a>(mount: &Mount<'a, '_>, prepared: &Prepared, optimum: Op
     }
 }
 
-/// The only ratio of a gear as an optimum: that all gears are evaluated is the proof.
-pub(super) fn one_gear(ratio: f64, objective: f64) -> Optimum {
+/// The only ratio of a gear as an optimum, with what proves that there is no better.
+pub(super) fn one_gear(ratio: f64, objective: f64, method: &'static str) -> Optimum {
     let bind = Bind::of("gear", None);
     Optimum {
         ratio,
         objective,
         windows: vec![Window { min: ratio, max: ratio, low: bind.clone(), high: bind }],
-        certificate: Certificate::Certified { lower_bound: objective, gap: 0.0, method: "all gears evaluated" },
+        certificate: Certificate::Certified { lower_bound: objective, gap: 0.0, method },
         shadow_prices: Vec::new(),
     }
 }

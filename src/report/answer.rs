@@ -5,7 +5,7 @@ use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at, per_cen
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{design_ratio, estimated, number, number_between, optional, turns};
-use crate::design::answer::{Design, JointResult, RobotResult};
+use crate::design::answer::{Design, JointResult, RobotResult, Unjudged};
 use crate::design::flatness::OwnBound;
 use crate::design::outlook::Outlook;
 use crate::design::program::{Bind, Certificate};
@@ -61,6 +61,9 @@ pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
     if !unjudged.is_empty() {
         let line = format!("Cannot be judged, and no choice: {} (`--rejected` says why).", unjudged.join(", "));
         notes.push(Tint::Doubtful.on(&line));
+    }
+    for of in &result.joints {
+        notes.extend(by_ratings(of).map(|line| Tint::Doubtful.on(&line)));
     }
     notes.extend(turns::summaries(result, outlooks));
     // What is true of several joints is said once.
@@ -180,9 +183,43 @@ pub(super) fn is_of_range(limit: &str) -> bool {
     matches!(limit, "ratio_min" | "ratio_max")
 }
 
+/// What a module that its ratings let do the task may lack, so that it cannot be ranked.
+const OF_RANKING: [&str; 4] = ["module_constants", "module_gear_loss", "module_back_emf", "motor_drag"];
+/// Modules that are named.
+const NAMED: usize = 4;
+
+/// Modules that can do a joint by all that their rows rate, and cannot be ranked: by mass, each with its smallest margin.
+fn by_ratings(of: &JointResult) -> Option<String> {
+    let can = |u: &&Unjudged| u.because.iter().all(|(name, _)| OF_RANKING.contains(name));
+    let modules = of.unjudged.iter().filter(|u| u.motor.inside.is_some()).filter(can);
+    let mut found: Vec<(f64, String)> = modules
+        .filter_map(|u| {
+            let evaluation = &u.design.as_ref()?.evaluation;
+            let mass = evaluation.mass.unwrap_or(f64::INFINITY);
+            let weighs = evaluation.mass.map_or_else(|| "mass not known".into(), |kg| format!("{} kg", number(kg)));
+            let margin = evaluation.tightest().map_or_else(String::new, |m| format!(", {}", margin_at(m, of.joint)));
+            Some((mass, format!("{} ({weighs}{margin})", u.motor.id)))
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let count = found.len();
+    let shown: Vec<String> = found.into_iter().take(NAMED).map(|(_, text)| text).collect();
+    let more = if count > NAMED { format!(" and {} more", count - NAMED) } else { String::new() };
+    (count > 0).then(|| {
+        format!(
+            "{}: by their ratings {} can do it, and their {} is not known: {}{more}.",
+            of.joint.name,
+            crate::words::counted(count, "module"),
+            of.joint.objective.name(),
+            shown.join(", ")
+        )
+    })
+}
+
 /// What keeps the ratio where it is.
 pub(super) fn binds(design: &Design, joint: &Joint) -> String {
     match design.gear {
+        Some(_) if design.motor.inside.is_some() => "its ratio is its own".into(),
         Some(_) => "the best of the gears".into(),
         None => bound_by(binding(design), joint),
     }

@@ -4,6 +4,7 @@ use super::catalog::lacks;
 use super::table::paragraph;
 use crate::catalog::Catalog;
 use crate::catalog::audit::{CHECKS, Finding, Severity};
+use crate::catalog::module::audit::MODULE_CHECKS;
 
 /// Findings that break the audit: errors that no note accepts.
 pub fn broken(findings: &[Finding]) -> usize {
@@ -33,7 +34,9 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
             out.push_str(&paragraph(&format!("→ {why}"), 6, 8));
         }
         if finding.accepted {
-            let note = catalog.motors.iter().find(|m| m.id == finding.id).map_or("", |m| m.note.as_str());
+            let of_module = || catalog.modules.iter().find(|m| m.id == finding.id).map(|m| m.note.as_str());
+            let of_motor = catalog.motors.iter().find(|m| m.id == finding.id).map(|m| m.note.as_str());
+            let note = of_motor.or_else(of_module).unwrap_or("");
             out.push_str(&paragraph(&format!("note of the row: {note}"), 6, 8));
         }
     }
@@ -43,10 +46,11 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
     let accepted = findings.iter().filter(|f| f.accepted && f.severity == Severity::Error).count();
     let notes = findings.iter().filter(|f| f.severity == Severity::Note).count();
     let line = format!(
-        "{} and {}, {}: {}, {accepted} explained by the row's note, {}",
+        "{}, {} and {}, {}: {}, {accepted} explained by the row's note, {}",
         crate::words::counted(catalog.motors.len(), "motor"),
         crate::words::counted(catalog.gears.len(), "gear"),
-        crate::words::counted(CHECKS.len(), "check"),
+        crate::words::counted(catalog.modules.len(), "module"),
+        crate::words::counted(CHECKS.len() + MODULE_CHECKS.len(), "check"),
         crate::words::counted(broken(findings), "error"),
         crate::words::counted(notes, "note"),
     );

@@ -24,11 +24,17 @@ use crate::requirement::{Joint, Quantity, RatioChoice};
 pub fn text(result: &RobotResult, outlooks: &[Outlook], shown: Shown) -> String {
     let robot = result.robot;
     let motors = result.joints.first().map_or(0, JointResult::motors);
+    let modules = robot.modules().next().is_some();
+    let kind = match robot.joints.iter().all(|joint| joint.motors.only_modules) {
+        true => "module",
+        false if modules => "actuator",
+        false => "motor",
+    };
     let heading = format!(
         "{}: {}, {}, bus {} V; currents are phase amplitudes (DC if brushed)",
         robot.name,
         super::counted(robot.joints.len(), "joint"),
-        super::counted(motors, "motor"),
+        super::counted(motors, kind),
         number(robot.bus.voltage)
     );
     let mut out = paragraph(&heading, 0, 2);

@@ -80,6 +80,8 @@ pub(super) const LIMITS: &[Limit] = &[
                 (inside.module.sheet.min_voltage, inside.module.sheet.max_voltage, c.robot.bus.voltage);
             match (low, high) {
                 (Some(low), _) if volt < low.value => plain(Demand::Constant(low.value), 1.0, volt, "module"),
+                // Inside the range there is nothing more to have.
+                (_, Some(high)) if volt <= high.value => Prepared::NotAsked,
                 (_, Some(high)) => plain(Demand::Constant(volt), 1.0, high.value, "module"),
                 (Some(_), None) => Prepared::Unknown("the module's largest supply voltage is not known"),
                 (None, None) => Prepared::Unknown("the module's row does not say its range of supply voltages"),

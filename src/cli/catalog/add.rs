@@ -40,6 +40,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     }
     let new = rows(&sources)?;
     check(&new)?;
+    // What cannot be added is said, whatever else there is.
+    for source in &sources {
+        crate::catalog::add::can_be_added(source).map_err(|error| vec![error])?;
+    }
     let mut changes = Vec::new();
     for of in [Of::Motors, Of::Gears] {
         let holds = |source: &&Arc<Source>| has(source, of).unwrap_or(false);

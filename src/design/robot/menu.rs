@@ -202,7 +202,7 @@ impl<'a> Made<'a> {
         let evaluation = prepared.at(gear.ratio);
         let objective = evaluation.objective(&mount.joint.objective).filter(|_| evaluation.feasible);
         let Some(objective) = objective else { return };
-        let found = design(mount, &prepared, one_gear(gear.ratio, objective));
+        let found = design(mount, &prepared, one_gear(gear.ratio, objective, "all gears evaluated"));
         match judge::judged(mount.robot, mount.joint, found, needs.only_checked) {
             Ok(found) => self.take(found, catalog, motor, evaluation.mass, (gear.ratio, gear.ratio), needs),
             Err(why) => self.refuse(why),

@@ -104,7 +104,7 @@ impl<'a> Over<'a, '_> {
                 gears.passed();
                 continue;
             };
-            let mut optimum = one_gear(gear.ratio, objective);
+            let mut optimum = one_gear(gear.ratio, objective, "all gears evaluated");
             if let Some(why) = unproved(&boxed.nominal, &toleranced) {
                 optimum.certificate = Certificate::NotCertified(why.into());
             }

@@ -128,7 +128,7 @@ fn a_wrong_filter_is_one_clear_error() {
         (vec!["KV>100rpm/V"], "line_to_line_peak or dc"),
         (vec!["Kt>0.1N*m/A rms dc"], "two conventions are stated"),
         (vec!["motors", "ratio>5"], "motors have no column `ratio`"),
-        (vec!["ratio>5", "construction=outrunner"], "no row keeps both"),
+        (vec!["ratio>5", "construction=outrunner"], "no row keeps all"),
     ] {
         let said = folder.wrong(&[&["list"], filters.as_slice()].concat());
         assert!(said.contains(expected) && said.matches("error").count() == 1, "{filters:?}: {said}");
@@ -136,17 +136,17 @@ fn a_wrong_filter_is_one_clear_error() {
     // A maker that no row has is no mistake; near names are named.
     let text = folder.good(&["list", "maker=maxxon"]);
     assert!(text.contains("Did you mean `maxon`?"), "{text}");
-    assert!(folder.wrong(&["list", "--csv"]).contains("add `motors` or `gears`"));
+    assert!(folder.wrong(&["list", "--csv"]).contains("add `motors`, `gears` or `modules`"));
 }
 
 #[test]
 fn a_list_as_csv_is_a_catalogue_that_is_the_same() {
     let folder = Folder::new();
-    for kind in ["motors", "gears"] {
+    for kind in ["motors", "gears", "modules"] {
         folder.write(&format!("{kind}.csv"), &folder.good(&["list", kind, "--csv"]));
     }
     fs::create_dir(folder.at().join("all")).unwrap();
-    for kind in ["motors", "gears"] {
+    for kind in ["motors", "gears", "modules"] {
         fs::rename(folder.at().join(format!("{kind}.csv")), folder.at().join(format!("all/{kind}.csv"))).unwrap();
     }
     let text = folder.good(&["diff", "builtin", "all"]);
@@ -347,7 +347,7 @@ fn add_puts_rows_behind_what_is_there_whole_or_not_at_all() {
     folder.write("mine.csv", MINE);
     // Into one's own catalogue, which is made.
     assert!(flat(&folder.good(&["add", "mine.csv"])).contains("1 row added: mine-1"));
-    assert!(folder.good(&["path"]).contains("1 motor and 0 gears"));
+    assert!(folder.good(&["path"]).contains("1 motor, 0 gears and 0 modules"));
     assert_eq!(ids(&folder.json(&["list", "--catalog", "user"])["motors"]), ["mine-1"]);
     let own = folder.read("own/motors/mine.csv");
     // An id that is there is refused, and nothing changes, even where another row is new.
@@ -445,8 +445,9 @@ fn diff_tells_blank_from_zero_and_a_unit_from_a_change() {
     let text = String::from_utf8(folder.catalog(&["diff", "a.csv", "rms.csv"]).stdout).unwrap();
     assert!(text.contains("torque_constant: 0.1 N*m/A → 0.1 N*m/A rms"), "{text}");
     let text = String::from_utf8(folder.catalog(&["diff", "a.csv", "builtin"]).stdout).unwrap();
-    let (motors, gears) = (Catalog::builtin().unwrap().motors.len(), Catalog::builtin().unwrap().gears.len());
-    assert!(text.contains(&format!("{} added, 1 removed, 0 changed", motors + gears)), "no such counts");
+    let builtin = Catalog::builtin().unwrap();
+    let rows = builtin.motors.len() + builtin.gears.len() + builtin.modules.len();
+    assert!(text.contains(&format!("{rows} added, 1 removed, 0 changed")), "no such counts");
     assert!(folder.wrong(&["diff", "a.csv", "none.csv"]).contains("there is no such file"));
     let found = folder.json(&["diff", "zero.csv", "blank.csv"]);
     let change = &found["rows"][0]["changes"][0];
