@@ -19,6 +19,7 @@
 //! * [`design`]: evaluation of one design, the sweep, the ratio program with its certificate, the
 //!   ranking over a catalogue.
 //! * [`measured`]: bench files and logs; which effect the declared model lacks; the catalogue row that they make.
+//! * [`hardware`]: what is bought for the joints of a robot model, in numbers at the joint.
 //! * [`rules`]: design rules as data, rules files, the lock of the rows a design uses.
 //! * [`report`]: tables, JSON, CSV, pictures, fitted actuators.
 //! * [`study`]: many robots in one go, with a journal of what is finished.
@@ -44,6 +45,7 @@ pub mod catalog;
 pub mod cli;
 pub mod design;
 pub mod effects;
+pub mod hardware;
 pub mod input;
 #[cfg(feature = "measured")]
 pub mod measured;

@@ -10,6 +10,7 @@ pub mod csv;
 mod describe;
 mod file;
 mod form;
+pub mod json;
 pub mod kind;
 pub mod limits;
 mod locate;

@@ -14,6 +14,7 @@
 pub mod dynamics;
 mod geom;
 mod mjcf;
+pub mod stated;
 pub mod torques;
 pub mod trajectory;
 mod urdf;

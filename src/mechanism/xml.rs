@@ -23,32 +23,13 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    /// Parses the file and lets `read` take what it knows.
+    /// Parses the file and lets `read` take what it knows of a mechanism.
     pub fn read(
         source: &Arc<Source>,
         read: impl for<'a> FnOnce(&Sheet, El<'a>) -> Option<Mechanism>,
     ) -> Result<Mechanism, InputError> {
-        let sheet = Sheet { problems: RefCell::default(), skipped: RefCell::default() };
-        let text = source.text();
-        if let Some(at) = text.find("<xacro:") {
-            let problem = Problem::at(at..at + 7, "this is a xacro file, not yet a description", "macros are not run");
-            sheet.note(problem.help("run `xacro robot.urdf.xacro > robot.urdf` first"));
-        }
-        let mut mechanism = None;
-        if sheet.problems.borrow().is_empty() {
-            let options =
-                ParsingOptions { allow_dtd: false, nodes_limit: limits::ELEMENTS, ..ParsingOptions::default() };
-            match Document::parse_with_options(text, options) {
-                Ok(document) => mechanism = read(&sheet, document.root_element()),
-                Err(error) => sheet.note(not_xml(text, &error)),
-            }
-        }
-        InputError::unless_empty(source, sheet.problems.into_inner())?;
-        let mut mechanism = mechanism.ok_or_else(|| InputError {
-            source: source.clone(),
-            problems: vec![Problem::whole("the description could not be read")],
-        })?;
-        for (name, count) in sheet.skipped.into_inner() {
+        let (mut mechanism, skipped) = Sheet::parse(source, read)?;
+        for (name, count) in skipped {
             mechanism.notes.push(format!("`{name}` of the description was not read ({count} times)"));
         }
         if mechanism.moving().is_empty() {
@@ -57,6 +38,34 @@ impl Sheet {
         }
         mechanism.note_the_massless();
         Ok(mechanism)
+    }
+
+    /// Parses the file and lets `read` take what it knows; with the elements that were left aside, and how often.
+    pub fn parse<T>(
+        source: &Arc<Source>,
+        read: impl for<'a> FnOnce(&Sheet, El<'a>) -> Option<T>,
+    ) -> Result<(T, BTreeMap<String, usize>), InputError> {
+        let sheet = Sheet { problems: RefCell::default(), skipped: RefCell::default() };
+        let text = source.text();
+        if let Some(at) = text.find("<xacro:") {
+            let problem = Problem::at(at..at + 7, "this is a xacro file, not yet a description", "macros are not run");
+            sheet.note(problem.help("run `xacro robot.urdf.xacro > robot.urdf` first"));
+        }
+        let mut taken = None;
+        if sheet.problems.borrow().is_empty() {
+            let options =
+                ParsingOptions { allow_dtd: false, nodes_limit: limits::ELEMENTS, ..ParsingOptions::default() };
+            match Document::parse_with_options(text, options) {
+                Ok(document) => taken = read(&sheet, document.root_element()),
+                Err(error) => sheet.note(not_xml(text, &error)),
+            }
+        }
+        InputError::unless_empty(source, sheet.problems.into_inner())?;
+        let taken = taken.ok_or_else(|| InputError {
+            source: source.clone(),
+            problems: vec![Problem::whole("the description could not be read")],
+        })?;
+        Ok((taken, sheet.skipped.into_inner()))
     }
 
     pub fn note(&self, problem: Problem) {

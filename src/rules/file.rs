@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::measure::{Measure, measure, measures};
-use super::registry::{RULES, rule};
+use super::registry::{every_rule, rule};
 use super::rule::{Rule, Severity, Test};
 use crate::catalog::matches_pattern;
 use crate::input::kind::{self, FileKind};
@@ -213,8 +213,8 @@ fn joints(section: &Section) -> Selection {
 /// Names of gearwise's rules, of one's own, and codes.
 fn known<'a>(own: &'a [OwnRule]) -> Vec<&'a str> {
     let mut names: Vec<&'a str> = own.iter().map(|o| o.name.as_str()).collect();
-    names.extend(RULES.iter().map(|r| r.name));
-    names.extend(RULES.iter().map(|r| r.code));
+    names.extend(every_rule().map(|r| r.name));
+    names.extend(every_rule().map(|r| r.code));
     names
 }
 

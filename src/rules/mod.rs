@@ -10,6 +10,8 @@ pub mod facts;
 pub mod file;
 pub mod lock;
 pub mod measure;
+pub mod models;
+pub mod model_check;
 pub mod place;
 mod registry;
 mod rule;
@@ -18,8 +20,9 @@ use std::sync::Arc;
 
 pub use file::RulesFile;
 pub use place::{Location, Place, clean};
-pub use registry::{RULES, rule};
-pub use rule::{Remark, Rule, Severity, Test};
+pub use model_check::{ModelReport, check_models};
+pub use registry::{MODEL_RULES, RULES, every_rule, rule};
+pub use rule::{Backing, Remark, Rule, Severity, Test};
 
 use crate::actuator::limits::LIMITS;
 use crate::catalog::Catalog;
@@ -75,6 +78,10 @@ pub struct Finding {
     pub value: Option<f64>,
     /// What it was compared with, SI.
     pub bound: Option<f64>,
+    /// SI unit of both, where it is not that of the subject.
+    pub unit: Option<&'static str>,
+    /// The row of the hardware that a finding about a robot model rests on.
+    pub backing: Option<Backing>,
     /// The reason of the exception that lets it pass.
     pub allowed: Option<String>,
 }
@@ -258,7 +265,7 @@ impl Checker<'_> {
                 within(&named, &bounds, |m| m.at(joint).filter(|_| !m.is_exceeded(joint)))
             }
             Test::Joint(look) => Ok(look(joint)),
-            Test::Robot(_) | Test::RulesFile => return,
+            Test::Robot(_) | Test::RulesFile | Test::ModelJoint(_) | Test::Models(_) => return,
         };
         self.add(index, severity, Some(joint), judged, reason);
     }
@@ -318,6 +325,8 @@ impl Checker<'_> {
             reason: reason.map(String::from),
             value: remark.value,
             bound: remark.bound,
+            unit: None,
+            backing: None,
             allowed,
         });
     }
@@ -329,16 +338,16 @@ impl Checker<'_> {
             .allows
             .iter()
             .zip(&self.used)
-            .filter(|(_, used)| !**used)
+            .filter(|(allow, used)| !**used && !is_of_models(&allow.code))
             .map(|(allow, _)| {
                 let message = format!("the exception from {} meets no finding: {}", allow.name, allow.reason);
                 Remark::new(message, allow.code.clone(), Place::Rules(allow.span.clone()))
             })
             .collect();
         let names: Vec<&str> = facts.joints.iter().map(|j| j.choice.joint.name.as_str()).collect();
-        let selections = file.tunings.iter().map(|t| &t.joints);
-        let selections =
-            selections.chain(file.own.iter().map(|o| &o.joints)).chain(file.allows.iter().map(|a| &a.joints));
+        let tunings = file.tunings.iter().filter(|t| !is_of_models(t.rule.code)).map(|t| &t.joints);
+        let allows = file.allows.iter().filter(|a| !is_of_models(&a.code)).map(|a| &a.joints);
+        let selections = tunings.chain(file.own.iter().map(|o| &o.joints)).chain(allows);
         let patterns = selections.flat_map(|s: &Selection| &s.patterns);
         let unmatched =
             patterns.filter(|(pattern, _)| !names.iter().any(|n| crate::catalog::matches_pattern(pattern, n)));
@@ -361,6 +370,11 @@ impl Checker<'_> {
             self.add(index, severity, None, Ok(remarks), reason);
         }
     }
+}
+
+/// Whether a code is that of a rule of robot models, which `check-model` asks.
+fn is_of_models(code: &str) -> bool {
+    MODEL_RULES.iter().any(|rule| rule.code == code)
 }
 
 fn applied(rule: &Rule) -> Applied {

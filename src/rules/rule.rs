@@ -1,7 +1,10 @@
 //! A rule as data: its code, its texts, and what it looks at.
 
 use super::facts::{JointFacts, RobotFacts};
+use super::models::ModelFacts;
 use super::place::Place;
+use crate::mechanism::stated::Quantity;
+use std::ops::Range as Span;
 
 /// How much a finding weighs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -69,6 +72,94 @@ pub enum Test {
     Robot(fn(&RobotFacts) -> Vec<Remark>),
     /// The rules file itself: raised by the check while it applies the file.
     RulesFile,
+    /// A joint of a robot model, by its index, against the hardware that drives it.
+    ModelJoint(fn(&ModelFacts, usize) -> Judgement),
+    /// Anything about robot models as a whole.
+    Models(fn(&ModelFacts) -> Vec<ModelRemark>),
+}
+
+/// How a rule goes at a joint of a robot model.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Judgement {
+    /// It was judged; what it found.
+    Judged(Vec<ModelRemark>),
+    /// What it needs is not known, and why: it is no pass.
+    NotJudged(&'static str),
+    /// It asks nothing of this joint.
+    NotAsked,
+}
+
+/// The row that a finding about a robot model rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Backing {
+    /// What the hardware allows, in words with its number.
+    pub allows: String,
+    /// Ids of the rows.
+    pub row: String,
+    /// Where the rows have it from.
+    pub source: String,
+    /// How the row's number was taken to the joint, in one line.
+    pub conversion: String,
+}
+
+/// A number that is right in the place of one that is not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instead {
+    /// The joint, by its index.
+    pub joint: usize,
+    /// What of it.
+    pub quantity: Quantity,
+    /// At the joint, SI.
+    pub value: f64,
+}
+
+/// What a rule has to say about robot models.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelRemark {
+    /// What is wrong, with numbers.
+    pub message: String,
+    /// What of the joint or model it is about.
+    pub subject: &'static str,
+    /// The joint that it is about, by its index.
+    pub joint: Option<usize>,
+    /// Where it is: the model, by its index, or the file of hardware; and its bytes.
+    pub at: (Option<usize>, Span<usize>),
+    /// Where that is with which it disagrees.
+    pub against: Option<(Option<usize>, Span<usize>)>,
+    /// How much it weighs, where that is less than the rule's own.
+    pub severity: Option<Severity>,
+    /// What to write.
+    pub help: Option<String>,
+    /// The value that was compared, SI.
+    pub value: Option<f64>,
+    /// What it was compared with, SI.
+    pub bound: Option<f64>,
+    /// SI unit of both.
+    pub unit: &'static str,
+    /// The row that it rests on.
+    pub backing: Option<Backing>,
+    /// What a fix writes.
+    pub instead: Vec<Instead>,
+}
+
+impl ModelRemark {
+    /// A remark without numbers.
+    pub fn new(message: impl Into<String>, subject: &'static str, at: (Option<usize>, Span<usize>)) -> ModelRemark {
+        ModelRemark {
+            message: message.into(),
+            subject,
+            joint: None,
+            at,
+            against: None,
+            severity: None,
+            help: None,
+            value: None,
+            bound: None,
+            unit: "1",
+            backing: None,
+            instead: Vec::new(),
+        }
+    }
 }
 
 impl std::fmt::Debug for Rule {

@@ -54,7 +54,7 @@ impl EfficiencyFrom {
 
 impl Module {
     /// What a number at a side is at the flange: N to this power times as much from the motor.
-    fn at_output(&self, number: Option<Printed>, side: Option<Side>, power: i32) -> Option<f64> {
+    pub(crate) fn at_output(&self, number: Option<Printed>, side: Option<Side>, power: i32) -> Option<f64> {
         let number = number?.value;
         Some(match side? {
             Side::Output => number,

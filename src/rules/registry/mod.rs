@@ -2,6 +2,7 @@
 //! [`limits`] alone.
 
 mod limits;
+mod models;
 mod practice;
 mod robot;
 mod rows;
@@ -48,7 +49,7 @@ const OTHERS: &[&Rule] = &[
     &robot::SELECTS_NOTHING,
 ];
 
-/// Every rule, in the order of their codes: one for each limit of the model among them.
+/// Every rule of designs, in the order of their codes: one for each limit of the model among them.
 pub const RULES: &[&Rule] = &all();
 
 const fn all() -> [&'static Rule; limits::OF_LIMITS.len() + OTHERS.len()] {
@@ -62,7 +63,32 @@ const fn all() -> [&'static Rule; limits::OF_LIMITS.len() + OTHERS.len()] {
     rules
 }
 
+/// Every rule of robot models, in the order of their codes.
+pub const MODEL_RULES: &[&Rule] = &[
+    &models::limits::EFFORT_ABOVE_PEAK,
+    &models::limits::EFFORT_MEANING,
+    &models::limits::VELOCITY_ABOVE_NO_LOAD,
+    &models::limits::BOX,
+    &models::inertia::ARMATURE_MISSING,
+    &models::inertia::ARMATURE_DIFFERS,
+    &models::inertia::FRICTION,
+    &models::limits::GEAR,
+    &models::between::SAME_LIMITS,
+    &models::between::LEFT_RIGHT,
+    &models::between::SCALED_COPY,
+    &models::between::FILES_DISAGREE,
+    &models::between::COUPLED,
+    &models::inertia::LINK_MASS,
+    &models::limits::SATURATION,
+    &models::between::UNMATCHED,
+];
+
+/// The rules of designs, then those of robot models.
+pub fn every_rule() -> impl Iterator<Item = &'static Rule> + Clone {
+    RULES.iter().chain(MODEL_RULES).copied()
+}
+
 /// The rule of a code or name.
 pub fn rule(code_or_name: &str) -> Option<&'static Rule> {
-    RULES.iter().copied().find(|r| r.code.eq_ignore_ascii_case(code_or_name) || r.name == code_or_name)
+    every_rule().find(|r| r.code.eq_ignore_ascii_case(code_or_name) || r.name == code_or_name)
 }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::common::repository;
 
 /// Every room, from the top: each may import from those before it.
-const ROOMS: [&str; 18] = [
+const ROOMS: [&str; 19] = [
     "words",
     "units",
     "output",
@@ -22,6 +22,7 @@ const ROOMS: [&str; 18] = [
     "actuator",
     "design",
     "measured",
+    "hardware",
     "rules",
     "report",
     "study",

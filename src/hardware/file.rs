@@ -1,0 +1,232 @@
+//! The file that says which hardware drives which joints (TOML).
+
+use std::ops::Range as Span;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::catalog::matches_pattern;
+use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
+use crate::units;
+
+/// What of a motor is between it and the flange.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reduction {
+    /// A gear of the catalogue.
+    Gear(String, Span<usize>),
+    /// A ratio N alone.
+    Ratio(f64),
+}
+
+/// Which rows drive a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Which {
+    /// A module, by its id.
+    Module(String, Span<usize>),
+    /// A motor, by its id, with what is behind it.
+    Motor(String, Span<usize>, Reduction),
+}
+
+/// Hardware at some joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mount {
+    /// Patterns of names of joints, each with its place.
+    pub names: Vec<(String, Span<usize>)>,
+    /// The rows.
+    pub which: Which,
+    /// Turns of the actuator for one of the joint, r.
+    pub transmission: f64,
+    /// Supply voltage \[V\].
+    pub voltage: Option<f64>,
+    /// Where it is.
+    pub span: Span<usize>,
+}
+
+impl Mount {
+    /// Whether it drives the joint of this name.
+    pub fn drives(&self, joint: &str) -> bool {
+        self.names.iter().any(|(pattern, _)| matches_pattern(pattern, joint))
+    }
+}
+
+/// Two joints that two actuators drive together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coupling {
+    /// Names of the joints.
+    pub joints: [String; 2],
+    /// J: speeds of the actuators are J times the speeds of the joints.
+    pub matrix: [[f64; 2]; 2],
+    /// Where it is.
+    pub span: Span<usize>,
+}
+
+/// By how much a model may differ, as shares.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerances {
+    /// Torque and speed.
+    pub limits: f64,
+    /// Inertia.
+    pub armature: f64,
+    /// Friction.
+    pub friction: f64,
+}
+
+impl Default for Tolerances {
+    fn default() -> Tolerances {
+        Tolerances { limits: 0.05, armature: 0.2, friction: 0.5 }
+    }
+}
+
+/// A file of hardware.
+#[derive(Debug, Clone)]
+pub struct HardwareFile {
+    /// The file.
+    pub source: Arc<Source>,
+    /// Hardware at joints, in the order of the file.
+    pub mounts: Vec<Mount>,
+    /// Joints that are driven together.
+    pub couplings: Vec<Coupling>,
+    /// By how much a model may differ.
+    pub tolerances: Tolerances,
+}
+
+/// Reads a file of hardware (`-` is standard input).
+///
+/// # Errors
+/// Every mistake in it.
+pub fn read(path: &Path) -> Result<HardwareFile, InputError> {
+    Form::read(&Source::argument(path)?, read_root)
+}
+
+/// What the reader asks for.
+pub fn describe() -> Description {
+    Form::describe("[[joint]]\ntransmission = { ratio = 2 }\n[[coupling]]\n[limits]\n", read_root)
+}
+
+const JOINT: Key = key("joint", "hardware at joints of the model");
+const MODULE: Key = key("module", "id of a module of the catalogue").value("id").or("motor");
+const MOTOR: Key = key("motor", "id of a motor of the catalogue; with `gear` or `ratio`").value("id").or("module");
+const GEAR: Key = key("gear", "id of a gear of the catalogue behind the motor").value("id").or("ratio");
+const RATIO: Key = key("ratio", "ratio N behind the motor, where no gear is named");
+
+fn read_root(root: &Section) -> Option<HardwareFile> {
+    let sections = root.sections(JOINT);
+    let mut mounts = Vec::new();
+    if sections.is_empty() && root.noted() == 0 {
+        root.missing("joint", "a [[joint]] with names = [\"*_knee\"] and module = \"robstride-rs03\"");
+    }
+    for section in sections {
+        mounts.extend(mount(&section));
+        section.finish();
+    }
+    let couplings = root.sections(key("coupling", "two joints that two actuators drive together"));
+    let couplings = couplings.into_iter().filter_map(|section| {
+        let read = coupling(&section);
+        section.finish();
+        read
+    });
+    let couplings = couplings.collect();
+    let mut tolerances = Tolerances::default();
+    if let Some(section) = root.section(key("limits", "by how much a model may differ")) {
+        for (key, to) in [
+            (key("tolerance", "share of torque and speed").default("0.05"), &mut tolerances.limits),
+            (key("armature_tolerance", "share of inertia").default("0.2"), &mut tolerances.armature),
+            (key("friction_tolerance", "share of friction").default("0.5"), &mut tolerances.friction),
+        ] {
+            *to = section.number(key, Range::Share).unwrap_or(*to);
+        }
+        section.finish();
+    }
+    Some(HardwareFile { source: root.source().clone(), mounts, couplings, tolerances })
+}
+
+fn mount(section: &Section) -> Option<Mount> {
+    let noted = section.noted();
+    if !section.has("names") {
+        section.missing("names", "[\"*_knee\"]");
+    }
+    let names = section.texts(key("names", "names of joints, `*` for any run of characters").required());
+    let names: Vec<_> = names.unwrap_or_default().into_iter().map(|n| (n.get_ref().clone(), n.span())).collect();
+    let id = |key: Key| section.has(key).then(|| section.required_text(key, "\"an-id\"")).flatten();
+    let (module, motor) = (id(MODULE), id(MOTOR));
+    let (gear, ratio) = (id(GEAR), section.number(RATIO, Range::Positive));
+    let voltage = section.quantity(
+        key("voltage", "of the supply; a lower one than the row's takes from the speed").default("that of the row"),
+        &units::VOLTAGE,
+        Range::Positive,
+    );
+    let transmission = match section.section(key("transmission", "what is between the actuator and the joint")) {
+        Some(inner) => {
+            let ratio = inner.number(
+                key("ratio", "turns of the actuator for one of the joint, r: torque × r, speed / r, inertia × r²")
+                    .required(),
+                Range::Positive,
+            );
+            if !inner.has("ratio") {
+                inner.missing("ratio", "1.917");
+            }
+            inner.finish();
+            ratio?
+        }
+        None => 1.0,
+    };
+    let wrong = |key: &'static str, message: &str, label: &str| {
+        section.note(Problem::at(section.span_of(key), message, label));
+        None
+    };
+    let which = match (module, motor) {
+        (Some(_), Some(_)) => return wrong("motor", "a joint has a `module` or a `motor`, not both", "remove one of the two"),
+        (Some(_), None) if gear.is_some() || section.has("ratio") => {
+            let key = if gear.is_some() { "gear" } else { "ratio" };
+            return wrong(key, "a module has its gear inside", "write `transmission = { ratio = … }` for what is behind it");
+        }
+        (Some(module), None) => Which::Module(module.get_ref().clone(), module.span()),
+        (None, Some(motor)) => {
+            let reduction = match (gear, ratio) {
+                (Some(_), Some(_)) => {
+                    return wrong("ratio", "a joint has a `gear` or a `ratio`, not both", "remove one of the two");
+                }
+                (Some(gear), None) => Reduction::Gear(gear.get_ref().clone(), gear.span()),
+                (None, Some(ratio)) => Reduction::Ratio(ratio),
+                (None, None) => {
+                    if section.noted() == noted {
+                        section.missing("gear", "\"a-gear\", or ratio = 9, or ratio = 1 where there is no gear");
+                    }
+                    return None;
+                }
+            };
+            Which::Motor(motor.get_ref().clone(), motor.span(), reduction)
+        }
+        (None, None) => {
+            if section.noted() == noted {
+                section.missing("module", "\"robstride-rs03\", or motor = \"t-motor-ri50\" with gear or ratio");
+            }
+            return None;
+        }
+    };
+    Some(Mount { names, which, transmission, voltage, span: section.span() })
+}
+
+fn coupling(section: &Section) -> Option<Coupling> {
+    for (key, example) in [("joints", "[\"left_ankle_pitch\", \"left_ankle_roll\"]"), ("matrix", "[[1, 0.5], [1, -0.5]]")] {
+        if !section.has(key) {
+            section.missing(key, example);
+        }
+    }
+    let joints = section.texts(key("joints", "names of the two joints").required());
+    let matrix = section.matrix(
+        key("matrix", "J, two rows of two: speeds of the actuators are J times those of the joints").required(),
+    );
+    let joints: Vec<String> = joints?.into_iter().map(|t| t.into_inner()).collect();
+    let Ok(joints) = <[String; 2]>::try_from(joints) else {
+        section.note(Problem::at(section.span_of("joints"), "`joints` of a coupling are two", "expected two names"));
+        return None;
+    };
+    let rows: Vec<[f64; 2]> = matrix?.into_iter().filter_map(|row| <[f64; 2]>::try_from(row).ok()).collect();
+    let matrix = <[[f64; 2]; 2]>::try_from(rows).ok();
+    let matrix = matrix.filter(|m| (m[0][0] * m[1][1] - m[0][1] * m[1][0]).abs() > 1e-9);
+    if matrix.is_none() {
+        let label = "expected two rows of two numbers that are no multiples of each other";
+        section.note(Problem::at(section.span_of("matrix"), "`matrix` of a coupling cannot be inverted", label));
+    }
+    Some(Coupling { joints, matrix: matrix?, span: section.span() })
+}

@@ -1,0 +1,303 @@
+//! The hardware of a joint in numbers at the joint: of a module, or of a motor with a gear, behind a transmission.
+
+use super::file::{Mount, Reduction, Which};
+use crate::catalog::convention::Commutation;
+use crate::catalog::{Catalog, Gear, Module, Motor};
+use crate::input::Problem;
+use crate::words::number;
+
+/// Whether a number is the hardware's own or a bound on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Holds {
+    /// It is the number.
+    Exactly,
+    /// The number is at least this: a part of it is not known.
+    AtLeast,
+}
+
+/// A number that hardware has at a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fact {
+    /// At the joint, SI.
+    pub value: f64,
+    /// Ids of the rows.
+    pub row: String,
+    /// Where the rows have it from.
+    pub source: String,
+    /// How it was taken to the joint, in one line.
+    pub how: String,
+    /// Whether it is known in full.
+    pub holds: Holds,
+}
+
+/// What the hardware of a joint can do, at the joint. `None` is what no row says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hardware {
+    /// Its ids, as the file of hardware names them.
+    pub label: String,
+    /// Turns of the actuator for one of the joint, r.
+    pub transmission: f64,
+    /// Turns of the motor for one of the actuator, N.
+    pub gear: Option<f64>,
+    /// Largest torque \[N·m\].
+    pub peak: Option<Fact>,
+    /// Torques of other meanings that a row prints, each with its name \[N·m\].
+    pub others: Vec<(&'static str, Fact)>,
+    /// Speed without load at the voltage \[rad/s\].
+    pub no_load: Option<Fact>,
+    /// Inertia of rotor and gear \[kg·m²\].
+    pub armature: Option<Fact>,
+    /// Coulomb friction \[N·m\].
+    pub friction: Option<Fact>,
+    /// Viscous friction \[N·m·s/rad\].
+    pub damping: Option<Fact>,
+    /// Mass of the actuator \[kg\].
+    pub mass: Option<Fact>,
+    /// Largest torque over speed \[rad/s, N·m\], with what it is; from standstill on, the speed rises.
+    pub curve: Option<(Vec<[f64; 2]>, Fact)>,
+}
+
+impl Hardware {
+    /// Largest torque at a speed \[N·m\]: that of the curve, 0 beyond its end.
+    pub fn torque_at(points: &[[f64; 2]], speed: f64) -> f64 {
+        let inside = points.windows(2).find(|pair| pair[0][0] <= speed && speed <= pair[1][0]);
+        match inside {
+            Some([[a, low], [b, high]]) => low + (high - low) * (speed - a) / (b - a).max(f64::MIN_POSITIVE),
+            _ => 0.0,
+        }
+    }
+}
+
+/// The hardware that an entry of the file names.
+///
+/// # Errors
+/// Ids that no row has, with the nearest that exists.
+pub fn of(mount: &Mount, catalog: &Catalog) -> Result<Hardware, Problem> {
+    let unknown = |kind: &str, id: &str, span: &std::ops::Range<usize>, ids: Vec<&str>| {
+        let problem = Problem::at(span.clone(), format!("there is no {kind} `{id}` in the catalogue"), "named here");
+        match crate::words::nearest(id, ids.iter().copied()) {
+            Some(near) => problem.help(format!("did you mean `{near}`?")),
+            None => problem.help("`gearwise catalog list` lists them, and `--catalog` adds a catalogue of your own"),
+        }
+    };
+    match &mount.which {
+        Which::Module(id, span) => {
+            let found = catalog.modules.iter().find(|m| m.id == *id);
+            let module = found.ok_or_else(|| {
+                unknown("module", id, span, catalog.modules.iter().map(|m| m.id.as_str()).collect())
+            })?;
+            Ok(of_module(mount, module))
+        }
+        Which::Motor(id, span, reduction) => {
+            let motors = || catalog.motors.iter().chain(&catalog.aside);
+            let motor = motors()
+                .find(|m| m.id == *id)
+                .ok_or_else(|| unknown("motor", id, span, motors().map(|m| m.id.as_str()).collect()))?;
+            let (gear, ratio) = match reduction {
+                Reduction::Ratio(ratio) => (None, *ratio),
+                Reduction::Gear(id, span) => {
+                    let found = catalog.gears.iter().find(|g| g.id == *id);
+                    let gear = found.ok_or_else(|| {
+                        unknown("gear", id, span, catalog.gears.iter().map(|g| g.id.as_str()).collect())
+                    })?;
+                    (Some(gear), gear.ratio)
+                }
+            };
+            Ok(of_motor(mount, motor, gear, ratio))
+        }
+    }
+}
+
+/// `r 1.917 × `, where there is a transmission.
+fn times(r: f64, power: &str) -> String {
+    if r == 1.0 { String::new() } else { format!("r{power} × ") }
+}
+
+/// What r is, behind a conversion, where there is a transmission.
+fn with_r(r: f64) -> String {
+    if r == 1.0 { String::new() } else { format!(", r = {}", number(r)) }
+}
+
+fn of_module(mount: &Mount, module: &Module) -> Hardware {
+    let (r, sheet, refers) = (mount.transmission, &module.sheet, &module.refers);
+    let fact = |value: f64, how: String| Fact {
+        value,
+        row: module.id.clone(),
+        source: module.source.clone(),
+        how,
+        holds: Holds::Exactly,
+    };
+    let torque = |printed: Option<crate::catalog::Printed>, name: &str| {
+        let torque = printed?.value;
+        Some(fact(r * torque, format!("{}{name} {} N*m{}", times(r, ""), number(torque), with_r(r))))
+    };
+    let stall = torque(sheet.stall_torque, "stall_torque");
+    let of_curve = || {
+        let most = module.driving_curve.iter().map(|point| point[1]).reduce(f64::max)?;
+        let how = format!("{}the largest torque of driving_curve {} N*m{}", times(r, ""), number(most), with_r(r));
+        Some(fact(r * most, how))
+    };
+    let peak = torque(sheet.peak_torque, "peak_torque").or_else(of_curve).or_else(|| stall.clone());
+    let mut others = Vec::new();
+    others.extend(torque(sheet.rated_torque, "rated_torque").map(|fact| ("rated torque", fact)));
+    others.extend(stall.map(|fact| ("stall torque", fact)));
+    // A lower voltage takes from the speed; what a higher one would give nobody printed.
+    let printed_at = sheet.voltage.map(|v| v.value);
+    let share = match (mount.voltage, printed_at) {
+        (Some(voltage), Some(printed)) if voltage < printed => voltage / printed,
+        _ => 1.0,
+    };
+    let at = match (mount.voltage, printed_at) {
+        (Some(voltage), Some(printed)) if voltage < printed => {
+            format!(" at {} V × {}/{}", number(printed), number(voltage), number(printed))
+        }
+        (_, Some(printed)) => format!(" at {} V", number(printed)),
+        (_, None) => " at a voltage that the row does not say".into(),
+    };
+    let end = module.driving_curve.last().map(|point| point[0]);
+    let free = sheet.no_load_speed.map(|p| (p.value, "no_load_speed"));
+    let free = free.or_else(|| {
+        let closed = module.driving_curve.last().is_some_and(|point| point[1] == 0.0);
+        Some((end.filter(|_| closed)?, "the end of driving_curve"))
+    });
+    let divided = if r == 1.0 { "" } else { " / r" };
+    let no_load = free.map(|(speed, name)| {
+        fact(speed * share / r, format!("{name} {} rad/s{at}{divided}{}", number(speed), with_r(r)))
+    });
+    let curve = (!module.driving_curve.is_empty()).then(|| {
+        // C(ω; V) = C(ω + ω₀ (1 − V/V_c); V_c).
+        let shift = free.map_or(0.0, |(speed, _)| speed * (1.0 - share));
+        let mut points = module.driving_curve.clone();
+        if let (Some((speed, _)), Some(last)) = (free, points.last().copied())
+            && last[1] > 0.0
+            && speed > last[0]
+        {
+            points.push([speed, 0.0]);
+        }
+        let start = Hardware::torque_at(&points, shift);
+        let mut moved = vec![[0.0, r * start]];
+        moved.extend(points.iter().filter(|p| p[0] > shift).map(|p| [(p[0] - shift) / r, p[1] * r]));
+        (moved, fact(0.0, format!("driving_curve of the row{at}{}", with_r(r))))
+    });
+    let ratio = module.ratio();
+    let armature = module.constants().inertia.map(|inertia| {
+        let printed = sheet.armature.map_or(inertia, |p| p.value);
+        let of_motor = refers.armature_side == Some(crate::catalog::row::Side::Motor);
+        let gear = if of_motor { format!("N² × armature {}", number(printed)) } else { format!("armature {}", number(printed)) };
+        let n = if of_motor { format!(", N = {}", number(ratio)) } else { String::new() };
+        fact(r * r * inertia, format!("{}{gear} kg*m^2{n}{}", times(r, "²"), with_r(r)))
+    });
+    let friction = |name: &'static str, printed: Option<crate::catalog::Printed>, unit: &str, power: i32| {
+        let at_flange = module.at_output(printed, refers.friction_side, power)?;
+        let factor = r.powi(power);
+        let sign = if power == 1 { "" } else { "²" };
+        let how = format!("{}{name} {} {unit} at the flange{}", times(r, sign), number(at_flange), with_r(r));
+        Some(fact(factor * at_flange, how))
+    };
+    Hardware {
+        label: module.id.clone(),
+        transmission: r,
+        gear: Some(ratio).filter(|n| n.is_finite()),
+        peak,
+        others,
+        no_load,
+        armature,
+        friction: friction("dynamic_friction", sheet.dynamic_friction, "N*m", 1)
+            .or_else(|| friction("static_friction", sheet.static_friction, "N*m", 1)),
+        damping: friction("viscous_friction", sheet.viscous_friction, "N*m*s/rad", 2),
+        mass: sheet.mass.map(|p| fact(p.value, "mass of the row".into())),
+        curve,
+    }
+}
+
+fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Hardware {
+    let r = mount.transmission;
+    let row = gear.map_or_else(|| motor.id.clone(), |gear| format!("{} + {}", motor.id, gear.id));
+    let source = match gear {
+        Some(gear) if gear.source != motor.source => format!("{}; {}", motor.source, gear.source),
+        _ => motor.source.clone(),
+    };
+    let fact = |value: f64, how: String, holds: Holds| Fact { value, row: row.clone(), source: source.clone(), how, holds };
+    let efficiency = gear.and_then(|gear| gear.efficiency);
+    let (eta, of_eta) = match efficiency {
+        Some(eta) => (eta, format!(", η = {}", number(eta))),
+        None => (1.0, ", η not known: 1 is taken, the most that it can be".into()),
+    };
+    let n_is = format!(", N = {}", number(ratio));
+    let at_joint = |torque: f64, of: String| {
+        let how = format!("{}N η × {of}{n_is}{of_eta}{}", times(r, ""), with_r(r));
+        fact(r * ratio * eta * torque, how, Holds::Exactly)
+    };
+    let by_current = |current: f64, name: &str| {
+        let of = format!("K_T {name}, {} N*m/A × {} A (q axis)", number(motor.torque_constant), number(current));
+        (motor.torque_constant * current, of)
+    };
+    let printed = |torque: f64, name: &str| (torque, format!("{name} {} N*m", number(torque)));
+    let peak = motor.peak_torque.map(|torque| printed(torque, "peak_torque"));
+    let peak = peak.or_else(|| motor.peak_current.map(|current| by_current(current, "I_peak")));
+    let mut peak = peak.map(|(torque, of)| at_joint(torque, of));
+    let of_gear = gear.and_then(|gear| Some((gear, gear.ratings.momentary_peak_torque.or(gear.peak_torque)?)));
+    if let Some((gear, torque)) = of_gear
+        && peak.as_ref().is_some_and(|peak| r * torque < peak.value)
+    {
+        let how = format!("{}peak torque of the gear {}, {} N*m{}", times(r, ""), gear.id, number(torque), with_r(r));
+        peak = Some(fact(r * torque, how, Holds::Exactly));
+    }
+    let continuous = motor.continuous_torque.map(|torque| printed(torque, "continuous_torque"));
+    let continuous = continuous.or_else(|| motor.continuous_current.map(|current| by_current(current, "I_cont")));
+    let others = continuous.map(|(torque, of)| ("continuous torque", at_joint(torque, of))).into_iter().collect();
+    let root = match motor.conventions.commutation {
+        Commutation::Brushless => std::f64::consts::SQRT_2,
+        Commutation::Brushed => 1.0,
+    };
+    let divided = if r == 1.0 { "N" } else { "(r N)" };
+    let speed = |speed: f64, of: String| {
+        fact(speed / ratio / r, format!("{of} / {divided}{n_is}{}", with_r(r)), Holds::Exactly)
+    };
+    let by_voltage = mount.voltage.map(|voltage| {
+        let free = voltage / (root * motor.emf_constant());
+        speed(free, format!("speed without load at {} V, {} rad/s of the motor", number(voltage), number(free)))
+    });
+    let by_row = motor.max_speed.map(|most| speed(most, format!("max_speed {} rad/s of the motor", number(most))));
+    let no_load = by_voltage.into_iter().chain(by_row).min_by(|a, b| a.value.total_cmp(&b.value));
+    let armature = motor.rotor_inertia.map(|rotor| {
+        // Where nothing is between motor and flange there is no inertia of a gear.
+        let inner = if gear.is_none() && ratio == 1.0 { Some(0.0) } else { gear.and_then(|gear| gear.inertia) };
+        let squared = (r * ratio) * (r * ratio);
+        let total = rotor + inner.unwrap_or(0.0);
+        let (of_gear, holds) = match inner {
+            Some(_) => (" of rotor and gear", Holds::Exactly),
+            None => (" of the rotor; that of the gear is not known", Holds::AtLeast),
+        };
+        let how = format!("{}N² × {} kg*m^2{of_gear}{n_is}{}", times(r, "²"), number(total), with_r(r));
+        fact(squared * total, how, holds)
+    });
+    let friction = motor.coulomb_friction.map(|c| {
+        let how = format!("{}N × coulomb_friction {} N*m of the motor{n_is}{}", times(r, ""), number(c), with_r(r));
+        fact(r * ratio * c, how, Holds::AtLeast)
+    });
+    let damping = motor.viscous_friction.map(|b| {
+        let how = format!("{}N² × viscous_friction {} N*m*s/rad of the motor{n_is}{}", times(r, "²"), number(b), with_r(r));
+        fact((r * ratio).powi(2) * b, how, Holds::AtLeast)
+    });
+    let mass = motor.mass.map(|mass| match gear.and_then(|gear| gear.mass) {
+        Some(gear) => fact(mass + gear, "mass of motor and gear".into(), Holds::Exactly),
+        None => fact(mass, "mass of the motor; that of the gear is not known".into(), Holds::AtLeast),
+    });
+    Hardware {
+        label: match gear {
+            Some(gear) => format!("{} + {}", motor.id, gear.id),
+            None => format!("{} @ {}", motor.id, number(ratio)),
+        },
+        transmission: r,
+        gear: Some(ratio),
+        peak,
+        others,
+        no_load,
+        armature,
+        friction,
+        damping,
+        mass,
+        curve: None,
+    }
+}
