@@ -7,7 +7,7 @@ use super::{Call, CatalogChoice, Done, Failure, Html, Set};
 use crate::catalog::Catalog;
 use crate::input::{InputError, Problem, Source};
 use crate::output;
-use crate::report::check::{github, input, junit, sarif, text};
+use crate::report::check::{Checked, github, input, junit, sarif, text};
 use crate::report::html;
 use crate::report::json_text;
 use crate::requirement::DesignFile;
@@ -33,6 +33,21 @@ pub struct Arguments {
     set: Set,
     #[command(flatten)]
     catalog: CatalogChoice,
+    #[command(flatten)]
+    forms: Forms,
+    #[command(flatten)]
+    html: Html,
+    /// Write the lock of the catalogue rows next to the design where there is none; an existing one is always compared
+    #[arg(long)]
+    lock: bool,
+    /// Write the lock again
+    #[arg(long)]
+    update_lock: bool,
+}
+
+/// Forms of a check's result for machines.
+#[derive(Debug, Args)]
+pub(super) struct Forms {
     /// Print JSON (SI units, the unit next to the value)
     #[arg(long, conflicts_with = "github")]
     json: bool,
@@ -45,57 +60,86 @@ pub struct Arguments {
     /// Write SARIF 2.1.0; places are relative to the folder the program runs in
     #[arg(long, value_name = "FILE")]
     sarif: Option<PathBuf>,
-    #[command(flatten)]
-    html: Html,
-    /// Write the lock of the catalogue rows next to the design where there is none; an existing one is always compared
-    #[arg(long)]
-    lock: bool,
-    /// Write the lock again
-    #[arg(long)]
-    update_lock: bool,
+}
+
+impl Forms {
+    /// The result; what is wrong with the input is reported in each form that was asked for. What cannot be written is no
+    /// mistake of the input. `main` is the file that was checked.
+    pub(super) fn reported<T>(
+        &self,
+        command: &'static str,
+        main: &Path,
+        result: Result<T, Failure>,
+    ) -> Result<T, Failure> {
+        match &result {
+            Err(Failure::Input(errors)) => self.wrong_input(command, errors)?,
+            // What is wrong with the input as a whole has no place in a file: it stands at the file that was checked.
+            Err(Failure::Argument(why)) => {
+                let source = Arc::new(Source::new(main.display().to_string(), ""));
+                self.wrong_input(command, &[InputError { source, problems: vec![Problem::whole(why)] }])?;
+            }
+            _ => {}
+        }
+        result
+    }
+
+    /// Reports what is wrong with the input in each form that was asked for.
+    fn wrong_input(&self, command: &'static str, errors: &[InputError]) -> Result<(), Failure> {
+        let root = std::env::current_dir().unwrap_or_default();
+        if let Some(path) = &self.junit {
+            output::write_whole(path, input::junit(errors, command).as_bytes()).map_err(Failure::Argument)?;
+        }
+        if let Some(path) = &self.sarif {
+            let text = json_text(&input::sarif(errors, &root));
+            output::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
+        }
+        let text = match (self.json, self.github) {
+            (true, _) => json_text(&input::json(errors, command)),
+            (_, true) => input::github(errors, &root),
+            _ => return Ok(()),
+        };
+        let not_printed = |e| Failure::Argument(format!("cannot write the result: {}", crate::words::reason(&e)));
+        super::print(&text).map_err(not_printed)
+    }
+
+    /// Writes the files that were asked for.
+    pub(super) fn write(&self, checked: &Checked, strict: bool) -> Result<(), Failure> {
+        let root = std::env::current_dir().unwrap_or_default();
+        let write = |path: &Option<PathBuf>, text: &dyn Fn() -> String| match path {
+            Some(path) => output::write_whole(path, text().as_bytes()).map_err(Failure::Argument),
+            None => Ok(()),
+        };
+        write(&self.junit, &|| junit::text(checked, strict))?;
+        write(&self.sarif, &|| json_text(&sarif::json(checked, &root)))
+    }
+
+    /// Whether the result is printed for people.
+    pub(super) fn is_text(&self) -> bool {
+        !self.json && !self.github
+    }
+
+    /// What is printed: JSON or annotations where they were asked for, else the text.
+    pub(super) fn print(
+        &self,
+        checked: &Checked,
+        json: impl FnOnce() -> serde_json::Value,
+        text: impl FnOnce() -> String,
+    ) -> String {
+        match (self.json, self.github) {
+            (true, _) => json_text(&json()),
+            (_, true) => github::text(checked, &std::env::current_dir().unwrap_or_default()),
+            _ => text(),
+        }
+    }
 }
 
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     arguments.html.check()?;
-    let inputs = reported(arguments, Inputs::read(arguments))?;
+    let inputs = arguments.forms.reported("check", &arguments.design, Inputs::read(arguments))?;
     let Inputs { design, catalog, rules, lock_path, lock, .. } = &inputs;
     let report = crate::rules::check(design, catalog, rules, lock.as_ref(), lock_path).map_err(Failure::from);
-    let report = reported(arguments, report)?;
+    let report = arguments.forms.reported("check", &arguments.design, report)?;
     written(arguments, call, &inputs, &report)
-}
-
-/// The result; what is wrong with the input is reported in each form that was asked for. What cannot be written is no
-/// mistake of the input.
-fn reported<T>(arguments: &Arguments, result: Result<T, Failure>) -> Result<T, Failure> {
-    match &result {
-        Err(Failure::Input(errors)) => wrong_input(arguments, errors)?,
-        // What is wrong with the input as a whole has no place in a file: it stands at the design.
-        Err(Failure::Argument(why)) => {
-            let source = Arc::new(Source::new(arguments.design.display().to_string(), ""));
-            wrong_input(arguments, &[InputError { source, problems: vec![Problem::whole(why)] }])?;
-        }
-        _ => {}
-    }
-    result
-}
-
-/// Reports what is wrong with the input in each form that was asked for.
-fn wrong_input(arguments: &Arguments, errors: &[InputError]) -> Result<(), Failure> {
-    let root = std::env::current_dir().unwrap_or_default();
-    if let Some(path) = &arguments.junit {
-        output::write_whole(path, input::junit(errors).as_bytes()).map_err(Failure::Argument)?;
-    }
-    if let Some(path) = &arguments.sarif {
-        let text = json_text(&input::sarif(errors, &root));
-        output::write_whole(path, text.as_bytes()).map_err(Failure::Argument)?;
-    }
-    let text = match (arguments.json, arguments.github) {
-        (true, _) => json_text(&input::json(errors)),
-        (_, true) => input::github(errors, &root),
-        _ => return Ok(()),
-    };
-    let not_printed = |e| Failure::Argument(format!("cannot write the result: {}", crate::words::reason(&e)));
-    super::print(&text).map_err(not_printed)
 }
 
 /// What is checked, and with what.
@@ -140,13 +184,8 @@ impl Inputs {
 /// Writes the report in each form that was asked for.
 fn written(arguments: &Arguments, call: &Call, inputs: &Inputs, report: &Report) -> Result<Done, Failure> {
     let Inputs { design, catalog, rules, lock_path, lock, new_lock } = inputs;
-    let root = std::env::current_dir().unwrap_or_default();
-    let write = |path: &Option<PathBuf>, text: &dyn Fn() -> String| match path {
-        Some(path) => output::write_whole(path, text().as_bytes()).map_err(Failure::Argument),
-        None => Ok(()),
-    };
-    write(&arguments.junit, &|| junit::text(report, arguments.strict))?;
-    write(&arguments.sarif, &|| json_text(&sarif::json(report, &root)))?;
+    let checked: Checked = report.into();
+    arguments.forms.write(&checked, arguments.strict)?;
     let files = || {
         let files = [Some(&design.source), Some(&design.requirement), rules.source.as_ref(), lock.as_ref()];
         let files = files.into_iter().flatten().map(|source| source.file());
@@ -157,11 +196,9 @@ fn written(arguments: &Arguments, call: &Call, inputs: &Inputs, report: &Report)
         output::write_whole(lock_path, text.as_bytes()).map_err(Failure::Argument)?;
         tell!("wrote {}", lock_path.display());
     }
-    let text = match (arguments.json, arguments.github) {
-        (true, _) => json_text(&crate::report::json::check::json(report, arguments.strict)),
-        (_, true) => github::text(report, &root),
-        _ => super::told_set(&design.robot) + &text::text(report, arguments.strict),
-    };
+    let json = || crate::report::json::check::json(report, arguments.strict);
+    let plain = || super::told_set(&design.robot) + &text::text(report, arguments.strict);
+    let text = arguments.forms.print(&checked, json, plain);
     Ok(Done { text, satisfied: report.passes(arguments.strict) })
 }
 

@@ -13,6 +13,7 @@ mod audit;
 mod catalog;
 mod characterize;
 mod check;
+mod check_model;
 mod chosen;
 mod compare;
 mod completions;
@@ -90,6 +91,8 @@ enum Command {
     Audit(audit::Arguments),
     /// Design rules on a chosen design, for CI: table, JSON, JUnit, SARIF, GitHub annotations
     Check(check::Arguments),
+    /// Robot models (URDF, MJCF, JSON) against the hardware that is bought for their joints
+    CheckModel(check_model::Arguments),
     /// What a design rule does, why, and how to fix what it finds
     Rule(rule::Arguments),
     /// Bench logs against the declared model: what it lacks, by how much, and how sure that is
@@ -529,6 +532,7 @@ fn answer(command: &Command, call: &Call) -> Result<Done, Failure> {
         Command::Catalog(arguments) => catalog::run(arguments),
         Command::Audit(arguments) => audit::run(arguments, call),
         Command::Check(arguments) => check::run(arguments, call),
+        Command::CheckModel(arguments) => check_model::run(arguments),
         Command::Rule(arguments) => rule::run(arguments),
         Command::Identify(arguments) => identify::run(arguments, call),
         Command::Torques(arguments) => torques::run(arguments),

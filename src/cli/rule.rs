@@ -2,7 +2,7 @@ use clap::Args;
 
 use super::{Done, Failure};
 use crate::report::{json, json_text, rules as report};
-use crate::rules::{RULES, rule};
+use crate::rules::{every_rule, rule};
 use crate::words::nearest;
 
 /// Arguments of the command.
@@ -24,14 +24,14 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let text = match &arguments.rule {
         _ if arguments.measures => report::measure_list(),
-        None if arguments.json => json_text(&json::rule::json(RULES.iter().copied())),
+        None if arguments.json => json_text(&json::rule::json(every_rule())),
         None => report::list(),
         Some(name) => {
             let found = rule(name).ok_or_else(|| {
-                let names = RULES.iter().flat_map(|r| [r.name, r.code]);
+                let names = every_rule().flat_map(|r| [r.name, r.code]);
                 let help = match nearest(name, names) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("there are {}", RULES.iter().map(|r| r.name).collect::<Vec<_>>().join(", ")),
+                    None => format!("there are {}", every_rule().map(|r| r.name).collect::<Vec<_>>().join(", ")),
                 };
                 Failure::Argument(format!("there is no rule `{name}`; {help}"))
             })?;

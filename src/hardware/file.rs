@@ -89,6 +89,25 @@ pub struct HardwareFile {
     pub tolerances: Tolerances,
 }
 
+impl HardwareFile {
+    /// Problems with joints that two entries name, one for each pair of entries.
+    pub fn driven_twice<'n>(&self, joints: impl Iterator<Item = &'n str>) -> Vec<Problem> {
+        let mut problems: Vec<Problem> = Vec::new();
+        for joint in joints {
+            let mut named = self.mounts.iter().filter(|mount| mount.drives(joint));
+            let (Some(_), Some(second)) = (named.next(), named.next()) else { continue };
+            let pattern = second.names.iter().find(|(pattern, _)| matches_pattern(pattern, joint));
+            let span = pattern.map_or_else(|| second.span.clone(), |(_, span)| span.clone());
+            if problems.iter().any(|p| p.span.as_ref() == Some(&span)) {
+                continue;
+            }
+            let problem = Problem::at(span, format!("joint `{joint}` is named by two [[joint]]"), "second time");
+            problems.push(problem.help("narrow one of the patterns: a joint has one hardware"));
+        }
+        problems
+    }
+}
+
 /// Reads a file of hardware (`-` is standard input).
 ///
 /// # Errors

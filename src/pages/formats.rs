@@ -13,7 +13,7 @@ use crate::measured::{self, BenchKind};
 use crate::report::currents;
 use crate::requirement::{self, design_file};
 use crate::study::file as study_file;
-use crate::{motion, rules};
+use crate::{hardware, motion, rules};
 
 /// A kind of TOML file.
 #[derive(Debug)]
@@ -41,6 +41,11 @@ pub fn formats() -> Vec<Format> {
             design_file::describe().tables,
         ),
         format(RULES, "For `check`; a design names it.", rules::file::describe().tables),
+        format(
+            HARDWARE,
+            "Which hardware drives which joints of a robot model: for `check-model`.",
+            hardware::describe().tables,
+        ),
         format(STUDY, "Many robots from one: for `study`.", study_file::describe().tables),
         format(BENCH, "Logs of an actuator: for `identify` and `characterize`.", measured::read::describe().tables),
     ]
@@ -54,6 +59,8 @@ pub const FITTED: &str = "Fitted actuator (TOML)";
 pub const DESIGN: &str = "Design (TOML)";
 /// Rules files.
 pub const RULES: &str = "Rules (TOML)";
+/// Files of hardware.
+pub const HARDWARE: &str = "Hardware of a robot model (TOML)";
 /// Study files.
 pub const STUDY: &str = "Study (TOML)";
 /// Bench files.

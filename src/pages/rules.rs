@@ -1,14 +1,14 @@
 use super::{MADE, table};
 use crate::rules::measure::{measure, measures};
-use crate::rules::{RULES, Test};
+use crate::rules::{Test, every_rule};
 
 /// The page of design rules.
 pub fn text() -> String {
     let mut out = format!(
-        "{MADE}# Design rules\n\nWhat `gearwise check` asks of a design file. Severities and bounds can be moved, rules of your own added \
+        "{MADE}# Design rules\n\nWhat `gearwise check` asks of a design file, and (GW4…) `gearwise check-model` of robot models. Severities and bounds can be moved, rules of your own added \
          and findings allowed with a reason in a rules file; `gearwise rule CODE` prints one of these.\n\n"
     );
-    let rows = RULES.iter().map(|r| {
+    let rows = every_rule().map(|r| {
         vec![
             format!("[{}](#{})", r.code, r.code.to_lowercase()),
             r.name.into(),
@@ -17,7 +17,7 @@ pub fn text() -> String {
         ]
     });
     out.push_str(&table(&["code", "name", "severity", "asks that"], rows));
-    for rule in RULES {
+    for rule in every_rule() {
         out.push_str(&format!(
             "\n## {}\n\n**{}** ({}): {}\n\n{}\n",
             rule.code,

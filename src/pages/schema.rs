@@ -5,8 +5,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value, json};
 
 use crate::report::json::{
-    Envelope, catalog, characterize, check, explain, export, identify, import, motors, optimize, pareto, robust, rule,
-    sweep, torques,
+    Envelope, catalog, characterize, check, check_model, explain, export, identify, import, motors, optimize, pareto,
+    robust, rule, sweep, torques,
 };
 use crate::study::Summary;
 
@@ -21,6 +21,7 @@ const COMMANDS: &[(&str, Shape)] = &[
     ("sweep", shape::<sweep::Answer>),
     ("explain", shape::<explain::Answer>),
     ("check", shape::<check::Printed>),
+    ("check-model", shape::<check_model::Printed>),
     ("rank", shape::<motors::Ranked>),
     ("compare", shape::<motors::Compared>),
     ("audit", shape::<motors::Audited>),

@@ -2,7 +2,7 @@
 
 use super::table::{Column, Table, paragraph};
 use crate::rules::measure::measures;
-use crate::rules::{RULES, Rule, Test};
+use crate::rules::{Rule, Test, every_rule};
 
 /// Bounds of a rule in words, if it has any.
 fn bounds(rule: &Rule) -> Option<String> {
@@ -16,7 +16,7 @@ fn bounds(rule: &Rule) -> Option<String> {
 
 /// All rules.
 pub fn list() -> String {
-    let rows = RULES.iter().map(|r| vec![r.code.into(), r.name.into(), r.severity.name().into(), r.summary.into()]);
+    let rows = every_rule().map(|r| vec![r.code.into(), r.name.into(), r.severity.name().into(), r.summary.into()]);
     let columns = vec![
         Column::name("code"),
         Column::name("name"),

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::relative;
-use crate::rules::{Report, Severity};
+use super::{Checked, message, relative};
+use crate::rules::Severity;
 
 /// The data of a command: percent and line ends are escaped.
 pub(super) fn data(text: &str) -> String {
@@ -16,7 +16,7 @@ pub(super) fn property(text: &str) -> String {
 }
 
 /// The annotations; findings that are allowed have none.
-pub fn text(report: &Report, root: &Path) -> String {
+pub fn text(report: &Checked, root: &Path) -> String {
     let mut out = String::new();
     for finding in report.findings.iter().filter(|f| f.allowed.is_none()) {
         let command = match finding.severity {
@@ -36,7 +36,7 @@ pub fn text(report: &Report, root: &Path) -> String {
             at.end_line,
             at.end_column,
             property(&title),
-            data(&format!("{joint}{}{help}", finding.message))
+            data(&format!("{joint}{}{help}", message(finding)))
         ));
     }
     out

@@ -15,7 +15,7 @@ use crate::words::xml::escape;
 /// Name of the finding, in place of a rule's code.
 const RULE: &str = "wrong-input";
 /// What it says.
-const SUMMARY: &str = "an input file is wrong: the design was not checked";
+const SUMMARY: &str = "an input file is wrong: nothing was checked";
 
 /// Every mistake with its file, and its place where it has one.
 fn mistakes(errors: &[InputError]) -> impl Iterator<Item = (String, Option<Location>, &Problem)> {
@@ -67,7 +67,7 @@ pub fn sarif(errors: &[InputError], root: &Path) -> Value {
 }
 
 /// A JUnit document with one case that could not be run.
-pub fn junit(errors: &[InputError]) -> String {
+pub fn junit(errors: &[InputError], command: &str) -> String {
     let lines: Vec<String> = mistakes(errors)
         .map(|(file, place, problem)| {
             let at = place.map_or_else(String::new, |at| format!(":{}:{}", at.line, at.column));
@@ -75,7 +75,7 @@ pub fn junit(errors: &[InputError]) -> String {
         })
         .collect();
     format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"gearwise check\" tests=\"1\" failures=\"0\" errors=\"1\">\n  \
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"gearwise {command}\" tests=\"1\" failures=\"0\" errors=\"1\">\n  \
          <testsuite name=\"input\" tests=\"1\" failures=\"0\" errors=\"1\" skipped=\"0\">\n    \
          <testcase name=\"{RULE}\" classname=\"input\">\n      <error message=\"{}\" type=\"{RULE}\">{}</error>\n    </testcase>\n  \
          </testsuite>\n</testsuites>\n",
@@ -85,9 +85,9 @@ pub fn junit(errors: &[InputError]) -> String {
 }
 
 /// The same for programs.
-pub fn json(errors: &[InputError]) -> Value {
+pub fn json(errors: &[InputError], command: &'static str) -> Value {
     let input_errors = mistakes(errors).map(|(file, place, problem)| mistake(file, place.as_ref(), problem)).collect();
-    document("check", WrongInput { passes: false, input_errors })
+    document(command, WrongInput { passes: false, input_errors })
 }
 
 fn mistake<'a>(file: String, place: Option<&Location>, problem: &'a Problem) -> Mistake<'a> {

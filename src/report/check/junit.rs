@@ -1,7 +1,8 @@
 //! A check as JUnit XML, for the test view of any CI system: a suite for each joint and one for the robot, a
 //! case for each rule. The form is that of the schema that Jenkins' xunit plugin publishes.
 
-use crate::rules::{Finding, Judged, Report, Severity};
+use super::{Checked, message};
+use crate::rules::{Finding, Judged, Severity};
 use crate::words::xml::escape;
 
 /// Whether a finding fails its case.
@@ -13,16 +14,16 @@ fn fails(finding: &Finding, strict: bool) -> bool {
 fn line(finding: &Finding) -> String {
     let at = &finding.location;
     let allowed = finding.allowed.as_ref().map_or_else(String::new, |why| format!(" (allowed: {why})"));
-    format!("{}:{}:{}: {}: {}{allowed}", at.file, at.line, at.column, finding.severity.name(), finding.message)
+    format!("{}:{}:{}: {}: {}{allowed}", at.file, at.line, at.column, finding.severity.name(), message(finding))
 }
 
 /// The document.
-pub fn text(report: &Report, strict: bool) -> String {
-    let name = &report.facts.design.robot.name;
+pub fn text(report: &Checked, strict: bool) -> String {
+    let name = &report.name;
     let mut suites: Vec<(Option<&str>, Vec<&Judged>)> =
-        report.facts.joints.iter().map(|j| (Some(j.choice.joint.name.as_str()), Vec::new())).collect();
+        report.joints.iter().map(|name| (Some(*name), Vec::new())).collect();
     suites.push((None, Vec::new()));
-    for judged in &report.judged {
+    for judged in report.judged {
         if let Some((_, cases)) = suites.iter_mut().find(|(joint, _)| *joint == judged.joint.as_deref()) {
             cases.push(judged);
         }
@@ -31,7 +32,7 @@ pub fn text(report: &Report, strict: bool) -> String {
     let failures = report.judged.iter().filter(|j| failing(j)).count();
     let mut out = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"{}\" tests=\"{}\" failures=\"{failures}\" errors=\"0\">\n",
-        escape(&format!("gearwise check {name}")),
+        escape(&format!("gearwise {} {name}", report.command)),
         report.judged.len()
     );
     for (joint, cases) in &suites {
@@ -52,7 +53,7 @@ pub fn text(report: &Report, strict: bool) -> String {
     out
 }
 
-fn case(report: &Report, judged: &Judged, suite: &str, strict: bool) -> String {
+fn case(report: &Checked, judged: &Judged, suite: &str, strict: bool) -> String {
     let rule = &report.rules[judged.rule];
     let title = if rule.code == rule.name { rule.name.clone() } else { format!("{} {}", rule.code, rule.name) };
     let head = format!("    <testcase name=\"{}\" classname=\"{}\"", escape(&title), escape(suite));
@@ -66,7 +67,7 @@ fn case(report: &Report, judged: &Judged, suite: &str, strict: bool) -> String {
         let lines: Vec<String> = failed.iter().map(|f| line(f)).collect();
         body.push_str(&format!(
             "      <failure message=\"{}\" type=\"{}\">{}\n\n{}</failure>\n",
-            escape(&first.message),
+            escape(&message(first)),
             escape(&rule.code),
             escape(&lines.join("\n")).replace("&#10;", "\n"),
             escape(&rule.help).replace("&#10;", "\n")

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use super::relative;
+use super::{Checked, message, relative};
 use crate::input::sha256;
-use crate::rules::{Applied, Finding, Location, Report, Severity};
+use crate::rules::{Applied, Finding, Location, Severity};
 
 /// Where the form is described.
 const SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
@@ -69,16 +69,16 @@ fn rule(rule: &Applied) -> Value {
     })
 }
 
-fn result(report: &Report, finding: &Finding, root: &Path) -> Value {
+fn result(report: &Checked, finding: &Finding, root: &Path) -> Value {
     let rule = report.rule_of(finding);
     let joint = finding.joint.as_ref().map_or_else(String::new, |j| format!("{j}: "));
     let help = finding.help.as_ref().map_or_else(String::new, |h| format!(". {h}"));
     let reason = finding.reason.as_ref().map_or_else(String::new, |r| format!(" (rules file: {r})"));
-    let (design, _) = uri(report.facts.design.source.name(), root);
+    let (design, _) = uri(report.file.unwrap_or(&finding.location.file), root);
     let fingerprint = sha256([format!("{design}\n{}", finding.identity(rule)).as_bytes()]);
     let mut result = json!({
         "ruleId": rule.code, "ruleIndex": finding.rule, "level": level(finding.severity),
-        "message": { "text": format!("{joint}{}{reason}{help}", finding.message) },
+        "message": { "text": format!("{joint}{}{reason}{help}", message(finding)) },
         "locations": [{ "physicalLocation": physical(&finding.location, root) }],
         "partialFingerprints": { "gearwiseFinding/v1": fingerprint },
         "properties": { "joint": finding.joint, "subject": finding.subject, "value": finding.value, "bound": finding.bound },
@@ -86,7 +86,7 @@ fn result(report: &Report, finding: &Finding, root: &Path) -> Value {
     let Value::Object(object) = &mut result else { return result };
     if let Some(asked) = &finding.asked {
         let related =
-            json!([{ "id": 1, "message": { "text": "asked for here" }, "physicalLocation": physical(asked, root) }]);
+            json!([{ "id": 1, "message": { "text": if report.file.is_some() { "asked for here" } else { "compared with this" } }, "physicalLocation": physical(asked, root) }]);
         object.insert("relatedLocations".into(), related);
     }
     if let Some(why) = &finding.allowed {
@@ -97,7 +97,7 @@ fn result(report: &Report, finding: &Finding, root: &Path) -> Value {
 }
 
 /// The log with one run. `root` is the folder that relative places start from: that of the repository.
-pub fn json(report: &Report, root: &Path) -> Value {
+pub fn json(report: &Checked, root: &Path) -> Value {
     let results = report.findings.iter().map(|f| result(report, f, root)).collect();
     log(report.rules.iter().map(rule).collect(), results, None)
 }

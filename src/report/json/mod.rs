@@ -7,6 +7,7 @@
 pub mod catalog;
 pub mod characterize;
 pub mod check;
+pub mod check_model;
 pub mod design;
 pub mod explain;
 pub mod export;
