@@ -193,10 +193,16 @@ fn mount(section: &Section) -> Option<Mount> {
         None
     };
     let which = match (module, motor) {
-        (Some(_), Some(_)) => return wrong("motor", "a joint has a `module` or a `motor`, not both", "remove one of the two"),
+        (Some(_), Some(_)) => {
+            return wrong("motor", "a joint has a `module` or a `motor`, not both", "remove one of the two");
+        }
         (Some(_), None) if gear.is_some() || section.has("ratio") => {
             let key = if gear.is_some() { "gear" } else { "ratio" };
-            return wrong(key, "a module has its gear inside", "write `transmission = { ratio = … }` for what is behind it");
+            return wrong(
+                key,
+                "a module has its gear inside",
+                "write `transmission = { ratio = … }` for what is behind it",
+            );
         }
         (Some(module), None) => Which::Module(module.get_ref().clone(), module.span()),
         (None, Some(motor)) => {
@@ -226,7 +232,9 @@ fn mount(section: &Section) -> Option<Mount> {
 }
 
 fn coupling(section: &Section) -> Option<Coupling> {
-    for (key, example) in [("joints", "[\"left_ankle_pitch\", \"left_ankle_roll\"]"), ("matrix", "[[1, 0.5], [1, -0.5]]")] {
+    for (key, example) in
+        [("joints", "[\"left_ankle_pitch\", \"left_ankle_roll\"]"), ("matrix", "[[1, 0.5], [1, -0.5]]")]
+    {
         if !section.has(key) {
             section.missing(key, example);
         }

@@ -83,9 +83,8 @@ pub fn of(mount: &Mount, catalog: &Catalog) -> Result<Hardware, Problem> {
     match &mount.which {
         Which::Module(id, span) => {
             let found = catalog.modules.iter().find(|m| m.id == *id);
-            let module = found.ok_or_else(|| {
-                unknown("module", id, span, catalog.modules.iter().map(|m| m.id.as_str()).collect())
-            })?;
+            let module = found
+                .ok_or_else(|| unknown("module", id, span, catalog.modules.iter().map(|m| m.id.as_str()).collect()))?;
             Ok(of_module(mount, module))
         }
         Which::Motor(id, span, reduction) => {
@@ -183,7 +182,11 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
     let armature = module.constants().inertia.map(|inertia| {
         let printed = sheet.armature.map_or(inertia, |p| p.value);
         let of_motor = refers.armature_side == Some(crate::catalog::row::Side::Motor);
-        let gear = if of_motor { format!("N² × armature {}", number(printed)) } else { format!("armature {}", number(printed)) };
+        let gear = if of_motor {
+            format!("N² × armature {}", number(printed))
+        } else {
+            format!("armature {}", number(printed))
+        };
         let n = if of_motor { format!(", N = {}", number(ratio)) } else { String::new() };
         fact(r * r * inertia, format!("{}{gear} kg*m^2{n}{}", times(r, "²"), with_r(r)))
     });
@@ -217,7 +220,8 @@ fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Ha
         Some(gear) if gear.source != motor.source => format!("{}; {}", motor.source, gear.source),
         _ => motor.source.clone(),
     };
-    let fact = |value: f64, how: String, holds: Holds| Fact { value, row: row.clone(), source: source.clone(), how, holds };
+    let fact =
+        |value: f64, how: String, holds: Holds| Fact { value, row: row.clone(), source: source.clone(), how, holds };
     let efficiency = gear.and_then(|gear| gear.efficiency);
     let (eta, of_eta) = match efficiency {
         Some(eta) => (eta, format!(", η = {}", number(eta))),
@@ -277,7 +281,8 @@ fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Ha
         fact(r * ratio * c, how, Holds::AtLeast)
     });
     let damping = motor.viscous_friction.map(|b| {
-        let how = format!("{}N² × viscous_friction {} N*m*s/rad of the motor{n_is}{}", times(r, "²"), number(b), with_r(r));
+        let how =
+            format!("{}N² × viscous_friction {} N*m*s/rad of the motor{n_is}{}", times(r, "²"), number(b), with_r(r));
         fact((r * ratio).powi(2) * b, how, Holds::AtLeast)
     });
     let mass = motor.mass.map(|mass| match gear.and_then(|gear| gear.mass) {

@@ -10,8 +10,8 @@ pub mod facts;
 pub mod file;
 pub mod lock;
 pub mod measure;
-pub mod models;
 pub mod model_check;
+pub mod models;
 pub mod place;
 mod registry;
 mod rule;
@@ -19,8 +19,8 @@ mod rule;
 use std::sync::Arc;
 
 pub use file::RulesFile;
-pub use place::{Location, Place, clean};
 pub use model_check::{ModelReport, check_models};
+pub use place::{Location, Place, clean};
 pub use registry::{MODEL_RULES, RULES, every_rule, rule};
 pub use rule::{Backing, Remark, Rule, Severity, Test};
 

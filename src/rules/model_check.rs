@@ -4,7 +4,7 @@ use std::ops::Range as Span;
 
 use super::file::RulesFile;
 use super::models::ModelFacts;
-use super::registry::{MODEL_RULES, UNUSED_ALLOW};
+use super::registry::{MODEL_RULES, SAME_LIMITS, UNUSED_ALLOW};
 use super::rule::{Instead, Judgement, ModelRemark, Rule, Severity, Test};
 use super::{Applied, Finding, Judged, Location, applied};
 use crate::mechanism::stated::Change;
@@ -67,7 +67,8 @@ impl ModelReport<'_> {
 }
 
 /// Checks robot models against the hardware of their joints.
-pub fn check_models<'a>(facts: ModelFacts<'a>, rules: &RulesFile) -> ModelReport<'a> {
+pub fn check_models<'a>(mut facts: ModelFacts<'a>, rules: &RulesFile) -> ModelReport<'a> {
+    facts.is_between_asked = rules.severity(&SAME_LIMITS, None).0 != Severity::Off;
     let mut report = ModelReport {
         facts,
         rules: MODEL_RULES.iter().copied().chain([&UNUSED_ALLOW]).map(applied).collect(),
@@ -126,10 +127,12 @@ impl Checker<'_> {
                 continue;
             }
             let allows = self.file.allows.iter().zip(&mut self.used);
-            let allowed = allows.filter(|(allow, _)| allow.is_of(rule.code, name.as_deref(), remark.subject)).map(|(allow, used)| {
-                *used = true;
-                allow.reason.clone()
-            });
+            let allowed = allows.filter(|(allow, _)| allow.is_of(rule.code, name.as_deref(), remark.subject)).map(
+                |(allow, used)| {
+                    *used = true;
+                    allow.reason.clone()
+                },
+            );
             let allowed = allowed.reduce(|first, _| first);
             if allowed.is_none() {
                 report.instead.extend(remark.instead);

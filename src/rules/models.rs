@@ -17,6 +17,8 @@ pub struct ModelFacts<'a> {
     pub hardware: &'a [Hardware],
     /// Every joint of every model, in their order.
     pub joints: Vec<ModelJoint<'a>>,
+    /// Whether joints are asked for the same limits behind different transmissions: what that explains is not found twice.
+    pub is_between_asked: bool,
 }
 
 /// A joint of a model with its hardware.
@@ -58,7 +60,7 @@ impl<'a> ModelFacts<'a> {
                 ModelJoint { model: k, joint, mount, hardware, coupling }
             }));
         }
-        ModelFacts { models, file, hardware, joints }
+        ModelFacts { models, file, hardware, joints, is_between_asked: true }
     }
 
     /// Joints of one model.
@@ -95,7 +97,9 @@ impl<'a> ModelFacts<'a> {
                     && within(*v, velocity, 1e-3)
             });
             let least = same.min_by(|a, b| a.1.0.transmission.total_cmp(&b.1.0.transmission));
-            found.extend(least.filter(|(_, (h, ..))| h.transmission < hardware.transmission).map(|(other, _)| (k, other)));
+            found.extend(
+                least.filter(|(_, (h, ..))| h.transmission < hardware.transmission).map(|(other, _)| (k, other)),
+            );
         }
         found
     }
@@ -160,8 +164,11 @@ pub fn differs(value: f64, of: f64, holds: Holds, share: f64) -> bool {
 /// What a quotient of a model's number and the hardware's would be explained by: every factor that fits within 5 %, in words.
 pub fn explained(quotient: f64, factors: &[(f64, String)]) -> Option<String> {
     let fits = |factor: f64| (quotient / factor - 1.0).abs() <= 0.05;
-    let mut named: Vec<String> =
-        factors.iter().filter(|(factor, _)| fits(*factor) && !within(*factor, 1.0, 0.05)).map(|(_, n)| n.clone()).collect();
+    let mut named: Vec<String> = factors
+        .iter()
+        .filter(|(factor, _)| fits(*factor) && !within(*factor, 1.0, 0.05))
+        .map(|(_, n)| n.clone())
+        .collect();
     for power in (-6..=6).filter(|power| *power != 0) {
         if fits(10.0_f64.powi(power)) {
             named.push(format!("a factor of {}", number(10.0_f64.powi(power))));

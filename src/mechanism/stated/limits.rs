@@ -29,15 +29,8 @@ pub(super) fn read(source: &Arc<Source>) -> Result<Model, InputError> {
                 continue;
             }
         };
-        let mut joint = Joint {
-            name,
-            span,
-            turns: true,
-            is_passive: false,
-            parent: None,
-            stated: Vec::new(),
-            blank: Vec::new(),
-        };
+        let mut joint =
+            Joint { name, span, turns: true, is_passive: false, parent: None, stated: Vec::new(), blank: Vec::new() };
         let end = if table.is_empty() { "" } else { ", " };
         for (key, place, value) in table {
             match stated(&key, place, value) {
@@ -71,7 +64,9 @@ fn stated(key: &str, place: std::ops::Range<usize>, value: Value) -> Result<Stat
     let number = match value.is {
         Is::Number(number) => number,
         Is::Table(_) => return Err(Problem::at(value.span, format!("`{name}` is a table"), "expected a number in SI")),
-        Is::Other(what) => return Err(Problem::at(value.span, format!("`{name}` is {what}"), "expected a number in SI")),
+        Is::Other(what) => {
+            return Err(Problem::at(value.span, format!("`{name}` is {what}"), "expected a number in SI"));
+        }
     };
     if !(units::is_sane(number) && Range::NonNegative.contains(number)) {
         let expected = format!("expected {}", Range::NonNegative.expected());

@@ -52,7 +52,10 @@ pub(super) fn read<'a>(sheet: &Sheet, root: El<'a>) -> Model {
         }
     }
     if root.descendants().any(|n| n.has_tag_name("include")) {
-        reader.model.notes.push("included files are not followed: joints, actuators and defaults in them are missing".into());
+        reader
+            .model
+            .notes
+            .push("included files are not followed: joints, actuators and defaults in them are missing".into());
     }
     for world in children(root).filter(|n| n.has_tag_name("worldbody")) {
         reader.inside(world, None, None, None, 0);
@@ -98,7 +101,14 @@ impl<'a> Reader<'a, '_> {
     }
 
     /// What hangs in a body, or in the world.
-    fn inside(&mut self, node: El<'a>, link: Option<usize>, parent: Option<usize>, class: Option<&'a str>, depth: usize) {
+    fn inside(
+        &mut self,
+        node: El<'a>,
+        link: Option<usize>,
+        parent: Option<usize>,
+        class: Option<&'a str>,
+        depth: usize,
+    ) {
         if depth > limits::DEPTH {
             return;
         }
@@ -144,11 +154,9 @@ impl<'a> Reader<'a, '_> {
             stated: Vec::new(),
             blank: Vec::new(),
         };
-        for (name, quantity) in [
-            ("armature", Quantity::Armature),
-            ("frictionloss", Quantity::Friction),
-            ("damping", Quantity::Damping),
-        ] {
+        for (name, quantity) in
+            [("armature", Quantity::Armature), ("frictionloss", Quantity::Friction), ("damping", Quantity::Damping)]
+        {
             match get(&layers, name) {
                 Some(attribute) => {
                     let first = self.sheet.list(attribute).and_then(|numbers| numbers.first().copied());
@@ -194,7 +202,9 @@ impl<'a> Reader<'a, '_> {
         for node in sections.flat_map(children) {
             let kind = node.tag_name().name();
             let named = node.attribute("joint").or_else(|| node.attribute("jointinparent"));
-            let Some(k) = named.and_then(|name| self.model.joints.iter().position(|j| j.name == name)) else { continue };
+            let Some(k) = named.and_then(|name| self.model.joints.iter().position(|j| j.name == name)) else {
+                continue;
+            };
             let layers = self.layers(node, None, ACTUATORS);
             let gear = get(&layers, "gear").and_then(|a| Some((a, *self.sheet.list(a)?.first()?)));
             let factor = gear.map_or(1.0, |(_, gear)| gear.abs());

@@ -101,7 +101,8 @@ fn story(report: &ModelReport, finding: &Finding, joints: &[String]) -> String {
     if let Some(backing) = &finding.backing {
         let line = format!("hardware: {} = {}", printable(&backing.allows), printable(&backing.conversion));
         out.push_str(&paragraph(&line, 2, 4));
-        let source = if backing.source.is_empty() { String::new() } else { format!(", from {}", printable(&backing.source)) };
+        let source =
+            if backing.source.is_empty() { String::new() } else { format!(", from {}", printable(&backing.source)) };
         out.push_str(&paragraph(&format!("row: {}{source}", printable(&backing.row)), 2, 4));
     }
     if let Some(other) = &finding.asked {

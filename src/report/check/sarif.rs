@@ -85,8 +85,7 @@ fn result(report: &Checked, finding: &Finding, root: &Path) -> Value {
     });
     let Value::Object(object) = &mut result else { return result };
     if let Some(asked) = &finding.asked {
-        let related =
-            json!([{ "id": 1, "message": { "text": if report.file.is_some() { "asked for here" } else { "compared with this" } }, "physicalLocation": physical(asked, root) }]);
+        let related = json!([{ "id": 1, "message": { "text": if report.file.is_some() { "asked for here" } else { "compared with this" } }, "physicalLocation": physical(asked, root) }]);
         object.insert("relatedLocations".into(), related);
     }
     if let Some(why) = &finding.allowed {

@@ -9,6 +9,7 @@ mod rows;
 
 use super::rule::Rule;
 
+pub use models::between::SAME_LIMITS;
 pub use robot::{SELECTS_NOTHING, UNUSED_ALLOW};
 
 /// Every rule but those of the first limits, in the order of their codes.

@@ -22,7 +22,7 @@ fn print(arguments: &[&str]) -> Value {
         .unwrap_or_else(|e| panic!("{arguments:?}: {e}: {}", String::from_utf8_lossy(&output.stderr)))
 }
 
-fn published() -> jsonschema::Validator {
+pub(super) fn published() -> jsonschema::Validator {
     let schema: Value =
         serde_json::from_str(&std::fs::read_to_string(repository("docs/schema.json")).unwrap()).unwrap();
     jsonschema::validator_for(&schema).unwrap()

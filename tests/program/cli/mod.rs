@@ -8,6 +8,7 @@ mod catalogs;
 mod characterize_cli;
 mod check;
 mod check_input;
+mod check_model;
 mod colour;
 mod export;
 mod folder;

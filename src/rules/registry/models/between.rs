@@ -9,7 +9,7 @@ use crate::words::{nearest, number, with_unit};
 /// What numbers of two files, or of two sides, may differ by \[share\]: rounding.
 const SAME: f64 = 1e-3;
 
-pub(in crate::rules::registry) const SAME_LIMITS: Rule = Rule {
+pub const SAME_LIMITS: Rule = Rule {
     code: "GW409",
     name: "same-limits-behind-transmissions",
     summary: "joints behind different transmissions do not carry the same limits",
@@ -128,7 +128,9 @@ fn left_right(facts: &ModelFacts) -> Vec<ModelRemark> {
     let mut remarks = Vec::new();
     for (k, joint) in facts.joints.iter().enumerate() {
         let Some(name) = mirrored(&joint.joint.name) else { continue };
-        let Some((other, twin)) = facts.of_model(joint.model).find(|(_, twin)| twin.joint.name == name) else { continue };
+        let Some((other, twin)) = facts.of_model(joint.model).find(|(_, twin)| twin.joint.name == name) else {
+            continue;
+        };
         for (word, quantity) in Quantity::NAMES.iter().filter(|(_, q)| *q != Quantity::Saturation) {
             let pair = [(k, joint), (other, twin)];
             let stated = pair.map(|(_, joint)| joint.get(*quantity));
@@ -221,13 +223,8 @@ fn files_disagree(facts: &ModelFacts) -> Vec<ModelRemark> {
     for pair in pairs(facts) {
         let scaled = facts.scale(pair.1, pair.0).is_some();
         for (twin, k, joint) in twins(facts, pair) {
-            let compared = [
-                Quantity::Effort,
-                Quantity::Velocity,
-                Quantity::Armature,
-                Quantity::Friction,
-                Quantity::Damping,
-            ];
+            let compared =
+                [Quantity::Effort, Quantity::Velocity, Quantity::Armature, Quantity::Friction, Quantity::Damping];
             let differ: Vec<_> = compared
                 .into_iter()
                 .filter(|quantity| !(scaled && *quantity == Quantity::Effort))
@@ -270,7 +267,9 @@ fn coupled(facts: &ModelFacts) -> Vec<ModelRemark> {
     for coupling in &facts.file.couplings {
         for m in 0..facts.models.len() {
             let of = |name: &String| facts.of_model(m).find(|(_, joint)| joint.joint.name == *name);
-            let [Some((k, first)), Some((_, second))] = [of(&coupling.joints[0]), of(&coupling.joints[1])] else { continue };
+            let [Some((k, first)), Some((_, second))] = [of(&coupling.joints[0]), of(&coupling.joints[1])] else {
+                continue;
+            };
             let [Some(a), Some(b)] = [first, second].map(|joint| joint.get(Quantity::Effort)) else { continue };
             let peaks = [first, second].map(|joint| alone(joint).and_then(|hardware| hardware.peak.as_ref()));
             let [[p, q], [s, t]] = coupling.matrix;
@@ -344,11 +343,11 @@ fn unmatched(facts: &ModelFacts) -> Vec<ModelRemark> {
         }
     }
     for (k, joint) in facts.joints.iter().enumerate() {
-        let is_driven = !joint.joint.is_passive && joint.joint.turns;
-        if joint.hardware.is_some() || !is_driven {
+        if joint.hardware.is_some() || joint.joint.is_passive {
             continue;
         }
-        let mut remark = ModelRemark::new("has no hardware: nothing of it is checked", "hardware", joint.at(&joint.joint.span));
+        let mut remark =
+            ModelRemark::new("has no hardware: nothing of it is checked", "hardware", joint.at(&joint.joint.span));
         remark.joint = Some(k);
         remark.severity = Some(Severity::Note);
         remark.help = Some("name it in a [[joint]] of the file of hardware".into());

@@ -59,7 +59,9 @@ pub(in crate::rules::registry) const ARMATURE_DIFFERS: Rule = Rule {
 
 fn armature_differs(facts: &ModelFacts, k: usize) -> Judgement {
     let joint = &facts.joints[k];
-    let (Some(hardware), Some(stated)) = (alone(joint), joint.get(Quantity::Armature)) else { return Judgement::NotAsked };
+    let (Some(hardware), Some(stated)) = (alone(joint), joint.get(Quantity::Armature)) else {
+        return Judgement::NotAsked;
+    };
     if stated.value <= 0.0 {
         return Judgement::NotAsked;
     }
@@ -67,12 +69,14 @@ fn armature_differs(facts: &ModelFacts, k: usize) -> Judgement {
     if !differs(stated.value, fact.value, fact.holds, facts.file.tolerances.armature) {
         return Judgement::Judged(Vec::new());
     }
-    let why = explained(stated.value / fact.value, &factors(hardware, 2)).map_or(String::new(), |why| format!("; {why}"));
+    let why =
+        explained(stated.value / fact.value, &factors(hardware, 2)).map_or(String::new(), |why| format!("; {why}"));
     let same = |other: &&crate::hardware::Hardware| {
         other.label != hardware.label
             && other.armature.as_ref().is_some_and(|other| within(stated.value, other.value, 0.05))
     };
-    let other = facts.hardware.iter().find(same).map_or(String::new(), |other| format!("; it is that of {}", other.label));
+    let other =
+        facts.hardware.iter().find(same).map_or(String::new(), |other| format!("; it is that of {}", other.label));
     let message =
         format!("{} is not the inertia at the joint, {} kg*m^2{why}{other}", stated_as(stated), number(fact.value));
     let remark = about(k, facts, stated, message).against(fact, "inertia");

@@ -1,6 +1,6 @@
 //! Limits that a model states: torque, speed, gear.
 
-use super::said::{COUPLED, NO_TORQUE, about, alone, factors, is_explained, percent, stated_as};
+use super::said::{NO_TORQUE, about, alone, asked, factors, is_explained, percent, stated_as};
 use crate::hardware::Hardware;
 use crate::mechanism::stated::Quantity;
 use crate::rules::models::{ModelFacts, explained, within};
@@ -20,11 +20,10 @@ pub(in crate::rules::registry) const EFFORT_ABOVE_PEAK: Rule = Rule {
 };
 
 fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
-    let joint = &facts.joints[k];
-    let (Some(hardware), Some(effort)) = (alone(joint), joint.get(Quantity::Effort)) else { return Judgement::NotAsked };
-    if joint.coupling.is_some() {
-        return Judgement::NotJudged(COUPLED);
-    }
+    let (hardware, effort) = match asked(facts, k, Quantity::Effort) {
+        Ok(asked) => asked,
+        Err(judgement) => return judgement,
+    };
     let Some(peak) = &hardware.peak else { return Judgement::NotJudged(NO_TORQUE) };
     if effort.by_gear && !facts.wrong_gears(k).is_empty() {
         return Judgement::NotJudged("its gear is wrong, and the effort is a multiple of it");
@@ -33,7 +32,8 @@ fn effort_above_peak(facts: &ModelFacts, k: usize) -> Judgement {
     if !above || is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
     }
-    let why = explained(effort.value / peak.value, &factors(hardware, 1)).map_or(String::new(), |why| format!("; {why}"));
+    let why =
+        explained(effort.value / peak.value, &factors(hardware, 1)).map_or(String::new(), |why| format!("; {why}"));
     let message = format!("{} is above the peak torque, {} N*m{why}", stated_as(effort), number(peak.value));
     let remark = about(k, facts, effort, message).against(peak, "peak torque");
     Judgement::Judged(vec![remark.write(Quantity::Effort, peak.value)])
@@ -52,11 +52,10 @@ pub(in crate::rules::registry) const EFFORT_MEANING: Rule = Rule {
 };
 
 fn effort_meaning(facts: &ModelFacts, k: usize) -> Judgement {
-    let joint = &facts.joints[k];
-    let (Some(hardware), Some(effort)) = (alone(joint), joint.get(Quantity::Effort)) else { return Judgement::NotAsked };
-    if joint.coupling.is_some() {
-        return Judgement::NotJudged(COUPLED);
-    }
+    let (hardware, effort) = match asked(facts, k, Quantity::Effort) {
+        Ok(asked) => asked,
+        Err(judgement) => return judgement,
+    };
     if effort.by_gear && !facts.wrong_gears(k).is_empty() {
         return Judgement::NotJudged("its gear is wrong, and the effort is a multiple of it");
     }
@@ -78,7 +77,8 @@ fn effort_meaning(facts: &ModelFacts, k: usize) -> Judgement {
     if let Some(other) = other {
         return note(other);
     }
-    let why = explained(effort.value / peak.value, &factors(hardware, 1)).map_or(String::new(), |why| format!("; {why}"));
+    let why =
+        explained(effort.value / peak.value, &factors(hardware, 1)).map_or(String::new(), |why| format!("; {why}"));
     let names: Vec<&str> = std::iter::once("peak").chain(hardware.others.iter().map(|(name, _)| *name)).collect();
     let message = format!("{} is none of the torques of its hardware ({}){why}", stated_as(effort), names.join(", "));
     let mut remark = about(k, facts, effort, message).against(peak, "peak torque");
@@ -99,13 +99,10 @@ pub(in crate::rules::registry) const VELOCITY_ABOVE_NO_LOAD: Rule = Rule {
 };
 
 fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
-    let joint = &facts.joints[k];
-    let (Some(hardware), Some(velocity)) = (alone(joint), joint.get(Quantity::Velocity)) else {
-        return Judgement::NotAsked;
+    let (hardware, velocity) = match asked(facts, k, Quantity::Velocity) {
+        Ok(asked) => asked,
+        Err(judgement) => return judgement,
     };
-    if joint.coupling.is_some() {
-        return Judgement::NotJudged(COUPLED);
-    }
     let Some(free) = &hardware.no_load else {
         return Judgement::NotJudged("neither a row of its hardware nor a `voltage` gives a speed without load");
     };
@@ -135,16 +132,12 @@ pub(in crate::rules::registry) const BOX: Rule = Rule {
 
 fn outside_box(facts: &ModelFacts, k: usize) -> Judgement {
     let joint = &facts.joints[k];
-    let (Some(hardware), Some(effort), Some(velocity)) =
-        (alone(joint), joint.get(Quantity::Effort), joint.get(Quantity::Velocity))
-    else {
-        return Judgement::NotAsked;
-    };
+    // What is not stated is said by the rules of effort and velocity.
+    let both =
+        asked(facts, k, Quantity::Effort).and_then(|(_, effort)| Ok((effort, asked(facts, k, Quantity::Velocity)?)));
+    let Ok((effort, (hardware, velocity))) = both else { return Judgement::NotAsked };
     if joint.get(Quantity::Saturation).is_some() {
         return Judgement::NotAsked;
-    }
-    if joint.coupling.is_some() {
-        return Judgement::NotJudged(COUPLED);
     }
     let Some((points, fact)) = &hardware.curve else {
         return Judgement::NotJudged("no row of its hardware gives a torque–speed curve");
@@ -209,10 +202,9 @@ fn gear(facts: &ModelFacts, k: usize) -> Judgement {
     if gears.peek().is_none() {
         return Judgement::NotAsked;
     }
-    let Some(n) = hardware.gear else { return Judgement::NotJudged("no row of its hardware gives the ratio of its gear") };
-    if joint.coupling.is_some() {
-        return Judgement::NotJudged(COUPLED);
-    }
+    let Some(n) = hardware.gear else {
+        return Judgement::NotJudged("no row of its hardware gives the ratio of its gear");
+    };
     let whole = n * hardware.transmission;
     let mut remarks = Vec::new();
     for wrong in facts.wrong_gears(k) {
@@ -220,7 +212,9 @@ fn gear(facts: &ModelFacts, k: usize) -> Judgement {
         all.push((n, format!("N² (N = {}) in place of N", number(n))));
         let why = explained(wrong.value / whole, &all).map_or(String::new(), |why| format!("; {why}"));
         let r = hardware.transmission;
-        let right = if r == 1.0 { format!("1 or N = {}", number(n)) } else {
+        let right = if r == 1.0 {
+            format!("1 or N = {}", number(n))
+        } else {
             format!("1, r = {}, N = {} or N r = {}", number(r), number(n), number(whole))
         };
         let message = format!("gear {} is none of its hardware's: {right}{why}", number(wrong.value));
@@ -230,11 +224,14 @@ fn gear(facts: &ModelFacts, k: usize) -> Judgement {
             allows: format!("ratio {}", number(whole)),
             row: hardware.label.clone(),
             source: String::new(),
-            conversion: if r == 1.0 { format!("N = {}", number(n)) } else {
+            conversion: if r == 1.0 {
+                format!("N = {}", number(n))
+            } else {
                 format!("N r, N = {}, r = {}", number(n), number(r))
             },
         });
-        remark.help = Some(format!("write {} with the force range of the motor, or 1 with that of the joint", number(whole)));
+        remark.help =
+            Some(format!("write {} with the force range of the motor, or 1 with that of the joint", number(whole)));
         remarks.push(remark);
     }
     if remarks.is_empty() {
@@ -282,11 +279,8 @@ fn saturation(facts: &ModelFacts, k: usize) -> Judgement {
     if let Some(effort) = joint.get(Quantity::Effort)
         && effort.value > saturation.value * (1.0 + 1e-6)
     {
-        let message = format!(
-            "{} is above the saturation, {} N*m: it never acts",
-            stated_as(effort),
-            number(saturation.value)
-        );
+        let message =
+            format!("{} is above the saturation, {} N*m: it never acts", stated_as(effort), number(saturation.value));
         let mut remark = about(k, facts, effort, message);
         remark.bound = Some(saturation.value);
         remark.against = Some(joint.at(&saturation.span));

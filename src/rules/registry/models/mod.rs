@@ -1,6 +1,6 @@
 //! What is asked of robot models against the hardware that is bought for their joints.
 
-pub(super) mod between;
-pub(super) mod inertia;
-pub(super) mod limits;
+pub(in crate::rules) mod between;
+pub(in crate::rules) mod inertia;
+pub(in crate::rules) mod limits;
 mod said;

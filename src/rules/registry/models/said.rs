@@ -1,15 +1,13 @@
 //! How a number of a model is compared with a fact of hardware, and said.
 
 use crate::hardware::{Fact, Hardware, Holds};
-use crate::mechanism::stated::{Quantity, Stated};
+use crate::mechanism::stated::{Form, Quantity, Stated};
 use crate::rules::models::{ModelFacts, ModelJoint};
-use crate::rules::rule::{Backing, Instead, ModelRemark};
+use crate::rules::rule::{Backing, Instead, Judgement, ModelRemark};
 use crate::words::{number, with_unit};
 
-/// Why nothing is judged of a joint without hardware.
+/// Why an effort is not judged.
 pub(super) const NO_TORQUE: &str = "no row of its hardware gives a peak torque";
-/// Why limits of joints that are driven together are not judged one by one.
-pub(super) const COUPLED: &str = "two actuators drive it together with another joint";
 
 /// What hardware allows, with its row.
 pub(super) fn backing(fact: &Fact, what: &str, unit: &str) -> Backing {
@@ -59,6 +57,29 @@ pub(super) fn stated_as(stated: &Stated) -> String {
     }
 }
 
+/// What a model states of a joint with hardware that is judged, or why there is nothing to judge.
+pub(super) fn asked<'f, 'a>(
+    facts: &'f ModelFacts<'a>,
+    joint: usize,
+    quantity: Quantity,
+) -> Result<(&'a Hardware, &'f Stated), Judgement> {
+    let of = &facts.joints[joint];
+    let hardware = of.hardware.ok_or(Judgement::NotAsked)?;
+    if !of.joint.turns {
+        return Err(Judgement::NotJudged("it slides, and rows give torques"));
+    }
+    // Of a table of limits what is left out is not meant; MJCF has no velocity.
+    let form = facts.models[of.model].form;
+    let stated = of.get(quantity).ok_or(match (form, form.has(quantity)) {
+        (Form::Limits, _) | (_, false) => Judgement::NotAsked,
+        (_, true) => Judgement::NotJudged("the model does not state it"),
+    })?;
+    if of.coupling.is_some() {
+        return Err(Judgement::NotJudged("two actuators drive it together with another joint"));
+    }
+    Ok((hardware, stated))
+}
+
 /// A share in per cent.
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", number((1000.0 * share).round() / 10.0))
@@ -98,5 +119,5 @@ pub(super) fn alone<'a>(joint: &ModelJoint<'a>) -> Option<&'a Hardware> {
 
 /// Whether a finding between joints explains what is wrong with the limits of this one.
 pub(super) fn is_explained(facts: &ModelFacts, joint: usize) -> bool {
-    facts.same_limits().iter().any(|(of, _)| *of == joint)
+    facts.is_between_asked && facts.same_limits().iter().any(|(of, _)| *of == joint)
 }
