@@ -131,7 +131,7 @@ fn read_root(root: &Section) -> Option<HardwareFile> {
     let sections = root.sections(JOINT);
     let mut mounts = Vec::new();
     if sections.is_empty() && root.noted() == 0 {
-        root.missing("joint", "a [[joint]] with names = [\"*_knee\"] and module = \"robstride-rs03\"");
+        root.missing("joint", "a [[joint]] with names = [\"*_knee\"] and module = \"robstride-rs04\"");
     }
     for section in sections {
         mounts.extend(mount(&section));
@@ -223,7 +223,7 @@ fn mount(section: &Section) -> Option<Mount> {
         }
         (None, None) => {
             if section.noted() == noted {
-                section.missing("module", "\"robstride-rs03\", or motor = \"t-motor-ri50\" with gear or ratio");
+                section.missing("module", "\"robstride-rs04\", or motor = \"t-motor-ri50\" with gear or ratio");
             }
             return None;
         }

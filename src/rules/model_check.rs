@@ -68,7 +68,10 @@ impl ModelReport<'_> {
 
 /// Checks robot models against the hardware of their joints.
 pub fn check_models<'a>(mut facts: ModelFacts<'a>, rules: &RulesFile) -> ModelReport<'a> {
-    facts.is_between_asked = rules.severity(&SAME_LIMITS, None).0 != Severity::Off;
+    // What a rule that is off would have found explains nothing.
+    if rules.severity(&SAME_LIMITS, None).0 == Severity::Off {
+        facts.same_limits.clear();
+    }
     let mut report = ModelReport {
         facts,
         rules: MODEL_RULES.iter().copied().chain([&UNUSED_ALLOW]).map(applied).collect(),

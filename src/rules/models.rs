@@ -17,8 +17,9 @@ pub struct ModelFacts<'a> {
     pub hardware: &'a [Hardware],
     /// Every joint of every model, in their order.
     pub joints: Vec<ModelJoint<'a>>,
-    /// Whether joints are asked for the same limits behind different transmissions: what that explains is not found twice.
-    pub is_between_asked: bool,
+    /// Joints behind one row whose transmissions differ and that carry the same effort and velocity: each with the joint
+    /// of the least r. What that explains is not found twice.
+    pub same_limits: Vec<(usize, usize)>,
 }
 
 /// A joint of a model with its hardware.
@@ -60,7 +61,9 @@ impl<'a> ModelFacts<'a> {
                 ModelJoint { model: k, joint, mount, hardware, coupling }
             }));
         }
-        ModelFacts { models, file, hardware, joints, is_between_asked: true }
+        let mut facts = ModelFacts { models, file, hardware, joints, same_limits: Vec::new() };
+        facts.same_limits = facts.find_same_limits();
+        facts
     }
 
     /// Joints of one model.
@@ -68,7 +71,8 @@ impl<'a> ModelFacts<'a> {
         self.joints.iter().enumerate().filter(move |(_, joint)| joint.model == model)
     }
 
-    /// Gears of a joint's actuator that are none: neither 1 (the force is the joint's torque) nor r, N or N r.
+    /// Gears of a joint's actuator that are none: neither 1 (the force is the joint's torque), nor r (the actuator's), nor N r
+    /// (the motor's).
     pub fn wrong_gears(&self, joint: usize) -> Vec<&Stated> {
         let joint = &self.joints[joint];
         let Some((hardware, n)) = joint.hardware.and_then(|h| Some((h, h.gear?))) else { return Vec::new() };
@@ -78,9 +82,7 @@ impl<'a> ModelFacts<'a> {
         joint.joint.all(Quantity::Gear).filter(|gear| !fits(gear.value)).collect()
     }
 
-    /// Joints behind one row whose transmissions differ and that carry the same effort and velocity: each with the joint
-    /// of the least r.
-    pub fn same_limits(&self) -> Vec<(usize, usize)> {
+    fn find_same_limits(&self) -> Vec<(usize, usize)> {
         fn key<'a>(joint: &ModelJoint<'a>) -> Option<(&'a Hardware, f64, f64)> {
             let hardware = joint.hardware.filter(|_| joint.coupling.is_none())?;
             let (effort, velocity) = (joint.get(Quantity::Effort)?.value, joint.get(Quantity::Velocity)?.value);

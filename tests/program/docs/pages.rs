@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 use gearwise::input::TableAsked;
-use gearwise::pages::formats::{BENCH, DESIGN, FITTED, REQUIREMENT, RULES, STUDY, formats};
+use gearwise::pages::formats::{BENCH, DESIGN, FITTED, HARDWARE, REQUIREMENT, RULES, STUDY, formats};
 
 use crate::common::repository;
 
@@ -163,6 +163,15 @@ fn rules_files_are_documented() {
     );
     let design = repository("requirements/designs/quadruped_mini_cheetah/design.toml");
     compare(RULES, &[known(&text, &["check", design.to_str().unwrap(), "--rules", "file.toml"])]);
+}
+
+#[test]
+fn files_of_hardware_are_documented() {
+    let text = format!(
+        "{NO}\n[[joint]]\nnames = [\"a\"]\nmodule = \"robstride-rs04\"\n{NO}\ntransmission = {{ ratio = 2, {NO} }}\n\
+         [[coupling]]\njoints = [\"a\", \"b\"]\nmatrix = [[1, 0], [0, 1]]\n{NO}\n[limits]\n{NO}\n"
+    );
+    compare(HARDWARE, &[known(&text, &["check-model", "a.urdf", "--against", "file.toml"])]);
 }
 
 /// The keys of a grid are the user's own: its table is not listed.

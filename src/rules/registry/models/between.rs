@@ -59,7 +59,7 @@ fn same_limits(facts: &ModelFacts) -> Vec<ModelRemark> {
             Some(format!("write effort {} N*m and velocity {} rad/s", number(right_effort), number(right_velocity)));
         Some(remark)
     };
-    facts.same_limits().into_iter().filter_map(remark).collect()
+    facts.same_limits.iter().copied().filter_map(remark).collect()
 }
 
 pub(in crate::rules::registry) const LEFT_RIGHT: Rule = Rule {

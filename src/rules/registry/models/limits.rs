@@ -188,7 +188,7 @@ pub(in crate::rules::registry) const GEAR: Rule = Rule {
     name: "model-gear",
     summary: "the gear of a model's actuator is that of its hardware",
     severity: Severity::Error,
-    what: "In MJCF the torque at the joint is `gear` times the force of the actuator. A gear may be 1 (the force is the joint's torque), r, N or N r: anything else is none of the hardware. Where the joint states `actuatorfrcrange` and its actuator `forcerange`, gear × forcerange must give the same.",
+    what: "In MJCF the torque at the joint is `gear` times the force of the actuator. A gear may be 1 (the force is the joint's torque), r (that of the actuator) or N r (that of the motor): anything else is none of the hardware, as N alone where a belt or a crank is behind it. Where the joint states `actuatorfrcrange` and its actuator `forcerange`, gear × forcerange must give the same.",
     why: "A gear that is squared, left out or that of another joint scales every torque of the policy. mini-cheetah-pybullet #2.",
     example: "gear=\"36\" for a gear of 6:1.",
     fix: "Write N r with the force range of the motor, or 1 with that of the joint.",
@@ -215,7 +215,7 @@ fn gear(facts: &ModelFacts, k: usize) -> Judgement {
         let right = if r == 1.0 {
             format!("1 or N = {}", number(n))
         } else {
-            format!("1, r = {}, N = {} or N r = {}", number(r), number(n), number(whole))
+            format!("1, r = {} or N r = {}", number(r), number(whole))
         };
         let message = format!("gear {} is none of its hardware's: {right}{why}", number(wrong.value));
         let mut remark = about(k, facts, wrong, message);

@@ -70,7 +70,9 @@ pub(super) fn asked<'f, 'a>(
     }
     // Of a table of limits what is left out is not meant; MJCF has no velocity.
     let form = facts.models[of.model].form;
-    let stated = of.get(quantity).ok_or(match (form, form.has(quantity)) {
+    // A limit of 0 is a placeholder.
+    let stated = of.get(quantity).filter(|stated| stated.value > 0.0);
+    let stated = stated.ok_or(match (form, form.has(quantity)) {
         (Form::Limits, _) | (_, false) => Judgement::NotAsked,
         (_, true) => Judgement::NotJudged("the model does not state it"),
     })?;
@@ -119,5 +121,5 @@ pub(super) fn alone<'a>(joint: &ModelJoint<'a>) -> Option<&'a Hardware> {
 
 /// Whether a finding between joints explains what is wrong with the limits of this one.
 pub(super) fn is_explained(facts: &ModelFacts, joint: usize) -> bool {
-    facts.is_between_asked && facts.same_limits().iter().any(|(of, _)| *of == joint)
+    facts.same_limits.iter().any(|(of, _)| *of == joint)
 }
