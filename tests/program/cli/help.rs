@@ -97,7 +97,8 @@ fn manual_pages_of_all_commands() {
         let page = read(&format!("gearwise-{}.1", command.get_name()));
         let (examples, options) = (page.find(".SH EXAMPLES").unwrap(), page.find(".SH OPTIONS").unwrap());
         assert!(examples < options, "{page}");
-        assert!(page.contains(&format!("gearwise\\-{}", command.get_name())), "{page}");
+        let name = command.get_name().replace('-', "\\-");
+        assert!(page.contains(&format!("gearwise\\-{name}")), "{page}");
         // No line of text is taken for a request.
         let requests = page.lines().filter(|l| l.starts_with('.') || l.starts_with('\''));
         for line in requests {
