@@ -37,6 +37,10 @@ pub struct Mount {
     pub transmission: f64,
     /// Supply voltage \[V\].
     pub voltage: Option<f64>,
+    /// Largest current of the drive behind which a motor is, amplitude of a phase \[A\].
+    pub drive_current: Option<f64>,
+    /// Efficiency of a gear whose row gives none, or that has no row.
+    pub efficiency: Option<f64>,
     /// Where it is.
     pub span: Span<usize>,
 }
@@ -127,6 +131,9 @@ const MOTOR: Key = key("motor", "id of a motor of the catalogue; with `gear` or 
 const GEAR: Key = key("gear", "id of a gear of the catalogue behind the motor").value("id").or("ratio");
 const RATIO: Key = key("ratio", "ratio N behind the motor, where no gear is named");
 
+/// Keys that go with a motor and not with a module.
+const OF_MOTOR: &[&str] = &["gear", "ratio", "efficiency", "drive_current"];
+
 fn read_root(root: &Section) -> Option<HardwareFile> {
     let sections = root.sections(JOINT);
     let mut mounts = Vec::new();
@@ -173,6 +180,13 @@ fn mount(section: &Section) -> Option<Mount> {
         &units::VOLTAGE,
         Range::Positive,
     );
+    let drive_current = section.quantity(
+        key("drive_current", "largest of a motor's drive, amplitude of a phase: it bounds the peak torque"),
+        &units::CURRENT,
+        Range::Positive,
+    );
+    let efficiency = section
+        .number(key("efficiency", "of the gear behind a motor, where no row gives it").default("1"), Range::Fraction);
     let transmission = match section.section(key("transmission", "what is between the actuator and the joint")) {
         Some(inner) => {
             let ratio = inner.number(
@@ -196,13 +210,10 @@ fn mount(section: &Section) -> Option<Mount> {
         (Some(_), Some(_)) => {
             return wrong("motor", "a joint has a `module` or a `motor`, not both", "remove one of the two");
         }
-        (Some(_), None) if gear.is_some() || section.has("ratio") => {
-            let key = if gear.is_some() { "gear" } else { "ratio" };
-            return wrong(
-                key,
-                "a module has its gear inside",
-                "write `transmission = { ratio = … }` for what is behind it",
-            );
+        (Some(_), None) if OF_MOTOR.iter().any(|key| section.has(*key)) => {
+            let key = OF_MOTOR.iter().find(|key| section.has(**key)).copied().unwrap_or("ratio");
+            let label = "write `transmission = { ratio = … }` for what is behind it";
+            return wrong(key, "a module has its gear inside", label);
         }
         (Some(module), None) => Which::Module(module.get_ref().clone(), module.span()),
         (None, Some(motor)) => {
@@ -228,7 +239,7 @@ fn mount(section: &Section) -> Option<Mount> {
             return None;
         }
     };
-    Some(Mount { names, which, transmission, voltage, span: section.span() })
+    Some(Mount { names, which, transmission, voltage, drive_current, efficiency, span: section.span() })
 }
 
 fn coupling(section: &Section) -> Option<Coupling> {

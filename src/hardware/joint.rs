@@ -1,7 +1,7 @@
 //! The hardware of a joint in numbers at the joint: of a module, or of a motor with a gear, behind a transmission.
 
 use super::file::{Mount, Reduction, Which};
-use crate::catalog::convention::Commutation;
+use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::{Catalog, Gear, Module, Motor};
 use crate::input::Problem;
 use crate::words::number;
@@ -222,7 +222,7 @@ fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Ha
     };
     let fact =
         |value: f64, how: String, holds: Holds| Fact { value, row: row.clone(), source: source.clone(), how, holds };
-    let efficiency = gear.and_then(|gear| gear.efficiency);
+    let efficiency = gear.and_then(|gear| gear.efficiency).or(mount.efficiency);
     let (eta, of_eta) = match efficiency {
         Some(eta) => (eta, format!(", η = {}", number(eta))),
         None => (1.0, ", η not known: 1 is taken, the most that it can be".into()),
@@ -239,6 +239,11 @@ fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Ha
     let printed = |torque: f64, name: &str| (torque, format!("{name} {} N*m", number(torque)));
     let peak = motor.peak_torque.map(|torque| printed(torque, "peak_torque"));
     let peak = peak.or_else(|| motor.peak_current.map(|current| by_current(current, "I_peak")));
+    let by_drive = mount.drive_current.map(|amplitude| {
+        let q_axis = CurrentConvention::PhaseAmplitude.torque_current(motor.conventions.commutation);
+        by_current(amplitude * q_axis, "drive_current")
+    });
+    let peak = peak.into_iter().chain(by_drive).min_by(|a, b| a.0.total_cmp(&b.0));
     let mut peak = peak.map(|(torque, of)| at_joint(torque, of));
     let of_gear = gear.and_then(|gear| Some((gear, gear.ratings.momentary_peak_torque.or(gear.peak_torque)?)));
     if let Some((gear, torque)) = of_gear

@@ -222,7 +222,7 @@ mod tests {
             ("{\"a\": 1e999}", 6),
             ("{} x", 3),
             ("", 0),
-            ("{\"a\": \"b", 7),
+            ("{\"a\": \"b", 8),
         ] {
             let error = of(text).unwrap_err();
             assert_eq!(error.problems[0].span.as_ref().unwrap().start, at, "{text}");

@@ -10,6 +10,7 @@ use tempfile::TempDir;
 
 use super::folder::Ran;
 use super::json::published;
+use crate::common::repository;
 
 /// Modules of the tests. `dog` has what the actuator of a quadruped of 15 kg is said to have.
 const MODULES: &str = "id,kind,ratio,drive,peak_torque [N*m],rated_torque [N*m],stall_torque [N*m],no_load_speed [rad/s],voltage [V],driving_curve [rad/s : N*m],armature [kg*m^2],armature_side,dynamic_friction [N*m],viscous_friction [N*m*s/rad],friction_side,mass [kg],source,source_kind
@@ -424,6 +425,28 @@ fn a_motor_with_a_ratio() {
     same("no_load_speed_rad_per_s", motor.max_speed.map_or(free, |most| most.min(free)) / 9.0);
     let peak = motor.peak_torque.or(motor.peak_current.map(|i| motor.torque_constant * i)).unwrap();
     same("peak_torque_nm", 9.0 * peak);
+}
+
+/// A design that was written into a model with `export` has no error there, and its effort is the peak torque.
+#[test]
+fn an_exported_model_agrees() {
+    let at = TempDir::new().unwrap();
+    let design = repository("requirements/designs/quadruped_mini_cheetah/design.toml");
+    let model = urdf(&[("hip_abad", "effort=\"0\""), ("hip", "effort=\"0\""), ("knee", "effort=\"0\"")]);
+    fs::write(at.path().join("leg.urdf"), model).unwrap();
+    fs::write(
+        at.path().join("hardware.toml"),
+        "[[joint]]\nnames = [\"hip*\"]\nmotor = \"t-motor-u8-lee\"\nratio = 6\nvoltage = \"24 V\"\n".to_string()
+            + "drive_current = \"40 A\"\n\n[[joint]]\nnames = [\"knee\"]\nmotor = \"t-motor-u8-lee\"\nratio = 6\nvoltage = \"24 V\"\n\
+               drive_current = \"40 A\"\ntransmission = { ratio = 1.555 }\n",
+    )
+    .unwrap();
+    let exported =
+        super::folder::run(&at, &["export", design.to_str().unwrap(), "--into", "leg.urdf", "--out", "out.urdf"]);
+    assert_eq!(exported.status, 0, "{}", exported.err);
+    let ran = super::folder::run(&at, &["check-model", "out.urdf", "--against", "hardware.toml", "--json"]);
+    let value: Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!((ran.status, codes(&value)), (0, vec![]), "{value}");
 }
 
 #[test]
