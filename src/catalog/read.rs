@@ -126,7 +126,7 @@ fn rows_of(source: &Arc<Source>) -> Result<Rows, InputError> {
     }
     check_version(source)?;
     Form::read(source, |root| {
-        if KINDS.iter().any(|kind| root.is_list(kind.table)) {
+        if KINDS.iter().any(|kind| root.holds(kind.table) && root.is_list(kind.table)) {
             return Some(read_lists(root));
         }
         let motor = fitted::read_choice(root)?;

@@ -170,13 +170,14 @@ fn gears() -> String {
 }
 
 fn modules() -> String {
-    let all = module_columns();
-    let of = |name: &str| about::<Module>(name).unwrap_or_default().to_string();
+    let all: Vec<Column> =
+        module_columns().into_iter().filter(|c| !matches!(c.content, Content::Tolerance(_))).collect();
+    let of = |name: &str| plain(about::<Module>(name).unwrap_or_default());
     format!(
         "\n## Module catalogue (CSV)\n\nMotor, gear and mostly a drive, bought as one ([modules.md](modules.md)). A file with the columns `ratio` and `drive` \
          holds modules. Torques, speeds, backlash and stiffness are those of the output flange. Every other number says at which side and in which \
          convention it is, in a column of its own; a number that does not is a mistake. Curves and tables are pairs in one cell, `0:71 22.6:71 35.5:0`, \
-         with both units in the header, `driving_curve [rad/s : N*m]`; in TOML a list of pairs, `[[\"0 rad/s\", \"71 N*m\"], …]`.\n\n{}",
+         with both units in the header, `driving_curve [rad/s : N*m]`; in TOML a list of pairs, `[[\"0 rad/s\", \"71 N*m\"], …]`. A number may have a column of its ±, `…_tolerance`.\n\n{}",
         columns(&all, of, choices::<Module>),
     )
 }

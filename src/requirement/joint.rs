@@ -120,7 +120,7 @@ pub(super) fn read(
         excluded: names("motors that may not be chosen, by id or maker", "exclude"),
         turns: turns::read(&section),
         modules: names(
-            "modules that may be chosen, by id or maker, `*` for any run of characters; beside motors where the joint has `ratio` or `gears`, else alone",
+            "modules that may be chosen, by id or maker, `*` for any run of characters; next to motors where the joint has `ratio` or `gears`, else alone",
             "modules",
         ),
         only_modules: is_for_modules_alone(&section),

@@ -3,7 +3,6 @@
 use crate::actuator::candidate::{Candidate, End};
 use crate::actuator::thermal_motion::TwoNode;
 use crate::actuator::waveform::Functional;
-use crate::catalog::module::BUILT_IN;
 use crate::numerics::laurent::Laurent;
 use crate::requirement::{Joint, Robot};
 
@@ -227,62 +226,6 @@ impl Limit {
     pub fn is_of_drive(&self) -> bool {
         self.depends == Depends::Current && (self.key)("drive") == by_drive("drive")
     }
-
-    /// Whether the limit applies to a candidate, and how.
-    pub fn check(&'static self, candidate: &Candidate) -> Check {
-        let kept = 1.0 - candidate.joint.limits.reserve(self.name);
-        match self.of_module(candidate).unwrap_or_else(|| (self.prepare)(candidate)) {
-            Prepared::NotAsked => Check::NotAsked,
-            Prepared::Unknown(what) => Check::Unknown(what),
-            Prepared::Asked { demand, squared, factor, bound, owner, standing } => {
-                let bound = bound * kept;
-                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner, standing, end: End::First })
-            }
-            Prepared::AtRatio(judge) => Check::AtRatio(judge),
-        }
-    }
-}
-
-impl Limit {
-    /// What a limit says of a module where that is not what it says of a motor: what its ratings stand for is not asked, and what its
-    /// row has no constants for is not known.
-    fn of_module(&self, candidate: &Candidate) -> Option<Prepared> {
-        let inside = candidate.motor.inside.as_deref()?;
-        let of_heat = super::heat::LIMITS.iter().any(|limit| limit.name == self.name);
-        let by_ratings = match self.name {
-            "voltage" => super::module::says_torque_speed(candidate),
-            // A drive inside gives what the ratings say.
-            "peak_current" => candidate.has_drive_inside() && candidate.motor.peak_current.is_none(),
-            "gear_peak_torque" | "gear_continuous_torque" | "gear_input_speed" => inside.gear.id == BUILT_IN,
-            _ => of_heat && super::module::says_heat(candidate),
-        };
-        let is_electrical = match self.depends {
-            Depends::Current | Depends::Temperature | Depends::Voltage | Depends::Power => true,
-            Depends::BackEmf | Depends::PowerBack | Depends::Anyhow => true,
-            Depends::Torque => candidate.motor.peak_torque.is_some(),
-            Depends::Inertia | Depends::Rating => false,
-        };
-        let needs_emf = matches!(self.depends, Depends::Voltage | Depends::BackEmf | Depends::PowerBack);
-        match () {
-            () if by_ratings && !(self.name == "voltage" && inside.says_back_emf) => Some(Prepared::NotAsked),
-            () if self.depends == Depends::Inertia && !inside.says_inertia => {
-                Some(unless_not_asked((self.prepare)(candidate), "the module's own inertia is not known"))
-            }
-            () if is_electrical && !inside.says_currents() => Some(unless_not_asked(
-                (self.prepare)(candidate),
-                "the module's row does not say what its currents are: no resistance, or no torque constant",
-            )),
-            () if needs_emf && !inside.says_back_emf => {
-                Some(unless_not_asked((self.prepare)(candidate), "the module's back-EMF constant is not known"))
-            }
-            () => None,
-        }
-    }
-}
-
-/// A limit that is asked and cannot be judged.
-fn unless_not_asked(prepared: Prepared, why: &'static str) -> Prepared {
-    if matches!(prepared, Prepared::NotAsked) { Prepared::NotAsked } else { Prepared::Unknown(why) }
 }
 
 /// A limit on the square of the shaft torque.

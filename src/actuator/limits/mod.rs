@@ -24,7 +24,9 @@ pub use motor::DRIVE_CONTINUOUS_CURRENT;
 pub use needs::{NEEDS, Need};
 pub use remarks::LOW_SAFETY;
 
+use crate::actuator::candidate::End;
 use crate::requirement::{Joint, Robot};
+use limit::Prepared;
 
 /// The limits by what they are about, in the order in which they are reported.
 const KINDS: &[&[Limit]] = &[
@@ -65,6 +67,22 @@ static ALL: [Limit; COUNT] = {
 
 /// Every limit.
 pub static LIMITS: &[Limit] = &ALL;
+
+impl Limit {
+    /// Whether the limit applies to a candidate, and how.
+    pub fn check(&'static self, candidate: &Candidate) -> Check {
+        let kept = 1.0 - candidate.joint.limits.reserve(self.name);
+        match module::of_module(self, candidate).unwrap_or_else(|| (self.prepare)(candidate)) {
+            Prepared::NotAsked => Check::NotAsked,
+            Prepared::Unknown(what) => Check::Unknown(what),
+            Prepared::Asked { demand, squared, factor, bound, owner, standing } => {
+                let bound = bound * kept;
+                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner, standing, end: End::First })
+            }
+            Prepared::AtRatio(judge) => Check::AtRatio(judge),
+        }
+    }
+}
 
 impl Candidate<'_> {
     /// What is needed beside the limits and not known: name and why.

@@ -5,6 +5,7 @@
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::shaft::Feature;
+use crate::catalog::module::BUILT_IN;
 use crate::catalog::module::overload::Piece;
 use crate::catalog::module::{Inside, Module};
 
@@ -90,6 +91,46 @@ pub(super) const LIMITS: &[Limit] = &[
     },
 ];
 
+/// What a limit says of a module where that is not what it says of a motor: what its ratings stand for is not asked, and what its
+/// row has no constants for is not known.
+pub(super) fn of_module(limit: &Limit, candidate: &Candidate) -> Option<Prepared> {
+    let inside = candidate.motor.inside.as_deref()?;
+    let of_heat = super::heat::LIMITS.iter().any(|of| of.name == limit.name);
+    let by_ratings = match limit.name {
+        "voltage" => says_torque_speed(candidate),
+        // A drive inside gives what the ratings say.
+        "peak_current" => candidate.has_drive_inside() && candidate.motor.peak_current.is_none(),
+        "gear_peak_torque" | "gear_continuous_torque" | "gear_input_speed" => inside.gear.id == BUILT_IN,
+        _ => of_heat && says_heat(candidate),
+    };
+    let is_electrical = match limit.depends {
+        Depends::Current | Depends::Temperature | Depends::Voltage | Depends::Power => true,
+        Depends::BackEmf | Depends::PowerBack | Depends::Anyhow => true,
+        Depends::Torque => candidate.motor.peak_torque.is_some(),
+        Depends::Inertia | Depends::Rating => false,
+    };
+    let needs_emf = matches!(limit.depends, Depends::Voltage | Depends::BackEmf | Depends::PowerBack);
+    match () {
+        () if by_ratings && !(limit.name == "voltage" && inside.says_back_emf) => Some(Prepared::NotAsked),
+        () if limit.depends == Depends::Inertia && !inside.says_inertia => {
+            Some(unless_not_asked((limit.prepare)(candidate), "the module's own inertia is not known"))
+        }
+        () if is_electrical && !inside.says_currents() => Some(unless_not_asked(
+            (limit.prepare)(candidate),
+            "the module's row does not say what its currents are: no resistance, or no torque constant",
+        )),
+        () if needs_emf && !inside.says_back_emf => {
+            Some(unless_not_asked((limit.prepare)(candidate), "the module's back-EMF constant is not known"))
+        }
+        () => None,
+    }
+}
+
+/// A limit that is asked and cannot be judged.
+fn unless_not_asked(prepared: Prepared, why: &'static str) -> Prepared {
+    if matches!(prepared, Prepared::NotAsked) { Prepared::NotAsked } else { Prepared::Unknown(why) }
+}
+
 fn inside<'c>(candidate: &Candidate<'c>) -> Option<&'c Inside> {
     candidate.motor.inside.as_deref()
 }
@@ -100,14 +141,14 @@ fn has_nodes(candidate: &Candidate) -> bool {
 }
 
 /// Whether a module's own ratings say how much heat it bears.
-pub(super) fn says_heat(candidate: &Candidate) -> bool {
+fn says_heat(candidate: &Candidate) -> bool {
     let Some(inside) = inside(candidate) else { return false };
     let rated = inside.module.sheet.rated_torque.is_some();
     rated && candidate.joint.limits.winding_temperature.is_none() && !has_nodes(candidate)
 }
 
 /// Whether the row says which torque it gives at the speeds that are asked for.
-pub(super) fn says_torque_speed(candidate: &Candidate) -> bool {
+fn says_torque_speed(candidate: &Candidate) -> bool {
     inside(candidate).is_some_and(|inside| !matches!(torque_speed(candidate, inside), Prepared::Unknown(_)))
 }
 

@@ -139,7 +139,7 @@ fn fitting(readings: Vec<String>) -> Option<String> {
     match readings.as_slice() {
         [] => None,
         [one] => Some(format!("it fits as {one}")),
-        several => Some(format!("it fits as {}; these numbers cannot tell them apart", several.join(", or as "))),
+        several => Some(format!("it fits as {}; these numbers do not separate them", several.join(", or as "))),
     }
 }
 
@@ -382,7 +382,7 @@ fn overload(of: &Of) -> Option<Outcome> {
     let bent = bends(value(module.sheet.rated_torque)?, &module.overload);
     let message = format!("its overload table bends the wrong way: a time is {} times too long", number(1.0 + bent));
     match bent {
-        bent if bent > BENDS => error(message, Some("it is not used; `rated_torque` stands in".into())),
+        bent if bent > BENDS => error(message, Some("it is not used; `rated_torque` takes its place".into())),
         bent if bent > 0.05 => note(message, Some("times are rounded".into())),
         _ => None,
     }
@@ -431,7 +431,7 @@ fn siblings(of: &Of) -> Option<Outcome> {
             if (a / b - 1.0).abs() > 0.1 {
                 return note(
                     format!("{what} is {} times that of `{}`, of the same family", number(a / b), other.id),
-                    Some("one of the two may stand for the other's ratio".into()),
+                    Some("one of the two may be that of the other ratio".into()),
                 );
             }
         }

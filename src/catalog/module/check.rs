@@ -145,7 +145,7 @@ fn undeclared(module: &Module) -> Vec<Wrong> {
         ("price", sheet.price.is_some(), "price_currency", !module.price_currency.is_empty()),
         ("price", sheet.price.is_some(), "price_date", !module.price_date.is_empty()),
     ] {
-        need(given, said, column, without(column, of), "give both, or leave the number out and tell of it in the note");
+        need(given, said, column, without(column, of), "give both, or leave the number out and say it in the note");
     }
     need(
         refers.terminals == Some(Terminals::Winding),

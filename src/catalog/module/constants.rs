@@ -46,7 +46,7 @@ impl EfficiencyFrom {
                 "the gear's efficiency is the torque constant measured at the flange over N times the back-EMF constant",
             ),
             EfficiencyFrom::Braking => {
-                Some("the gear's efficiency is told from the peak torques while it drives and while it is driven")
+                Some("the gear's efficiency follows from the peak torques while it drives and while it is driven")
             }
         }
     }

@@ -202,7 +202,7 @@ limits! { OF_MODULES:
         fix "A larger module, a higher supply voltage (up to that of the curve), or a slower motion.";
     "GW047" "module-rated-torque" "rated_torque",
         "the rms torque stays within the module's rated torque",
-        why "It is what the maker says that the module gives for ever; above it the winding or the drive ends too hot.",
+        why "It is what the maker rates as continuous; above it the winding or the drive ends too hot.",
         example "An rms of 26 N*m on a module rated 20 N*m.",
         fix "A larger module, pauses in the motion, or a spring.";
     "GW048" "module-overload" "overload",

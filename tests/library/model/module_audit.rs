@@ -106,7 +106,7 @@ fn a_back_emf_constant_tells_the_loss_of_the_gear() {
         ("back_emf_side", "output"),
     ];
     let cannot_tell = found(&[&open], "module-back-emf").unwrap().explanation.unwrap();
-    assert!(cannot_tell.contains("cannot tell them apart"), "{cannot_tell}");
+    assert!(cannot_tell.contains("do not separate them"), "{cannot_tell}");
 }
 
 #[test]
