@@ -198,7 +198,9 @@ fn an_overload_table_bends_as_a_passive_body_does() {
     let row = |table: &'static str| vec![("ratio", "9"), ("rated_torque [N*m]", "20"), ("overload [N*m : s]", table)];
     let wrong = found(&[&row("30:189 40:126 50:12")], "module-overload").unwrap();
     assert!(wrong.severity == Severity::Error, "{}", wrong.message);
-    assert!(found(&[&row("30:393 40:67 50:34 60:13")], "module-overload").is_none());
+    // Times that are rounded bend it a little: no error.
+    let rounded = found(&[&row("30:393 40:67 50:34 60:13")], "module-overload");
+    assert!(rounded.is_none_or(|f| f.severity == Severity::Note));
     let refused = modules(&[&row("30:189 40:126 50:12")]).with_modules([&"*".to_string()].into_iter(), |m| m);
     assert!(refused.motors[0].inside.as_ref().unwrap().response.is_none());
 }
