@@ -450,6 +450,12 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// Whether it is a module of whose power nobody knows.
+    fn lacks_power(&self) -> bool {
+        let says = |inside: &Inside| inside.says_currents() && inside.says_back_emf;
+        !self.candidate.motor.inside.as_deref().is_none_or(says)
+    }
+
     /// The same, whatever of a module is not known.
     fn as_if_known(&self, ratio: f64) -> Evaluation {
         if self.candidate.is_evaluated() {
@@ -520,6 +526,9 @@ impl<'a> Prepared<'a> {
 
     /// Energy drawn from the bus per cycle at a ratio \[J\]; `None` without durations.
     pub fn energy(&self, ratio: f64) -> Option<f64> {
+        if self.lacks_power() {
+            return Some(f64::NAN);
+        }
         if self.candidate.is_evaluated() {
             return self.at_ratio(ratio, |here| here.energy(ratio));
         }
@@ -537,6 +546,9 @@ impl<'a> Prepared<'a> {
 
     /// Largest power drawn from the bus at a ratio \[W\].
     pub fn peak_power(&self, ratio: f64) -> f64 {
+        if self.lacks_power() {
+            return f64::NAN;
+        }
         if self.candidate.is_evaluated() {
             return self.at_ratio(ratio, |here| here.peak_power(ratio));
         }

@@ -125,10 +125,6 @@ pub(super) fn read(
         ),
         only_modules: is_for_modules_alone(&section),
     };
-    if section.has("modules") && motors.modules.is_empty() {
-        let problem = Problem::at(section.span_of("modules"), "`modules` names none", "an empty list");
-        section.note(problem.help("for example modules = [\"robstride-*\"]"));
-    }
     let phases = read_phases(&section, count, motion.as_deref());
     if let (Some(objective), Some(motion)) = (&objective, &motion) {
         check_cycle(&section, objective, motion);

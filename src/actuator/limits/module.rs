@@ -19,9 +19,15 @@ pub(super) const LIMITS: &[Limit] = &[
         of: Of::Other,
         class: Class::Fixed,
         depends: Depends::Rating,
-        stated: the_supply,
+        // Whether a torque is there at a speed is asked of everything that turns.
+        stated: always,
         key: by_nobody,
-        prepare: |c| inside(c).map_or(Prepared::NotAsked, |inside| torque_speed(c, inside)),
+        prepare: |c| match inside(c).map(|inside| (torque_speed(c, inside), inside)) {
+            None => Prepared::NotAsked,
+            // The voltage of its winding and its largest current answer it too.
+            Some((Prepared::Unknown(_), inside)) if has_circle(inside) => Prepared::NotAsked,
+            Some((prepared, _)) => prepared,
+        },
     },
     Limit {
         name: "rated_torque",
@@ -152,6 +158,20 @@ fn says_torque_speed(candidate: &Candidate) -> bool {
     inside(candidate).is_some_and(|inside| !matches!(torque_speed(candidate, inside), Prepared::Unknown(_)))
 }
 
+/// Whether the voltage of a module's winding can be followed.
+fn has_circle(inside: &Inside) -> bool {
+    inside.says_currents() && inside.says_back_emf
+}
+
+/// Why a module's torque is not compared with a curve, where its constants answer instead.
+pub(super) fn why_no_curve(candidate: &Candidate) -> Option<&'static str> {
+    let inside = inside(candidate).filter(|inside| has_circle(inside))?;
+    match torque_speed(candidate, inside) {
+        Prepared::Unknown(why) => Some(why),
+        _ => None,
+    }
+}
+
 /// What it has to give at the flange at each sample: torque \[N·m\], speed \[rad/s\], and the sample.
 fn flange<'c>(candidate: &'c Candidate, inside: &'c Inside) -> impl Iterator<Item = (f64, f64, usize)> + 'c {
     let waveform = &candidate.load.waveform;
@@ -254,15 +274,12 @@ fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
         let speed = if !driving && module.braking_curve.is_empty() { 0.0 } else { speed + missing };
         return Most::Known(on_curve(curve, speed).min(sheet.peak_torque.map_or(f64::INFINITY, |p| p.value)));
     }
+    if driving && no_load.is_some_and(|no_load| speed + missing > no_load) {
+        return Most::Known(0.0);
+    }
     let most = sheet.peak_torque.or(sheet.stall_torque).map(|p| p.value);
     match (most, no_load) {
-        (Some(most), Some(no_load)) if driving => {
-            let speed = speed + missing;
-            match speed <= no_load {
-                true => Most::Between(most * (1.0 - speed / no_load), most),
-                false => Most::Known(0.0),
-            }
-        }
+        (Some(most), Some(no_load)) if driving => Most::Between(most * (1.0 - (speed + missing) / no_load), most),
         // Against the speed it has at least what it has at standstill.
         (Some(most), _) if !driving => Most::Known(most),
         (Some(most), None) if speed == 0.0 => Most::Known(most),

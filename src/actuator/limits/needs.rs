@@ -143,6 +143,14 @@ pub const NEEDS: &[Need] = &[
         at_ratio: |_| None,
     },
     Need {
+        name: "module_curve",
+        of: Of::Other,
+        stated: by_data_sheets,
+        key: by_nobody,
+        missing: super::module::why_no_curve,
+        at_ratio: |_| None,
+    },
+    Need {
         name: "module_inertia",
         of: Of::Other,
         stated: |_, joint| {
