@@ -131,6 +131,17 @@ fn exported<'a>(
     unchecked: &[(&'static str, &'static str)],
     spring: Option<(f64, f64)>,
 ) -> Result<Exported<'a>, Failure> {
+    // A simulator takes every number for true.
+    if let Some(inside) = motor.inside.as_deref() {
+        let lacks = match (inside.says_currents(), inside.says_inertia) {
+            (false, _) => Some("its row does not say what its currents are"),
+            (true, false) => Some("its own inertia is not known, and a simulator would take none"),
+            (true, true) => None,
+        };
+        if let Some(why) = lacks {
+            return Err(Failure::Argument(format!("{} cannot be exported: {why}", motor.id)));
+        }
+    }
     let load = load_through(joint, gear);
     let candidate = Mount::new(robot, joint, &load, motor).with_gear(gear).candidate();
     let mut simulated = SimulatedJoint::new(&candidate.map_err(|why| cannot(motor, &why))?, evaluation.ratio);

@@ -17,6 +17,7 @@ use crate::actuator::fitted::gear_with_fit;
 use crate::actuator::gearing::{complete, described};
 use crate::actuator::limits::{Candidate, hottest};
 use crate::actuator::{Actuator, Load};
+use crate::catalog::module::Depth;
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
 use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
 
@@ -74,7 +75,11 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
         if !joint.motors.allows(motor) {
             return Err(Unusable::NotAllowed);
         }
-        let rotor = motor.rotor_inertia.ok_or(Unusable::RotorInertia)?;
+        let rotor = match motor.inside.as_deref() {
+            // Of a module that does not say it, torques are looked at without it, which is said.
+            Some(inside) if !inside.says_inertia && inside.depth != Depth::Inside => 0.0,
+            _ => motor.rotor_inertia.ok_or(Unusable::RotorInertia)?,
+        };
         let hottest = hottest(motor, joint).0;
         let (gear, actuator) = match catalog_gear {
             None if joint.gear_map.is_some() && (motor.fitted_gear.is_some() || !motor.effects.is_empty()) => {

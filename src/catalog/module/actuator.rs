@@ -119,8 +119,6 @@ impl Module {
             torque_constant: blank(motor.torque_constant),
             back_emf_constant: blank(motor.back_emf_constant),
             peak_current: motor.peak_current.filter(|_| inside.says_currents()),
-            // Of a module that does not say it, torques are looked at without it, which is said.
-            rotor_inertia: Some(motor.rotor_inertia.unwrap_or(0.0)),
             inside: Some(Arc::new(inside)),
             ..motor
         }

@@ -76,16 +76,22 @@ pub struct Design<'a> {
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 pub struct Losses {
     /// In the motor's copper.
+    #[schemars(with = "Option<f64>")]
     pub copper: f64,
     /// Bearings, hysteresis and eddy currents of the motor.
+    #[schemars(with = "Option<f64>")]
     pub motor_drag: f64,
     /// What the gear's efficiency takes.
+    #[schemars(with = "Option<f64>")]
     pub gear_load: f64,
     /// What the gear takes without load.
+    #[schemars(with = "Option<f64>")]
     pub gear_no_load: f64,
     /// In drive and leads.
+    #[schemars(with = "Option<f64>")]
     pub drive: f64,
     /// Of what comes back to the bus, what is not kept: in a braking resistor, or in the supply.
+    #[schemars(with = "Option<f64>")]
     pub braking: f64,
 }
 

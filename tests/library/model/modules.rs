@@ -343,6 +343,9 @@ fn what_a_row_does_not_say_is_not_known_and_no_choice_by_it() {
     let best = &result.joints[0].candidates[0];
     assert_eq!(best.evaluation.mass, Some(0.5));
     let e = &best.evaluation;
+    // No metric is made of what is not known.
+    let metric = |name: &str| gearwise::actuator::metrics::metric(name).and_then(|m| m.value(best.motor));
+    assert!(["s_m", "s_t", "k_m"].iter().all(|name| metric(name).is_none_or(f64::is_nan)));
     assert!(e.loss.is_nan() && e.reflected_inertia.is_nan() && e.mean_power.is_nan() && e.rms_current.is_nan());
     assert!(e.peak_power.is_none_or(f64::is_nan) && e.energy.is_none_or(f64::is_nan));
     assert!(!best.unchecked.is_empty(), "its own inertia is not known");
