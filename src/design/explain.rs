@@ -106,6 +106,8 @@ impl Explanation<'_> {
     pub fn forbidden(&self) -> Option<Forbidden> {
         let ratio = self.evaluation.ratio;
         match (&self.joint.ratio, self.gear) {
+            // A module is allowed as a whole, or it is no candidate.
+            _ if self.motor.inside.is_some() => None,
             (_, Some(gear)) if gear.fits(self.motor.row_id()) == Some(false) => Some(Forbidden::DoesNotFit),
             (RatioChoice::Catalog { patterns, .. }, Some(gear)) => {
                 let is_named = patterns.iter().any(|pattern| matches_pattern(pattern, &gear.id));
