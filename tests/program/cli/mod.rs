@@ -21,6 +21,7 @@ mod import_mgdb;
 mod json;
 mod kinds;
 mod mistakes;
+mod modules;
 mod plain;
 mod plots;
 mod set;

@@ -1,0 +1,93 @@
+//! Modules as a user meets them: chosen, ranked apart where their loss is not known, refused where a name is none.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::folder::{Ran, run};
+use super::json::published;
+
+const LEG: &str = r#"name = "leg"
+[bus]
+voltage = "48 V"
+[[joint]]
+name = "knee"
+modules = ["robstride-*", "bxi-*"]
+points = [
+  { torque = "25 N*m", speed = "2 rad/s", duration = "0.4 s" },
+  { torque = "5 N*m", speed = "10 rad/s", duration = "0.4 s" },
+]
+objective = "loss"
+"#;
+
+fn folder(text: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("leg.toml"), text).unwrap();
+    folder
+}
+
+fn optimize(text: &str, more: &[&str]) -> Ran {
+    run(&folder(text), &[&["optimize", "leg.toml"], more].concat())
+}
+
+fn flat(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_choice_says_that_it_is_a_module_and_what_its_row_does_not_say() {
+    let ran = optimize(LEG, &[]);
+    let text = flat(&ran.out);
+    for said in [
+        "leg: 1 joint, 13 modules, bus 48 V",
+        "robstride-rs04 9",
+        "a module, drive inside; its ratio is its own",
+        "not checked: module inertia",
+        "knee: by their ratings",
+        "their loss is not known: bxi-",
+    ] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
+    // By mass they are ranked together; what is not known is no number, and no zero.
+    let ran = optimize(&LEG.replace("\"loss\"", "\"mass\""), &["--json"]);
+    let answer: Value = serde_json::from_str(&ran.out).unwrap();
+    assert!(published().is_valid(&answer));
+    let all = answer["joints"][0]["candidates"].as_array().unwrap();
+    let ratings = all.iter().find(|c| c["motor"] == "bxi-8515-19").expect("its ratings let it");
+    for key in ["loss_w", "copper_loss_w", "peak_current_phase_a", "mean_electrical_power_w", "energy_per_cycle_j"] {
+        assert_eq!(ratings[key], Value::Null, "{key}");
+    }
+    assert!(ratings["peak_electrical_power_w"].is_null() && ratings["losses_w"]["copper"].is_null());
+    assert!((ratings["mass_kg"].as_f64().unwrap() - 1.4).abs() < 1e-9);
+    let unknown = all.iter().find(|c| c["motor"] == "robstride-rs04").unwrap();
+    assert!(unknown["reflected_inertia_kgm2"].is_null() && unknown["loss_w"].is_number());
+}
+
+#[test]
+fn motors_and_modules_are_one_list_and_a_temperature_is_not_answered_by_ratings() {
+    let both = LEG.replace("objective", "ratio = { min = 3, max = 20 }\nobjective");
+    let text = optimize(&both, &["--full", "--top", "99"]).out;
+    assert!(text.contains("robstride-rs04") && text.contains("t-motor-") && text.contains("or modules robstride-*"));
+    let limited = format!("{LEG}limits = {{ winding_temperature = \"100 degC\" }}\n");
+    let ran = optimize(&limited, &[]);
+    assert_eq!(ran.status, 1, "{}", ran.out);
+}
+
+#[test]
+fn what_is_no_module_is_one_clear_error_and_what_is_not_known_is_not_exported() {
+    let wrong = optimize(&LEG.replace("robstride-*", "robstridee-*"), &[]);
+    assert!(
+        wrong.status == 2 && wrong.err.contains("no module of the catalogue matches `robstridee-*`"),
+        "{}",
+        wrong.err
+    );
+    let wrong = optimize(&LEG.replace("modules =", "module ="), &[]);
+    assert!(wrong.status == 2 && wrong.err.contains("did you mean `modules`?"), "{}", wrong.err);
+    let told = run(&folder(LEG), &["explain", "robstride-rs04", "leg.toml"]);
+    assert!(told.status == 0 && told.out.contains("torque_speed"), "{}{}", told.out, told.err);
+    let ranked = run(&folder(LEG), &["rank", "--modules", "robstride-*", "--top", "200"]).out;
+    let line = ranked.lines().find(|line| line.contains("robstride-rs04"));
+    // Without its inertia it has no S_M, least of all 0.
+    assert!(line.is_none_or(|line| !line.contains(" 0 ")), "{line:?}");
+}
