@@ -69,6 +69,7 @@ const OTHER_MEANINGS: [(&str, &[&str]); 5] = [
         &[
             "catalog/",
             "design/robust/",
+            "hardware/joint.rs",
             "measured/bench.rs",
             "measured/characterize/drag.rs",
             "measured/fitted.rs",
