@@ -756,20 +756,18 @@ impl Load {
     /// The squared torque over the motion at a flange that has an inertia of its own \[kg·m²\] to turn \[N²·m²\], as
     /// [`Load::squared_current_course`]; at standstill it counts twice, as the worst phase's heat does. `None` without durations.
     pub fn flange_course(&self, inertia: f64) -> Option<(Vec<Piece>, bool)> {
-        self.duration.filter(|_| self.has_durations)?;
-        let square = |(k, sample): (usize, &WavePoint)| {
-            let of = |feature: Feature| sample.features[feature as usize];
-            self.held(k, 1.0) * (of(Feature::Load) + inertia * of(Feature::Acceleration)).powi(2)
-        };
-        Some(self.course_of(self.samples.iter().enumerate().map(square).collect()))
+        let square = |(k, sample): (usize, &WavePoint)| self.held(k, 1.0) * sample.flange_torque(inertia).powi(2);
+        self.has_flange_course().then(|| self.course_of(self.samples.iter().enumerate().map(square).collect()))
+    }
+
+    /// Whether there is such a course.
+    pub fn has_flange_course(&self) -> bool {
+        self.duration.is_some() && self.has_durations
     }
 
     /// Mean square of the same torque \[N²·m²\], that at standstill twice.
     pub fn flange_mean_square(&self, inertia: f64) -> f64 {
-        let square = |(k, sample): (usize, &WavePoint)| {
-            let of = |feature: Feature| sample.features[feature as usize];
-            self.share(k, 1.0) * (of(Feature::Load) + inertia * of(Feature::Acceleration)).powi(2)
-        };
+        let square = |(k, sample): (usize, &WavePoint)| self.share(k, 1.0) * sample.flange_torque(inertia).powi(2);
         self.samples.iter().enumerate().map(square).sum()
     }
 

@@ -121,6 +121,13 @@ pub struct WavePoint {
     pub direct: f64,
 }
 
+impl WavePoint {
+    /// Torque at a flange that has an inertia of its own \[kg·m²\] to turn \[N·m\]: without loss, at no ratio.
+    pub fn flange_torque(&self, inertia: f64) -> f64 {
+        self.features[Feature::Load as usize] + inertia * self.features[Feature::Acceleration as usize]
+    }
+}
+
 /// A set of samples with its trees, one for each direction of power.
 #[derive(Debug, Clone, Default)]
 pub struct Waveform {

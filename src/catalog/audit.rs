@@ -8,7 +8,7 @@
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
-use super::finding::Outcome;
+use super::finding::{Audited, Outcome};
 pub use super::finding::{Finding, Severity};
 use super::module::audit::audit_module;
 use super::outlier::{CODE as UNUSUAL, Outlier, outliers};
@@ -102,48 +102,11 @@ pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
     if motor.inside.is_some() {
         return Vec::new();
     }
-    let mut findings = Vec::new();
-    for check in CHECKS {
-        if let Some(outcome) = (check.run)(motor) {
-            findings.push(Finding {
-                id: motor.id.clone(),
-                code: check.code,
-                severity: outcome.severity,
-                message: outcome.message,
-                explanation: outcome.explanation,
-                accepted: motor.accepted_findings.iter().any(|code| code == check.code),
-            });
-        }
-    }
+    let outcomes = CHECKS.iter().filter_map(|check| Some((check.code, (check.run)(motor)?)));
     // What is looked at beside other rows is not known here.
-    for code in motor.accepted_findings.iter().filter(|code| *code != UNUSUAL) {
-        let known = CHECKS.iter().any(|c| c.code == code);
-        if !findings.iter().any(|f| f.code == code) {
-            let message = match known {
-                true => format!("the row accepts `{code}`, but there is nothing to accept"),
-                false => format!("the row accepts `{code}`, which is not the code of a check"),
-            };
-            findings.push(Finding {
-                id: motor.id.clone(),
-                code: "stale-accept",
-                severity: Severity::Error,
-                message,
-                explanation: None,
-                accepted: false,
-            });
-        } else if motor.note.is_empty() {
-            let message = format!("the row accepts `{code}` but has no note that explains it");
-            findings.push(Finding {
-                id: motor.id.clone(),
-                code: "accept-without-note",
-                severity: Severity::Error,
-                message,
-                explanation: None,
-                accepted: false,
-            });
-        }
-    }
-    findings
+    let accepts = motor.accepted_findings.iter().map(String::as_str).filter(|code| *code != UNUSUAL).collect();
+    let row = Audited { id: &motor.id, accepts, note: &motor.note };
+    row.findings(outcomes, |code| CHECKS.iter().any(|check| check.code == code))
 }
 
 /// What `N T_s/T_b` may be above one by rounding of the two torques, which sheets print with two digits.

@@ -122,27 +122,12 @@ impl Filter {
         Ok(Filter { text: text.into(), column: column.into(), motors, gears, modules })
     }
 
-    /// Whether motors have the column.
-    pub fn is_of_motors(&self) -> bool {
-        self.motors.is_some()
-    }
-
-    /// Whether gears have the column.
-    pub fn is_of_gears(&self) -> bool {
-        self.gears.is_some()
-    }
-
-    /// Whether modules have the column.
-    pub fn is_of_modules(&self) -> bool {
-        self.modules.is_some()
-    }
-
     /// Whether a kind of row has the column.
     pub fn is_of(&self, kind: RowKind) -> bool {
         match kind {
-            RowKind::Motor => self.is_of_motors(),
-            RowKind::Gear => self.is_of_gears(),
-            RowKind::Module => self.is_of_modules(),
+            RowKind::Motor => self.motors.is_some(),
+            RowKind::Gear => self.gears.is_some(),
+            RowKind::Module => self.modules.is_some(),
         }
     }
 
@@ -166,9 +151,7 @@ impl Filter {
         let Some(asked) = &self.gears else { return Says::No };
         asked.says(gear, |field, _| (field.get)(gear).map(|p| p.value))
     }
-}
 
-impl Filter {
     /// What it says of a module: its numbers are compared as printed, at the side and in the convention that its row says.
     pub fn of_module(&self, module: &Module) -> Says {
         let Some(asked) = &self.modules else { return Says::No };
@@ -420,7 +403,7 @@ mod tests {
     fn a_filter_of_one_kind_keeps_none_of_the_other() {
         let catalog = Catalog::builtin().unwrap();
         let filter = Filter::read("ratio>=5").unwrap();
-        assert!(filter.is_of_gears() && !filter.is_of_motors());
+        assert!(filter.is_of(RowKind::Gear) && !filter.is_of(RowKind::Motor));
         assert!(select(&catalog, None, &[filter]).motors.is_empty());
     }
 }

@@ -284,6 +284,11 @@ pub fn matches_pattern(pattern: &str, text: &str) -> bool {
     }
 }
 
+/// Whether a pattern is of a row with this id and maker, that in letters of either case.
+pub fn is_named(pattern: &str, id: &str, maker: &str) -> bool {
+    matches_pattern(pattern, id) || matches_pattern(&pattern.to_lowercase(), &maker.to_lowercase())
+}
+
 /// One numeric column of a gear catalogue; the number of stages, a whole one, stands beside them.
 pub type GearField = Field<Gear>;
 

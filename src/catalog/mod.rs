@@ -34,8 +34,8 @@ use std::sync::Arc;
 pub use about::{About, Construction, PeakTorqueOf};
 pub use fitted::{Fit, Provenance, read_fitted};
 pub use gear::{
-    ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, matches_pattern,
-    no_load_friction,
+    ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, is_named,
+    matches_pattern, no_load_friction,
 };
 pub use module::Module;
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE, Wound};
@@ -221,6 +221,14 @@ impl Catalog {
         match found.is_empty() {
             true => crate::words::nearest(text, all().map(|m| m.id.as_str())).into_iter().collect(),
             false => found,
+        }
+    }
+
+    /// The gear of a name that is on a motor; that of a module is its own.
+    pub fn gear_of<'c>(&'c self, motor: &'c Motor, id: &str) -> Option<&'c Gear> {
+        match motor.inside.as_deref() {
+            Some(inside) => Some(&inside.gear),
+            None => self.gears.iter().find(|gear| gear.id == id),
         }
     }
 

@@ -154,9 +154,7 @@ impl Design<'_> {
     /// The same with the motor and the gear of its names from the catalogue that it was found in.
     pub(crate) fn of_catalog(self, catalog: &Catalog) -> Design<'_> {
         let motor = catalog.motors.iter().find(|motor| motor.id == self.motor.id).expect("it is of this catalogue");
-        let built_in = motor.inside.as_deref().map(|inside| &inside.gear);
-        let named = || self.gear.and_then(|id| catalog.gears.iter().find(|gear| gear.id == id));
-        let gear = built_in.or_else(named);
+        let gear = self.gear.and_then(|id| catalog.gear_of(motor, id));
         self.with_parts(motor, gear.map(|gear| gear.id.as_str()))
     }
 }

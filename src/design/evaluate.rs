@@ -159,7 +159,7 @@ impl Evaluation {
     /// Without what a module's row does not let one know: such a figure is no number.
     fn of_module(self, inside: &Inside) -> Evaluation {
         let unless = |known: bool, value: f64| if known { value } else { f64::NAN };
-        let (currents, emf) = (inside.says_currents(), inside.says_currents() && inside.says_back_emf);
+        let (currents, power) = (inside.says_currents(), inside.says_power());
         let inertia = unless(inside.says_inertia, self.reflected_inertia);
         let losses = if currents { self.losses } else { Losses::UNKNOWN };
         Evaluation {
@@ -170,10 +170,8 @@ impl Evaluation {
             peak_current: unless(currents, self.peak_current),
             rms_current: unless(currents, self.rms_current),
             reflected_inertia: inertia,
-            mean_power: unless(emf, self.mean_power),
-            energy: self.energy.map(|energy| unless(emf, energy)),
-            peak_power: self.peak_power.map(|power| unless(emf, power)),
-            bus_voltage: self.bus_voltage.filter(|_| emf),
+            mean_power: unless(power, self.mean_power),
+            bus_voltage: self.bus_voltage.filter(|_| power),
             ..self
         }
     }
@@ -452,8 +450,7 @@ impl<'a> Prepared<'a> {
 
     /// Whether it is a module of whose power nobody knows.
     fn lacks_power(&self) -> bool {
-        let says = |inside: &Inside| inside.says_currents() && inside.says_back_emf;
-        !self.candidate.motor.inside.as_deref().is_none_or(says)
+        !self.candidate.motor.inside.as_deref().is_none_or(Inside::says_power)
     }
 
     /// The same, whatever of a module is not known.

@@ -2,6 +2,7 @@
 
 use super::file::{Mount, Reduction, Which};
 use crate::catalog::convention::{Commutation, CurrentConvention};
+use crate::catalog::module::on_curve;
 use crate::catalog::{Catalog, Gear, Module, Motor};
 use crate::input::Problem;
 use crate::words::number;
@@ -55,17 +56,6 @@ pub struct Hardware {
     pub mass: Option<Fact>,
     /// Largest torque over speed \[rad/s, N·m\], with what it is; from standstill on, the speed rises.
     pub curve: Option<(Vec<[f64; 2]>, Fact)>,
-}
-
-impl Hardware {
-    /// Largest torque at a speed \[N·m\]: that of the curve, 0 beyond its end.
-    pub fn torque_at(points: &[[f64; 2]], speed: f64) -> f64 {
-        let inside = points.windows(2).find(|pair| pair[0][0] <= speed && speed <= pair[1][0]);
-        match inside {
-            Some([[a, low], [b, high]]) => low + (high - low) * (speed - a) / (b - a).max(f64::MIN_POSITIVE),
-            _ => 0.0,
-        }
-    }
 }
 
 /// The hardware that an entry of the file names.
@@ -153,12 +143,8 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
         (_, Some(printed)) => format!(" at {} V", number(printed)),
         (_, None) => " at a voltage that the row does not say".into(),
     };
-    let end = module.driving_curve.last().map(|point| point[0]);
     let free = sheet.no_load_speed.map(|p| (p.value, "no_load_speed"));
-    let free = free.or_else(|| {
-        let closed = module.driving_curve.last().is_some_and(|point| point[1] == 0.0);
-        Some((end.filter(|_| closed)?, "the end of driving_curve"))
-    });
+    let free = free.or_else(|| Some((module.end_of_curve()?, "the end of driving_curve")));
     let divided = if r == 1.0 { "" } else { " / r" };
     let no_load = free.map(|(speed, name)| {
         fact(speed * share / r, format!("{name} {} rad/s{at}{divided}{}", number(speed), with_r(r)))
@@ -173,7 +159,7 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
         {
             points.push([speed, 0.0]);
         }
-        let start = Hardware::torque_at(&points, shift);
+        let start = on_curve(&points, shift);
         let mut moved = vec![[0.0, r * start]];
         moved.extend(points.iter().filter(|p| p[0] > shift).map(|p| [(p[0] - shift) / r, p[1] * r]));
         (moved, fact(0.0, format!("driving_curve of the row{at}{}", with_r(r))))

@@ -11,7 +11,7 @@ use super::gear_map::GearMap;
 use super::limits::Limits;
 use super::objective::{Balancing, Objective};
 use super::turns::{Turns, Windings};
-use crate::catalog::{Motor, matches_pattern};
+use crate::catalog::{Motor, is_named, matches_pattern};
 use crate::input::{InputFile, Source};
 use crate::motion::Motion;
 
@@ -184,8 +184,7 @@ impl Filter {
 
     /// Whether a pattern is of a motor.
     pub fn matches(pattern: &str, motor: &Motor) -> bool {
-        let maker = || matches_pattern(&pattern.to_lowercase(), &motor.manufacturer.to_lowercase());
-        matches_pattern(pattern, &motor.id) || matches_pattern(pattern, motor.row_id()) || maker()
+        is_named(pattern, &motor.id, &motor.manufacturer) || matches_pattern(pattern, motor.row_id())
     }
 
     /// Every pattern of motors.

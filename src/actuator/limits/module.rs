@@ -5,9 +5,8 @@
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::shaft::Feature;
-use crate::catalog::module::BUILT_IN;
 use crate::catalog::module::overload::Piece;
-use crate::catalog::module::{Inside, Module};
+use crate::catalog::module::{BUILT_IN, Inside, Module, on_curve};
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -25,7 +24,7 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| match inside(c).map(|inside| (torque_speed(c, inside), inside)) {
             None => Prepared::NotAsked,
             // The voltage of its winding and its largest current answer it too.
-            Some((Prepared::Unknown(_), inside)) if has_circle(inside) => Prepared::NotAsked,
+            Some((Prepared::Unknown(_), inside)) if inside.says_power() => Prepared::NotAsked,
             Some((prepared, _)) => prepared,
         },
     },
@@ -43,7 +42,7 @@ pub(super) const LIMITS: &[Limit] = &[
             let Some(inside) = inside(c) else { return Prepared::NotAsked };
             match inside.module.sheet.rated_torque {
                 _ if c.joint.limits.winding_temperature.is_some() || has_nodes(c) => Prepared::NotAsked,
-                _ if overload(c, inside).is_some() => Prepared::NotAsked,
+                _ if has_overload(c, inside) => Prepared::NotAsked,
                 Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
                 Some(_) if c.load.starts_cold() => Prepared::Unknown(
                     "the motion does not repeat, and how long the module bears more than its rated torque is not known",
@@ -103,7 +102,7 @@ pub(super) fn of_module(limit: &Limit, candidate: &Candidate) -> Option<Prepared
     let inside = candidate.motor.inside.as_deref()?;
     let of_heat = super::heat::LIMITS.iter().any(|of| of.name == limit.name);
     let by_ratings = match limit.name {
-        "voltage" => says_torque_speed(candidate),
+        "voltage" => !inside.says_back_emf && says_torque_speed(candidate),
         // A drive inside gives what the ratings say.
         "peak_current" => candidate.has_drive_inside() && candidate.motor.peak_current.is_none(),
         "gear_peak_torque" | "gear_continuous_torque" | "gear_input_speed" => inside.gear.id == BUILT_IN,
@@ -117,7 +116,7 @@ pub(super) fn of_module(limit: &Limit, candidate: &Candidate) -> Option<Prepared
     };
     let needs_emf = matches!(limit.depends, Depends::Voltage | Depends::BackEmf | Depends::PowerBack);
     match () {
-        () if by_ratings && !(limit.name == "voltage" && inside.says_back_emf) => Some(Prepared::NotAsked),
+        () if by_ratings => Some(Prepared::NotAsked),
         () if limit.depends == Depends::Inertia && !inside.says_inertia => {
             Some(unless_not_asked((limit.prepare)(candidate), "the module's own inertia is not known"))
         }
@@ -158,14 +157,9 @@ fn says_torque_speed(candidate: &Candidate) -> bool {
     inside(candidate).is_some_and(|inside| !matches!(torque_speed(candidate, inside), Prepared::Unknown(_)))
 }
 
-/// Whether the voltage of a module's winding can be followed.
-fn has_circle(inside: &Inside) -> bool {
-    inside.says_currents() && inside.says_back_emf
-}
-
 /// Why a module's torque is not compared with a curve, where its constants answer instead.
 pub(super) fn why_no_curve(candidate: &Candidate) -> Option<&'static str> {
-    let inside = inside(candidate).filter(|inside| has_circle(inside))?;
+    let inside = inside(candidate).filter(|inside| inside.says_power())?;
     match torque_speed(candidate, inside) {
         Prepared::Unknown(why) => Some(why),
         _ => None,
@@ -178,8 +172,7 @@ fn flange<'c>(candidate: &'c Candidate, inside: &'c Inside) -> impl Iterator<Ite
     let inertia = inertia(candidate, inside);
     (0..waveform.len()).map(move |k| {
         let point = waveform.point(k);
-        let of = |feature: Feature| point.features[feature as usize];
-        (of(Feature::Load) + inertia * of(Feature::Acceleration), of(Feature::Velocity), point.origin)
+        (point.flange_torque(inertia), point.features[Feature::Velocity as usize], point.origin)
     })
 }
 
@@ -191,6 +184,11 @@ fn inertia(candidate: &Candidate, inside: &Inside) -> f64 {
 fn rms(candidate: &Candidate, inside: &Inside) -> f64 {
     let mean = candidate.load.flange_mean_square(inertia(candidate, inside));
     (mean * candidate.load.share_of_time).sqrt()
+}
+
+/// Whether the overload table and the motion say how warm it gets.
+fn has_overload(candidate: &Candidate, inside: &Inside) -> bool {
+    inside.response.is_some() && candidate.load.has_flange_course()
 }
 
 /// The largest normalised temperature over the motion, where the overload table and the motion say it.
@@ -257,8 +255,7 @@ fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
         _ => &module.driving_curve,
     };
     let of_curve = sheet.voltage.map(|p| p.value);
-    let end = module.driving_curve.last().filter(|point| point[1] == 0.0).map(|point| point[0]);
-    let no_load = sheet.no_load_speed.map(|p| p.value).or(end);
+    let no_load = sheet.no_load_speed.map(|p| p.value).or_else(|| module.end_of_curve());
     // With less voltage there is less speed.
     let missing = match (of_curve, no_load) {
         (Some(of_curve), Some(no_load)) if volt < of_curve => no_load * (1.0 - volt / of_curve),
@@ -285,18 +282,5 @@ fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
         (Some(most), None) if speed == 0.0 => Most::Known(most),
         (Some(_), None) => Most::Unknown("the module's row says neither a torque–speed curve nor a speed without load"),
         _ => Most::Unknown("the module's row says neither a torque–speed curve nor a peak torque"),
-    }
-}
-
-/// A curve at a speed \[rad/s\]: straight between its points, nothing behind the last.
-fn on_curve(curve: &[[f64; 2]], speed: f64) -> f64 {
-    let behind = curve.iter().position(|point| point[0] >= speed);
-    match behind {
-        Some(0) => curve[0][1],
-        Some(k) => {
-            let ([a, low], [b, high]) = (curve[k - 1], curve[k]);
-            low + (high - low) * (speed - a) / (b - a)
-        }
-        None => 0.0,
     }
 }

@@ -10,7 +10,7 @@ use crate::catalog::gear::GearKind;
 use crate::catalog::module::constants::EfficiencyFrom;
 use crate::catalog::row::MotorRow;
 use crate::catalog::sheet::{Conventions, OwnConventions, Printed, Sheet};
-use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
+use crate::catalog::{Catalog, Gear, Motor, is_named};
 
 impl Module {
     /// The module as a motor with the gear inside. Numbers that nobody knows are not: without constants they are no number at
@@ -146,7 +146,6 @@ impl Catalog {
 impl Module {
     /// Whether a pattern is of it: by its id, or by its maker in letters of either case.
     pub fn matches(&self, pattern: &str) -> bool {
-        let maker = || matches_pattern(&pattern.to_lowercase(), &self.manufacturer.to_lowercase());
-        matches_pattern(pattern, &self.id) || maker()
+        is_named(pattern, &self.id, &self.manufacturer)
     }
 }

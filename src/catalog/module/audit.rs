@@ -2,9 +2,9 @@
 //! reading that does is named.
 
 use super::overload::{BENDS, bends};
-use super::{Module, RatedPower, TorqueLoss};
+use super::{Module, RatedPower, TorqueLoss, on_curve};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention};
-use crate::catalog::finding::{Finding, Outcome, Severity};
+use crate::catalog::finding::{Audited, Finding, Outcome, Severity};
 use crate::catalog::row::Side;
 use crate::catalog::{Motor, Printed};
 use crate::words::number;
@@ -23,6 +23,15 @@ struct Of<'c> {
     module: &'c Module,
     all: &'c [Module],
     motors: &'c [Motor],
+}
+
+impl<'c> Of<'c> {
+    /// The other rows of its family.
+    fn siblings(&self) -> impl Iterator<Item = &'c Module> {
+        let module = self.module;
+        let is_sibling = move |other: &&Module| other.id != module.id && other.family == module.family;
+        self.all.iter().filter(|_| !module.family.is_empty()).filter(is_sibling)
+    }
 }
 
 /// Every check of a module's row.
@@ -88,38 +97,10 @@ pub const MODULE_CHECKS: &[ModuleCheck] = &[
 /// Runs every check over one module.
 pub fn audit_module(module: &Module, all: &[Module], motors: &[Motor]) -> Vec<Finding> {
     let of = Of { module, all, motors };
-    let found = MODULE_CHECKS.iter().filter_map(|check| Some((check.code, (check.run)(&of)?)));
-    let mut findings: Vec<Finding> = found
-        .map(|(code, outcome)| Finding {
-            id: module.id.clone(),
-            code,
-            severity: outcome.severity,
-            message: outcome.message,
-            explanation: outcome.explanation,
-            accepted: module.accepted_findings.iter().any(|accepted| accepted == code),
-        })
-        .collect();
-    let unused = module.accepted_findings.iter().filter(|code| !findings.iter().any(|f| f.code == code.as_str()));
-    let unused: Vec<Finding> = unused
-        .map(|code| Finding {
-            id: module.id.clone(),
-            code: "audit-accept",
-            severity: Severity::Error,
-            message: format!("`audit_accept` names `{code}`, which is not found in this row"),
-            explanation: Some("remove it".into()),
-            accepted: false,
-        })
-        .collect();
-    let unexplained = (!module.accepted_findings.is_empty() && module.note.is_empty()).then(|| Finding {
-        id: module.id.clone(),
-        code: "audit-accept",
-        severity: Severity::Error,
-        message: "`audit_accept` is given without a `note` that says why".into(),
-        explanation: None,
-        accepted: false,
-    });
-    findings.extend(unused.into_iter().chain(unexplained));
-    findings
+    let outcomes = MODULE_CHECKS.iter().filter_map(|check| Some((check.code, (check.run)(&of)?)));
+    let accepts = module.accepted_findings.iter().map(String::as_str).collect();
+    let row = Audited { id: &module.id, accepts, note: &module.note };
+    row.findings(outcomes, |code| MODULE_CHECKS.iter().any(|check| check.code == code))
 }
 
 fn value(p: Option<Printed>) -> Option<f64> {
@@ -144,7 +125,7 @@ fn fitting(readings: Vec<String>) -> Option<String> {
 }
 
 /// The factor between two numbers, where it is one that slips make: N, N², powers of ten.
-pub fn named_factor(factor: f64, ratio: f64) -> Option<String> {
+fn named_factor(factor: f64, ratio: f64) -> Option<String> {
     let near = |of: f64| (factor / of - 1.0).abs() < 0.06;
     let of_ratio = [("N", ratio), ("N²", ratio * ratio), ("1/N", 1.0 / ratio), ("1/N²", 1.0 / (ratio * ratio))];
     let found = of_ratio.into_iter().find(|(_, of)| near(*of)).map(|(name, _)| name.to_string());
@@ -348,14 +329,13 @@ fn braking(of: &Of) -> Option<Outcome> {
             Some("the two may be swapped, or a digit is missing".into()),
         );
     }
-    let near = |other: &&Module| other.id != module.id && !module.family.is_empty() && other.family == module.family;
-    let others: Vec<f64> = of.all.iter().filter(near).filter_map(Module::efficiency_of_braking).collect();
-    let unlike = others.iter().find(|other| (efficiency - **other).abs() > 0.06)?;
+    let mut others = of.siblings().filter_map(Module::efficiency_of_braking);
+    let unlike = others.find(|other| (efficiency - other).abs() > 0.06)?;
     note(
         format!(
             "its peak torques say a gear efficiency of {}, those of its family {}",
             number(efficiency),
-            number(*unlike)
+            number(unlike)
         ),
         None,
     )
@@ -395,16 +375,10 @@ fn rated_point(of: &Of) -> Option<Outcome> {
         return error("the rated speed is beyond the speed without load".into(), None);
     }
     let curve = &module.driving_curve;
-    let behind = curve.iter().position(|point| point[0] >= speed);
-    let gives = match behind {
-        _ if curve.is_empty() => return None,
-        Some(0) => curve[0][1],
-        Some(k) => {
-            let ([a, low], [b, high]) = (curve[k - 1], curve[k]);
-            low + (high - low) * (speed - a) / (b - a)
-        }
-        None => 0.0,
-    };
+    if curve.is_empty() {
+        return None;
+    }
+    let gives = on_curve(curve, speed);
     if torque <= gives * 1.02 {
         return None;
     }
@@ -415,17 +389,12 @@ fn rated_point(of: &Of) -> Option<Outcome> {
 }
 
 fn siblings(of: &Of) -> Option<Outcome> {
-    let module = of.module;
-    let near = |other: &&Module| other.id != module.id && !module.family.is_empty() && other.family == module.family;
-    let constants = module.constants();
     let of_motor = |module: &Module| {
-        let ratio = module.ratio();
-        let constants = module.constants();
+        let (constants, ratio) = (module.constants(), module.ratio());
         [constants.torque_constant.map(|k| k / ratio), constants.inertia.map(|j| j / (ratio * ratio))]
     };
-    let own =
-        [constants.torque_constant.map(|k| k / module.ratio()), constants.inertia.map(|j| j / module.ratio().powi(2))];
-    for other in of.all.iter().filter(near) {
+    let own = of_motor(of.module);
+    for other in of.siblings() {
         for ((what, a), b) in ["K_T/N", "J/N²"].into_iter().zip(own).zip(of_motor(other)) {
             let Some((a, b)) = a.zip(b) else { continue };
             if (a / b - 1.0).abs() > 0.1 {

@@ -45,6 +45,11 @@ impl Inside {
     pub fn says_currents(&self) -> bool {
         self.depth != Depth::Ratings
     }
+
+    /// Whether power and voltage are known too.
+    pub fn says_power(&self) -> bool {
+        self.says_currents() && self.says_back_emf
+    }
 }
 
 impl Module {

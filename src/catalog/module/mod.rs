@@ -197,7 +197,25 @@ impl Default for Module {
     }
 }
 
+/// A curve at a speed \[rad/s\]: straight between its points, nothing behind the last.
+pub fn on_curve(curve: &[[f64; 2]], speed: f64) -> f64 {
+    let behind = curve.iter().position(|point| point[0] >= speed);
+    match behind {
+        Some(0) => curve[0][1],
+        Some(k) => {
+            let ([a, low], [b, high]) = (curve[k - 1], curve[k]);
+            low + (high - low) * (speed - a) / (b - a)
+        }
+        None => 0.0,
+    }
+}
+
 impl Module {
+    /// The speed at which its driving curve ends without torque \[rad/s\]; `None` where it does not.
+    pub fn end_of_curve(&self) -> Option<f64> {
+        self.driving_curve.last().filter(|point| point[1] == 0.0).map(|point| point[0])
+    }
+
     /// Reduction of its gear, N.
     pub fn ratio(&self) -> f64 {
         self.sheet.ratio.map_or(f64::NAN, |printed| printed.value)

@@ -16,6 +16,7 @@ use super::total::Total;
 use crate::actuator::limits::Remark;
 use crate::actuator::{Laurent, Load};
 use crate::catalog::Catalog;
+use crate::catalog::module::Inside;
 use crate::design::Prepared;
 use crate::design::answer::Design;
 use crate::design::best::lacking;
@@ -593,7 +594,7 @@ impl<'a> Context<'a> {
         motors.dedup();
         let carried_torque = found.coordinates.clone();
         // Of a module whose currents nobody knows there is no power.
-        let says_power = |d: &Design| d.motor.inside.as_deref().is_none_or(|i| i.says_currents() && i.says_back_emf);
+        let says_power = |d: &Design| d.motor.inside.as_deref().is_none_or(Inside::says_power);
         let known = designs.iter().all(says_power);
         let if_known = |power: f64| if known { power } else { f64::NAN };
         Combination {
@@ -696,17 +697,14 @@ fn bits(coordinates: &[f64]) -> Vec<u64> {
 
 /// How a motor may be built into a joint, whatever its load.
 fn builds<'a>(site: Site, catalog: &'a Catalog, motor: usize, needs: Needs) -> Vec<Build<'a>> {
-    if let Some(inside) = catalog.motors[motor].inside.as_deref() {
-        return vec![Build { motor, gear: Some(&inside.gear), piece: 0 }];
-    }
-    if !site.is_geared() {
+    let row = &catalog.motors[motor];
+    if !site.is_geared_with(row) {
         return (0..pieces(site.joint, needs).len()).map(|piece| Build { motor, gear: None, piece }).collect();
     }
     if site.joint.limits.spring.is_some() {
         return vec![Build { motor, gear: None, piece: 0 }];
     }
-    let of_catalog = |id: &str| catalog.gears.iter().find(|gear| gear.id == id);
-    let gears = site.mounts(&catalog.motors[motor]).filter_map(|mount| mount.gear_id().and_then(of_catalog));
+    let gears = site.mounts(row).filter_map(|mount| catalog.gear_of(row, mount.gear_id()?));
     gears.map(|gear| Build { motor, gear: Some(gear), piece: 0 }).collect()
 }
 
@@ -732,7 +730,7 @@ fn ways<'a>(
         for build in builds(site, catalog, motor, needs) {
             let gear = build.gear.map(|gear| gear.id.as_str());
             let mounts: Vec<Mount> = match gear {
-                None if site.is_geared() => site.mounts(row).collect(),
+                None if site.is_geared_with(row) => site.mounts(row).collect(),
                 None => vec![site.direct(row)],
                 Some(_) => site.mount(row, gear).into_iter().collect(),
             };

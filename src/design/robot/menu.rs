@@ -59,31 +59,18 @@ pub(super) fn menu<'a>(robot: &'a Robot, carrying: &Joint, catalog: &'a Catalog,
     let pieces = pieces(carrying, needs);
     let found: Vec<Made> = (0..catalog.motors.len())
         .into_par_iter()
-        .map(|motor| match &carrying.ratio {
-            // What is found is no answer any more.
-            _ if stop.now() => Made::default(),
-            _ if carrying.motors.pass_over(&catalog.motors[motor]) => Made::default(),
-            _ if catalog.motors[motor].inside.is_some() && carrying.limits.spring.is_none() => {
-                let mut made = Made::default();
-                site.mounts(&catalog.motors[motor]).for_each(|mount| made.geared(&mount, catalog, motor, needs));
-                made
-            }
-            RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => {
-                let mut made = Made::default();
-                pieces.iter().for_each(|piece| made.continuous(site, piece, catalog, motor, needs));
-                made
-            }
-            RatioChoice::Catalog { .. } => {
-                let mut made = Made::default();
-                match carrying.limits.spring.is_some() {
-                    true => made.sprung(site, catalog, motor, needs),
-                    false => {
-                        site.mounts(&catalog.motors[motor])
-                            .for_each(|mount| made.geared(&mount, catalog, motor, needs));
-                    }
+        .map(|motor| {
+            let (row, mut made) = (&catalog.motors[motor], Made::default());
+            match () {
+                // What is found is no answer any more.
+                () if stop.now() || carrying.motors.pass_over(row) => {}
+                () if !site.is_geared_with(row) => {
+                    pieces.iter().for_each(|piece| made.continuous(site, piece, catalog, motor, needs));
                 }
-                made
+                () if carrying.limits.spring.is_some() => made.sprung(site, catalog, motor, needs),
+                () => site.mounts(row).for_each(|mount| made.geared(&mount, catalog, motor, needs)),
             }
+            made
         })
         .collect();
     let mut menu = Menu::default();
@@ -118,7 +105,7 @@ pub(super) fn made<'a>(site: Site, catalog: &'a Catalog, needs: Needs, build: Bu
             let mount = mounts.find(|mount| mount.gear_id() == Some(gear.id.as_str()));
             mount.into_iter().for_each(|mount| made.geared(&mount, catalog, build.motor, needs));
         }
-        None if site.is_geared() => made.sprung(site, catalog, build.motor, needs),
+        None if site.is_geared_with(&catalog.motors[build.motor]) => made.sprung(site, catalog, build.motor, needs),
         None => made.continuous(site, &pieces(site.joint, needs)[build.piece], catalog, build.motor, needs),
     }
     made

@@ -557,7 +557,7 @@ impl Place {
             let row = &catalog.motors[build.motor];
             let gear = build.gear.map(|gear| gear.id.as_str());
             let Ok(mount) = site.mount(row, gear) else { return f64::INFINITY };
-            if gear.is_none() && site.is_geared() {
+            if gear.is_none() && site.is_geared_with(row) {
                 return floor;
             }
             let Some(tangent) = self.tangent(mount, &pieces[build.piece.min(pieces.len() - 1)]) else { return floor };

@@ -1,7 +1,7 @@
 //! Limits that a model states: torque, speed, gear.
 
 use super::said::{NO_TORQUE, about, alone, asked, factors, is_explained, percent, stated_as};
-use crate::hardware::Hardware;
+use crate::catalog::module::on_curve;
 use crate::mechanism::stated::Quantity;
 use crate::rules::models::{ModelFacts, explained, within};
 use crate::rules::rule::{Judgement, ModelRemark, Rule, Severity, Test};
@@ -156,12 +156,12 @@ fn outside_box(facts: &ModelFacts, k: usize) -> Judgement {
     }
     let steps = 2000;
     let speed = |i: usize| v * (i as f64 + 0.5) / f64::from(steps);
-    let under: f64 = (0..steps as usize).map(|i| Hardware::torque_at(points, speed(i)).min(e)).sum();
+    let under: f64 = (0..steps as usize).map(|i| on_curve(points, speed(i)).min(e)).sum();
     let outside = 1.0 - under / (e * f64::from(steps));
     if outside <= 0.01 {
         return Judgement::Judged(Vec::new());
     }
-    let corner = (0..steps as usize).map(speed).take_while(|w| Hardware::torque_at(points, *w) >= e * 0.999).last();
+    let corner = (0..steps as usize).map(speed).take_while(|w| on_curve(points, *w) >= e * 0.999).last();
     let message = format!(
         "{} of the box of effort {} N*m and velocity {} rad/s is above the torque–speed curve of its hardware",
         percent(outside),
@@ -170,7 +170,7 @@ fn outside_box(facts: &ModelFacts, k: usize) -> Judgement {
     );
     let mut remark = about(k, facts, velocity, message).against(fact, "torque–speed curve");
     if let Some(backing) = &mut remark.backing {
-        backing.allows = format!("{} N*m at {} rad/s", number(Hardware::torque_at(points, v)), number(v));
+        backing.allows = format!("{} N*m at {} rad/s", number(on_curve(points, v)), number(v));
     }
     (remark.value, remark.bound, remark.unit) = (Some(outside), Some(0.01), "1");
     remark.help = Some(match corner {
