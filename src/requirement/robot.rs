@@ -11,7 +11,7 @@ use super::gear_map::GearMap;
 use super::limits::Limits;
 use super::objective::{Balancing, Objective};
 use super::turns::{Turns, Windings};
-use crate::catalog::{Motor, is_named, matches_pattern};
+use crate::catalog::{Module, Motor, is_named, matches_pattern};
 use crate::input::{InputFile, Source};
 use crate::motion::Motion;
 
@@ -164,13 +164,19 @@ impl Filter {
     /// Whether a motor may be chosen: by its id, or by its maker in letters of either case.
     pub fn allows(&self, motor: &Motor) -> bool {
         let is = |pattern: &String| Filter::matches(pattern, motor);
-        if motor.inside.is_some() {
-            return self.modules.iter().any(is) && !self.excluded.iter().any(is);
+        if let Some(inside) = motor.inside.as_deref() {
+            return self.takes(&inside.module);
         }
         !self.only_modules
             && self.turns.allow(motor)
             && (self.allowed.is_empty() || self.allowed.iter().any(is))
             && !self.excluded.iter().any(is)
+    }
+
+    /// Whether a module may be chosen.
+    pub fn takes(&self, module: &Module) -> bool {
+        let is = |pattern: &String| module.matches(pattern);
+        self.modules.iter().any(is) && !self.excluded.iter().any(is)
     }
 
     /// Whether a motor is passed over without a word: a winding that is none of this joint, a module where none is asked for, or a

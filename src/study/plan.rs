@@ -63,6 +63,9 @@ pub struct Plan {
     pub catalog: Vec<Hashed>,
     /// Ids of the catalogue's motors, in order.
     pub motors: Vec<String>,
+    /// Ids of the catalogue's modules, in order.
+    #[serde(default)]
+    pub modules: Vec<String>,
     /// Number of requirement files.
     pub requirements: u64,
     /// SHA-256 of the list of their names.
@@ -82,6 +85,11 @@ impl Plan {
             numeric: p.numbers.is_some(),
         };
         grid.parameters.iter().map(planned).collect()
+    }
+
+    /// Ids of what may be chosen, in the order of the letters of a record: motors, then modules.
+    pub fn choices(&self) -> impl Iterator<Item = &String> {
+        self.motors.iter().chain(&self.modules)
     }
 
     /// Number of points of the grid.
@@ -135,7 +143,7 @@ impl Plan {
         if self.settings.estimates != other.settings.estimates {
             return Some("it was begun with another `--no-estimates`".into());
         }
-        if self.catalog != other.catalog || self.motors != other.motors {
+        if self.catalog != other.catalog || self.motors != other.motors || self.modules != other.modules {
             let changed = other.catalog.iter().find(|f| !self.catalog.contains(f));
             let changed = changed.or_else(|| self.catalog.iter().find(|f| !other.catalog.contains(f)));
             return Some(match changed {

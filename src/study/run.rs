@@ -107,6 +107,7 @@ fn begin(study: &Study, out: &Path, existing: Existing) -> Result<Option<Journal
         grid: Plan::planned(&study.inputs.grid),
         catalog: study.catalog_files.clone(),
         motors: study.catalog.motors.iter().map(|m| m.id.clone()).collect(),
+        modules: study.catalog.modules.iter().map(|m| m.id.clone()).collect(),
         requirements,
         list_sha256,
         robots: requirements.checked_mul(study.inputs.grid.points()).filter(|n| *n <= limits::ROBOTS).ok_or_else(

@@ -108,8 +108,10 @@ impl Gatherer {
             let gathered = self.joint(plan, &joint.name);
             gathered.robots += 1;
             let mut choice = FirstChoice::NONE;
-            for (motor, letter) in joint.motors.chars().enumerate() {
-                let standing = Standing::of(letter).unwrap_or(Standing::Unknown);
+            // What is asked of nothing any more is not written.
+            let letters = joint.motors.chars().map(Some).chain(std::iter::repeat(None)).take(plan.choices().count());
+            for (motor, letter) in letters.enumerate() {
+                let standing = letter.and_then(Standing::of).unwrap_or(Standing::Unknown);
                 if standing == Standing::First {
                     let loss = joint.rows.first().and_then(|row| row.get(loss_at)?.parse().ok());
                     choice = FirstChoice { loss: loss.unwrap_or(f64::NAN), motor: motor as u32 };
@@ -137,7 +139,7 @@ impl Gatherer {
         let name = if self.places.contains_key(name) || self.places.len() < MOST_JOINTS { name } else { OTHERS };
         let place = *self.places.entry(name.to_string()).or_insert(self.joints.len());
         if place == self.joints.len() {
-            let standings = vec![[0; 6]; plan.motors.len()];
+            let standings = vec![[0; 6]; plan.choices().count()];
             self.joints.push(Gathered { name: name.into(), standings, ..Gathered::default() });
         }
         &mut self.joints[place]
@@ -151,7 +153,7 @@ impl Gatherer {
     /// The summary.
     pub fn finish(self, plan: &Plan, effects: Vec<Effect>) -> Summary {
         let joints = self.joints.into_iter().map(|joint| {
-            let motors = plan.motors.iter().zip(&joint.standings).map(|(motor, counts)| {
+            let motors = plan.choices().zip(&joint.standings).map(|(motor, counts)| {
                 let [first, among, behind, cannot, not_asked, unjudged] = *counts;
                 let among = first + among;
                 MotorSummary { motor: motor.clone(), first, among, can: among + behind, cannot, unjudged, not_asked }

@@ -10,7 +10,7 @@ use super::columns;
 use super::grid::Grid;
 use super::plan::Settings;
 use crate::actuator::estimate::completed_module;
-use crate::catalog::{Catalog, Motor};
+use crate::catalog::{Catalog, Module, Motor};
 use crate::design::answer::{JointResult, Says};
 use crate::design::balance::balanced;
 use crate::design::loads::Loads;
@@ -47,7 +47,8 @@ pub struct Record {
 pub struct JointRecord {
     /// Its name.
     pub name: String,
-    /// What is known of each motor of the catalogue, one letter each: see [`Standing`].
+    /// What is known of each motor of the catalogue, then of each module, one letter each: see [`Standing`]. Behind the last letter
+    /// nothing is known.
     pub motors: String,
     /// Its rows of the results.
     pub rows: Vec<Vec<String>>,
@@ -348,8 +349,21 @@ fn standings_of_robot(choice: &Choice, joint: usize, catalog: &Catalog) -> Strin
     for apart in choice.unjudged.iter().filter(|apart| std::ptr::eq(apart.joint, of)) {
         standing.entry(apart.motor.row_id()).or_insert(Standing::Unjudged);
     }
-    let letter = |motor: &Motor| standing.get(motor.id.as_str()).copied().unwrap_or(Standing::Unknown).letter();
-    catalog.motors.iter().map(letter).collect()
+    letters(&standing, catalog, |_| Standing::Unknown, |_| Standing::Unknown)
+}
+
+/// The letters of motors and modules, of what is not in a table by what it is there.
+fn letters(
+    standing: &HashMap<&str, Standing>,
+    catalog: &Catalog,
+    of_motor: impl Fn(&Motor) -> Standing,
+    of_module: impl Fn(&Module) -> Standing,
+) -> String {
+    let letter = |id: &String, else_: Standing| standing.get(id.as_str()).copied().unwrap_or(else_).letter();
+    let motors = catalog.motors.iter().map(|motor| letter(&motor.id, of_motor(motor)));
+    let modules = catalog.modules.iter().map(|module| letter(&module.id, of_module(module)));
+    let all: String = motors.chain(modules).collect();
+    all.trim_end_matches(Standing::Unknown.letter()).to_string()
 }
 
 /// What is known of every motor, a letter each: of several windings of one that which does best.
@@ -372,8 +386,10 @@ fn standings(joint: &JointResult, catalog: &Catalog) -> String {
     for (motor, _) in joint.pruned.iter().flat_map(|p| &p.not_solved) {
         standing.entry(motor.row_id()).or_insert(Standing::Unknown);
     }
-    // What was solved, can do it and is not listed stands behind.
-    catalog.motors.iter().map(|m| standing.get(m.id.as_str()).copied().unwrap_or(Standing::Behind).letter()).collect()
+    // What was solved, can do it and is not listed stands behind; what the joint does not ask for was not.
+    let behind = |asked: bool| if asked { Standing::Behind } else { Standing::Unknown };
+    let asked = &joint.joint.motors;
+    letters(&standing, catalog, |_| behind(!asked.only_modules), |module| behind(asked.takes(module)))
 }
 
 impl Broken {

@@ -91,3 +91,38 @@ fn what_is_no_module_is_one_clear_error_and_what_is_not_known_is_not_exported() 
     // Without its inertia it has no S_M, least of all 0.
     assert!(line.is_none_or(|line| !line.contains(" 0 ")), "{line:?}");
 }
+
+#[test]
+fn a_study_chooses_modules_and_says_impossible_only_where_it_is() {
+    let folder = folder(LEG);
+    fs::write(
+        folder.path().join("study.toml"),
+        "requirements = [\"leg.toml\"]\n[grid]\n\"bus.voltage\" = [\"10 V\", \"36 V\", \"48 V\"]\n",
+    )
+    .unwrap();
+    let ran = run(&folder, &["study", "study.toml", "--out", "out"]);
+    assert_eq!(ran.status, 0, "{}", ran.err);
+    let text = flat(&ran.out);
+    // At 10 V none gets to the speed.
+    assert!(text.contains("3 robots, in 1 of them no motor"), "{text}");
+    assert!(text.contains("robstride-rs04"), "{text}");
+    let summary: Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("out/summary.json")).unwrap()).unwrap();
+    let joint = &summary["joints"][0];
+    let motors = joint["motors"].as_array().unwrap();
+    let of = |id: &str| motors.iter().find(|m| m["motor"] == id);
+    assert_eq!(of("robstride-rs04").unwrap()["first"], 2);
+    // Motors are not asked for: none of them can do it or cannot.
+    assert!(motors.iter().all(|m| m["motor"].as_str().unwrap().starts_with("robstride-")), "{motors:?}");
+    // One robot of the study is what `optimize` says.
+    let alone = optimize(LEG, &["--csv"]).out;
+    let results = fs::read_to_string(folder.path().join("out/results.csv")).unwrap();
+    let loss = |text: &str, at: usize| -> String {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let column = reader.headers().unwrap().iter().position(|h| h == "loss_w").unwrap();
+        let motor = reader.headers().unwrap().iter().position(|h| h == "motor").unwrap();
+        let rows: Vec<_> = reader.records().map(Result::unwrap).filter(|r| &r[motor] == "robstride-rs04").collect();
+        rows[at][column].to_string()
+    };
+    assert_eq!(loss(&alone, 0), loss(&results, 1));
+}
