@@ -133,9 +133,11 @@ fn exported<'a>(
 ) -> Result<Exported<'a>, Failure> {
     // A simulator takes every number for true.
     if let Some(inside) = motor.inside.as_deref() {
+        let says_speed = inside.says_power() || inside.module.no_load_speed().is_some();
         let lacks = match (inside.says_currents(), inside.says_inertia) {
             (false, _) => Some("its row does not say what its currents are"),
             (true, false) => Some("its own inertia is not known, and a simulator would take none"),
+            (true, true) if !says_speed => Some("how fast it turns is not known"),
             (true, true) => None,
         };
         if let Some(why) = lacks {

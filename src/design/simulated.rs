@@ -5,6 +5,7 @@
 //! no place in that equation is listed with the reason, never dropped.
 
 use crate::actuator::limits::Candidate;
+use crate::catalog::module::{BUILT_IN, Inside};
 use crate::effects::{EFFECTS, Effect, SimulatorField};
 
 /// A largest value and whose limit it is.
@@ -51,10 +52,8 @@ pub struct SimulatedJoint {
     pub speed_at_motor_torque: Option<f64>,
     /// Torque constant \[N·m/A\] on the q axis.
     pub torque_constant: f64,
-    /// Gear efficiency when the motor drives, η.
-    pub efficiency: f64,
-    /// Gear efficiency when the load drives, η_b.
-    pub backdrive_efficiency: f64,
+    /// Gear efficiencies when the motor drives, η, and when the load drives, η_b; `None` for a module whose row does not say them.
+    pub efficiencies: Option<(f64, f64)>,
     /// What has no place at a simulator's joint.
     pub left_out: Vec<LeftOut>,
 }
@@ -79,11 +78,13 @@ impl SimulatedJoint {
             speed: largest_speed(candidate, ratio),
             speed_at_motor_torque: None,
             torque_constant: candidate.actuator.torque_constant,
-            efficiency: candidate.gear.efficiency,
-            backdrive_efficiency: candidate.gear.backdrive_efficiency,
+            efficiencies: inside(candidate)
+                .is_none_or(|inside| inside.gear_loss.is_some())
+                .then_some((candidate.gear.efficiency, candidate.gear.backdrive_efficiency)),
             left_out: Vec::new(),
         };
-        joint.speed_at_motor_torque = joint.motor_torque.map(|torque| speed_at_torque(candidate, torque.value) / ratio);
+        joint.speed_at_motor_torque =
+            joint.motor_torque.and_then(|torque| speed_at_torque(candidate, torque.value, ratio));
         for effect in EFFECTS {
             let declared = motor.declared(*effect);
             let fitted = motor.effects.iter().filter(|f| f.name() == effect.name()).map(|f| f.values.clone());
@@ -149,17 +150,21 @@ impl SimulatedJoint {
 
     fn leave_out_the_gear(&mut self, candidate: &Candidate) {
         let number = crate::words::number;
-        if self.efficiency != 1.0 || self.backdrive_efficiency != 1.0 {
-            let what =
-                format!("gear efficiency {}, backwards {}", number(self.efficiency), number(self.backdrive_efficiency));
+        if let Some((efficiency, backwards)) = self.efficiencies.filter(|both| *both != (1.0, 1.0)) {
+            let what = format!("gear efficiency {}, backwards {}", number(efficiency), number(backwards));
             let loss = self.effort().map_or_else(String::new, |effort| {
                 format!(
                     ": of {} N*m at most {} N*m reach a load that the motor drives",
                     number(effort.value),
-                    number(effort.value * self.efficiency)
+                    number(effort.value * efficiency)
                 )
             });
             self.leave_out(what, format!("a joint has no loss in proportion to the load{loss}"));
+        }
+        if let Some(inside) = inside(candidate).filter(|inside| inside.gear_loss.is_none() && !inside.loss_in_constant)
+        {
+            let why = "the module's row does not say it: less than N K_T i may arrive at the output";
+            self.leave_out(format!("loss of the gear of {}", inside.module.id), why);
         }
         let Some(gear) = candidate.catalog_gear else { return };
         if let Some(backlash) = gear.backlash {
@@ -174,7 +179,7 @@ impl SimulatedJoint {
                 "it needs a body for the rotor and a joint of its own",
             );
         }
-        if gear.inertia.is_none() {
+        if gear.inertia.is_none() && gear.id != BUILT_IN {
             self.leave_out("gear inertia", "the catalogue does not say it; the armature is the rotor's alone");
         }
     }
@@ -188,13 +193,31 @@ impl SimulatedJoint {
                 number(speed)
             )
         });
-        self.leave_out(
-            "torque that falls with speed",
-            format!(
-                "the voltage ends all torque at {} rad/s{peak}",
-                number(candidate.voltage() / motor.emf_constant() / self.ratio)
+        match inside(candidate) {
+            Some(inside) => self.leave_out(
+                "torque that falls with speed",
+                match inside.module.driving_curve.as_slice() {
+                    [] => format!("without load it turns with {} rad/s{peak}", number(self.speed.value)),
+                    curve => {
+                        let point = |[speed, torque]: &[f64; 2]| format!("{} : {}", number(*speed), number(*torque));
+                        let points = curve.iter().map(point).collect::<Vec<_>>().join(", ");
+                        let volt = inside
+                            .module
+                            .sheet
+                            .voltage
+                            .map_or_else(String::new, |v| format!(" at {} V", number(v.value)));
+                        format!("rad/s : N*m of its row{volt} are {points}{peak}")
+                    }
+                },
             ),
-        );
+            None => self.leave_out(
+                "torque that falls with speed",
+                format!(
+                    "the voltage ends all torque at {} rad/s{peak}",
+                    number(candidate.voltage() / motor.emf_constant() / self.ratio)
+                ),
+            ),
+        }
         match motor.inductance {
             Some(inductance) => self.leave_out(
                 format!("electrical time constant {} ms", number(1e3 * inductance / motor.resistance)),
@@ -223,6 +246,15 @@ fn told(effect: &dyn Effect, values: &[f64]) -> String {
     format!("{}: {} with {}", effect.name(), effect.equation(), parts.collect::<Vec<_>>().join(", "))
 }
 
+fn inside<'c>(candidate: &Candidate<'c>) -> Option<&'c Inside> {
+    candidate.motor.inside.as_deref()
+}
+
+/// What a module's row lets it give, as the motor's: its ratings are those of the flange, with its losses in them.
+fn of_module(candidate: &Candidate, ratio: f64, rating: impl Fn(&Inside) -> Option<f64>) -> Option<Bound> {
+    Some(Bound { value: rating(inside(candidate)?)? / ratio, owner: "module" })
+}
+
 fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
     bounds.into_iter().flatten().min_by(|a, b| a.value.total_cmp(&b.value))
 }
@@ -241,7 +273,8 @@ fn peak_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     // At standstill the voltage drives no more than V/R.
     let stall = shortfall.left_of_current(candidate.voltage() / candidate.motor.resistance, 1.0);
     let voltage = Some(Bound { value: actuator.torque_constant * stall, owner: "voltage at standstill" });
-    least([current, torque, gear, voltage])
+    let module = of_module(candidate, ratio, |inside| inside.module.largest_torque());
+    least([module, current, torque, gear, voltage])
 }
 
 /// Torque at the motor that can be held for ever, by current, torque, temperature or gear.
@@ -251,22 +284,36 @@ fn continuous_torque(candidate: &Candidate, ratio: f64) -> Option<Bound> {
     let torque = candidate.motor.continuous_torque.map(|t| Bound { value: t, owner: "motor" });
     let heat = candidate.thermal_current().map(|(i, _)| Bound { value: i * per_ampere, owner: "winding temperature" });
     let gear = candidate.gear.continuous_torque.map(|t| Bound { value: t / ratio, owner: "gear" });
-    least([current, torque, heat, gear])
+    let module = of_module(candidate, ratio, |inside| inside.module.sheet.rated_torque.map(|p| p.value));
+    least([module, current, torque, heat, gear])
 }
 
-/// Largest speed at the output: the voltage's without load, the motor's, the gear's.
+/// Largest speed at the output: the voltage's without load, the motor's, the gear's, the module's.
 fn largest_speed(candidate: &Candidate, ratio: f64) -> Bound {
     let voltage =
         Bound { value: candidate.voltage() / candidate.motor.emf_constant() / ratio, owner: "voltage without load" };
     let motor = candidate.motor.max_speed.map(|s| Bound { value: s / ratio, owner: "motor" });
     let gear = candidate.gear.max_input_speed.map(|s| Bound { value: s / ratio, owner: "gear" });
-    least([motor, gear]).filter(|b| b.value < voltage.value).unwrap_or(voltage)
+    let says_emf = inside(candidate).is_none_or(|inside| inside.says_power());
+    let volt = candidate.robot.bus.voltage;
+    let module = of_module(candidate, 1.0, |inside| inside.module.no_load_speed_at(volt));
+    least([Some(voltage).filter(|_| says_emf), motor, gear, module]).unwrap_or(voltage)
+}
+
+/// Speed at the output up to which a torque \[N·m\] at the motor can be had \[rad/s\]: of the curve of a module's row and of the voltage;
+/// `None` where a module's row says neither.
+fn speed_at_torque(candidate: &Candidate, torque: f64, ratio: f64) -> Option<f64> {
+    let inside = inside(candidate);
+    let by_voltage =
+        inside.is_none_or(|inside| inside.says_power()).then(|| speed_by_voltage(candidate, torque) / ratio);
+    let of_curve = inside.and_then(|inside| inside.module.speed_at_torque(torque * ratio, candidate.robot.bus.voltage));
+    by_voltage.into_iter().chain(of_curve).reduce(f64::min)
 }
 
 /// Motor speed up to which the voltage suffices for a torque, steady state \[rad/s\]:
 /// `(R i + K_B ω)² + (p L i ω)² = V²`, solved for ω ≥ 0, with R of the hottest winding that may be and of drive and leads; zero
 /// where not even standstill has the voltage. Where the supply sags, V is what this takes leaves of it.
-fn speed_at_torque(candidate: &Candidate, torque: f64) -> f64 {
+fn speed_by_voltage(candidate: &Candidate, torque: f64) -> f64 {
     let current = candidate.actuator.shortfall.peak_current(torque);
     let motor = candidate.motor;
     let resistance = candidate.actuator.resistance_per_torque() * candidate.actuator.torque_constant;

@@ -255,7 +255,7 @@ fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
         _ => &module.driving_curve,
     };
     let of_curve = sheet.voltage.map(|p| p.value);
-    let no_load = sheet.no_load_speed.map(|p| p.value).or_else(|| module.end_of_curve());
+    let no_load = module.no_load_speed();
     // With less voltage there is less speed.
     let missing = match (of_curve, no_load) {
         (Some(of_curve), Some(no_load)) if volt < of_curve => no_load * (1.0 - volt / of_curve),

@@ -75,6 +75,9 @@ impl Module {
             let factor = self.refers.current?.torque_current(Commutation::Brushless);
             Some(Printed::exact(p?.value * factor))
         };
+        let at_motor = |printed: Option<Printed>, power| {
+            unknown(self.at_output(printed, self.refers.friction_side, power).map(|f| f / ratio.powi(power)))
+        };
         let row = MotorRow {
             id: self.id.clone(),
             manufacturer: self.manufacturer.clone(),
@@ -102,6 +105,10 @@ impl Module {
                 outer_diameter: sheet.outer_diameter,
                 length: sheet.length.filter(|_| sheet.outer_diameter.is_some()),
                 peak_current: of_current(sheet.peak_current),
+                no_load_current: of_current(sheet.no_load_current),
+                no_load_speed: unknown(sheet.no_load_current.and(self.no_load_speed()).map(|speed| speed * ratio)),
+                coulomb_friction: at_motor(sheet.dynamic_friction, 1),
+                viscous_friction: at_motor(sheet.viscous_friction, 2),
                 thermal_resistance_winding_housing: sheet.thermal_resistance_winding_housing,
                 thermal_resistance_housing_ambient: sheet.thermal_resistance_housing_ambient,
                 thermal_time_constant_winding: sheet.thermal_time_constant_winding,
@@ -119,6 +126,7 @@ impl Module {
             torque_constant: blank(motor.torque_constant),
             back_emf_constant: blank(motor.back_emf_constant),
             peak_current: motor.peak_current.filter(|_| inside.says_currents()),
+            no_load_torque: motor.no_load_torque.filter(|_| inside.says_currents()),
             inside: Some(Arc::new(inside)),
             ..motor
         }

@@ -216,6 +216,45 @@ impl Module {
         self.driving_curve.last().filter(|point| point[1] == 0.0).map(|point| point[0])
     }
 
+    /// Its speed without load at the voltage of its row \[rad/s\]: printed, or where its curve ends.
+    pub fn no_load_speed(&self) -> Option<f64> {
+        self.sheet.no_load_speed.map(|p| p.value).or_else(|| self.end_of_curve())
+    }
+
+    /// Its speed without load at a bus voltage \[rad/s\]: less voltage has less speed, more has no more than is printed.
+    pub fn no_load_speed_at(&self, volt: f64) -> Option<f64> {
+        let share = self.sheet.voltage.map_or(1.0, |printed| (volt / printed.value).min(1.0));
+        Some(self.no_load_speed()? * share)
+    }
+
+    /// The largest torque that its row lets it give \[N·m\]: its peak, else that of its curve, else that at standstill.
+    pub fn largest_torque(&self) -> Option<f64> {
+        let value = |p: Option<crate::catalog::Printed>| p.map(|p| p.value);
+        let of_curve = || self.driving_curve.iter().map(|point| point[1]).reduce(f64::max);
+        value(self.sheet.peak_torque).or_else(of_curve).or(value(self.sheet.stall_torque))
+    }
+
+    /// The speed up to which its driving curve gives a torque at a bus voltage \[rad/s\], zero where it nowhere does; `None`
+    /// where it has no curve, or where nobody knows what less voltage leaves of it.
+    pub fn speed_at_torque(&self, torque: f64, volt: f64) -> Option<f64> {
+        let lost = match self.no_load_speed() {
+            Some(free) => free - self.no_load_speed_at(volt)?,
+            None if self.sheet.voltage.is_none_or(|printed| volt >= printed.value) => 0.0,
+            None => return None,
+        };
+        let last = self.driving_curve.iter().rposition(|point| point[1] >= torque);
+        let speed = match last {
+            None if self.driving_curve.is_empty() => return None,
+            None => 0.0,
+            Some(k) => {
+                let [speed, above] = self.driving_curve[k];
+                let behind = self.driving_curve.get(k + 1);
+                speed + behind.map_or(0.0, |[next, below]| (next - speed) * (above - torque) / (above - below))
+            }
+        };
+        Some((speed - lost).max(0.0))
+    }
+
     /// Reduction of its gear, N.
     pub fn ratio(&self) -> f64 {
         self.sheet.ratio.map_or(f64::NAN, |printed| printed.value)

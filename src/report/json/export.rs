@@ -80,10 +80,10 @@ pub struct OfJoint<'a> {
     pub velocity_by: &'static str,
     /// Largest speed at the largest torque.
     pub velocity_at_effort_rad_per_s: Option<f64>,
-    /// Efficiency of the gear while it drives.
-    pub gear_efficiency: f64,
-    /// Efficiency of the gear while it is driven.
-    pub gear_backdrive_efficiency: f64,
+    /// Efficiency of the gear while it drives; `null` for a module whose row does not say it.
+    pub gear_efficiency: Option<f64>,
+    /// Efficiency of the gear while it is driven; likewise.
+    pub gear_backdrive_efficiency: Option<f64>,
     /// The logs that the motor was fitted from; `null` for a catalogue row.
     pub fitted_from: Option<Vec<Fit<'a>>>,
     /// What a simulator cannot be told.
@@ -160,8 +160,8 @@ impl<'a> OfJoint<'a> {
             velocity_rad_per_s: s.speed.value,
             velocity_by: s.speed.owner,
             velocity_at_effort_rad_per_s: s.speed_at_motor_torque,
-            gear_efficiency: s.efficiency,
-            gear_backdrive_efficiency: s.backdrive_efficiency,
+            gear_efficiency: s.efficiencies.map(|(efficiency, _)| efficiency),
+            gear_backdrive_efficiency: s.efficiencies.map(|(_, backwards)| backwards),
             fitted_from: e.motor.fit.as_ref().map(|fit| fit.provenance.iter().map(log).collect()),
             left_out: s.left_out.iter().map(|l| LeftOut { what: &l.what, why: &l.why }).collect(),
         }

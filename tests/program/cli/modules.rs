@@ -6,6 +6,9 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use super::folder::{Ran, run};
+use gearwise::catalog::module::on_curve;
+use gearwise::catalog::{Catalog, Printed};
+
 use super::json::published;
 
 const LEG: &str = r#"name = "leg"
@@ -125,4 +128,46 @@ fn a_study_chooses_modules_and_says_impossible_only_where_it_is() {
         rows[at][column].to_string()
     };
     assert_eq!(loss(&alone, 0), loss(&results, 1));
+}
+
+/// Every shipped module that can be exported, through every joint of a plain requirement.
+#[test]
+fn an_exported_module_is_no_stronger_and_no_faster_than_its_row_and_the_model_check_finds_nothing() {
+    let catalog = Catalog::builtin().expect("reads");
+    let (mut exported, mut refused) = (0, 0);
+    for module in &catalog.modules {
+        let here = folder(LEG);
+        let done = run(&here, &["export", &module.id, "leg.toml", "--to", "json"]);
+        if done.status == 2 {
+            assert!(done.err.contains("cannot be exported"), "{}: {}", module.id, done.err);
+            refused += 1;
+            continue;
+        }
+        exported += 1;
+        let json: Value = serde_json::from_str(&done.out).expect("JSON");
+        let joint = &json["joints"][0];
+        let said = |key: &str| joint[key].as_f64();
+        let row = |printed: Option<Printed>| printed.map_or(f64::INFINITY, |p| p.value * (1.0 + 1e-9));
+        let effort = said("effort_nm").expect("an effort");
+        assert!(effort <= row(module.sheet.peak_torque), "{}: {effort}", module.id);
+        let held = said("continuous_effort_nm").unwrap_or(0.0);
+        assert!(held <= row(module.sheet.rated_torque), "{}: {held}", module.id);
+        let speed = said("velocity_rad_per_s").expect("a speed");
+        assert!(speed <= row(module.sheet.no_load_speed), "{}: {speed}", module.id);
+        let of_curve = said("velocity_at_effort_rad_per_s").map(|at| on_curve(&module.driving_curve, at));
+        assert!(
+            module.driving_curve.is_empty() || of_curve.is_some_and(|most| most >= effort * (1.0 - 1e-9)),
+            "{}",
+            module.id
+        );
+
+        let urdf = run(&here, &["export", &module.id, "leg.toml", "--to", "urdf"]).out;
+        fs::write(here.path().join("robot.urdf"), urdf).expect("writes");
+        let hardware = format!("[[joint]]\nnames = [\"*\"]\nmodule = \"{}\"\nvoltage = \"48 V\"\n", module.id);
+        fs::write(here.path().join("hardware.toml"), hardware).expect("writes");
+        let checked = run(&here, &["check-model", "robot.urdf", "--against", "hardware.toml"]);
+        assert!(checked.status != 2, "{}: {}", module.id, checked.err);
+        assert!(!checked.out.contains("error["), "{}: {}", module.id, checked.out);
+    }
+    assert!(exported >= 30 && refused >= 30, "{exported} {refused}");
 }
