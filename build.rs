@@ -7,7 +7,7 @@ use std::{env, fs};
 fn main() {
     let root = env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");
     let mut files = Vec::new();
-    for kind in ["motors", "gears", "modules"] {
+    for kind in ["alternatives", "gears", "modules", "motors"] {
         let folder = Path::new(&root).join("catalogs").join(kind);
         println!("cargo::rerun-if-changed={}", folder.display());
         let entries = fs::read_dir(&folder).expect("the catalogue folders exist");

@@ -92,15 +92,16 @@ pub fn audit(catalog: &Catalog) -> Vec<Finding> {
     };
     let motors = catalog.motors.iter().flat_map(of_row);
     let gears = catalog.gears.iter().flat_map(audit_gear);
-    let modules = catalog.modules.iter().flat_map(|module| audit_module(module, &catalog.modules, &catalog.motors));
+    let of_module = |module| audit_module(module, &catalog.modules, &catalog.motors, &catalog.alternatives);
+    let modules = catalog.modules.iter().flat_map(of_module);
     motors.chain(gears).chain(modules).collect()
 }
 
 /// Runs every check over one motor.
 pub fn audit_motor(motor: &Motor) -> Vec<Finding> {
     // Of a module its own row is audited.
-    if motor.inside.is_some() {
-        return Vec::new();
+    if let Some(inside) = &motor.inside {
+        return inside.findings.clone();
     }
     let outcomes = CHECKS.iter().filter_map(|check| Some((check.code, (check.run)(motor)?)));
     // What is looked at beside other rows is not known here.

@@ -6,6 +6,7 @@
 
 mod about;
 pub mod add;
+pub mod alternative;
 pub mod audit;
 pub mod convention;
 pub mod difference;
@@ -32,6 +33,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use about::{About, Construction, PeakTorqueOf};
+pub use alternative::Alternative;
 pub use fitted::{Fit, Provenance, read_fitted};
 pub use gear::{
     ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, is_named,
@@ -56,6 +58,8 @@ pub struct Catalog {
     pub gears: Vec<Gear>,
     /// The modules.
     pub modules: Vec<Module>,
+    /// What other sources say of numbers of rows, by id and column.
+    pub alternatives: Vec<Alternative>,
     /// Rows that are no free choice and can be named: see [`Catalog::free`].
     pub aside: Vec<Motor>,
     origin: Origin,
@@ -171,6 +175,7 @@ impl Catalog {
     pub fn from_sources(sources: Vec<Arc<Source>>) -> Result<Catalog, Vec<InputError>> {
         let mut catalog = Catalog::default();
         let mut errors = Vec::new();
+        let mut written = Vec::new();
         let mut motor_homes: HashMap<String, String> = HashMap::new();
         let mut gear_homes: HashMap<String, String> = HashMap::new();
         for source in &sources {
@@ -194,12 +199,20 @@ impl Catalog {
                     catalog.motors.extend(rows.motors);
                     catalog.gears.extend(rows.gears);
                     catalog.modules.extend(rows.modules);
+                    written.push((source.clone(), rows.alternatives));
                 }
                 Err(error) => errors.push(error),
             }
         }
         errors.extend(sources.iter().flat_map(|source| wrong_twins(source, &catalog.motors)));
         errors.extend(sources.iter().flat_map(|source| wrong_insides(source, &catalog)));
+        // Without all rows, an alternative may seem to be of none.
+        if errors.is_empty() {
+            match alternative::resolve(written, &catalog) {
+                Ok(alternatives) => catalog.alternatives = alternatives,
+                Err(more) => errors.extend(more),
+            }
+        }
         if !errors.is_empty() {
             return Err(errors);
         }

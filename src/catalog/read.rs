@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::Arc;
 
+use super::alternative;
 use super::fitted;
 use super::gear::Gear;
 use super::module::Module;
@@ -24,6 +25,7 @@ pub(super) struct Rows {
     pub(super) motors: Vec<Motor>,
     pub(super) gears: Vec<Gear>,
     pub(super) modules: Vec<Module>,
+    pub(super) alternatives: Vec<alternative::Written>,
 }
 
 /// A kind of catalogue file.
@@ -42,7 +44,20 @@ pub(super) struct FileKind {
 }
 
 /// Every kind of file; the first whose header fits, so that the last takes what no other does.
-pub(super) const KINDS: &[FileKind] = &[MODULES, GEARS, MOTORS];
+pub(super) const KINDS: &[FileKind] = &[ALTERNATIVES, MODULES, GEARS, MOTORS];
+
+const ALTERNATIVES: FileKind = FileKind {
+    folder: "alternatives",
+    table: "alternative",
+    with: &["column", "value"],
+    without: &[],
+    columns: alternative::columns,
+    read: |cells, rows| {
+        rows.alternatives.extend(alternative::read(cells));
+        // A row has as many as there are.
+        None
+    },
+};
 
 const MODULES: FileKind = FileKind {
     folder: "modules",

@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 
 use super::progress::Telling;
 use super::written::Ruled;
@@ -11,7 +12,7 @@ use crate::design::options::Options;
 use crate::design::outlook::outlooks;
 use crate::design::pareto::fronts;
 use crate::design::robot::{self, choose};
-use crate::design::robust::{assume_tolerance, robust};
+use crate::design::robust::{Taken, assume_tolerance, robust, take_alternatives};
 use crate::input::Source;
 use crate::output::write_whole;
 use crate::report::optimize as report;
@@ -58,6 +59,9 @@ pub struct Arguments {
     /// Tolerance (±, 95 %) of every number whose row states none, e.g. 5%, with --robust; temperatures have none
     #[arg(long, value_name = "PERCENT", requires = "robust", allow_hyphen_values = true)]
     tolerance: Option<String>,
+    /// Take the ends of what all sources print of a module's numbers as their ±, with --robust
+    #[arg(long, value_name = "HOW", requires = "robust", value_parser = PossibleValuesParser::new(["worst"]))]
+    alternatives: Option<String>,
     /// How many ratios along each motor's front, with --pareto
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
@@ -166,6 +170,9 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     if let Some(share) = tolerance {
         assume_tolerance(&mut catalog.motors, share);
     }
+    if arguments.alternatives.is_some() {
+        take_alternatives(&mut catalog);
+    }
     super::check_patterns(&robot, &catalog)?;
     let plain = robot;
     let writes = arguments.write_design.is_some();
@@ -207,10 +214,11 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         work.end();
         let satisfied = joints.iter().all(|j| !j.designs.is_empty());
         let inputs = || [robot.files(), catalog.files()].concat();
+        let taken = Taken { tolerance, alternatives: arguments.alternatives.is_some() };
         arguments.html.write(call, inputs, || html::robust::page(robot, &joints))?;
         let text = arguments.output.choose(
-            || super::told_set(robot) + &robust_report::text(robot, &joints, arguments.top.unwrap_or(TOP), tolerance),
-            || json::robust::json(robot, &joints, tolerance),
+            || super::told_set(robot) + &robust_report::text(robot, &joints, arguments.top.unwrap_or(TOP), &taken),
+            || json::robust::json(robot, &joints, &taken),
             || robust_report::csv(&joints),
         );
         return Ok(Done { text, satisfied });

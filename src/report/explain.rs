@@ -7,6 +7,7 @@ use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{currents, heat_or, number, optimum_ratio, optional};
 use crate::actuator::metrics::{METRICS, Shown};
+use crate::catalog::alternative::lines;
 use crate::catalog::audit::{audit_motor, conventions_line};
 use crate::design::answer::Reason;
 use crate::design::evaluate::Margin;
@@ -122,6 +123,11 @@ pub fn text(story: &Explanation) -> String {
     for finding in audit_motor(story.motor) {
         out.push_str(&paragraph(&format!("audit [{}]: {}", finding.code, finding.message), 2, 4));
     }
+    let elsewhere = story.motor.inside.as_deref().map_or_else(Vec::new, |inside| lines(&inside.alternatives));
+    if !elsewhere.is_empty() {
+        out.push_str(&paragraph("Other sources say (not computed with; `catalog show` names them):", 2, 4));
+    }
+    elsewhere.iter().for_each(|line| out.push_str(&paragraph(line, 4, 6)));
     out
 }
 

@@ -10,7 +10,7 @@ use super::table::{Column, Table, paragraph};
 use super::{csv_number, design_ratio, number, optimum_ratio};
 use crate::design::answer::{Design, JointResult};
 use crate::design::program::Certificate;
-use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES, Toleranced, standard_error};
+use crate::design::robust::{RobustDesign, RobustJoint, SAMPLES, Taken, Toleranced, standard_error};
 use crate::requirement::Robot;
 
 /// What stands beside a motor whose row has no tolerance.
@@ -30,18 +30,29 @@ pub(super) fn tolerances_text(all: &[Toleranced]) -> String {
     }
     let one = |t: &Toleranced| match t.value {
         0.0 => format!("{} ± {}", t.column, number(t.tolerance)),
-        value => format!("{} ± {:.1} %", t.column, 100.0 * t.tolerance / value),
+        value => match t.published {
+            Some([low, high]) => {
+                let [low, high] = [low, high].map(|end| 100.0 * (end / value - 1.0));
+                format!("{} {low:+.1} % to {high:+.1} % as published", t.column)
+            }
+            None => format!("{} ± {:.1} %", t.column, 100.0 * t.tolerance / value),
+        },
     };
     all.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// For people; `assumed` is the tolerance of numbers whose rows state none.
-pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize, assumed: Option<f64>) -> String {
+/// For people.
+pub fn text(robot: &Robot, joints: &[RobustJoint], top: usize, taken: &Taken) -> String {
     let heading = format!("{}: designs that keep all limits over the tolerances of the motors", robot.name);
     let mut out = paragraph(&heading, 0, 2);
-    if let Some(share) = assumed {
+    if let Some(share) = taken.tolerance {
         let line = "of every number whose row states no tolerance, temperatures apart";
         out.push_str(&paragraph(&format!("assumed: ± {} % {line}", number(100.0 * share)), 2, 4));
+    }
+    if taken.alternatives {
+        let line = "taken as ±: the ends of what several sources print of a module's number, where they say side and \
+                    convention and no other number of the row contradicts them";
+        out.push_str(&paragraph(line, 2, 4));
     }
     for joint in joints {
         out.push('\n');

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use super::audit::audit_module;
 use super::inside::{BUILT_IN, Depth, Inside};
 use super::overload::Response;
-use super::{Module, Side, TorqueLoss};
+use super::{MODULE_FIELDS, Module, Side, TorqueLoss};
+use crate::catalog::alternative::Alternative;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
 use crate::catalog::gear::GearKind;
 use crate::catalog::module::constants::EfficiencyFrom;
@@ -19,7 +21,9 @@ impl Module {
         let depth = self.depth();
         let row = |id: &str| catalog.motors.iter().chain(&catalog.aside).find(|m| m.id == id);
         let pair = row(&self.motor).zip(catalog.gears.iter().find(|g| g.id == self.gear));
-        let response = self.sheet.rated_torque.and_then(|rated| Response::fit(rated.value, &self.overload));
+        let response = self.response();
+        let alternatives: Vec<Alternative> = catalog.alternatives_of(&self.id).cloned().collect();
+        let findings = audit_module(self, &catalog.modules, &catalog.motors, &alternatives);
         if let (Depth::Inside, Some((motor, gear))) = (depth, pair) {
             let inside = Inside {
                 module: self.clone(),
@@ -30,10 +34,16 @@ impl Module {
                 gear_loss: gear.efficiency.map(|_| EfficiencyFrom::Row),
                 loss_in_constant: false,
                 response,
+                findings,
+                alternatives,
+                published: Vec::new(),
             };
             return Motor { id: self.id.clone(), inside: Some(Arc::new(inside)), ..motor.clone() };
         }
-        self.by_constants(depth, response)
+        let motor = self.by_constants(depth, response);
+        let inside =
+            motor.inside.as_deref().map(|inside| Arc::new(Inside { findings, alternatives, ..inside.clone() }));
+        Motor { inside, ..motor }
     }
 
     fn by_constants(&self, depth: Depth, response: Option<Response>) -> Motor {
@@ -69,15 +79,25 @@ impl Module {
             gear_loss: constants.efficiency.map(|(_, from)| from),
             loss_in_constant,
             response,
+            findings: Vec::new(),
+            alternatives: Vec::new(),
+            published: Vec::new(),
         };
-        let unknown = |value: Option<f64>| value.map(Printed::exact);
+        let spread = constants.spread;
+        let known = |value: Option<f64>, spread: Option<f64>| {
+            value.map(|value| Printed { value, tolerance: spread.map(|share| share * value.abs()) })
+        };
         let of_current = |p: Option<Printed>| {
             let factor = self.refers.current?.torque_current(Commutation::Brushless);
-            Some(Printed::exact(p?.value * factor))
+            known(Some(p?.value * factor), p?.relative_tolerance())
         };
+        let like = |value, printed: Option<Printed>| known(value, printed.and_then(|p| p.relative_tolerance()));
         let at_motor = |printed: Option<Printed>, power| {
-            unknown(self.at_output(printed, self.refers.friction_side, power).map(|f| f / ratio.powi(power)))
+            like(self.at_output(printed, self.refers.friction_side, power).map(|f| f / ratio.powi(power)), printed)
         };
+        let back_emf_constant = constants.back_emf_constant.map(|k| k / ratio);
+        // Of one number there is one.
+        let is_one = constants.back_emf_constant == constants.torque_constant;
         let row = MotorRow {
             id: self.id.clone(),
             manufacturer: self.manufacturer.clone(),
@@ -96,17 +116,20 @@ impl Module {
             },
             pole_pairs: self.pole_pairs,
             sheet: Sheet {
-                resistance: Some(Printed::exact(constants.resistance.unwrap_or(1.0))),
-                inductance: unknown(constants.inductance),
-                torque_constant: Some(Printed::exact(constants.torque_constant.map_or(1.0, |k| k / ratio))),
-                back_emf_constant: unknown(constants.back_emf_constant.map(|k| k / ratio)),
-                rotor_inertia: unknown(constants.inertia.map(|j| j / (ratio * ratio))),
+                resistance: like(Some(constants.resistance.unwrap_or(1.0)), sheet.resistance),
+                inductance: like(constants.inductance, sheet.inductance),
+                torque_constant: known(
+                    Some(constants.torque_constant.map_or(1.0, |k| k / ratio)),
+                    spread.torque_constant,
+                ),
+                back_emf_constant: known(back_emf_constant.filter(|_| !is_one), spread.back_emf_constant),
+                rotor_inertia: like(constants.inertia.map(|j| j / (ratio * ratio)), sheet.armature),
                 mass: sheet.mass,
                 outer_diameter: sheet.outer_diameter,
                 length: sheet.length.filter(|_| sheet.outer_diameter.is_some()),
                 peak_current: of_current(sheet.peak_current),
                 no_load_current: of_current(sheet.no_load_current),
-                no_load_speed: unknown(sheet.no_load_current.and(self.no_load_speed()).map(|speed| speed * ratio)),
+                no_load_speed: known(sheet.no_load_current.and(self.no_load_speed()).map(|speed| speed * ratio), None),
                 coulomb_friction: at_motor(sheet.dynamic_friction, 1),
                 viscous_friction: at_motor(sheet.viscous_friction, 2),
                 thermal_resistance_winding_housing: sheet.thermal_resistance_winding_housing,
@@ -119,17 +142,73 @@ impl Module {
             },
             ..MotorRow::default()
         };
-        let motor = row.motor().expect("resistance and torque constant are there");
-        let blank = |value: f64| if inside.says_currents() { value } else { f64::NAN };
+        row.motor().expect("resistance and torque constant are there").around(Arc::new(inside))
+    }
+}
+
+impl Motor {
+    /// The motor as that of a module: what the module's row does not say is no number.
+    fn around(self, inside: Arc<Inside>) -> Motor {
+        let says = inside.says_currents();
+        let blank = |value: f64| if says { value } else { f64::NAN };
         Motor {
-            resistance: blank(motor.resistance),
-            torque_constant: blank(motor.torque_constant),
-            back_emf_constant: blank(motor.back_emf_constant),
-            peak_current: motor.peak_current.filter(|_| inside.says_currents()),
-            no_load_torque: motor.no_load_torque.filter(|_| inside.says_currents()),
-            inside: Some(Arc::new(inside)),
-            ..motor
+            resistance: blank(self.resistance),
+            torque_constant: blank(self.torque_constant),
+            back_emf_constant: blank(self.back_emf_constant),
+            peak_current: self.peak_current.filter(|_| says),
+            no_load_torque: self.no_load_torque.filter(|_| says),
+            inside: Some(inside),
+            ..self
         }
+    }
+
+    /// The motor inside the same module as another one, with other ratings of the module.
+    #[must_use]
+    pub fn inside_of(self, other: &Motor, ratings: &[(&'static str, f64)]) -> Motor {
+        match &other.inside {
+            None => self,
+            Some(inside) if ratings.is_empty() => self.around(inside.clone()),
+            Some(inside) => {
+                let module = inside.module.with_ratings(ratings);
+                // With the rated torque goes the whole table: the answer in shares of it is the same.
+                let rated = module.sheet.rated_torque.map(|p| p.value);
+                let response = inside.response.clone().zip(rated).map(|(answer, rated)| Response { rated, ..answer });
+                self.around(Arc::new(Inside { module, response, ..Inside::clone(inside) }))
+            }
+        }
+    }
+}
+
+impl Module {
+    /// How its winding answers, from its overload table.
+    fn response(&self) -> Option<Response> {
+        self.sheet.rated_torque.and_then(|rated| Response::fit(rated.value, &self.overload))
+    }
+
+    /// The module with other ratings. Its curves go with its peak torque and its speed without load, its overload table with its
+    /// rated torque.
+    #[must_use]
+    pub fn with_ratings(&self, ratings: &[(&'static str, f64)]) -> Module {
+        let mut module = self.clone();
+        let mut share = |name: &str, known: Option<f64>| {
+            let new = ratings.iter().find(|(column, _)| *column == name).map(|(_, value)| *value);
+            if let (Some(field), Some(value)) = (MODULE_FIELDS.iter().find(|f| f.name == name), new) {
+                (field.set)(&mut module.sheet, Printed::exact(value));
+            }
+            new.zip(known).map_or(1.0, |(new, known)| new / known)
+        };
+        let value = |p: Option<Printed>| p.map(|p| p.value);
+        let torque = share("peak_torque", self.largest_torque());
+        share("stall_torque", None);
+        let speed = share("no_load_speed", self.no_load_speed());
+        let rated = share("rated_torque", value(self.sheet.rated_torque));
+        for curve in [&mut module.driving_curve, &mut module.braking_curve] {
+            curve.iter_mut().for_each(|[at, most]| (*at, *most) = (*at * speed, *most * torque));
+        }
+        for table in [&mut module.overload, &mut module.overload_stall] {
+            table.iter_mut().for_each(|[most, _]| *most *= rated);
+        }
+        module
     }
 }
 

@@ -2,12 +2,13 @@
 //! reading that does is named.
 
 use super::overload::{BENDS, bends};
-use super::{Module, RatedPower, TorqueLoss, on_curve};
+use super::{MODULE_FIELDS, Module, RatedPower, TorqueLoss, on_curve};
+use crate::catalog::alternative::{Alternative, Spread, spreads};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention};
 use crate::catalog::finding::{Audited, Finding, Outcome, Severity};
 use crate::catalog::row::Side;
 use crate::catalog::{Motor, Printed};
-use crate::words::number;
+use crate::words::{number, with_unit};
 
 /// One comparison of redundant numbers.
 pub struct ModuleCheck {
@@ -23,6 +24,7 @@ struct Of<'c> {
     module: &'c Module,
     all: &'c [Module],
     motors: &'c [Motor],
+    alternatives: &'c [Alternative],
 }
 
 impl<'c> Of<'c> {
@@ -92,11 +94,16 @@ pub const MODULE_CHECKS: &[ModuleCheck] = &[
         run: rated_point,
     },
     ModuleCheck { code: "module-siblings", compares: "K_T/N and J/N² of rows of one family: the same", run: siblings },
+    ModuleCheck {
+        code: "module-alternatives",
+        compares: "what several sources print of one number: within their ±, or within 1.2 times",
+        run: alternatives,
+    },
 ];
 
 /// Runs every check over one module.
-pub fn audit_module(module: &Module, all: &[Module], motors: &[Motor]) -> Vec<Finding> {
-    let of = Of { module, all, motors };
+pub fn audit_module(module: &Module, all: &[Module], motors: &[Motor], alternatives: &[Alternative]) -> Vec<Finding> {
+    let of = Of { module, all, motors, alternatives };
     let outcomes = MODULE_CHECKS.iter().filter_map(|check| Some((check.code, (check.run)(&of)?)));
     let accepts = module.accepted_findings.iter().map(String::as_str).collect();
     let row = Audited { id: &module.id, accepts, note: &module.note };
@@ -406,4 +413,26 @@ fn siblings(of: &Of) -> Option<Outcome> {
         }
     }
     None
+}
+
+/// By how many times published numbers of one thing may differ.
+const SPREAD: f64 = 1.2;
+
+fn alternatives(of: &Of) -> Option<Outcome> {
+    let apart = |spread: &Spread| {
+        let [least, most] = spread.ends;
+        spread.disagree && (least <= 0.0 || most / least > SPREAD)
+    };
+    let spreads = spreads(of.module, of.alternatives);
+    let told = |spread: &Spread| {
+        let [least, most] = spread.ends;
+        let field = MODULE_FIELDS.iter().find(|f| f.name == spread.column);
+        let unit = field.map_or("1", |f| f.kind.si);
+        let times = if least > 0.0 { format!(", {} times", number(most / least)) } else { String::new() };
+        let (least, most) = (number(least), with_unit(most, unit));
+        format!("`{}`: {} published numbers are between {least} and {most}{times}", spread.column, spread.compared)
+    };
+    let told: Vec<String> = spreads.iter().filter(|spread| apart(spread)).map(told).collect();
+    let explanation = "`gearwise catalog show` prints them with their sources; the row's own number counts".to_string();
+    if told.is_empty() { None } else { note(told.join("; "), Some(explanation)) }
 }

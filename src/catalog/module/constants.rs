@@ -24,6 +24,17 @@ pub struct Constants {
     pub efficiency: Option<(f64, EfficiencyFrom)>,
     /// Efficiency of the gear when the load drives, where the row says it.
     pub backdrive_efficiency: Option<f64>,
+    /// ± of the two constants as shares, where the number that they come from has one.
+    pub spread: Spread,
+}
+
+/// ± of constants as shares of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Spread {
+    /// Of the torque constant.
+    pub torque_constant: Option<f64>,
+    /// Of the back-EMF constant.
+    pub back_emf_constant: Option<f64>,
 }
 
 /// How a module's gear efficiency is known.
@@ -84,6 +95,16 @@ impl Module {
         let nominal = at_flange.filter(|_| !measured);
         let back_emf_constant = by_emf.or(nominal).or(by_speed);
         let value = |p: Option<Printed>| p.map(|p| p.value);
+        let share = |of: Option<f64>, printed: Option<Printed>| of.and(Some(printed?.relative_tolerance()));
+        let of_emf = || share(by_emf, sheet.back_emf_constant).or(share(by_speed, sheet.speed_constant));
+        let of_torque = |known| share(known, sheet.torque_constant);
+        let spread = Spread {
+            torque_constant: of_torque(nominal).or_else(of_emf).or_else(|| of_torque(at_flange)).flatten(),
+            back_emf_constant: share(by_emf, sheet.back_emf_constant)
+                .or_else(|| of_torque(nominal))
+                .or_else(of_emf)
+                .flatten(),
+        };
         let from_constants =
             || Some((at_flange.filter(|_| measured)? / by_emf.or(by_speed)?, EfficiencyFrom::TorqueConstant));
         let efficiency = value(sheet.efficiency)
@@ -100,6 +121,7 @@ impl Module {
             inertia: self.at_output(sheet.armature, refers.armature_side, 2),
             efficiency,
             backdrive_efficiency: value(sheet.backdrive_efficiency),
+            spread,
         }
     }
 

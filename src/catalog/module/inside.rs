@@ -3,6 +3,8 @@
 use super::Module;
 use super::constants::EfficiencyFrom;
 use super::overload::Response;
+use crate::catalog::alternative::Alternative;
+use crate::catalog::finding::Finding;
 use crate::catalog::gear::Gear;
 
 /// Id that the gear of a module has in answers, where it is no row of its own.
@@ -17,6 +19,17 @@ pub enum Depth {
     Constants,
     /// Motor and gear are rows of the catalogue.
     Inside,
+}
+
+/// The ends of what sources say of a number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Published {
+    /// Its column: of the motor's sheet, or of the module's.
+    pub column: &'static str,
+    /// Whether it is a rating of the module.
+    pub is_rating: bool,
+    /// The least and the largest, SI.
+    pub ends: [f64; 2],
 }
 
 /// What is inside a module.
@@ -38,6 +51,12 @@ pub struct Inside {
     pub loss_in_constant: bool,
     /// How its winding answers to torque, from the overload table.
     pub response: Option<Response>,
+    /// What the audit finds in its row.
+    pub findings: Vec<Finding>,
+    /// What other sources say of its numbers.
+    pub alternatives: Vec<Alternative>,
+    /// Ends of what all sources say, where they are asked for.
+    pub published: Vec<Published>,
 }
 
 impl Inside {

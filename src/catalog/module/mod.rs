@@ -11,7 +11,7 @@ pub mod inside;
 pub mod overload;
 mod sheet;
 
-pub use inside::{BUILT_IN, Depth, Inside};
+pub use inside::{BUILT_IN, Depth, Inside, Published};
 pub use sheet::{MODULE_FIELDS, ModuleSheet};
 
 use super::convention::{BackEmfConvention, CurrentConvention, SpeedConstantConvention, Terminals, Winding, has_words};

@@ -274,7 +274,7 @@ macro_rules! identity {
 use identity;
 
 /// The value of a word.
-fn find<T: Copy>(names: &[(&'static str, T)], word: &str) -> Option<T> {
+pub(super) fn find<T: Copy>(names: &[(&'static str, T)], word: &str) -> Option<T> {
     names.iter().find(|(name, _)| *name == word).map(|(_, value)| *value)
 }
 

@@ -1,8 +1,9 @@
 use clap::Args;
 
 use super::{Done, Failure, Which};
-use crate::catalog::Catalog;
 use crate::catalog::filter::search;
+use crate::catalog::module::audit::audit_module;
+use crate::catalog::{Alternative, Catalog};
 use crate::report::catalog::card::{self, Card};
 use crate::report::catalog::module::module_text;
 use crate::report::{json, json_text};
@@ -28,25 +29,28 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let id = arguments.id.as_str();
     let motor = catalog.motors.iter().find(|m| m.id == id);
     let gear = catalog.gears.iter().find(|g| g.id == id);
+    let elsewhere: Vec<&Alternative> = catalog.alternatives_of(id).collect();
     let mut texts = Vec::new();
     if let Some(motor) = motor {
         let card = Card::new(&catalog, motor);
         texts.push(match arguments.json {
-            true => json_text(&json::catalog::motor_shown(&card)),
-            false => card::motor_text(&card),
+            true => json_text(&json::catalog::motor_shown(&card, &elsewhere)),
+            false => card::motor_text(&card) + &card::elsewhere_text(&elsewhere),
         });
     }
     // A gear may have the id of a motor.
     if let Some(gear) = gear.filter(|_| texts.is_empty() || !arguments.json) {
         texts.push(match arguments.json {
-            true => json_text(&json::catalog::gear_shown(gear)),
-            false => card::gear_text(gear),
+            true => json_text(&json::catalog::gear_shown(gear, &elsewhere)),
+            false => card::gear_text(gear) + &card::elsewhere_text(&elsewhere),
         });
     }
     if let Some(module) = catalog.modules.iter().find(|m| m.id == id).filter(|_| texts.is_empty()) {
+        let alternatives: Vec<Alternative> = elsewhere.iter().copied().cloned().collect();
+        let findings = audit_module(module, &catalog.modules, &catalog.motors, &alternatives);
         texts.push(match arguments.json {
-            true => json_text(&json::catalog::module_shown(module, Vec::new())),
-            false => module_text(module),
+            true => json_text(&json::catalog::module_shown(module, &findings, &elsewhere)),
+            false => module_text(module, &findings) + &card::elsewhere_text(&elsewhere),
         });
     }
     if texts.is_empty() {

@@ -39,24 +39,34 @@ pub fn standard_error(share: f64) -> f64 {
 }
 
 /// A random motor within its tolerances: each ± is the 95 % interval (two standard deviations) of an
-/// independent normal error of the logarithm, as in the metrics. A number that is zero, half a normal one.
+/// independent normal error of the logarithm, as in the metrics. A number that is zero, half a normal one; between what several
+/// sources print, the logarithm is anywhere.
 fn sample(motor: &Motor, all: &[Toleranced], generator: &mut Pcg64) -> Option<Motor> {
-    let numbers: Vec<(&'static str, f64)> = all
+    let numbers: Vec<(Toleranced, f64)> = all
         .iter()
         .map(|t| {
             let z = normal(generator);
             let deviation = 0.5 * t.tolerance;
-            let value = if t.value == 0.0 { deviation * z.abs() } else { t.value * (deviation / t.value * z).exp() };
-            (t.column, value)
+            let value = match t.published {
+                _ if t.value == 0.0 => deviation * z.abs(),
+                // Between what sources print none is likelier.
+                Some([low, high]) => low * (high / low).powf(uniform(generator)),
+                None => t.value * (deviation / t.value * z).exp(),
+            };
+            (*t, value)
         })
         .collect();
     with_numbers(motor, numbers.into_iter())
 }
 
+/// A number between zero and one.
+fn uniform(generator: &mut Pcg64) -> f64 {
+    ((generator.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53)
+}
+
 /// A standard normal number (Box and Muller).
 fn normal(generator: &mut Pcg64) -> f64 {
-    let mut uniform = || ((generator.next_u64() >> 11) as f64 + 0.5) * 2.0_f64.powi(-53);
-    let (a, b) = (uniform(), uniform());
+    let (a, b) = (uniform(generator), uniform(generator));
     (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 

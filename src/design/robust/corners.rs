@@ -1,7 +1,9 @@
 //! The box of a motor's tolerances: its corners, and which of them a limit needs.
 
 use crate::actuator::limits::{Depends, Limit};
-use crate::catalog::{FIELDS, Field, Motor, Printed};
+use crate::catalog::audit::Severity;
+use crate::catalog::module::{Inside, MODULE_FIELDS, ModuleSheet, Published};
+use crate::catalog::{Alternative, Catalog, FIELDS, Field, Motor, Printed};
 use crate::design::Prepared;
 use crate::design::program::Limited;
 use crate::units::TEMPERATURE;
@@ -66,15 +68,22 @@ const COLUMNS: &[(&str, Part, Worst)] = &[
     ("length", Part::Rating, Worst::High),
 ];
 
+/// The ratings of a module that limits depend on. Its curves and its overload table go with them.
+const RATINGS: &[&str] = &["peak_torque", "stall_torque", "rated_torque", "no_load_speed"];
+
 /// A number of the sheet with a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Toleranced {
     /// Column of the catalogue.
     pub column: &'static str,
+    /// Whether it is a rating of a module, at its flange.
+    pub is_rating: bool,
     /// The printed number, SI, in the sheet's convention.
     pub value: f64,
-    /// Its ±, in the same unit.
+    /// Its ±, in the same unit: the larger one of both sides.
     pub tolerance: f64,
+    /// The ends of what several sources print, where they are taken.
+    pub published: Option<[f64; 2]>,
     part: Part,
     worst: Worst,
 }
@@ -82,18 +91,28 @@ pub struct Toleranced {
 impl Toleranced {
     /// The ends of the tolerance; what cannot be negative ends at zero.
     fn ends(&self) -> [f64; 2] {
-        [(self.value - self.tolerance).max(0.0), self.value + self.tolerance]
+        self.published.unwrap_or([(self.value - self.tolerance).max(0.0), self.value + self.tolerance])
     }
 
     /// Whether zero is out of the question for the number, and the tolerance reaches it.
     fn reaches_zero(&self) -> bool {
         let may_be_zero = matches!(self.part, Part::Inductance | Part::Friction);
-        !may_be_zero && self.tolerance >= self.value
+        !may_be_zero && self.ends()[0] <= 0.0
     }
 }
 
 fn field(column: &str) -> &'static Field {
     FIELDS.iter().find(|f| f.name == column).expect("a column of the sheet")
+}
+
+fn rating(column: &str) -> &'static Field<ModuleSheet> {
+    MODULE_FIELDS.iter().find(|f| f.name == column).expect("a column of the sheet")
+}
+
+/// Whether a column of the motor's sheet is a number that somebody knows: of a module whose row says no constants it is none.
+fn is_known(motor: &Motor, column: &str) -> bool {
+    let says = motor.inside.as_deref().is_none_or(Inside::says_currents);
+    says || !["resistance", "torque_constant", "peak_current"].contains(&column)
 }
 
 /// The numbers of a motor that have a tolerance, as far as limits depend on them.
@@ -102,40 +121,127 @@ pub fn toleranced(motor: &Motor) -> Vec<Toleranced> {
     let counts = |column: &str| match column {
         "speed_constant" => sheet.back_emf_constant.is_none(),
         "inductance" => motor.inductance.is_some(),
-        _ => true,
+        column => is_known(motor, column),
+    };
+    let ends = |column: &str, is_rating: bool| {
+        let all = &motor.inside.as_deref()?.published;
+        all.iter().find(|p| p.column == column && p.is_rating == is_rating).map(|p| p.ends)
+    };
+    let one = |column: &'static str, is_rating: bool, printed: Printed, part: Part, worst: Worst| {
+        let Printed { value, tolerance } = printed;
+        let published = ends(column, is_rating).map(|[low, high]| {
+            let of_row = tolerance.unwrap_or(0.0);
+            [low.min(value - of_row).max(0.0), high.max(value + of_row)]
+        });
+        let tolerance = published.map_or(tolerance, |[low, high]| Some((value - low).max(high - value)));
+        let tolerance = tolerance.filter(|t| *t > 0.0)?;
+        Some(Toleranced { column, is_rating, value, tolerance, published, part, worst })
     };
     let of = |(column, part, worst): &(&'static str, Part, Worst)| {
-        let printed = (field(column).get)(sheet)?;
-        let tolerance = printed.tolerance.filter(|t| *t > 0.0)?;
-        counts(column).then_some(Toleranced { column, value: printed.value, tolerance, part: *part, worst: *worst })
+        let printed = (field(column).get)(sheet).filter(|_| counts(column))?;
+        one(column, false, printed, *part, *worst)
     };
-    COLUMNS.iter().filter_map(of).collect()
+    let of_module = |column: &&'static str| {
+        let printed = (rating(column).get)(&motor.inside.as_deref()?.module.sheet)?;
+        one(column, true, printed, Part::Rating, Worst::Low)
+    };
+    COLUMNS.iter().filter_map(of).chain(RATINGS.iter().filter_map(of_module)).collect()
+}
+
+/// Takes the ends of what all sources print of a module's numbers as their ±. A number that contradicts others of its row, by
+/// what the audit finds, does not count.
+pub fn take_alternatives(catalog: &mut Catalog) {
+    let wrong = |motor: &Motor| -> Vec<&'static str> {
+        let findings = motor.inside.iter().flat_map(|inside| &inside.findings);
+        findings.filter(|f| f.severity == Severity::Error).map(|f| f.code).collect()
+    };
+    let all: Vec<Vec<Published>> = catalog
+        .motors
+        .iter()
+        .map(|motor| {
+            let Some(inside) = motor.inside.as_deref() else { return Vec::new() };
+            let own = wrong(motor);
+            let other = |alternative: &Alternative| {
+                let printed = alternative.as_in(&inside.module)?;
+                let mut module = inside.module.clone();
+                let field = MODULE_FIELDS.iter().find(|f| f.name == alternative.column)?;
+                (field.get)(&module.sheet)?;
+                // The ends of its own ±.
+                let tolerance = printed.tolerance.unwrap_or(0.0);
+                let ends = [printed.value - tolerance, printed.value + tolerance].map(|value| {
+                    (field.set)(&mut module.sheet, Printed { value, tolerance: None });
+                    module.as_motor(catalog)
+                });
+                (!ends.iter().any(|end| wrong(end).iter().any(|code| !own.contains(code)))).then_some(ends)
+            };
+            let others: Vec<Motor> = inside.alternatives.iter().filter_map(other).flatten().collect();
+            let ends = |is_rating: bool, column: &'static str, of: &dyn Fn(&Motor) -> Option<f64>| {
+                let own = of(motor)?;
+                let all = others.iter().filter_map(of).fold([own, own], |[low, high], v| [low.min(v), high.max(v)]);
+                (all != [own, own]).then_some(Published { column, is_rating, ends: all })
+            };
+            let of_sheet = COLUMNS.iter().filter_map(|(column, ..)| {
+                ends(false, column, &|of: &Motor| (field(column).get)(&of.sheet).map(|p| p.value))
+            });
+            let of_module = RATINGS.iter().filter_map(|column| {
+                ends(true, column, &|of: &Motor| {
+                    (rating(column).get)(&of.inside.as_deref()?.module.sheet).map(|p| p.value)
+                })
+            });
+            of_sheet.chain(of_module).collect()
+        })
+        .collect();
+    for (motor, published) in catalog.motors.iter_mut().zip(all) {
+        if let Some(inside) = motor.inside.as_mut().filter(|_| !published.is_empty()) {
+            std::sync::Arc::make_mut(inside).published = published;
+        }
+    }
 }
 
 /// Gives each number of the sheets that limits depend on, and that states no tolerance, one of this share of it. Temperatures
 /// are left as they are: a share of kelvin says nothing.
 pub fn assume_tolerance(motors: &mut [Motor], share: f64) {
+    let assumed = |printed: Option<Printed>| {
+        let printed = printed.filter(|p| p.tolerance.is_none())?;
+        Some(Printed { tolerance: Some(share * printed.value.abs()), ..printed })
+    };
     for motor in motors {
         for (column, ..) in COLUMNS {
             let field = field(column);
-            let Some(printed) = (field.get)(&motor.sheet) else { continue };
-            if printed.tolerance.is_none() && field.kind.name != TEMPERATURE.name {
-                let tolerance = Some(share * printed.value.abs());
-                (field.set)(&mut motor.sheet, Printed { value: printed.value, tolerance });
+            let printed = (field.get)(&motor.sheet).filter(|_| field.kind.name != TEMPERATURE.name);
+            if let Some(printed) = assumed(printed).filter(|_| is_known(motor, column)) {
+                (field.set)(&mut motor.sheet, printed);
+            }
+        }
+        let Some(inside) = &mut motor.inside else { continue };
+        let module = &mut std::sync::Arc::make_mut(inside).module;
+        // What its curve alone says has a ± too.
+        let (most, free) = (module.largest_torque(), module.no_load_speed());
+        let sheet = &mut module.sheet;
+        sheet.peak_torque = sheet.peak_torque.or(most.map(Printed::exact));
+        sheet.no_load_speed = sheet.no_load_speed.or(free.map(Printed::exact));
+        for column in RATINGS {
+            let field = rating(column);
+            if let Some(printed) = assumed((field.get)(&module.sheet)) {
+                (field.set)(&mut module.sheet, printed);
             }
         }
     }
 }
 
-/// The same motor with other numbers in its sheet; `None` where they make no motor.
-pub(super) fn with_numbers(motor: &Motor, numbers: impl Iterator<Item = (&'static str, f64)>) -> Option<Motor> {
+/// The same motor with other numbers in its sheet, or in the ratings of the module that it is in; `None` where they make no motor.
+pub(super) fn with_numbers(motor: &Motor, numbers: impl Iterator<Item = (Toleranced, f64)>) -> Option<Motor> {
     let mut sheet = motor.sheet.clone();
-    for (column, value) in numbers {
-        (field(column).set)(&mut sheet, Printed { value, tolerance: None });
+    let mut ratings = Vec::new();
+    for (of, value) in numbers {
+        match of.is_rating {
+            true => ratings.push((of.column, value)),
+            false => (field(of.column).set)(&mut sheet, Printed { value, tolerance: None }),
+        }
     }
     let other = Motor::new(motor.identity(), motor.conventions, sheet, motor.pole_pairs).ok()?;
     // What the sheet does not have, of another row of it or estimated, has no tolerance.
-    let other = other.filled_from(motor);
+    let other = other.filled_from(motor).inside_of(motor, &ratings);
     Some(Motor { effects: motor.effects.clone(), fitted_gear: motor.fitted_gear, fit: motor.fit.clone(), ..other })
 }
 
@@ -168,7 +274,7 @@ pub fn corners(motor: &Motor) -> Result<Vec<Corner>, &'static str> {
             Worst::Either => free.iter().position(|f| *f == i).is_some_and(|place| bits >> place & 1 == 1),
         };
         let ends: Vec<(&'static str, bool)> = (0..all.len()).map(|i| (all[i].column, upper(i))).collect();
-        let numbers = (0..all.len()).map(|i| (all[i].column, all[i].ends()[usize::from(upper(i))]));
+        let numbers = (0..all.len()).map(|i| (all[i], all[i].ends()[usize::from(upper(i))]));
         let parts = all.iter().map(|t| (t.part, t.worst)).collect();
         Some(Corner { motor: with_numbers(motor, numbers)?, ends, parts })
     };
@@ -204,6 +310,8 @@ fn needs(limit: &Limit, corner: &Corner, motor: &Motor) -> bool {
             (Depends::Power, Part::Resistance) => Some(true),
             (Depends::Power | Depends::PowerBack, Part::Constant) => None,
             (Depends::Inertia, Part::RotorInertia) => Some(true),
+            // What a module has to give at its flange has its own inertia in it.
+            (Depends::Rating, Part::RotorInertia) if motor.inside.is_some() => None,
             _ => Some(false),
         };
         *worst != Worst::Either || end.is_none_or(|end| end == *upper)

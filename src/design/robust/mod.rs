@@ -36,7 +36,16 @@ use crate::requirement::Robot;
 
 pub use boxed::best_robust;
 pub use chance::{CONTENDERS, Contender, SAMPLES, standard_error};
-pub use corners::{Corner, Toleranced, assume_tolerance, corners, toleranced};
+/// What is taken for ± beside those of the rows.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Taken {
+    /// The ± of numbers whose rows state none, as a share.
+    pub tolerance: Option<f64>,
+    /// Whether the ends of what all sources print are.
+    pub alternatives: bool,
+}
+
+pub use corners::{Corner, Toleranced, assume_tolerance, corners, take_alternatives, toleranced};
 
 /// A design that keeps its limits over the whole box of tolerances.
 #[derive(Debug, Clone)]

@@ -8,8 +8,8 @@ use crate::catalog::convention::{Commutation, Winding, word};
 use crate::catalog::estimate::Estimate;
 use crate::catalog::row::{Convention, Field, Row, States};
 use crate::catalog::{
-    Catalog, Construction, ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor, PeakTorqueOf,
-    SourceKind,
+    Alternative, Catalog, Construction, ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor,
+    PeakTorqueOf, SourceKind,
 };
 use crate::report::audit::word as severity;
 use crate::report::number;
@@ -247,15 +247,38 @@ pub fn motor_text(card: &Card) -> String {
     for assumed in motor.assumptions.iter() {
         out.push_str(&paragraph(&format!("Assumed: {assumed}."), 2, 6));
     }
-    titled(&mut out, "Audit");
-    if card.findings.is_empty() {
+    audit_text(&mut out, &card.findings);
+    out
+}
+
+/// What the audit finds in a row.
+pub(super) fn audit_text(out: &mut String, findings: &[Finding]) {
+    titled(out, "Audit");
+    if findings.is_empty() {
         out.push_str(&paragraph("nothing is found", 2, 6));
     }
-    for finding in &card.findings {
+    for finding in findings {
         let text = format!("{} [{}] {}", severity(finding), finding.code, finding.message);
         out.push_str(&paragraph(&text, 2, 6));
         if let Some(why) = &finding.explanation {
             out.push_str(&paragraph(&format!("→ {why}"), 6, 8));
+        }
+    }
+}
+
+/// What other sources say of the numbers of a row, with their sources; nothing where there are none.
+pub fn elsewhere_text(alternatives: &[&Alternative]) -> String {
+    let mut out = String::new();
+    if alternatives.is_empty() {
+        return out;
+    }
+    titled(&mut out, "What other sources say (not computed with)");
+    for a in alternatives {
+        let from = [a.source.as_str(), a.source_date.as_str()].join(", ");
+        let from = sourced(from.trim_end_matches(", "), a.source_kind);
+        out.push_str(&paragraph(&format!("{}: {}; {from}", a.column, a.said()), 2, 6));
+        if !a.note.is_empty() {
+            out.push_str(&paragraph(&a.note, 6, 6));
         }
     }
     out

@@ -1,7 +1,8 @@
 //! The card of a module.
 
-use super::card::{line, number_row, numbers_table, sourced, titled};
+use super::card::{audit_text, line, number_row, numbers_table, sourced, titled};
 use crate::catalog::Module;
+use crate::catalog::audit::Finding;
 use crate::catalog::module::{Depth, Drive, MODULE_FIELDS};
 use crate::catalog::row::{Holds, Row, text};
 use crate::report::number;
@@ -49,7 +50,7 @@ pub fn module_lacks(module: &Module) -> Vec<(&'static str, &'static str)> {
 }
 
 /// The card, for people.
-pub fn module_text(module: &Module) -> String {
+pub fn module_text(module: &Module, findings: &[Finding]) -> String {
     let mut out = paragraph(&module.id, 0, 2);
     let name = [module.manufacturer.as_str(), module.model.as_str()].join(" ");
     let drive = match module.drive {
@@ -103,5 +104,6 @@ pub fn module_text(module: &Module) -> String {
     if lacks.is_empty() {
         out.push_str(&paragraph("nothing that a limit asks for", 2, 6));
     }
+    audit_text(&mut out, findings);
     out
 }

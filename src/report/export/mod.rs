@@ -9,7 +9,7 @@ pub mod patch;
 pub mod urdf;
 
 use crate::actuator::limits::Remark;
-use crate::catalog::{Gear, Motor};
+use crate::catalog::{Gear, Motor, alternative};
 use crate::design::simulated::SimulatedJoint;
 use crate::report::json;
 use crate::report::unjudged::sentence;
@@ -107,6 +107,9 @@ fn comment_lines(origin: &Origin, joints: &[Exported], not_here: impl Fn(&Export
             let hash = log.sha256.as_deref().map_or_else(String::new, |h| format!(", SHA-256 {h}"));
             lines.push(format!("  fitted from {}{hash}", log.log));
         }
+        let elsewhere =
+            e.motor.inside.as_deref().map_or_else(Vec::new, |inside| alternative::lines(&inside.alternatives));
+        lines.extend(elsewhere.into_iter().map(|line| format!("  other sources say of {line}")));
         if !e.broken.is_empty() {
             lines.push(format!("  NOT FEASIBLE: breaks {}", e.broken.join(", ")));
         }

@@ -7,10 +7,11 @@ use serde_json::Value;
 use super::document;
 use super::motors::AuditRemark;
 use crate::actuator::estimate::builtin_laws;
+use crate::catalog::audit::Finding;
 use crate::catalog::convention::{Winding, word};
 use crate::catalog::difference::{Became, Cell, Change, Difference};
 use crate::catalog::row::{Holds, MotorRow, Row as CatalogRow};
-use crate::catalog::{Gear, Module, Motor};
+use crate::catalog::{Alternative, Gear, Module, Motor, SourceKind};
 use crate::report::catalog::card::{Card, gear_lacks};
 use crate::report::catalog::diff::counts;
 use crate::report::catalog::list::Listing;
@@ -184,6 +185,9 @@ pub struct Shown<'a> {
     pub assumptions: Vec<&'a str>,
     /// What the audit found.
     pub audit: Vec<AuditRemark>,
+    /// What other sources say of its numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub alternatives: Vec<Published<'a>>,
 }
 
 /// A number in a convention.
@@ -230,7 +234,7 @@ pub struct Estimated {
 }
 
 /// A motor's card.
-pub fn motor_shown(card: &Card) -> Value {
+pub fn motor_shown(card: &Card, elsewhere: &[&Alternative]) -> Value {
     let lacks = card.lacks.iter().map(|(lack, estimate)| Lacking {
         lacks: lack.name,
         prevents: lack.prevents,
@@ -259,12 +263,13 @@ pub fn motor_shown(card: &Card) -> Value {
         same_motor: card.twins.clone(),
         assumptions: card.motor.assumptions.clone(),
         audit: card.findings.iter().cloned().map(AuditRemark::from).collect(),
+        alternatives: published(elsewhere),
     };
     document("catalog show", shown)
 }
 
 /// A gear's card.
-pub fn gear_shown(gear: &Gear) -> Value {
+pub fn gear_shown(gear: &Gear, elsewhere: &[&Alternative]) -> Value {
     let lacks =
         gear_lacks(gear).into_iter().map(|(lacks, prevents)| Lacking { lacks, prevents, estimate: None }).collect();
     let shown = Shown {
@@ -276,12 +281,13 @@ pub fn gear_shown(gear: &Gear) -> Value {
         same_motor: Vec::new(),
         assumptions: Vec::new(),
         audit: Vec::new(),
+        alternatives: published(elsewhere),
     };
     document("catalog show", shown)
 }
 
 /// A module's card.
-pub fn module_shown(module: &Module, audit: Vec<AuditRemark>) -> Value {
+pub fn module_shown(module: &Module, audit: &[Finding], elsewhere: &[&Alternative]) -> Value {
     let lacks = module_lacks(module).into_iter().map(|(lacks, prevents)| Lacking { lacks, prevents, estimate: None });
     let shown = Shown {
         kind: "module",
@@ -291,9 +297,54 @@ pub fn module_shown(module: &Module, audit: Vec<AuditRemark>) -> Value {
         lacks: lacks.collect(),
         same_motor: Vec::new(),
         assumptions: Vec::new(),
-        audit,
+        audit: audit.iter().cloned().map(AuditRemark::from).collect(),
+        alternatives: published(elsewhere),
     };
     document("catalog show", shown)
+}
+
+/// What another source says of a number of a row.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Published<'a> {
+    /// The column.
+    pub column: &'static str,
+    /// As printed, with its unit.
+    pub printed: &'a str,
+    /// The number, SI, at the side and in the convention that it says; `null` of curves, tables and counts.
+    pub value: Option<f64>,
+    /// Its ±, in the same unit.
+    pub tolerance: Option<f64>,
+    /// Its SI unit; `1` for a pure number.
+    pub unit: &'static str,
+    /// At which side of the gear it is, where it is said.
+    pub side: Option<&'static str>,
+    /// The word of its convention, where it is said.
+    pub convention: Option<&'static str>,
+    /// Where it is from.
+    pub source: &'a str,
+    /// The day of the source.
+    pub source_date: &'a str,
+    /// What kind of source that is.
+    pub source_kind: &'static str,
+    /// What the reader should know.
+    pub note: &'a str,
+}
+
+fn published<'a>(elsewhere: &[&'a Alternative]) -> Vec<Published<'a>> {
+    let one = |a: &&'a Alternative| Published {
+        column: a.column,
+        printed: &a.text,
+        value: a.value.map(|v| v.value),
+        tolerance: a.value.and_then(|v| v.tolerance),
+        unit: a.unit,
+        side: a.side.map(|side| side.word()),
+        convention: a.convention,
+        source: &a.source,
+        source_date: &a.source_date,
+        source_kind: word(SourceKind::NAMES, &a.source_kind),
+        note: &a.note,
+    };
+    elsewhere.iter().map(one).collect()
 }
 
 /// What `catalog diff` prints.

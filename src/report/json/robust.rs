@@ -8,7 +8,7 @@ use super::design::{Rejected, Unjudged};
 use super::joint::Joint;
 use super::optimize::{rejected, unjudged};
 use super::{Design, Named, OfRobot, document};
-use crate::design::robust::{self, RobustDesign, RobustJoint, SAMPLES, standard_error};
+use crate::design::robust::{self, RobustDesign, RobustJoint, SAMPLES, Taken, standard_error};
 use crate::requirement;
 
 /// What `optimize --robust` prints.
@@ -28,6 +28,9 @@ pub struct OfJoint<'a> {
     /// The tolerance, a share, that was assumed of every number whose row states none, temperatures apart; left out where none was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub assumed_tolerance: Option<f64>,
+    /// `worst` where the ends of what several sources print were taken as ±; left out where they were not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alternatives: Option<&'static str>,
     /// How many samples of all tolerances were drawn for `contenders`.
     pub samples: usize,
     /// How the first motors fare among each other when all vary within their tolerances.
@@ -62,6 +65,9 @@ pub struct Tolerance {
     pub value: f64,
     /// Its ±.
     pub tolerance: f64,
+    /// The least and the largest number that sources print, where these were taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub published: Option<[f64; 2]>,
 }
 
 /// The limit with the smallest margin.
@@ -135,7 +141,7 @@ impl<'a> Robust<'a> {
         Robust {
             design: Design::new(of.facts(), joint),
             tolerances: tolerances
-                .map(|t| Tolerance { column: t.column, value: t.value, tolerance: t.tolerance })
+                .map(|t| Tolerance { column: t.column, value: t.value, tolerance: t.tolerance, published: t.published })
                 .collect(),
             nominal_only: of.toleranced.is_empty(),
             corners: of.corners,
@@ -158,8 +164,8 @@ impl<'a> Contender<'a> {
     }
 }
 
-/// Robust designs, and how the first fare; `assumed` is the tolerance of numbers whose rows state none.
-pub fn json(robot: &requirement::Robot, joints: &[RobustJoint], assumed: Option<f64>) -> Value {
+/// Robust designs, and how the first fare.
+pub fn json(robot: &requirement::Robot, joints: &[RobustJoint], taken: &Taken) -> Value {
     let joints = joints.iter().map(|of| {
         let joint = of.nominal.joint;
         let lost = of.lost.iter().map(|l| Lost {
@@ -172,7 +178,8 @@ pub fn json(robot: &requirement::Robot, joints: &[RobustJoint], assumed: Option<
             unjudged: unjudged(&of.nominal),
             rejected: lost.collect(),
             samples: SAMPLES,
-            assumed_tolerance: assumed,
+            assumed_tolerance: taken.tolerance,
+            alternatives: taken.alternatives.then_some("worst"),
             contenders: of.contenders.iter().map(Contender::new).collect(),
         }
     });

@@ -7,7 +7,7 @@ use gearwise::design::answer::Reason;
 use gearwise::design::optimize::optimize;
 use gearwise::design::options::Options;
 use gearwise::design::program::Certificate;
-use gearwise::design::robust::{RobustJoint, SAMPLES, robust, standard_error};
+use gearwise::design::robust::{RobustJoint, SAMPLES, Taken, robust, standard_error};
 use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::report;
 use gearwise::requirement::*;
@@ -373,10 +373,10 @@ fn motors_without_tolerances_stay_nominal_and_threads_change_nothing() {
                 }
                 assert_eq!(joint.designs.len() + joint.lost.len(), joint.nominal.candidates.len());
             }
-            let text = report::robust::text(&robot, &joints, 200, None);
+            let text = report::robust::text(&robot, &joints, 200, &Taken::default());
             assert!(text.contains("no tolerances in the catalogue: nominal"));
             text + &report::robust::csv(&joints)
-                + &report::json_text(&report::json::robust::json(&robot, &joints, None))
+                + &report::json_text(&report::json::robust::json(&robot, &joints, &Taken::default()))
         })
     };
     assert_eq!(run(1), run(4));
