@@ -123,7 +123,9 @@ impl Candidate<'_> {
         } else if self.drag_is_unknown() {
             unknown.push(UnknownLoss::MotorDrag);
         }
-        if self.catalog_gear.is_none() && !self.joint.gear.says_loss {
+        let of_module =
+            self.motor.inside.as_deref().is_some_and(|inside| inside.says_currents() && !inside.says_loss());
+        if of_module || self.catalog_gear.is_none() && !self.joint.gear.says_loss {
             unknown.push(UnknownLoss::Gear);
         }
         if !self.robot.bus.says_drive_loss && self.joint.drive.says_nothing() {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
-use super::module::{MODULE_FIELDS, Module, ModuleSheet};
+use super::module::{MODULE_FIELDS, Module, ModuleSheet, NoLoadCurrent};
 use super::row::{Cells, Holds, MotorRow, Need, Row, Side, find};
 use super::sheet::{Printed, SourceKind};
 use super::{Catalog, Field, Gear};
@@ -334,6 +334,10 @@ fn own_factor(module: &Module, column: &str) -> Option<f64> {
         "back_emf_constant" => refers.back_emf_convention.map(|is| word(BackEmfConvention::NAMES, &is)),
         "speed_constant" => refers.speed_constant_convention.map(|is| word(SpeedConstantConvention::NAMES, &is)),
         "resistance" | "inductance" => refers.terminals.map(|is| word(Terminals::NAMES, &is)),
+        "no_load_current" => refers.no_load_current_is.and_then(|is| match is {
+            NoLoadCurrent::Winding(is) => Some(word(CurrentConvention::NAMES, &is)),
+            NoLoadCurrent::Supply => None,
+        }),
         _ => refers.current.map(|is| word(CurrentConvention::NAMES, &is)),
     };
     let side = match column {

@@ -163,9 +163,13 @@ impl Inputs {
         let mut design = DesignFile::read_set(&source, &settings)?;
         let named = arguments.catalog.paths();
         let paths = if named.is_empty() { &design.catalog } else { &named };
-        let catalog =
-            super::with_named(&design.robot, arguments.catalog.prepared(super::catalog(paths)?), design.motor_ids());
-        design.robot = super::balanced(&design.robot, &catalog)?;
+        let catalog = super::with_named(
+            &design.robot,
+            arguments.catalog.prepared(super::catalog(paths)?),
+            design.motor_ids(),
+            arguments.catalog.complete(),
+        );
+        design.robot = super::balanced(&design.robot, &catalog, false)?;
         let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {
             Some(path) => read(path).map_err(|e| vec![e])?,
             None => RulesFile::default(),

@@ -64,7 +64,13 @@ pub fn design<'c>(text: &str, joint: &Joint, catalog: &'c Catalog) -> Result<Cho
         return Ok(Chosen { motor, gear: Some(&inside.gear), ratio: None });
     }
     if gear.is_none() && matches!(joint.ratio, RatioChoice::Catalog { .. }) {
-        let message = format!("joint `{}` takes gears of the catalogue: name one, as in {id}@GEAR", joint.name);
+        let message = match joint.motors.only_modules {
+            true => format!(
+                "joint `{}` has modules alone, and `{id}` is a motor: give the joint a `ratio` or `gears` for it",
+                joint.name
+            ),
+            false => format!("joint `{}` takes gears of the catalogue: name one, as in {id}@GEAR", joint.name),
+        };
         return Err(Failure::Argument(message));
     }
     Ok(Chosen { motor, gear, ratio })

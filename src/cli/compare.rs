@@ -51,7 +51,9 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     };
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
-    let catalog = arguments.catalog.motors()?;
+    let catalog = arguments.catalog.rows()?;
+    let ids = [arguments.a.clone(), arguments.b.clone()];
+    let catalog = catalog.with_modules(ids.iter(), arguments.catalog.complete());
     let find = |id: &str| super::find_motor(&catalog, id);
     let comparison = Comparison::new(find(&arguments.a)?, find(&arguments.b)?, inertia);
     super::draw_plot(arguments.plot.as_ref(), || plot::figure(&comparison))?;

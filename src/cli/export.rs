@@ -61,10 +61,14 @@ fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
     let settings = arguments.set.settings()?;
     let source = Source::argument(path).map_err(|e| vec![e])?;
     let robot = settings.read(&source, None)?;
-    let catalog =
-        super::with_named(&robot, arguments.catalog.motors()?, std::iter::once(super::chosen::id(&arguments.design)));
+    let catalog = super::with_named(
+        &robot,
+        arguments.catalog.rows()?,
+        std::iter::once(super::chosen::id(&arguments.design)),
+        arguments.catalog.complete(),
+    );
     super::check_patterns(&robot, &catalog)?;
-    let robot = super::balanced(&robot, &catalog)?;
+    let robot = super::balanced(&robot, &catalog, false)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
     let story = explain(&robot, joint, motor, gear, ratio).map_err(|why| cannot(motor, &why))?;
@@ -90,8 +94,12 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
     let design = DesignFile::read_set(&Source::argument(path).map_err(|e| vec![e])?, &settings)?;
     let named = arguments.catalog.paths();
     let paths = if named.is_empty() { &design.catalog } else { &named };
-    let catalog =
-        super::with_named(&design.robot, arguments.catalog.prepared(super::catalog(paths)?), design.motor_ids());
+    let catalog = super::with_named(
+        &design.robot,
+        arguments.catalog.prepared(super::catalog(paths)?),
+        design.motor_ids(),
+        arguments.catalog.complete(),
+    );
     let choices = design.choices(&catalog).map_err(|e| vec![e])?;
     let only = match &arguments.joint {
         Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),
@@ -131,14 +139,13 @@ fn exported<'a>(
     unchecked: &[(&'static str, &'static str)],
     spring: Option<(f64, f64)>,
 ) -> Result<Exported<'a>, Failure> {
-    // A simulator takes every number for true.
+    // A simulator takes every number for true: torque and speed must be some.
     if let Some(inside) = motor.inside.as_deref() {
         let says_speed = inside.says_power() || inside.module.no_load_speed().is_some();
-        let lacks = match (inside.says_currents(), inside.says_inertia) {
-            (false, _) => Some("its row does not say what its currents are"),
-            (true, false) => Some("its own inertia is not known, and a simulator would take none"),
-            (true, true) if !says_speed => Some("how fast it turns is not known"),
-            (true, true) => None,
+        let lacks = match (inside.module.largest_torque(), says_speed) {
+            (None, _) if !inside.says_currents() => Some("its row does not say its largest torque"),
+            (_, false) => Some("how fast it turns is not known"),
+            _ => None,
         };
         if let Some(why) = lacks {
             return Err(Failure::Argument(format!("{} cannot be exported: {why}", motor.id)));
@@ -212,6 +219,13 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             joint.broken.join(", ")
         );
     }
+    for joint in joints.iter().filter(|j| j.simulated.armature.is_none()) {
+        tell!(
+            "warning: joint `{}`: the own inertia of {} is not known and left out: a simulator takes none for it",
+            joint.joint,
+            joint.motor.id
+        );
+    }
     for joint in joints.iter().filter(|j| j.broken.is_empty() && !j.unjudged.is_empty()) {
         tell!(
             "warning: joint `{}`: {} at N = {} {}; exported anyway",
@@ -232,7 +246,7 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
             j.joint,
             j.motor.id,
             number(s.ratio),
-            number(s.armature),
+            crate::report::optional(s.armature),
             crate::report::optional(s.effort().map(|b| b.value)),
             number(s.speed.value)
         )

@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
             let why = "`--requirement`: a range of `turns` is not combined with a fitted motor, which has those of its log; give a list, as in turns = [1, 0.5]";
             return Err(Failure::Argument(why.into()));
         }
-        Some(robot) => Some(super::balanced(&robot, &complete(bench.catalog.clone().free(false)))?),
+        Some(robot) => Some(super::balanced(&robot, &complete(bench.catalog.clone().free(false)), false)?),
         None => None,
     };
     let remade = match &robot {

@@ -179,28 +179,37 @@ struct CatalogChoice {
 }
 
 impl CatalogChoice {
-    /// The catalogue that one chooses from: each motor once, what its rows lack estimated. It has at least one motor.
-    fn motors(&self) -> Result<Catalog, Failure> {
-        let catalog = self.prepared(catalog(&self.paths())?);
-        if catalog.motors.is_empty() {
-            let why = match catalog.aside.is_empty() {
-                true => "the catalogue has no motors",
-                false => "all motors of the catalogue are only sold inside modules; `--also-inside-modules` takes them",
-            };
-            return Err(Failure::Argument(why.into()));
+    /// The catalogue that one chooses from at a robot's joints: each motor once, what its rows lack estimated, with the windings and
+    /// the modules that it asks for.
+    fn for_robot(&self, robot: &Robot) -> Result<Catalog, Failure> {
+        let catalog = self.with_modules(self.rows()?.with_turns(&robot.listed_turns()), robot);
+        if !catalog.motors.is_empty() {
+            return Ok(catalog);
         }
-        Ok(catalog)
+        Err(Failure::Argument(match catalog.aside.is_empty() {
+            true => "the catalogue has no motors".into(),
+            false => "all motors of the catalogue are only sold inside modules; `--also-inside-modules` takes them"
+                .to_string(),
+        }))
     }
 
-    /// The same for a robot: with the windings and the modules that it asks for.
-    fn for_robot(&self, robot: &Robot) -> Result<Catalog, Failure> {
-        Ok(self.with_modules(self.motors()?.with_turns(&robot.listed_turns()), robot))
+    /// The catalogue that one chooses from, which has at least one motor or one module.
+    fn rows(&self) -> Result<Catalog, Failure> {
+        let catalog = self.prepared(catalog(&self.paths())?);
+        match catalog.modules.is_empty() && catalog.motors.is_empty() && catalog.aside.is_empty() {
+            true => Err(Failure::Argument("the catalogue has no motors and no modules".into())),
+            false => Ok(catalog),
+        }
     }
 
     /// A catalogue with the modules that a robot asks for among its motors.
     fn with_modules(&self, catalog: Catalog, robot: &Robot) -> Catalog {
-        let complete = if self.no_estimates { |module| module } else { completed_module };
-        catalog.with_modules(robot.modules(), complete)
+        catalog.with_modules(robot.modules(), self.complete())
+    }
+
+    /// What fills what a module's row lacks.
+    fn complete(&self) -> fn(Motor) -> Motor {
+        if self.no_estimates { |module| module } else { completed_module }
     }
 
     /// The paths that are named; none for the built-in catalogue alone.
@@ -311,8 +320,8 @@ fn motors(paths: &[PathBuf]) -> Result<Catalog, Failure> {
 }
 
 /// The robot with the balanced objectives that its joints ask for.
-fn balanced(robot: &Robot, catalog: &Catalog) -> Result<Robot, Failure> {
-    Ok(crate::design::balance::balanced(robot, catalog, Options::default())?)
+fn balanced(robot: &Robot, catalog: &Catalog, only_checked: bool) -> Result<Robot, Failure> {
+    Ok(crate::design::balance::balanced(robot, catalog, Options { only_checked, ..Options::default() })?)
 }
 
 /// The catalogue with the windings that are best where a joint has a range of turns.
@@ -321,9 +330,14 @@ fn wound<'c>(robot: &mut Robot, catalog: &'c Catalog, only_checked: bool) -> Res
 }
 
 /// The catalogue with the windings that joints list, and those that designs name.
-fn with_named<'i>(robot: &Robot, catalog: Catalog, ids: impl Iterator<Item = &'i str>) -> Catalog {
+fn with_named<'i>(
+    robot: &Robot,
+    catalog: Catalog,
+    ids: impl Iterator<Item = &'i str>,
+    complete: fn(Motor) -> Motor,
+) -> Catalog {
     let ids: Vec<String> = ids.map(str::to_string).collect();
-    let catalog = catalog.with_modules(robot.modules().chain(&ids), completed_module);
+    let catalog = catalog.with_modules(robot.modules().chain(&ids), complete);
     let ids = ids.iter().map(String::as_str);
     let within = |turns: f64, (min, max): (f64, f64)| min <= turns && turns <= max;
     let allow =

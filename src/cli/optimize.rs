@@ -177,7 +177,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let plain = robot;
     let writes = arguments.write_design.is_some();
     let mut ruled = Ruled::new(plain.clone(), arguments.rules.as_deref(), writes, arguments.no_rules)?;
-    ruled.robot = super::balanced(&ruled.robot, &catalog)?;
+    ruled.robot = super::balanced(&ruled.robot, &catalog, arguments.only_checked)?;
     if ruled.robot.has_range_of_turns() && (arguments.pareto.is_some() || arguments.robust || arguments.robot) {
         let message = "a range of `turns` is not combined with `--pareto`, `--robust` or `--robot`; give a list, as in turns = [1, 0.5]";
         return Err(Failure::Argument(message.into()));

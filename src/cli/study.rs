@@ -265,8 +265,8 @@ fn catalog(choice: &CatalogChoice, paths: &[PathBuf]) -> Result<(Catalog, Vec<Ha
     };
     let files = sources.iter().map(|s| Hashed { file: s.name().to_string(), sha256: s.sha256() }).collect();
     let catalog = choice.prepared(Catalog::from_sources(sources)?);
-    if catalog.motors.is_empty() {
-        return Err(Failure::Argument("the catalogue has no motors".into()));
+    if catalog.motors.is_empty() && catalog.modules.is_empty() {
+        return Err(Failure::Argument("the catalogue has no motors and no modules".into()));
     }
     Ok((catalog, files))
 }

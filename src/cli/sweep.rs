@@ -79,7 +79,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let robot = arguments.set.read(&arguments.requirement, Some("`sweep`"))?;
     let catalog = arguments.catalog.for_robot(&robot)?;
     super::check_patterns(&robot, &catalog)?;
-    let mut robot = super::balanced(&robot, &catalog)?;
+    let mut robot = super::balanced(&robot, &catalog, false)?;
     let catalog = &*super::wound(&mut robot, &catalog, false)?;
     let geared = |joint: &Joint| matches!(joint.ratio, RatioChoice::Catalog { .. });
     if arguments.gears_per_motor.is_some() && !robot.joints.iter().any(geared) {

@@ -327,6 +327,7 @@ impl Reason {
     pub fn unknown(&self) -> Option<Remark> {
         match self {
             Reason::Unusable(why) => why.unknown(),
+            Reason::NotSolved(why) => why.unknown(),
             _ => None,
         }
     }

@@ -10,7 +10,8 @@ use super::answer::Design;
 use super::optimize::optimize_with;
 use super::options::{Options, Stopped};
 use super::windings;
-use crate::catalog::Catalog;
+use crate::catalog::module::Inside;
+use crate::catalog::{Catalog, Motor};
 use crate::requirement::{Balance, Balancing, Extreme, Joint, Objective, Quantity, Robot};
 
 /// The robot with the balanced objectives that its joints ask for, found over a catalogue.
@@ -53,6 +54,15 @@ fn ends(robot: &Robot, joint: &Joint, catalog: &Catalog, options: Options) -> Re
         Robot { joints: vec![joint], ..robot.clone() }
     };
     let options = Options { reasons: false, tick: &|| {}, ..options };
+    // A module whose loss nobody knows is no choice by it, and no end of the trade either.
+    let says_loss = |motor: &Motor| motor.inside.as_deref().is_none_or(Inside::says_loss);
+    let without = || {
+        let mut other = catalog.clone();
+        other.motors.retain(says_loss);
+        other
+    };
+    let own = (!catalog.motors.iter().all(says_loss)).then(without);
+    let catalog = own.as_ref().unwrap_or(catalog);
     // Of each motor the winding that is best for that end.
     let wound = |mut robot: Robot| {
         let wound = windings::wind(&mut robot, catalog, options.only_checked);

@@ -159,12 +159,17 @@ impl Evaluation {
     /// Without what a module's row does not let one know: such a figure is no number.
     fn of_module(self, inside: &Inside) -> Evaluation {
         let unless = |known: bool, value: f64| if known { value } else { f64::NAN };
-        let (currents, power) = (inside.says_currents(), inside.says_power());
+        let (currents, loss) = (inside.says_currents(), inside.says_loss());
+        let power = inside.says_power() && loss;
         let inertia = unless(inside.says_inertia, self.reflected_inertia);
-        let losses = if currents { self.losses } else { Losses::UNKNOWN };
+        let losses = match (currents, loss) {
+            (false, _) => Losses::UNKNOWN,
+            (true, false) => Losses { gear_load: f64::NAN, ..self.losses },
+            (true, true) => self.losses,
+        };
         Evaluation {
-            loss: unless(currents, self.loss),
-            loss_low: unless(currents, self.loss_low),
+            loss: unless(loss, self.loss),
+            loss_low: unless(loss, self.loss_low),
             losses,
             copper_loss: unless(currents, self.copper_loss),
             peak_current: unless(currents, self.peak_current),

@@ -17,7 +17,6 @@ use crate::actuator::fitted::gear_with_fit;
 use crate::actuator::gearing::{complete, described};
 use crate::actuator::limits::{Candidate, hottest};
 use crate::actuator::{Actuator, Load};
-use crate::catalog::module::Depth;
 use crate::catalog::{Catalog, Gear, Motor, matches_pattern};
 use crate::requirement::{EfficiencyCovers, GearModel, Joint, RatioChoice, Robot, backdrive_efficiency};
 
@@ -77,7 +76,7 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
         }
         let rotor = match motor.inside.as_deref() {
             // Of a module that does not say it, torques are looked at without it, which is said.
-            Some(inside) if !inside.says_inertia && inside.depth != Depth::Inside => 0.0,
+            Some(inside) if !inside.says_inertia => 0.0,
             _ => motor.rotor_inertia.ok_or(Unusable::RotorInertia)?,
         };
         let hottest = hottest(motor, joint).0;

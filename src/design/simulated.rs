@@ -31,12 +31,10 @@ pub struct LeftOut {
 pub struct SimulatedJoint {
     /// Ratio, N.
     pub ratio: f64,
-    /// Rotor inertia \[kg·m²\] at the motor, J_m.
-    pub rotor_inertia: f64,
-    /// The gear's inertia at its input \[kg·m²\], J_g.
-    pub gear_inertia: f64,
-    /// Reflected inertia \[kg·m²\], `N² (J_m + J_g)`.
-    pub armature: f64,
+    /// Rotor inertia J_m and the gear's at its input, J_g, both at the motor \[kg·m²\]; `None` for a module that does not say its own.
+    pub inertias: Option<(f64, f64)>,
+    /// Reflected inertia \[kg·m²\], `N² (J_m + J_g)`; likewise.
+    pub armature: Option<f64>,
     /// Viscous friction of motor and gear \[N·m·s/rad\], `N² b`; `None` where neither is known.
     pub damping: Option<f64>,
     /// Coulomb friction of motor and gear \[N·m\], `N c`; `None` where neither is known.
@@ -50,8 +48,8 @@ pub struct SimulatedJoint {
     /// Speed up to which the voltage suffices for the largest torque \[rad/s\]; `None` where no largest torque
     /// is known.
     pub speed_at_motor_torque: Option<f64>,
-    /// Torque constant \[N·m/A\] on the q axis.
-    pub torque_constant: f64,
+    /// Torque constant \[N·m/A\] on the q axis; `None` for a module that says ratings alone.
+    pub torque_constant: Option<f64>,
     /// Gear efficiencies when the motor drives, η, and when the load drives, η_b; `None` for a module whose row does not say them.
     pub efficiencies: Option<(f64, f64)>,
     /// What has no place at a simulator's joint.
@@ -66,18 +64,20 @@ impl SimulatedJoint {
         }
         let motor = candidate.motor;
         let rotor_inertia = motor.rotor_inertia.unwrap_or(candidate.actuator.inertia);
+        let says_inertia = inside(candidate).is_none_or(|inside| inside.says_inertia);
+        let says_currents = inside(candidate).is_none_or(Inside::says_currents);
+        let inertia = candidate.actuator.inertia;
         let mut joint = SimulatedJoint {
             ratio,
-            rotor_inertia,
-            gear_inertia: candidate.actuator.inertia - rotor_inertia,
-            armature: ratio * ratio * candidate.actuator.inertia,
+            inertias: says_inertia.then_some((rotor_inertia, inertia - rotor_inertia)),
+            armature: says_inertia.then_some(ratio * ratio * inertia),
             damping: None,
             friction_loss: None,
             motor_torque: peak_torque(candidate, ratio),
             continuous_motor_torque: continuous_torque(candidate, ratio),
             speed: largest_speed(candidate, ratio),
             speed_at_motor_torque: None,
-            torque_constant: candidate.actuator.torque_constant,
+            torque_constant: says_currents.then_some(candidate.actuator.torque_constant),
             efficiencies: inside(candidate)
                 .is_none_or(|inside| inside.gear_loss.is_some())
                 .then_some((candidate.gear.efficiency, candidate.gear.backdrive_efficiency)),
@@ -91,6 +91,12 @@ impl SimulatedJoint {
             for values in declared.into_iter().chain(fitted) {
                 joint.add(*effect, &values);
             }
+        }
+        if let Some(module) = inside(candidate).map(|inside| &inside.module).filter(|_| joint.friction_loss.is_none())
+            && let Some(at_rest) = module.at_output(module.sheet.static_friction, module.refers.friction_side, 1)
+        {
+            joint.friction_loss = Some(at_rest);
+            joint.leave_out("friction while it moves", "the row says friction at rest alone, which is written");
         }
         let of_gear = candidate.gear.no_load;
         let frictions = [
@@ -149,10 +155,16 @@ impl SimulatedJoint {
     }
 
     fn leave_out_the_gear(&mut self, candidate: &Candidate) {
+        if self.armature.is_none() {
+            let why = "the module's own inertia is not known: none is written, and a simulator takes none for it; measure or ask for it";
+            self.leave_out("armature", why);
+        }
         let number = crate::words::number;
         if let Some((efficiency, backwards)) = self.efficiencies.filter(|both| *both != (1.0, 1.0)) {
             let what = format!("gear efficiency {}, backwards {}", number(efficiency), number(backwards));
-            let loss = self.effort().map_or_else(String::new, |effort| {
+            // What a module's row rates has the gear's loss in it.
+            let before = self.effort().filter(|effort| effort.owner != "module");
+            let loss = before.map_or_else(String::new, |effort| {
                 format!(
                     ": of {} N*m at most {} N*m reach a load that the motor drives",
                     number(effort.value),
@@ -161,8 +173,7 @@ impl SimulatedJoint {
             });
             self.leave_out(what, format!("a joint has no loss in proportion to the load{loss}"));
         }
-        if let Some(inside) = inside(candidate).filter(|inside| inside.gear_loss.is_none() && !inside.loss_in_constant)
-        {
+        if let Some(inside) = inside(candidate).filter(|inside| !inside.says_loss()) {
             let why = "the module's row does not say it: less than N K_T i may arrive at the output";
             self.leave_out(format!("loss of the gear of {}", inside.module.id), why);
         }
@@ -218,7 +229,7 @@ impl SimulatedJoint {
                 ),
             ),
         }
-        match motor.inductance {
+        match motor.inductance.filter(|_| self.torque_constant.is_some()) {
             Some(inductance) => self.leave_out(
                 format!("electrical time constant {} ms", number(1e3 * inductance / motor.resistance)),
                 "the command is the torque itself: the drive's current loop is taken as ideal",
@@ -256,7 +267,8 @@ fn of_module(candidate: &Candidate, ratio: f64, rating: impl Fn(&Inside) -> Opti
 }
 
 fn least(bounds: impl IntoIterator<Item = Option<Bound>>) -> Option<Bound> {
-    bounds.into_iter().flatten().min_by(|a, b| a.value.total_cmp(&b.value))
+    // A number that nobody knows is no bound.
+    bounds.into_iter().flatten().filter(|b| b.value.is_finite()).min_by(|a, b| a.value.total_cmp(&b.value))
 }
 
 /// Largest torque at the motor: of its row, of the current of motor, drive and voltage, of the gear's output over N.

@@ -4,12 +4,13 @@
 use super::answer::{Design, Reason, Refused, SpringChoice, WithoutSpring};
 use super::mount::{Mount, Site, covered_inertia};
 use super::program::spring::{self, SpringOptimum, Sprung};
-use super::program::{Certificate, Optimum, RatioProgram, Unsolved};
+use super::program::{Bind, Certificate, Optimum, RatioProgram, Unsolved};
 use super::selection::Selection;
-use super::solved::design;
+use super::solved::{design, one_gear};
 use super::{Prepared, judge};
+use crate::actuator::limits::allows_spring;
 use crate::catalog::Motor;
-use crate::requirement::Joint;
+use crate::requirement::{Joint, Spring};
 
 /// Inertia at the output \[kg·m²\] that the gear's efficiency covers.
 fn covered(mount: &Mount) -> f64 {
@@ -46,6 +47,9 @@ pub(super) fn choose(
     let Some(asked) = joint.limits.spring else {
         return Err(Reason::NotSolved(Unsolved::NoSpringAsked));
     };
+    if mount.motor.inside.is_some() && min == max {
+        return choose_of_module(mount, prepared, &asked, min);
+    }
     // Effects that are evaluated, or that bend torque over current, have no place in the spring's forms.
     if prepared.candidate.is_evaluated() || !prepared.candidate.actuator.shortfall.is_nothing() {
         return Err(Reason::NotSolved(Unsolved::SpringWithEffects));
@@ -54,6 +58,82 @@ pub(super) fn choose(
     let without = without_spring(prepared, joint, min, max);
     let SpringOptimum { stiffness, rest_angle, optimum, lower_bound, gap, least_stiffness } = found;
     Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
+}
+
+/// A spring that was looked at: how far the limits are exceeded, else the objective; stiffness and rest angle.
+type Looked = ((f64, f64), f64, f64);
+
+/// Springs of a module that are looked at along stiffness and rest angle, before the best are moved.
+const GRID: usize = 9;
+/// How often the steps by which the best is moved are halved.
+const HALVINGS: usize = 14;
+
+/// The best spring that is found of a module, whose ratio is its own. What its row lets it give is no form of the conic
+/// program, so that all is evaluated: nothing is proved of it but that there is none.
+fn choose_of_module(
+    mount: &Mount,
+    prepared: &Prepared,
+    asked: &Spring,
+    ratio: f64,
+) -> Result<(SpringChoice, Optimum), Reason> {
+    let joint = mount.joint;
+    let covered = covered(mount);
+    let evaluated = |k: f64, q: f64| {
+        let sprung = Sprung::new(joint, k, q, covered)?;
+        Some(prepared.with_candidate(sprung.candidate(&prepared.candidate)).at_in_full(ratio))
+    };
+    if evaluated(0.0, 0.0).is_none() {
+        return Err(Reason::NotSolved(Unsolved::NoPosition));
+    }
+    let look = |k: f64, q: f64| -> Looked {
+        let Some(there) = evaluated(k, q) else { return ((f64::INFINITY, 0.0), k, q) };
+        let margin = there.tightest().map_or(1.0, |m| m.margin);
+        // By ratings alone there is no loss: what is left of them counts.
+        let objective = there.objective(&joint.objective).filter(|o| o.is_finite()).unwrap_or(-margin);
+        (if there.feasible { (0.0, objective) } else { (-margin, 0.0) }, k, q)
+    };
+    let ([k0, k1], [q0, q1]) = (asked.stiffness, asked.rest_angle);
+    let better =
+        |a: &Looked, b: &Looked| a.0.0.total_cmp(&b.0.0).then(a.0.1.total_cmp(&b.0.1)).then(a.1.total_cmp(&b.1));
+    let places = |low: f64, high: f64| {
+        let count = if low == high { 1 } else { GRID };
+        (0..count).map(move |j| low + (high - low) * j as f64 / (GRID - 1) as f64)
+    };
+    let all = places(k0, k1).flat_map(|k| places(q0, q1).take(if k == 0.0 { 1 } else { GRID }).map(move |q| (k, q)));
+    let mut best = all.map(|(k, q)| look(k, q)).min_by(better).unwrap_or_else(|| look(k0, q0));
+    let mut step = [(k1 - k0) / (GRID - 1) as f64, (q1 - q0) / (GRID - 1) as f64];
+    for _ in 0..HALVINGS {
+        step = step.map(|length| 0.5 * length);
+        let around =
+            [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)];
+        // A step is taken again while it helps.
+        for _ in 0..4 {
+            let moved = around
+                .iter()
+                .map(|(a, b)| look((best.1 + a * step[0]).clamp(k0, k1), (best.2 + b * step[1]).clamp(q0, q1)));
+            match moved.min_by(better).filter(|found| better(found, &best).is_lt()) {
+                Some(found) => best = found,
+                None => break,
+            }
+        }
+    }
+    let (_, stiffness, rest) = best;
+    let there = evaluated(stiffness, rest).ok_or(Reason::NotSolved(Unsolved::NoPosition))?;
+    if !there.feasible {
+        let Some(margin) = there.tightest().filter(|_| !allows_spring(&prepared.candidate, asked)) else {
+            return Err(Reason::NotSolved(Unsolved::NothingRuledOutWithSpring));
+        };
+        let bind = Bind::of(margin.limit, margin.sample);
+        return Err(Reason::Module { bind, over: margin.demand / margin.bound, allowed: margin.bound });
+    }
+    let objective = there.objective(&joint.objective).unwrap_or(f64::NAN);
+    let certificate =
+        Certificate::NotCertified("the spring of a module is searched for, and nothing is proved of it".into());
+    let optimum = Optimum { certificate, ..one_gear(ratio, objective, "") };
+    let without = without_spring(prepared, joint, ratio, ratio);
+    let rest_angle = (stiffness > 0.0).then_some(rest);
+    let spring = SpringChoice { stiffness, rest_angle, lower_bound: None, gap: None, least_stiffness: false, without };
+    Ok((spring, optimum))
 }
 
 /// The best of listed ratios, each with its best spring.
@@ -186,7 +266,7 @@ fn settled(mut design: Design, bound: Option<f64>) -> Design {
             }
             _ => Certificate::NotCertified("another gear's spring could not be bounded closely enough".into()),
         };
-    } else if bound.is_none() {
+    } else if bound.is_none() && matches!(design.optimum.certificate, Certificate::Certified { .. }) {
         design.optimum.certificate = Certificate::NotCertified("another gear's spring could not be solved for".into());
     }
     if let Some(spring) = &mut design.spring {

@@ -136,6 +136,10 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
         (Some(voltage), Some(printed)) if voltage < printed => voltage / printed,
         _ => 1.0,
     };
+    let holds = match (mount.voltage, printed_at) {
+        (Some(voltage), Some(printed)) if voltage > printed => Holds::AtLeast,
+        _ => Holds::Exactly,
+    };
     let at = match (mount.voltage, printed_at) {
         (Some(voltage), Some(printed)) if voltage < printed => {
             format!(" at {} V × {}/{}", number(printed), number(voltage), number(printed))
@@ -147,7 +151,8 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
     let free = free.or_else(|| Some((module.end_of_curve()?, "the end of driving_curve")));
     let divided = if r == 1.0 { "" } else { " / r" };
     let no_load = free.map(|(speed, name)| {
-        fact(speed * share / r, format!("{name} {} rad/s{at}{divided}{}", number(speed), with_r(r)))
+        let how = format!("{name} {} rad/s{at}{divided}{}", number(speed), with_r(r));
+        Fact { holds, ..fact(speed * share / r, how) }
     });
     let curve = (!module.driving_curve.is_empty()).then(|| {
         // C(ω; V) = C(ω + ω₀ (1 − V/V_c); V_c).
@@ -162,7 +167,7 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
         let start = on_curve(&points, shift);
         let mut moved = vec![[0.0, r * start]];
         moved.extend(points.iter().filter(|p| p[0] > shift).map(|p| [(p[0] - shift) / r, p[1] * r]));
-        (moved, fact(0.0, format!("driving_curve of the row{at}{}", with_r(r))))
+        (moved, Fact { holds, ..fact(0.0, format!("driving_curve of the row{at}{}", with_r(r))) })
     });
     let ratio = module.ratio();
     let armature = module.constants().inertia.map(|inertia| {

@@ -5,11 +5,12 @@ use super::said::{Shown, bind_text, choice_text, joint_notes, margin_at, per_cen
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{design_ratio, estimated, number, number_between, optional, turns};
+use crate::actuator::limits::ELECTRICAL;
 use crate::design::answer::{Design, JointResult, RobotResult, Unjudged};
 use crate::design::flatness::OwnBound;
 use crate::design::outlook::Outlook;
 use crate::design::program::{Bind, Certificate};
-use crate::requirement::{Balancing, Joint};
+use crate::requirement::{Balancing, Joint, Quantity};
 
 /// The first choice of every joint; where the objective is balanced, between the lightest design and the least loss.
 pub(super) fn text(result: &RobotResult, outlooks: &[Outlook]) -> String {
@@ -190,7 +191,17 @@ const NAMED: usize = 4;
 
 /// Modules that can do a joint by all that their rows rate, and cannot be ranked: by mass, each with its smallest margin.
 fn by_ratings(of: &JointResult) -> Option<String> {
-    let can = |u: &&Unjudged| u.because.iter().all(|(name, _)| OF_RANKING.contains(name));
+    let is_undecided = |u: &Unjudged| {
+        let unchecked = u.design.as_ref().map_or(&[][..], |design| &design.unchecked);
+        unchecked.iter().any(|(name, _)| *name == "module_curve")
+    };
+    let can = |u: &&Unjudged| u.because.iter().all(|(name, _)| OF_RANKING.contains(name)) && !is_undecided(u);
+    // Of a robot's power each joint's counts, whatever its own objective is.
+    let of_aim = |q: &Quantity| of.joint.objective.weight(*q) > 0.0;
+    let unknown = match ELECTRICAL.iter().any(of_aim) {
+        true => of.joint.objective.name(),
+        false => "power".into(),
+    };
     let modules = of.unjudged.iter().filter(|u| u.motor.inside.is_some()).filter(can);
     let mut found: Vec<(f64, String)> = modules
         .filter_map(|u| {
@@ -210,7 +221,7 @@ fn by_ratings(of: &JointResult) -> Option<String> {
             "{}: by their ratings {} can do it, and their {} is not known: {}{more}.",
             of.joint.name,
             crate::words::counted(count, "module"),
-            of.joint.objective.name(),
+            unknown,
             shown.join(", ")
         )
     })

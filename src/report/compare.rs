@@ -5,8 +5,8 @@ use super::table::{Column, Table, paragraph};
 use super::{number, optional};
 use crate::actuator::metrics::{METRICS, MatchedInertia, at_matched_inertia, metric};
 use crate::actuator::step_response::{StepResponse, simulate};
-use crate::catalog::Motor;
 use crate::catalog::audit::{audit_motor, conventions_line};
+use crate::catalog::{Module, Motor, Printed};
 use crate::units::in_unit;
 
 /// Two motors, made ready for comparison.
@@ -30,11 +30,16 @@ impl<'a> Comparison<'a> {
         Comparison {
             motors,
             inertia,
-            matched: motors.map(|m| at_matched_inertia(m, inertia).filter(|_| inertia > 0.0)),
-            without_inductance: motors.map(|m| simulate(m, 0.0)),
-            with_inductance: motors.map(|m| simulate(m, m.inductance?)),
+            matched: motors.map(|m| at_matched_inertia(known(m)?, inertia).filter(|_| inertia > 0.0)),
+            without_inductance: motors.map(|m| simulate(known(m)?, 0.0)),
+            with_inductance: motors.map(|m| simulate(known(m)?, m.inductance?)),
         }
     }
+}
+
+/// A motor of which constants are known: of a module that says ratings alone none are.
+fn known(motor: &Motor) -> Option<&Motor> {
+    (motor.resistance.is_finite() && motor.back_emf_constant.is_finite()).then_some(motor)
 }
 
 /// How much better the first is, as a factor; `None` where one value is missing.
@@ -55,8 +60,8 @@ fn row(what: &str, values: [Option<f64>; 2], unit: &str, lower_is_better: Option
 /// A table under its title: columns and rows.
 pub(super) type Titled = (String, Vec<Column>, Vec<Vec<String>>);
 
-/// What is compared, table by table: as computed, metrics, at matched inertia, step response.
-pub(super) fn tables(comparison: &Comparison) -> [Titled; 4] {
+/// What is compared, table by table: as computed, metrics, at matched inertia, step response, and of modules what they are rated.
+pub(super) fn tables(comparison: &Comparison) -> Vec<Titled> {
     let [a, b] = comparison.motors;
     let pair = |f: fn(&Motor) -> Option<f64>| comparison.motors.map(f);
     let header = || {
@@ -64,10 +69,10 @@ pub(super) fn tables(comparison: &Comparison) -> [Titled; 4] {
         vec![Column::name(""), a, b, Column::number("advantage\nof the first", "")]
     };
     let computed = vec![
-        row("resistance R", pair(|m| Some(m.resistance)), "ohm", None),
+        row("resistance R", pair(|m| Some(m.resistance).filter(|v| v.is_finite())), "ohm", None),
         row("inductance L", pair(|m| m.inductance), "mH", None),
-        row("torque constant K_T", pair(|m| Some(m.torque_constant)), "N*m/A", None),
-        row("back-EMF constant K_B", pair(|m| Some(m.back_emf_constant)), "V*s/rad", None),
+        row("torque constant K_T", pair(|m| Some(m.torque_constant).filter(|v| v.is_finite())), "N*m/A", None),
+        row("back-EMF constant K_B", pair(|m| Some(m.back_emf_constant).filter(|v| v.is_finite())), "V*s/rad", None),
         row("rotor inertia J_m", pair(|m| m.rotor_inertia), "g*cm^2", None),
         row("mass m", pair(|m| m.mass), "g", None),
     ];
@@ -99,7 +104,21 @@ pub(super) fn tables(comparison: &Comparison) -> [Titled; 4] {
         row("overshoot with inductance", overshoot, "%", None),
     ];
     let inertia = number(comparison.inertia * 1e7);
-    [
+    let rated = |f: fn(&Module) -> Option<f64>| comparison.motors.map(|m| f(&m.inside.as_deref()?.module));
+    let ratings = || {
+        let printed = |f: fn(&Module) -> Option<Printed>| {
+            comparison.motors.map(|m| f(&m.inside.as_deref()?.module).map(|p| p.value))
+        };
+        vec![
+            row("ratio N", rated(|m| Some(m.ratio())), "1", None),
+            row("peak torque", printed(|m| m.sheet.peak_torque), "N*m", Some(false)),
+            row("rated torque", printed(|m| m.sheet.rated_torque), "N*m", Some(false)),
+            row("speed without load", rated(Module::no_load_speed), "rpm", Some(false)),
+            row("at a voltage of", printed(|m| m.sheet.voltage), "V", None),
+            row("own inertia at the output", rated(|m| m.constants().inertia), "kg*m^2", Some(true)),
+        ]
+    };
+    let mut all = vec![
         ("As the program computes with them: power-invariant q axis".into(), header(), computed),
         ("Metrics that no ratio changes".into(), header(), metrics),
         (
@@ -108,7 +127,11 @@ pub(super) fn tables(comparison: &Comparison) -> [Titled; 4] {
             at_matched,
         ),
         ("Speed response to a voltage step of the free motor, simulated".into(), header(), step),
-    ]
+    ];
+    if comparison.motors.iter().any(|m| m.inside.is_some()) {
+        all.push(("What the modules' rows rate, at the output".into(), header(), ratings()));
+    }
+    all
 }
 
 /// Which of the two is more responsive, by how much, and how sure that is.

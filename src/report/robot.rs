@@ -358,18 +358,29 @@ pub fn no_combination(choice: &Choice) -> &'static str {
 
 /// What would have to be given for there to be one, each by itself.
 pub fn wanting_lines(choice: &Choice) -> Vec<String> {
+    let budget = &choice.robot.budget;
+    let power = choice.robot.shared_power().or(choice.robot.shared_regeneration()).is_some();
+    // What is said of one budget holds with the others, and of the motors that can be judged.
+    let with = |others: bool| match (others, choice.unjudged.is_empty()) {
+        (false, true) => "",
+        (true, true) => "with the other budgets kept, ",
+        (false, false) => "with motors that can be judged, ",
+        (true, false) => "with the other budgets kept and motors that can be judged, ",
+    };
     let line = |wanting: &Wanting| match wanting {
         Wanting::Joints(names) => match choice.unjudged.is_empty() {
             true => format!("no motor of the catalogue can do: {}", names.join(", ")),
             false => format!("no motor that can be judged can do: {}", names.join(", ")),
         },
         Wanting::Mass(mass) => format!(
-            "it can be done with {} kg of actuators, not with less (budget {} kg)",
+            "{}it can be done with {} kg of actuators, not with less (budget {} kg)",
+            with(budget.max_distinct_motors.is_some() || power),
             number(*mass),
             optional(choice.robot.budget.actuator_mass)
         ),
         Wanting::Motors(motors) => {
-            format!("it can be done with {}, not with fewer", different_motors(*motors))
+            let with = with(budget.actuator_mass.is_some() || power);
+            format!("{with}it can be done with {}, not with fewer", different_motors(*motors))
         }
         Wanting::Power(least, draws) => format!(
             "without the limit on power there is one, which draws {} W at its worst; of the combinations tried none can do \

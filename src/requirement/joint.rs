@@ -29,26 +29,32 @@ pub(super) fn read(
         true => Some(RatioChoice::Catalog { patterns: Vec::new(), efficiency_covers: EfficiencyCovers::Load }),
         false => gear::read_ratio(&section),
     };
-    let (gear, map) =
-        match section.section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one")) {
-            Some(gear) => {
-                if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
-                    section.note(
-                    Problem::at(
-                        gear.span(),
+    let (gear, map) = match section
+        .section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one"))
+    {
+        Some(gear) => {
+            if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
+                let (message, label, help) = match is_for_modules_alone(&section) {
+                    true => (
+                        "`gear` describes the gear of a continuous ratio, and this joint has modules alone",
+                        "a module has its own gear",
+                        "remove it; or give a `ratio` too, for motors beside the modules",
+                    ),
+                    false => (
                         "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue",
                         "not used with `gears`",
-                    )
-                    .help("remove one of the two"),
-                );
-                }
-                let model = gear::read_gear(&gear);
-                let map = map_file::read(&gear, reader);
-                gear.finish();
-                (model, map)
+                        "remove one of the two",
+                    ),
+                };
+                section.note(Problem::at(gear.span(), message, label).help(help));
             }
-            None => (GearModel::IDEAL, None),
-        };
+            let model = gear::read_gear(&gear);
+            let map = map_file::read(&gear, reader);
+            gear.finish();
+            (model, map)
+        }
+        None => (GearModel::IDEAL, None),
+    };
     let scale = motions::read_scale(&section);
     let (read, taken) = if section.has("case") {
         (cases::read(&section, joints, name.as_ref(), scale, reader), None)
@@ -125,6 +131,11 @@ pub(super) fn read(
         ),
         only_modules: is_for_modules_alone(&section),
     };
+    if motors.only_modules && !motors.allowed.is_empty() {
+        let message = "`motors` names motors, and this joint has modules alone";
+        let problem = Problem::at(section.span_of("motors"), message, "motors need a ratio");
+        section.note(problem.help("give `ratio` or `gears` for them too, or remove `motors`"));
+    }
     let phases = read_phases(&section, count, motion.as_deref());
     if let (Some(objective), Some(motion)) = (&objective, &motion) {
         check_cycle(&section, objective, motion);

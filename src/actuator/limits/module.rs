@@ -2,11 +2,14 @@
 //!
 //! What it has to give at a sample is `T_k = τ_k + J_o α_k`; friction and gear loss are in the ratings already.
 
+use super::heat::{LEAST_TIME_CONSTANT, SHORT_STRETCH};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::shaft::Feature;
+use crate::actuator::stretch;
 use crate::catalog::module::overload::Piece;
 use crate::catalog::module::{BUILT_IN, Inside, Module, on_curve};
+use crate::requirement::Spring;
 
 /// Limits, in the order in which they are reported.
 pub(super) const LIMITS: &[Limit] = &[
@@ -23,8 +26,8 @@ pub(super) const LIMITS: &[Limit] = &[
         key: by_nobody,
         prepare: |c| match inside(c).map(|inside| (torque_speed(c, inside), inside)) {
             None => Prepared::NotAsked,
-            // The voltage of its winding and its largest current answer it too.
-            Some((Prepared::Unknown(_), inside)) if inside.says_power() => Prepared::NotAsked,
+            // The voltage of its winding and its largest current answer it too, where the gear's loss is in them.
+            Some((Prepared::Unknown(_), inside)) if inside.says_power() && inside.says_loss() => Prepared::NotAsked,
             Some((prepared, _)) => prepared,
         },
     },
@@ -44,9 +47,8 @@ pub(super) const LIMITS: &[Limit] = &[
                 _ if c.joint.limits.winding_temperature.is_some() || has_nodes(c) => Prepared::NotAsked,
                 _ if has_overload(c, inside) => Prepared::NotAsked,
                 Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
-                Some(_) if c.load.starts_cold() => Prepared::Unknown(
-                    "the motion does not repeat, and how long the module bears more than its rated torque is not known",
-                ),
+                // Then the mean says nothing; what is known of heat over the motion does.
+                Some(_) if c.load.starts_cold() => Prepared::NotAsked,
                 Some(rated) => plain(Demand::Fixed(rms(c, inside), None), 1.0, rated.value, "module"),
                 None => Prepared::NotAsked,
             }
@@ -159,7 +161,7 @@ fn says_torque_speed(candidate: &Candidate) -> bool {
 
 /// Why a module's torque is not compared with a curve, where its constants answer instead.
 pub(super) fn why_no_curve(candidate: &Candidate) -> Option<&'static str> {
-    let inside = inside(candidate).filter(|inside| inside.says_power())?;
+    let inside = inside(candidate).filter(|inside| inside.says_power() && inside.says_loss())?;
     match torque_speed(candidate, inside) {
         Prepared::Unknown(why) => Some(why),
         _ => None,
@@ -191,13 +193,17 @@ fn has_overload(candidate: &Candidate, inside: &Inside) -> bool {
     inside.response.is_some() && candidate.load.has_flange_course()
 }
 
+/// A share by which what is computed of an overload table may exceed it.
+const OF_TABLE: f64 = 1e-3;
+
 /// The largest normalised temperature over the motion, where the overload table and the motion say it.
 fn overload(candidate: &Candidate, inside: &Inside) -> Option<f64> {
     let response = inside.response.as_ref()?;
     let inertia = inertia(candidate, inside);
     let (course, repeats) = candidate.load.flange_course(inertia)?;
     let pieces: Vec<Piece> = course.iter().map(|piece| (piece.duration, piece.from, piece.to)).collect();
-    Some(response.peak(&pieces, repeats))
+    // Times of tables are rounded by more than this: a point of its own is kept.
+    Some(response.peak(&pieces, repeats) / (1.0 + OF_TABLE))
 }
 
 /// What of the torque that a module gives at a speed is asked for, at the worst sample.
@@ -214,16 +220,14 @@ fn torque_speed(candidate: &Candidate, inside: &Inside) -> Prepared {
                     (worst, sample) = (share, Some(k));
                 }
             }
-            Most::Between(sure, most) => {
+            Most::Between(sure, most, why) => {
                 if asked > most {
                     let share = if most > 0.0 { asked / most } else { f64::INFINITY };
                     if share > worst {
                         (worst, sample) = (share, Some(k));
                     }
                 } else if asked > sure {
-                    undecided = Some(
-                        "not decided: the module's row has no torque–speed curve, and a point lies between the line from peak torque to no-load speed and the box of both",
-                    );
+                    undecided = Some(why);
                 } else if asked / sure.max(f64::MIN_POSITIVE) > worst && worst <= 1.0 {
                     (worst, sample) = (asked / sure, Some(k));
                 }
@@ -237,17 +241,62 @@ fn torque_speed(candidate: &Candidate, inside: &Inside) -> Prepared {
     }
 }
 
+/// Whether some spring of a range may leave to a module, at each sample, no more than what its row lets it give; `false` is certain. With
+/// stiffness k and s = k q_0 each sample asks −b ≤ τ + J_o α + k q − s ≤ a, two half-planes, and the range is a convex piece of the
+/// plane: it is cut by one after another.
+pub fn allows_spring(candidate: &Candidate, spring: &Spring) -> bool {
+    let (Some(inside), Some(position)) = (inside(candidate), &candidate.joint.motion.position) else { return true };
+    let (motion, inertia) = (&candidate.joint.motion, inertia(candidate, inside));
+    let (safety, volt) = (candidate.joint.limits.safety, candidate.robot.bus.voltage);
+    let most = |speed: f64, driving: bool| match most_torque(&inside.module, speed, driving, volt) {
+        Most::Known(most) | Most::Between(_, most, _) => most / safety,
+        Most::Unknown(_) => f64::INFINITY,
+    };
+    let ([k0, k1], [q0, q1]) = (spring.stiffness, spring.rest_angle);
+    let mut piece = vec![[k0, k0 * q0], [k0, k0 * q1], [k1, k1 * q1], [k1, k1 * q0]];
+    for (j, q) in position.iter().enumerate() {
+        let (load, speed) = (motion.torque[j] + inertia * motion.acceleration[j], motion.velocity[j]);
+        for sign in [1.0, -1.0] {
+            let most = most(speed.abs(), sign * speed >= 0.0);
+            let over = |[k, s]: [f64; 2]| sign * (load + k * q - s) - most - 1e-9 * (most + load.abs());
+            piece = clipped(&piece, over);
+        }
+    }
+    !piece.is_empty()
+}
+
+/// What of a convex polygon has no positive value of a linear function.
+fn clipped(polygon: &[[f64; 2]], over: impl Fn([f64; 2]) -> f64) -> Vec<[f64; 2]> {
+    let mut left = Vec::new();
+    for (j, here) in polygon.iter().enumerate() {
+        let next = polygon[(j + 1) % polygon.len()];
+        let (a, b) = (over(*here), over(next));
+        if a <= 0.0 {
+            left.push(*here);
+        }
+        if (a > 0.0) != (b > 0.0) && a.is_finite() && b.is_finite() {
+            let share = a / (a - b);
+            left.push([here[0] + share * (next[0] - here[0]), here[1] + share * (next[1] - here[1])]);
+        }
+    }
+    left
+}
+
 /// What is known of the torque that a module gives at a speed \[N·m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Most {
     Known(f64),
-    /// So much certainly, and certainly no more than this.
-    Between(f64, f64),
+    /// So much certainly, and certainly no more than this; why not more is known.
+    Between(f64, f64, &'static str),
     Unknown(&'static str),
 }
 
+const NO_CURVE: &str = "not decided: the module's row has no torque–speed curve, and a point lies between the line from peak torque to no-load speed and the box of both";
+const NO_FREE_SPEED: &str = "the module's speed without load is not known, and the bus has less voltage than its curve";
+const MORE_VOLTAGE: &str = "not decided: the bus has more voltage than the module's row refers to, and what it gives there beyond its printed torque and speed is not known";
+
 /// The largest torque of a module at a speed \[rad/s\] and a bus voltage. At less voltage than the curve's it is that of the
-/// curve moved by what the speed without load loses; at more that of the curve.
+/// curve moved by what the speed without load loses. At more it is at least that of the curve, and what more there is nobody says.
 fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
     let sheet = &module.sheet;
     let curve = match (driving, module.braking_curve.is_empty()) {
@@ -257,30 +306,95 @@ fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
     let of_curve = sheet.voltage.map(|p| p.value);
     let no_load = module.no_load_speed();
     // With less voltage there is less speed.
+    let less = of_curve.is_some_and(|of_curve| volt < of_curve);
     let missing = match (of_curve, no_load) {
-        (Some(of_curve), Some(no_load)) if volt < of_curve => no_load * (1.0 - volt / of_curve),
-        (Some(of_curve), None) if volt < of_curve => {
-            return Most::Unknown(
-                "the module's speed without load is not known, and the bus has less voltage than its curve",
-            );
-        }
+        (Some(of_curve), Some(no_load)) if less => no_load * (1.0 - volt / of_curve),
         _ => 0.0,
+    };
+    // With more there may be more, up to as much more speed as there is voltage.
+    let more = of_curve.map_or(1.0, |of_curve| (volt / of_curve).max(1.0));
+    let peak = sheet.peak_torque.or(sheet.stall_torque).map(|p| p.value);
+    let sure = |sure: f64| match (more > 1.0 && driving, no_load) {
+        (false, _) => Most::Known(sure),
+        (true, Some(no_load)) if speed > more * no_load => Most::Known(0.0),
+        (true, _) => match peak.or(module.largest_torque()) {
+            // Where it gives its peak torque it gives no more.
+            Some(peak) if sure < peak => Most::Between(sure, peak, MORE_VOLTAGE),
+            _ => Most::Known(sure),
+        },
     };
     if !curve.is_empty() {
         // While it is driven without a curve of its own, what it gives at standstill.
-        let speed = if !driving && module.braking_curve.is_empty() { 0.0 } else { speed + missing };
-        return Most::Known(on_curve(curve, speed).min(sheet.peak_torque.map_or(f64::INFINITY, |p| p.value)));
+        let by_driving = driving || module.braking_curve.is_empty();
+        let speed = if !driving && by_driving { 0.0 } else { speed + missing };
+        // A braking curve is more than the peak torque while it drives: the gear's loss helps.
+        let most = sheet.peak_torque.filter(|_| by_driving).map_or(f64::INFINITY, |p| p.value);
+        let at_speed = on_curve(curve, speed).min(most);
+        return match less && no_load.is_none() && speed > 0.0 {
+            true => Most::Between(0.0, at_speed, NO_FREE_SPEED),
+            false => sure(at_speed),
+        };
     }
     if driving && no_load.is_some_and(|no_load| speed + missing > no_load) {
-        return Most::Known(0.0);
+        return sure(0.0);
     }
-    let most = sheet.peak_torque.or(sheet.stall_torque).map(|p| p.value);
-    match (most, no_load) {
-        (Some(most), Some(no_load)) if driving => Most::Between(most * (1.0 - (speed + missing) / no_load), most),
+    match (peak, no_load) {
+        (Some(most), Some(no_load)) if driving => {
+            let why = if more > 1.0 { MORE_VOLTAGE } else { NO_CURVE };
+            Most::Between(most * (1.0 - (speed + missing) / no_load), most, why)
+        }
         // Against the speed it has at least what it has at standstill.
         (Some(most), _) if !driving => Most::Known(most),
         (Some(most), None) if speed == 0.0 => Most::Known(most),
-        (Some(_), None) => Most::Unknown("the module's row says neither a torque–speed curve nor a speed without load"),
+        (Some(most), None) => {
+            Most::Between(0.0, most, "the module's row says neither a torque–speed curve nor a speed without load")
+        }
         _ => Most::Unknown("the module's row says neither a torque–speed curve nor a peak torque"),
+    }
+}
+
+/// Whether a curve is taken at the bus's voltage though its row does not say at which it holds.
+pub(super) fn why_no_voltage(candidate: &Candidate) -> Option<&'static str> {
+    let module = &inside(candidate)?.module;
+    let rates = !module.driving_curve.is_empty() || module.sheet.no_load_speed.is_some();
+    (rates && module.sheet.voltage.is_none()).then_some(
+        "the module's row does not say at which voltage its torques and speeds hold: they are taken as those of this bus",
+    )
+}
+
+/// Whether heat over the motion is judged by the rated torque alone.
+pub(super) fn is_judged_by_rating(candidate: &Candidate) -> bool {
+    inside(candidate).is_some_and(|inside| says_heat(candidate) && !has_overload(candidate, inside))
+}
+
+/// What is known of heat over the motion of a module whose row has a rated torque and no overload table: as of a motor without
+/// thermal time constants.
+pub(super) fn heat_by_rating(candidate: &Candidate, _: f64) -> Verdict {
+    let Some(inside) = inside(candidate) else { return Verdict::Kept };
+    let rated = inside.module.sheet.rated_torque.map_or(f64::INFINITY, |p| p.value);
+    let Some((course, repeats)) = candidate.load.flange_course(inertia(candidate, inside)) else {
+        return Verdict::Kept;
+    };
+    let (limit, short, least) = (rated * rated, SHORT_STRETCH, LEAST_TIME_CONSTANT);
+    let largest = course.iter().map(|piece| piece.from.max(piece.to)).fold(0.0, f64::max);
+    if stretch::is_within(largest, limit) {
+        return Verdict::Kept;
+    }
+    let longest = stretch::longest(&course, limit, repeats);
+    if longest < short && largest * longest <= least * limit {
+        return Verdict::Assumed(match candidate.load.starts_cold() {
+            true => "taken as kept: from cold it gives more than its rated torque for less than 1 s at a time",
+            false => {
+                "judged by its mean: it gives more than its rated torque for less than 1 s at a time, and its row has no overload table"
+            }
+        });
+    }
+    match stretch::is_within(stretch::lagged(&course, least, repeats), limit) {
+        true => Verdict::Assumed(
+            "judged as if a winding with a time constant of 5.1 s, the least of the catalogue, bore its rated torque: its row has no overload table",
+        ),
+        false => Verdict::Unknown(
+            "it gives more than its rated torque for so long that a winding which warms quickly may become too hot, and its row has no overload table",
+        ),
     }
 }

@@ -15,7 +15,7 @@ fn shares_power(robot: &Robot) -> bool {
 }
 
 /// What cannot be told without currents.
-const ELECTRICAL: [Quantity; 5] =
+pub const ELECTRICAL: [Quantity; 5] =
     [Quantity::Loss, Quantity::CopperLoss, Quantity::Energy, Quantity::PeakCurrent, Quantity::PeakPower];
 
 /// Something that is asked of a candidate and that no limit of the model asks for: a number without which a limit
@@ -91,7 +91,9 @@ pub const NEEDS: &[Need] = &[
         of: Of::Other,
         stated: the_supply,
         key: by_nobody,
+        // Where no voltage is computed, nothing is checked without it.
         missing: |c| match (c.motor.inductance, c.motor.pole_pairs) {
+            _ if !c.motor.inside.as_deref().is_none_or(Inside::says_power) => None,
             (Some(_), Some(_)) => None,
             (None, _) => Some("the motor's inductance is not known: voltage is checked without it"),
             (Some(_), None) => Some(
@@ -116,10 +118,10 @@ pub const NEEDS: &[Need] = &[
     Need {
         name: "module_gear_loss",
         of: Of::Other,
-        stated: |_, joint| ELECTRICAL.iter().any(|q| joint.objective.weight(*q) > 0.0),
+        stated: |robot, joint| ELECTRICAL.iter().any(|q| joint.objective.weight(*q) > 0.0) || shares_power(robot),
         key: |_| Some(Key::Joint(&["objective"])),
         missing: |c| match c.motor.inside.as_deref() {
-            Some(inside) if inside.says_currents() && inside.gear_loss.is_none() && !inside.loss_in_constant => Some(
+            Some(inside) if inside.says_currents() && !inside.says_loss() => Some(
                 "the module's row does not say what its gear loses: currents and copper loss are at least what is computed",
             ),
             _ => None,
@@ -149,6 +151,22 @@ pub const NEEDS: &[Need] = &[
         key: by_nobody,
         missing: super::module::why_no_curve,
         at_ratio: |_| None,
+    },
+    Need {
+        name: "module_curve_voltage",
+        of: Of::Other,
+        stated: by_data_sheets,
+        key: by_nobody,
+        missing: super::module::why_no_voltage,
+        at_ratio: |_| None,
+    },
+    Need {
+        name: "module_heat",
+        of: Of::Other,
+        stated: always,
+        key: by_nobody,
+        missing: |_| None,
+        at_ratio: |c| super::module::is_judged_by_rating(c).then_some(super::module::heat_by_rating as Judge),
     },
     Need {
         name: "module_inertia",

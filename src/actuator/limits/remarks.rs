@@ -4,6 +4,7 @@ use super::heat::STANDSTILL;
 use super::limit::{Asked, Depends, Remark};
 use crate::actuator::candidate::{ASSUMED, Candidate, hottest};
 use crate::catalog::estimate::Estimated;
+use crate::catalog::module::Inside;
 use crate::catalog::{Gear, GearKind};
 use crate::requirement::MotorDrag;
 
@@ -25,13 +26,16 @@ impl Candidate<'_> {
         }
         let stated = self.joint.limits.winding_temperature.is_some();
         let heat = |asked: &&Asked| super::heat::LIMITS.iter().any(|limit| limit.name == asked.limit.name);
-        if hottest(self.motor, self.joint).1 == ASSUMED {
+        // Of a module that says ratings alone neither heat nor resistance is computed.
+        let says_currents = self.motor.inside.as_deref().is_none_or(Inside::says_currents);
+        let is_assumed = hottest(self.motor, self.joint).1 == ASSUMED;
+        if is_assumed && says_currents {
             assumed.push((
                 "winding_temperature",
                 "neither motor nor requirement gives a highest winding temperature: 100 degC is assumed, for heat and for the resistance that voltage is checked with",
             ));
-        } else if let (true, None, Some(of_heat)) =
-            (stated, self.motor.max_winding_temperature, asked.iter().find(heat))
+        } else if let (true, None, Some(of_heat), false) =
+            (stated, self.motor.max_winding_temperature, asked.iter().find(heat), is_assumed)
         {
             assumed.push((
                 of_heat.limit.name,

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::audit::audit_module;
 use super::inside::{BUILT_IN, Depth, Inside};
 use super::overload::Response;
-use super::{MODULE_FIELDS, Module, Side, TorqueLoss};
+use super::{MODULE_FIELDS, Module, NoLoadCurrent, Side, TorqueLoss};
 use crate::catalog::alternative::Alternative;
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention, Terminals};
+use crate::catalog::drag::Drag;
 use crate::catalog::gear::GearKind;
 use crate::catalog::module::constants::EfficiencyFrom;
 use crate::catalog::row::MotorRow;
@@ -25,20 +26,64 @@ impl Module {
         let alternatives: Vec<Alternative> = catalog.alternatives_of(&self.id).cloned().collect();
         let findings = audit_module(self, &catalog.modules, &catalog.motors, &alternatives);
         if let (Depth::Inside, Some((motor, gear))) = (depth, pair) {
+            // What the two rows do not say, the module's may.
+            let own = self.constants();
+            let (ratio, whole) = (self.ratio(), self.sheet.mass.map(|p| p.value));
+            let splits = motor.mass.is_some() && gear.mass.is_some();
+            let efficiency = gear.efficiency.map(|efficiency| (efficiency, EfficiencyFrom::Row)).or(own.efficiency);
+            let inertia = own.inertia.map(|j| j / (ratio * ratio));
             let inside = Inside {
                 module: self.clone(),
-                gear: gear.clone(),
+                gear: Gear {
+                    efficiency: Some(efficiency.map_or(1.0, |(efficiency, _)| efficiency)),
+                    backdrive_efficiency: gear.backdrive_efficiency.or(own.backdrive_efficiency),
+                    mass: if splits || whole.is_none() { gear.mass } else { Some(0.0) },
+                    // An inertia of the whole is counted at the rotor.
+                    inertia: if motor.rotor_inertia.is_none() { Some(0.0) } else { gear.inertia },
+                    ..gear.clone()
+                },
                 depth,
-                says_inertia: motor.rotor_inertia.is_some(),
+                says_inertia: motor.rotor_inertia.or(inertia).is_some(),
                 says_back_emf: true,
-                gear_loss: gear.efficiency.map(|_| EfficiencyFrom::Row),
+                gear_loss: efficiency.map(|(_, from)| from),
                 loss_in_constant: false,
                 response,
                 findings,
                 alternatives,
                 published: Vec::new(),
             };
-            return Motor { id: self.id.clone(), inside: Some(Arc::new(inside)), ..motor.clone() };
+            let rotor_inertia = motor.rotor_inertia.or(inertia);
+            // Its own peak torque is that of the flange: a motor's that follows from it would count the gear's loss twice.
+            let says_peak = self.sheet.peak_torque.is_some();
+            // Of a current and a temperature that both rows bound the smaller one counts.
+            let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
+            let own_peak = self.refers.current.zip(self.sheet.peak_current);
+            let own_peak = own_peak.map(|(is, p)| p.value * is.torque_current(Commutation::Brushless));
+            let hottest = self.sheet.max_winding_temperature.map(|p| p.value);
+            let no_drag = motor.drag() == Drag::Unknown;
+            let friction = |printed: Option<Printed>, power: i32| {
+                let at_flange = self.at_output(printed.filter(|_| no_drag), self.refers.friction_side, power)?;
+                Some(at_flange / ratio.powi(power))
+            };
+            let mass = if splits { motor.mass } else { whole.or(motor.mass) };
+            let sheet = Sheet {
+                peak_torque: motor.sheet.peak_torque.filter(|_| !says_peak),
+                mass: if splits { motor.sheet.mass } else { self.sheet.mass.or(motor.sheet.mass) },
+                ..motor.sheet.clone()
+            };
+            return Motor {
+                id: self.id.clone(),
+                inside: Some(Arc::new(inside)),
+                rotor_inertia,
+                peak_torque: motor.peak_torque.filter(|_| !says_peak),
+                peak_current: least(motor.peak_current, own_peak),
+                max_winding_temperature: least(motor.max_winding_temperature, hottest),
+                coulomb_friction: motor.coulomb_friction.or(friction(self.sheet.dynamic_friction, 1)),
+                viscous_friction: motor.viscous_friction.or(friction(self.sheet.viscous_friction, 2)),
+                mass,
+                sheet,
+                ..motor.clone()
+            };
         }
         let motor = self.by_constants(depth, response);
         let inside =
@@ -87,8 +132,8 @@ impl Module {
         let known = |value: Option<f64>, spread: Option<f64>| {
             value.map(|value| Printed { value, tolerance: spread.map(|share| share * value.abs()) })
         };
-        let of_current = |p: Option<Printed>| {
-            let factor = self.refers.current?.torque_current(Commutation::Brushless);
+        let in_convention = |p: Option<Printed>, is: Option<CurrentConvention>| {
+            let factor = is?.torque_current(Commutation::Brushless);
             known(Some(p?.value * factor), p?.relative_tolerance())
         };
         let like = |value, printed: Option<Printed>| known(value, printed.and_then(|p| p.relative_tolerance()));
@@ -127,8 +172,11 @@ impl Module {
                 mass: sheet.mass,
                 outer_diameter: sheet.outer_diameter,
                 length: sheet.length.filter(|_| sheet.outer_diameter.is_some()),
-                peak_current: of_current(sheet.peak_current),
-                no_load_current: of_current(sheet.no_load_current),
+                peak_current: in_convention(sheet.peak_current, self.refers.current),
+                no_load_current: match self.refers.no_load_current_is {
+                    Some(NoLoadCurrent::Winding(is)) => in_convention(sheet.no_load_current, Some(is)),
+                    _ => None,
+                },
                 no_load_speed: known(sheet.no_load_current.and(self.no_load_speed()).map(|speed| speed * ratio), None),
                 coulomb_friction: at_motor(sheet.dynamic_friction, 1),
                 viscous_friction: at_motor(sheet.viscous_friction, 2),
@@ -157,6 +205,8 @@ impl Motor {
             back_emf_constant: blank(self.back_emf_constant),
             peak_current: self.peak_current.filter(|_| says),
             no_load_torque: self.no_load_torque.filter(|_| says),
+            // What is taken for a constant is said of constants.
+            assumptions: if says { self.assumptions } else { Vec::new() },
             inside: Some(inside),
             ..self
         }

@@ -50,7 +50,7 @@ pub const MODULE_CHECKS: &[ModuleCheck] = &[
     },
     ModuleCheck {
         code: "module-torque-constant",
-        compares: "rated and peak torque against K_T times their currents: 0.7 to 1.06, 0.55 to 1.06",
+        compares: "rated and peak torque against K_T times their currents: 0.7 (0.85 if measured at the output) to 1.06, 0.55 to 1.06",
         run: torque_constant,
     },
     ModuleCheck {
@@ -94,6 +94,16 @@ pub const MODULE_CHECKS: &[ModuleCheck] = &[
         run: rated_point,
     },
     ModuleCheck { code: "module-siblings", compares: "K_T/N and J/N² of rows of one family: the same", run: siblings },
+    ModuleCheck {
+        code: "module-curve",
+        compares: "driving curve against peak torque and no-load speed: not above the one, ending at the other, within 1.06",
+        run: curve,
+    },
+    ModuleCheck {
+        code: "module-inside",
+        compares: "mass against that of motor and gear rows inside: not less; peak current against the motor row's: within 1.06",
+        run: inside,
+    },
     ModuleCheck {
         code: "module-alternatives",
         compares: "what several sources print of one number: within their ±, or within 1.2 times",
@@ -183,8 +193,10 @@ fn said(current: CurrentConvention) -> &'static str {
 fn torque_constant(of: &Of) -> Option<Outcome> {
     let module = of.module;
     let (sheet, refers) = (&module.sheet, &module.refers);
+    // What was measured at the output has the gear's loss in it already.
+    let measured = refers.torque_constant_loss == Some(TorqueLoss::Measured);
     let points = [
-        ("rated", value(sheet.rated_torque), value(sheet.rated_current), (0.7, 1.06)),
+        ("rated", value(sheet.rated_torque), value(sheet.rated_current), (if measured { 0.85 } else { 0.7 }, 1.06)),
         ("peak", value(sheet.peak_torque), value(sheet.peak_current), (0.55, 1.06)),
     ];
     let share = |constant: CurrentConvention, side: Side, rating: CurrentConvention, torque: f64, current: f64| {
@@ -435,4 +447,49 @@ fn alternatives(of: &Of) -> Option<Outcome> {
     let told: Vec<String> = spreads.iter().filter(|spread| apart(spread)).map(told).collect();
     let explanation = "`gearwise catalog show` prints them with their sources; the row's own number counts".to_string();
     if told.is_empty() { None } else { note(told.join("; "), Some(explanation)) }
+}
+
+/// By how much numbers of one thing differ by rounding and reading off pictures.
+const READ_OFF: f64 = 1.06;
+
+fn curve(of: &Of) -> Option<Outcome> {
+    let module = of.module;
+    let most = module.driving_curve.iter().map(|p| p[1]).reduce(f64::max)?;
+    if let Some(peak) = value(module.sheet.peak_torque).filter(|peak| most > peak * READ_OFF) {
+        let message =
+            format!("its driving curve reaches {} N*m, above its peak torque {} N*m", number(most), number(peak));
+        return error(message, None);
+    }
+    let (end, free) = (module.end_of_curve()?, value(module.sheet.no_load_speed)?);
+    if (1.0 / READ_OFF..READ_OFF).contains(&(end / free)) {
+        return None;
+    }
+    error(format!("its driving curve ends at {} rad/s, its no-load speed is {} rad/s", number(end), number(free)), None)
+}
+
+fn inside(of: &Of) -> Option<Outcome> {
+    let module = of.module;
+    let motor = of.motors.iter().find(|m| m.id == module.motor && !m.id.is_empty())?;
+    let own = module.refers.current.zip(module.sheet.peak_current);
+    let own = own.map(|(is, p)| p.value * is.torque_current(Commutation::Brushless));
+    let mut found = Vec::new();
+    if let (Some(whole), Some(part)) = (value(module.sheet.mass), motor.mass)
+        && whole < part / READ_OFF
+    {
+        found.push(format!("its mass {} kg is less than that of its motor row, {} kg", number(whole), number(part)));
+    }
+    if let (Some(own), Some(other)) = (own, motor.peak_current)
+        && !(1.0 / READ_OFF..READ_OFF).contains(&(own / other))
+    {
+        found.push(format!(
+            "its peak current is {} A, that of its motor row {} A (q axis)",
+            number(own),
+            number(other)
+        ));
+    }
+    if found.is_empty() {
+        None
+    } else {
+        note(found.join("; "), Some("the smaller current counts, and its own mass".into()))
+    }
 }

@@ -142,6 +142,7 @@ fn undeclared(module: &Module) -> Vec<Wrong> {
         ("rated_current", sheet.rated_current.is_some(), "current", refers.current.is_some()),
         ("peak_current", sheet.peak_current.is_some(), "current", refers.current.is_some()),
         ("rated_power", sheet.rated_power.is_some(), "rated_power_is", refers.rated_power_is.is_some()),
+        ("no_load_current", sheet.no_load_current.is_some(), "no_load_current_is", refers.no_load_current_is.is_some()),
         ("price", sheet.price.is_some(), "price_currency", !module.price_currency.is_empty()),
         ("price", sheet.price.is_some(), "price_date", !module.price_date.is_empty()),
     ] {

@@ -65,6 +65,11 @@ impl Inside {
         self.depth != Depth::Ratings
     }
 
+    /// Whether what it loses is known: currents, and what its gear takes.
+    pub fn says_loss(&self) -> bool {
+        self.says_currents() && (self.gear_loss.is_some() || self.loss_in_constant)
+    }
+
     /// Whether power and voltage are known too.
     pub fn says_power(&self) -> bool {
         self.says_currents() && self.says_back_emf

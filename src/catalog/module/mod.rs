@@ -62,12 +62,32 @@ impl RatedPower {
         &[("mechanical", RatedPower::Mechanical), ("electrical", RatedPower::Electrical)];
 }
 
+/// What a current without load is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoLoadCurrent {
+    /// Of the winding, in a convention.
+    Winding(CurrentConvention),
+    /// From the supply, with what the drive itself takes.
+    Supply,
+}
+
+impl NoLoadCurrent {
+    /// All with the word that a catalogue uses for them.
+    pub const NAMES: &[(&str, NoLoadCurrent)] = &[
+        ("rms", NoLoadCurrent::Winding(CurrentConvention::Rms)),
+        ("phase_amplitude", NoLoadCurrent::Winding(CurrentConvention::PhaseAmplitude)),
+        ("dc", NoLoadCurrent::Winding(CurrentConvention::Dc)),
+        ("q_axis", NoLoadCurrent::Winding(CurrentConvention::QAxis)),
+        ("supply", NoLoadCurrent::Supply),
+    ];
+}
+
 impl Side {
     /// Both with their words.
     pub const NAMES: &[(&str, Side)] = &[("motor", Side::Motor), ("output", Side::Output)];
 }
 
-has_words!(Drive, TorqueLoss, RatedPower);
+has_words!(Drive, TorqueLoss, RatedPower, NoLoadCurrent);
 
 /// What the numbers of a module refer to: each column says it of itself.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -98,6 +118,8 @@ pub struct Refers {
     pub current: Option<CurrentConvention>,
     /// What the rated power is.
     pub rated_power_is: Option<RatedPower>,
+    /// What the current without load is.
+    pub no_load_current_is: Option<NoLoadCurrent>,
 }
 
 /// Points of a curve or of a table: SI.

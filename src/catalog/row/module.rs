@@ -5,7 +5,7 @@ use crate::catalog::convention::{
     BackEmfConvention, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
 use crate::catalog::gear::GearKind;
-use crate::catalog::module::{Drive, MODULE_FIELDS, Module, ModuleSheet, RatedPower, TorqueLoss};
+use crate::catalog::module::{Drive, MODULE_FIELDS, Module, ModuleSheet, NoLoadCurrent, RatedPower, TorqueLoss};
 use crate::catalog::row::Side;
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::input::{Range, Stated};
@@ -124,6 +124,11 @@ impl Row for Module {
             current,
             CurrentConvention,
             "what ampere means in `rated_current` and `peak_current`; needed with them"
+        ),
+        refers!(
+            no_load_current_is,
+            NoLoadCurrent,
+            "what `no_load_current` is: of the winding in a convention, or of the supply; needed with it"
         ),
         count!(pole_pairs, "number of pole pairs of the motor, p"),
         count!(encoder_bits_motor, "resolution of the encoder at the motor"),

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::bind::Bind;
+use crate::actuator::limits::Remark;
 use crate::words::number;
 
 /// Why no ratio keeps all limits.
@@ -94,6 +95,21 @@ pub enum Unsolved {
     ToleranceReachesZero(&'static str),
 }
 
+/// What a spring that nobody found is of.
+const SPRING: &str = "spring";
+const NO_SPRING: &str = "no feasible ratio and spring was found, and none was ruled out";
+
+impl Unsolved {
+    /// What is not settled by a search for a spring: whether there is a design is not known then.
+    pub fn unknown(&self) -> Option<Remark> {
+        match self {
+            Unsolved::SpringWithEffects => Some((SPRING, "none is chosen for a motor with these effects")),
+            Unsolved::NothingRuledOutWithSpring => Some((SPRING, NO_SPRING)),
+            _ => None,
+        }
+    }
+}
+
 impl fmt::Display for Unsolved {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -107,9 +123,7 @@ impl fmt::Display for Unsolved {
             Unsolved::BreaksLimit => f.write_str("the solution breaks a limit"),
             Unsolved::Gap(gap) => write!(f, "the duality gap is {gap:.1e}"),
             Unsolved::NothingRuledOut => f.write_str("no feasible ratio was found, and none was ruled out"),
-            Unsolved::NothingRuledOutWithSpring => {
-                f.write_str("no feasible ratio and spring was found, and none was ruled out")
-            }
+            Unsolved::NothingRuledOutWithSpring => f.write_str(NO_SPRING),
             Unsolved::Nearly { limit, least, ratio } => {
                 let (least, ratio) = (number(*least), number(*ratio));
                 write!(

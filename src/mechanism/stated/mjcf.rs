@@ -173,7 +173,7 @@ impl<'a> Reader<'a, '_> {
                 quantity: Quantity::Effort,
                 value,
                 span: attribute.range_value(),
-                called: "actuatorfrcrange".into(),
+                called: JOINT_RANGE.into(),
                 slot: Some(Slot { is_range: true, ..slot(node, attribute, "actuatorfrcrange") }),
                 by_gear: false,
             });
@@ -198,6 +198,8 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn actuators(&mut self, root: El<'a>) {
+        // Of each joint what its actuators give at most, each: `None` without a limit.
+        let mut forces: Vec<Vec<Option<Stated>>> = vec![Vec::new(); self.model.joints.len()];
         let sections = children(root).filter(|n| n.has_tag_name("actuator"));
         for node in sections.flat_map(children) {
             let kind = node.tag_name().name();
@@ -246,12 +248,33 @@ impl<'a> Reader<'a, '_> {
             if let Some(gain) = gain.filter(|gain| *gain > 0.0) {
                 effort("ctrlrange", "ctrllimited", gain);
             }
+            let (efforts, others): (Vec<Stated>, Vec<Stated>) =
+                found.into_iter().partition(|s| s.quantity == Quantity::Effort);
+            forces[k].push(efforts.iter().min_by(|a, b| a.value.total_cmp(&b.value)).cloned());
             let joint = &mut self.model.joints[k];
             joint.is_passive = false;
-            joint.stated.extend(found);
+            joint.stated.extend(others);
+            if forces[k].len() == 1 {
+                joint.stated.extend(efforts);
+            }
+        }
+        for (joint, forces) in self.model.joints.iter_mut().zip(forces).filter(|(_, forces)| forces.len() > 1) {
+            // Forces of several actuators add up; one without a limit leaves none.
+            joint.stated.retain(|s| s.quantity != Quantity::Effort || s.called == JOINT_RANGE);
+            let Some(all) = forces.into_iter().collect::<Option<Vec<Stated>>>() else { continue };
+            joint.stated.push(Stated {
+                value: all.iter().map(|s| s.value).sum(),
+                called: format!("the sum of {} actuators", all.len()),
+                slot: None,
+                by_gear: all.iter().any(|s| s.by_gear),
+                ..all[0].clone()
+            });
         }
     }
 }
+
+/// What limits the forces of all actuators of a joint together.
+const JOINT_RANGE: &str = "actuatorfrcrange";
 
 /// The attribute that counts.
 fn get<'a>(layers: &[El<'a>], name: &str) -> Option<Attribute<'a, 'a>> {

@@ -13,7 +13,7 @@ pub fn class(joint: &str) -> String {
 /// Attributes of the joint with their values, in order.
 pub fn joint_attributes(e: &Exported) -> Vec<(&'static str, String)> {
     let s = &e.simulated;
-    let mut attributes = vec![("armature", digits(s.armature))];
+    let mut attributes: Vec<_> = s.armature.map(|armature| ("armature", digits(armature))).into_iter().collect();
     attributes.extend(s.damping.map(|d| ("damping", digits(d))));
     attributes.extend(s.friction_loss.map(|f| ("frictionloss", digits(f))));
     if let Some(effort) = s.effort() {
@@ -42,8 +42,8 @@ fn remarks(e: &Exported) -> Vec<String> {
     let mut lines = Vec::new();
     if let (Some(torque), Some(effort)) = (s.motor_torque, s.effort()) {
         lines.push(format!(
-            "ctrl is torque at the motor [N*m], K_T i with K_T = {} N*m/A (q axis); by the {} at most {} N*m, {} N*m at the output",
-            number(s.torque_constant),
+            "ctrl is torque at the motor [N*m]{}; by the {} at most {} N*m, {} N*m at the output",
+            s.torque_constant.map_or_else(String::new, |k| format!(", K_T i with K_T = {} N*m/A (q axis)", number(k))),
             torque.owner,
             number(torque.value),
             number(effort.value)

@@ -241,8 +241,8 @@ fn into_urdf(edits: &mut Edits, root: Node, node: Node, name: &str, e: &Exported
         for text in reductions.filter_map(|r| r.first_child()).filter(Node::is_text) {
             edits.changes.push((text.range(), digits(e.simulated.ratio)));
         }
-        let rotor = e.simulated.rotor_inertia + e.simulated.gear_inertia;
-        for (tag, value) in [("rotor_inertia", rotor), ("gear_ratio", e.simulated.ratio)] {
+        let rotor = e.simulated.inertias.map(|(rotor, gear)| ("rotor_inertia", rotor + gear));
+        for (tag, value) in rotor.into_iter().chain([("gear_ratio", e.simulated.ratio)]) {
             let of_drake = |d: &Node| d.tag_name().name() == tag && d.tag_name().namespace() == Some(urdf::DRAKE);
             for element in transmission.descendants().filter(of_drake) {
                 edits.set(element, &[("value", digits(value))]);

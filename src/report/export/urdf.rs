@@ -27,10 +27,13 @@ pub fn dynamics_attributes(e: &Exported) -> Vec<(&'static str, String)> {
 fn remarks(e: &Exported) -> Vec<String> {
     let s = &e.simulated;
     let number = crate::report::number;
-    let mut lines = vec![format!(
-        "left out: armature {} kg*m^2 = N^2 (J_m + J_g): URDF has none; Drake reads J_m + J_g and N from the transmission",
-        digits(s.armature)
-    )];
+    let armature = |armature| {
+        format!(
+            "left out: armature {} kg*m^2 = N^2 (J_m + J_g): URDF has none; Drake reads J_m + J_g and N from the transmission",
+            digits(armature)
+        )
+    };
+    let mut lines: Vec<String> = s.armature.map(armature).into_iter().collect();
     lines.extend(s.effort().map(|b| format!("effort by the {}, {} N*m", b.owner, number(b.value))));
     lines.push(format!("velocity by the {}, {} rad/s", s.speed.owner, number(s.speed.value)));
     if s.effort().is_none() {
@@ -48,7 +51,9 @@ pub fn header(origin: &Origin, joints: &[Exported]) -> String {
 pub fn transmission(e: &Exported, joint: &str, indent: &str) -> String {
     let s = &e.simulated;
     let joint = escape(joint);
-    [
+    let rotor =
+        s.inertias.map(|(rotor, gear)| format!("    <drake:rotor_inertia value=\"{}\"/>", digits(rotor + gear)));
+    let lines = [
         format!("<transmission name=\"{joint}_transmission\">"),
         "  <type>transmission_interface/SimpleTransmission</type>".into(),
         format!("  <joint name=\"{joint}\">"),
@@ -56,13 +61,12 @@ pub fn transmission(e: &Exported, joint: &str, indent: &str) -> String {
         "  </joint>".into(),
         format!("  <actuator name=\"{joint}_motor\">"),
         format!("    <mechanicalReduction>{}</mechanicalReduction>", digits(s.ratio)),
-        format!("    <drake:rotor_inertia value=\"{}\"/>", digits(s.rotor_inertia + s.gear_inertia)),
+        rotor.unwrap_or_default(),
         format!("    <drake:gear_ratio value=\"{}\"/>", digits(s.ratio)),
         "  </actuator>".into(),
         "</transmission>".into(),
-    ]
-    .map(|line| format!("{indent}{line}\n"))
-    .concat()
+    ];
+    lines.iter().filter(|line| !line.is_empty()).map(|line| format!("{indent}{line}\n")).collect()
 }
 
 /// What goes into the joints of a robot. It is no robot by itself: links, axes and ranges are the model's.

@@ -14,7 +14,8 @@ pub fn page(comparison: &Comparison) -> Page {
             Section::new(title.clone(), vec![Part::Table(Table::of(title, &header).rows(rows))])
         })
         .collect();
-    if let Some(step) = sections.last_mut() {
+    // Behind the step response there are modules' ratings.
+    if let Some(step) = sections.get_mut(3) {
         step.parts.insert(0, Part::Figure(plot::figure(comparison)));
     }
     let mut warnings = Vec::new();

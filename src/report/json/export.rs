@@ -52,12 +52,12 @@ pub struct OfJoint<'a> {
     pub judged: bool,
     /// What the requirement states and cannot be judged.
     pub unjudged: Vec<NotChecked<'a>>,
-    /// Inertia of the rotor, at the motor.
-    pub rotor_inertia_kgm2: f64,
-    /// Inertia of the gear, at the motor.
-    pub gear_inertia_kgm2: f64,
-    /// Both at the joint: what simulators call armature.
-    pub armature_kgm2: f64,
+    /// Inertia of the rotor, at the motor; `null` for a module that does not say its own.
+    pub rotor_inertia_kgm2: Option<f64>,
+    /// Inertia of the gear, at the motor; likewise.
+    pub gear_inertia_kgm2: Option<f64>,
+    /// Both at the joint: what simulators call armature; likewise.
+    pub armature_kgm2: Option<f64>,
     /// Viscous friction at the joint; `null` where it is not known.
     pub damping_nms_per_rad: Option<f64>,
     /// Coulomb friction at the joint; `null` where it is not known.
@@ -72,8 +72,8 @@ pub struct OfJoint<'a> {
     pub continuous_effort_by: Option<&'static str>,
     /// Largest torque of the motor.
     pub motor_torque_nm: Option<f64>,
-    /// K_T, q axis.
-    pub torque_constant_nm_per_a: f64,
+    /// K_T, q axis; `null` for a module that says ratings alone.
+    pub torque_constant_nm_per_a: Option<f64>,
     /// Largest speed of the joint.
     pub velocity_rad_per_s: f64,
     /// Whose limit that is.
@@ -146,8 +146,8 @@ impl<'a> OfJoint<'a> {
             unchecked: &e.unchecked,
             judged: e.unjudged.is_empty(),
             unjudged: not_checked(&e.unjudged),
-            rotor_inertia_kgm2: s.rotor_inertia,
-            gear_inertia_kgm2: s.gear_inertia,
+            rotor_inertia_kgm2: s.inertias.map(|(rotor, _)| rotor),
+            gear_inertia_kgm2: s.inertias.map(|(_, gear)| gear),
             armature_kgm2: s.armature,
             damping_nms_per_rad: s.damping,
             friction_loss_nm: s.friction_loss,

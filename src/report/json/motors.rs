@@ -8,6 +8,7 @@ use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 use super::design::Metrics;
+use super::finite;
 use super::{document, number_or_null};
 use crate::actuator::metrics::{METRICS, metric};
 use crate::actuator::step_response;
@@ -129,13 +130,13 @@ pub struct Side<'a> {
     /// Id of the motor.
     pub motor: &'a str,
     /// Resistance.
-    pub resistance_ohm: f64,
+    pub resistance_ohm: Option<f64>,
     /// Inductance.
     pub inductance_h: Option<f64>,
     /// Torque constant.
-    pub torque_constant_nm_per_a: f64,
+    pub torque_constant_nm_per_a: Option<f64>,
     /// Back-EMF constant.
-    pub back_emf_constant_vs_per_rad: f64,
+    pub back_emf_constant_vs_per_rad: Option<f64>,
     /// Rotor inertia.
     pub rotor_inertia_kgm2: Option<f64>,
     /// Mass.
@@ -207,10 +208,10 @@ pub fn compared(comparison: &Comparison) -> Value {
         let m = comparison.motors[i];
         Side {
             motor: &m.id,
-            resistance_ohm: m.resistance,
+            resistance_ohm: finite(m.resistance),
             inductance_h: m.inductance,
-            torque_constant_nm_per_a: m.torque_constant,
-            back_emf_constant_vs_per_rad: m.back_emf_constant,
+            torque_constant_nm_per_a: finite(m.torque_constant),
+            back_emf_constant_vs_per_rad: finite(m.back_emf_constant),
             rotor_inertia_kgm2: m.rotor_inertia,
             mass_kg: m.mass,
             metrics: Metrics(m),

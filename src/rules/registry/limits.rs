@@ -299,6 +299,10 @@ pub(crate) const FRICTION_UNKNOWN: Rule = Rule {
 
 fn friction(facts: &JointFacts) -> Vec<Remark> {
     let motor = facts.choice.motor;
+    // What a module gives by its ratings has its friction in it already.
+    if motor.inside.as_deref().is_some_and(|inside| !inside.says_currents()) {
+        return Vec::new();
+    }
     let how = match motor.drag() {
         Drag::Declared | Drag::NoLoad { .. } => return Vec::new(),
         Drag::Unknown => " and is left out".to_string(),

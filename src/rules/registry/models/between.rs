@@ -30,16 +30,25 @@ fn same_limits(facts: &ModelFacts) -> Vec<ModelRemark> {
         // What the row says counts before what the other joint carries.
         let right_effort = hardware.peak.as_ref().map_or(effort.value * turns, |fact| fact.value);
         let right_velocity = hardware.no_load.as_ref().map_or(velocity.value / turns, |fact| fact.value);
+        let by_row = hardware.peak.is_some() && hardware.no_load.is_some();
+        let there = match by_row {
+            true => {
+                format!("its hardware gives {} N*m and {} rad/s there", number(right_effort), number(right_velocity))
+            }
+            false => format!(
+                "{} N*m and {} rad/s make the same {} W",
+                number(effort.value * turns),
+                number(velocity.value / turns),
+                number(effort.value * velocity.value)
+            ),
+        };
         let message = format!(
-            "carries effort {} N*m and velocity {} rad/s as {} does, behind r = {} in place of {}: {} N*m and {} rad/s make the same {} W",
+            "carries effort {} N*m and velocity {} rad/s as {} does, behind r = {} in place of {}: {there}",
             number(effort.value),
             number(velocity.value),
             twin.joint.name,
             number(hardware.transmission),
             number(of_twin.transmission),
-            number(effort.value * turns),
-            number(velocity.value / turns),
-            number(effort.value * velocity.value)
         );
         let mut remark = ModelRemark::new(message, "limits", joint.at(&effort.span));
         remark.joint = Some(k);
@@ -54,9 +63,32 @@ fn same_limits(facts: &ModelFacts) -> Vec<ModelRemark> {
                 conversion: format!("{} × effort of {}", number(turns), twin.joint.name),
             },
         });
-        let mut remark = remark.write(Quantity::Velocity, right_velocity).write(Quantity::Effort, right_effort);
-        remark.help =
-            Some(format!("write effort {} N*m and velocity {} rad/s", number(right_effort), number(right_velocity)));
+        // Limits below those of the hardware may be meant: then nothing is beyond it, and nothing is raised.
+        let above = |value: f64, right: f64| value > right * (1.0 + facts.file.tolerances.limits);
+        let (strong, fast) = (above(effort.value, right_effort), above(velocity.value, right_velocity));
+        if by_row && !strong && !fast {
+            remark.severity = Some(Severity::Warning);
+        }
+        if fast {
+            remark = remark.write(Quantity::Velocity, right_velocity);
+        }
+        if strong {
+            remark = remark.write(Quantity::Effort, right_effort);
+        }
+        remark.help = Some(match (strong, fast, by_row) {
+            (false, false, true) => "both limits are kept there; look whether less than it gives is meant".into(),
+            (false, true, _) => format!(
+                "write velocity {} rad/s; the effort may be {} N*m",
+                number(right_velocity),
+                number(right_effort)
+            ),
+            (true, false, _) => format!(
+                "write effort {} N*m; the velocity may be {} rad/s",
+                number(right_effort),
+                number(right_velocity)
+            ),
+            _ => format!("write effort {} N*m and velocity {} rad/s", number(right_effort), number(right_velocity)),
+        });
         Some(remark)
     };
     facts.same_limits.iter().copied().filter_map(remark).collect()

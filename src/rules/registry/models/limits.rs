@@ -2,6 +2,7 @@
 
 use super::said::{NO_TORQUE, about, alone, asked, factors, is_explained, percent, stated_as};
 use crate::catalog::module::on_curve;
+use crate::hardware::Holds;
 use crate::mechanism::stated::Quantity;
 use crate::rules::models::{ModelFacts, explained, within};
 use crate::rules::rule::{Judgement, ModelRemark, Rule, Severity, Test};
@@ -98,6 +99,9 @@ pub(in crate::rules::registry) const VELOCITY_ABOVE_NO_LOAD: Rule = Rule {
     test: Test::ModelJoint(velocity_above_no_load),
 };
 
+const AT_MORE_VOLTAGE: &str =
+    "its row prints speeds at less voltage than it is driven with: what it does at more is not known";
+
 fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
     let (hardware, velocity) = match asked(facts, k, Quantity::Velocity) {
         Ok(asked) => asked,
@@ -108,6 +112,9 @@ fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
     };
     if velocity.value <= free.value * (1.0 + facts.file.tolerances.limits) || is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
+    }
+    if free.holds == Holds::AtLeast {
+        return Judgement::NotJudged(AT_MORE_VOLTAGE);
     }
     let mut all = factors(hardware, 1);
     all.push((1.0_f64.to_degrees(), "degrees in place of radians (57.3)".into()));
@@ -142,6 +149,9 @@ fn outside_box(facts: &ModelFacts, k: usize) -> Judgement {
     let Some((points, fact)) = &hardware.curve else {
         return Judgement::NotJudged("no row of its hardware gives a torque–speed curve");
     };
+    if fact.holds == Holds::AtLeast {
+        return Judgement::NotJudged(AT_MORE_VOLTAGE);
+    }
     let share = facts.file.tolerances.limits;
     let beyond = |value: f64, fact: &Option<crate::hardware::Fact>| {
         fact.as_ref().is_some_and(|fact| value > fact.value * (1.0 + share))
@@ -200,7 +210,8 @@ fn gear(facts: &ModelFacts, k: usize) -> Judgement {
     let Some(hardware) = alone(joint) else { return Judgement::NotAsked };
     let mut gears = joint.joint.all(Quantity::Gear).peekable();
     if gears.peek().is_none() {
-        return Judgement::NotAsked;
+        // Without a word it is 1.
+        return torn(facts, k).map_or(Judgement::NotAsked, |remark| Judgement::Judged(vec![remark]));
     }
     let Some(n) = hardware.gear else {
         return Judgement::NotJudged("no row of its hardware gives the ratio of its gear");
@@ -284,7 +295,11 @@ fn saturation(facts: &ModelFacts, k: usize) -> Judgement {
         let mut remark = about(k, facts, effort, message);
         remark.bound = Some(saturation.value);
         remark.against = Some(joint.at(&saturation.span));
-        remark.help = Some("write the torque at standstill of the torque–speed line as saturation".into());
+        let is_right = |fact: &crate::hardware::Fact| within(saturation.value, fact.value, share);
+        remark.help = Some(match alone(joint).and_then(|hardware| hardware.peak.as_ref()).is_some_and(is_right) {
+            true => format!("write an effort of {} N*m: its hardware gives no more", number(saturation.value)),
+            false => "write the torque at standstill of the torque–speed line as saturation".into(),
+        });
         return Judgement::Judged(vec![remark]);
     }
     let (Some(hardware), Some(velocity)) = (alone(joint), joint.get(Quantity::Velocity)) else {

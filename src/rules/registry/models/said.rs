@@ -93,11 +93,13 @@ pub(super) fn factors(hardware: &Hardware, power: i32) -> Vec<(f64, String)> {
     let (r, n) = (hardware.transmission, hardware.gear);
     let mut all = Vec::new();
     let mut add = |value: f64, name: &str| {
-        all.push((value.powi(power), format!("{name}{sign} ({} = {})", name, number(value))));
-        all.push((value.powi(-power), format!("1/{name}{sign} ({} = {})", name, number(value))));
+        let product = if name.contains(' ') { format!("({name})") } else { name.to_string() };
+        let (up, down) = (if power == 1 { name } else { product.as_str() }, product.as_str());
+        all.push((value.powi(power), format!("{up}{sign} ({name} = {})", number(value))));
+        all.push((value.powi(-power), format!("1/{down}{sign} ({name} = {})", number(value))));
         if power == 2 {
             all.push((value, format!("{name} ({name} = {})", number(value))));
-            all.push((1.0 / value, format!("1/{name} ({name} = {})", number(value))));
+            all.push((1.0 / value, format!("1/{product} ({name} = {})", number(value))));
         }
     };
     if let Some(n) = n.filter(|n| *n != 1.0) {
