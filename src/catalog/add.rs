@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::module::Module;
 use super::row::{MotorRow, Row, column_of};
 use super::{Catalog, Gear, read};
 use crate::input::csv::find_cell;
@@ -189,7 +190,7 @@ pub fn can_be_added(source: &Arc<Source>) -> Result<(), InputError> {
 }
 
 /// A file with rows, as the tables of its motors and of its gears.
-fn tables(source: &Arc<Source>) -> Result<[Option<Sheet>; 2], InputError> {
+fn tables(source: &Arc<Source>) -> Result<[Option<Sheet>; 3], InputError> {
     let rows = read::read_rows(source)?;
     let is_toml = super::fitted::is_fitted_file(source);
     let made = rows.motors.iter().find(|motor| motor.fit.is_some());
@@ -198,21 +199,25 @@ fn tables(source: &Arc<Source>) -> Result<[Option<Sheet>; 2], InputError> {
         let problem = Problem::whole(message).help("keep its file, and name it with `--also`");
         return Err(InputError { source: source.clone(), problems: vec![problem] });
     }
-    if let Some(module) = rows.modules.first() {
-        let message = format!("`{}` is a module, and rows of modules are not put into another file", module.id);
-        let problem =
-            Problem::whole(message).help("name the file with `--also`, or put it into the folder of your catalogue");
-        return Err(InputError { source: source.clone(), problems: vec![problem] });
+    if !rows.alternatives.is_empty() {
+        let problem = Problem::whole("these are alternatives, which say something of rows and are none");
+        let help = "name the file with `--also`, or put it into the folder `alternatives` of your catalogue";
+        return Err(InputError { source: source.clone(), problems: vec![problem.help(help)] });
     }
     let motors: Vec<MotorRow> = rows.motors.iter().map(MotorRow::of).collect();
-    Ok(match (is_toml, rows.motors.is_empty(), rows.gears.is_empty()) {
-        (true, no_motors, no_gears) => [
-            (!no_motors).then(|| Sheet::of(&super::row::csv_text(&motors, &[]))),
-            (!no_gears).then(|| Sheet::of(&super::row::csv_text(&rows.gears, &[]))),
-        ],
-        (false, false, _) => [Some(Sheet::of(source.text())), None],
-        (false, true, _) => [None, Some(Sheet::of(source.text()))],
-    })
+    let some = [!rows.motors.is_empty(), !rows.gears.is_empty(), !rows.modules.is_empty()];
+    if is_toml {
+        let texts = [
+            super::row::csv_text(&motors, &[]),
+            super::row::csv_text(&rows.gears, &[]),
+            super::row::csv_text(&rows.modules, &[]),
+        ];
+        let mut texts = texts.iter().zip(some).map(|(text, some)| some.then(|| Sheet::of(text)));
+        return Ok(std::array::from_fn(|_| texts.next().flatten()));
+    }
+    // A table of CSV holds one kind of rows; one without rows is of motors or of gears.
+    let first = some.iter().position(|some| *some).unwrap_or(1);
+    Ok(std::array::from_fn(|k| (k == first).then(|| Sheet::of(source.text()))))
 }
 
 /// A file that rows are put into.
@@ -231,6 +236,22 @@ pub enum Of {
     Motors,
     /// Gears.
     Gears,
+    /// Modules.
+    Modules,
+}
+
+impl Of {
+    /// All, in the order in which they are added.
+    pub const ALL: [Of; 3] = [Of::Motors, Of::Gears, Of::Modules];
+
+    /// Its word, which is its folder too.
+    pub fn word(self) -> &'static str {
+        match self {
+            Of::Motors => "motors",
+            Of::Gears => "gears",
+            Of::Modules => "modules",
+        }
+    }
 }
 
 /// Whether a file has rows of a kind.
@@ -242,6 +263,7 @@ pub fn has(source: &Arc<Source>, of: Of) -> Result<bool, InputError> {
     Ok(match of {
         Of::Motors => !rows.motors.is_empty(),
         Of::Gears => !rows.gears.is_empty(),
+        Of::Modules => !rows.modules.is_empty(),
     })
 }
 
@@ -259,6 +281,7 @@ pub fn added(target: &Target, from: &[Arc<Source>], of: Of) -> Result<(String, V
         match of {
             Of::Motors => rows.motors.iter().map(|m| m.id.clone()).collect(),
             Of::Gears => rows.gears.iter().map(|g| g.id.clone()).collect(),
+            Of::Modules => rows.modules.iter().map(|m| m.id.clone()).collect(),
         }
     };
     let mut text = target.there.as_ref().map(|source| source.text().to_string());
@@ -278,11 +301,11 @@ pub fn added(target: &Target, from: &[Arc<Source>], of: Of) -> Result<(String, V
             errors.push(InputError { source: source.clone(), problems: twice });
             continue;
         }
-        let [motors, gears] = tables;
-        let made = match (of, motors, gears) {
-            (Of::Motors, Some(sheet), _) => text_with::<MotorRow>(text.as_deref(), &sheet),
-            (Of::Gears, _, Some(sheet)) => text_with::<Gear>(text.as_deref(), &sheet),
-            _ => continue,
+        let Some(sheet) = tables.into_iter().nth(of as usize).flatten() else { continue };
+        let made = match of {
+            Of::Motors => text_with::<MotorRow>(text.as_deref(), &sheet),
+            Of::Gears => text_with::<Gear>(text.as_deref(), &sheet),
+            Of::Modules => text_with::<Module>(text.as_deref(), &sheet),
         };
         match made {
             Ok(made) => text = Some(made),

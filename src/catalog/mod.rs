@@ -41,7 +41,7 @@ pub use gear::{
 };
 pub use module::Module;
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE, Wound};
-pub use read::{VERSION, gear_columns, module_columns, motor_columns, read_gears, read_motors};
+pub use read::{VERSION, gear_columns, module_columns, motor_columns, read_gears, read_modules, read_motors};
 pub use row::Field;
 pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
 
@@ -208,7 +208,7 @@ impl Catalog {
         errors.extend(sources.iter().flat_map(|source| wrong_insides(source, &catalog)));
         // Without all rows, an alternative may seem to be of none.
         if errors.is_empty() {
-            match alternative::resolve(written, &catalog) {
+            match alternative::written::resolve(written, &catalog) {
                 Ok(alternatives) => catalog.alternatives = alternatives,
                 Err(more) => errors.extend(more),
             }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 use std::sync::Arc;
 
-use super::alternative;
+use super::alternative::written;
 use super::fitted;
 use super::gear::Gear;
 use super::module::Module;
@@ -25,7 +25,7 @@ pub(super) struct Rows {
     pub(super) motors: Vec<Motor>,
     pub(super) gears: Vec<Gear>,
     pub(super) modules: Vec<Module>,
-    pub(super) alternatives: Vec<alternative::Written>,
+    pub(super) alternatives: Vec<written::Written>,
 }
 
 /// A kind of catalogue file.
@@ -51,9 +51,9 @@ const ALTERNATIVES: FileKind = FileKind {
     table: "alternative",
     with: &["column", "value"],
     without: &[],
-    columns: alternative::columns,
+    columns: written::columns,
     read: |cells, rows| {
-        rows.alternatives.extend(alternative::read(cells));
+        rows.alternatives.extend(written::read(cells));
         // A row has as many as there are.
         None
     },
@@ -124,6 +124,14 @@ pub fn read_motors(source: &Arc<Source>) -> Result<Vec<Motor>, InputError> {
 /// Every mistake of the file.
 pub fn read_gears(source: &Arc<Source>) -> Result<Vec<Gear>, InputError> {
     read_table(source, &GEARS).map(|rows| rows.gears)
+}
+
+/// Reads the modules of one CSV file.
+///
+/// # Errors
+/// Every mistake of the file.
+pub fn read_modules(source: &Arc<Source>) -> Result<Vec<Module>, InputError> {
+    read_table(source, &MODULES).map(|rows| rows.modules)
 }
 
 /// Reads the rows of one file: a table of CSV, or of TOML a fitted actuator or lists of rows, `[[motor]]` and `[[gear]]`.

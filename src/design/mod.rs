@@ -67,7 +67,9 @@ pub fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
         for pattern in &joint.motors.modules {
             if !catalog.modules.iter().any(|module| module.matches(pattern)) {
                 let ids = catalog.modules.iter().map(|module| module.id.as_str());
-                let help = match crate::words::nearest(pattern, ids) {
+                // Mostly the end of an id was forgotten.
+                let begins = ids.clone().find(|id| !pattern.is_empty() && id.starts_with(pattern.as_str()));
+                let help = match begins.or(crate::words::nearest(pattern, ids)) {
                     _ if catalog.modules.is_empty() => "it has no modules at all: `--also` adds a file".to_string(),
                     Some(near) => format!("did you mean `{near}`?"),
                     None => "`gearwise catalog list modules` lists them".to_string(),

@@ -76,14 +76,15 @@ pub fn fronts<'a>(
     let one = |joint: &'a Joint| {
         let demand = JointDemand::new(joint, catalog);
         let asked = Asked { site: Site::new(robot, joint, &demand).stopping(stop), quantities, points, only_checked };
-        let curve = |motor| {
+        let curve = |motor: &'a Motor| {
             let curve = asked.curve(motor);
             (options.tick)();
             stop.unless(curve)
         };
-        let curves: Vec<Curve> = catalog.motors.par_iter().map(curve).collect::<Result<_, _>>()?;
+        let motors: Vec<&Motor> = catalog.motors.iter().filter(|motor| !joint.motors.pass_over(motor)).collect();
+        let curves: Vec<Curve> = motors.par_iter().map(|motor| curve(motor)).collect::<Result<_, _>>()?;
         let mut front = Front { joint, quantities, points: Vec::new(), motors: 0, unjudged: vec![], rejected: vec![] };
-        for (motor, curve) in catalog.motors.iter().zip(curves) {
+        for (motor, curve) in motors.into_iter().zip(curves) {
             match curve {
                 Ok(points) => {
                     front.motors += 1;

@@ -130,6 +130,15 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
     let mut others = Vec::new();
     others.extend(torque(sheet.rated_torque, "rated_torque").map(|fact| ("rated torque", fact)));
     others.extend(stall.map(|fact| ("stall torque", fact)));
+    others.extend(of_curve().map(|fact| ("largest torque of its curve", fact)));
+    let constants = module.constants();
+    let current = refers.current.zip(sheet.peak_current);
+    if let (Some(k), Some((is, current))) = (constants.torque_constant, current) {
+        let current = current.value * is.torque_current(Commutation::Brushless);
+        let how =
+            format!("{}K_T I_peak, {} N*m/A × {} A (q axis){}", times(r, ""), number(k), number(current), with_r(r));
+        others.push(("torque at its peak current", fact(r * k * current, how)));
+    }
     // A lower voltage takes from the speed; what a higher one would give nobody printed.
     let printed_at = sheet.voltage.map(|v| v.value);
     let share = match (mount.voltage, printed_at) {

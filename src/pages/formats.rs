@@ -1,6 +1,7 @@
 //! The page of file formats: what the readers ask for, with what they say of it. No key or column is listed here.
 
 use super::{MADE, code, plain, table};
+use crate::catalog::alternative::written::COLUMNS as ALTERNATIVES;
 use crate::catalog::convention::{
     BLOCK, BackEmfConvention, Commutation, CurrentConvention, Modulation, SpeedConstantConvention, Terminals, Winding,
 };
@@ -85,7 +86,7 @@ pub fn text() -> String {
 /// What is said behind the tables of a format.
 fn after(title: &str) -> String {
     match title {
-        REQUIREMENT => currents_in_results() + &motions() + &motors() + &gears() + &modules() + &rows_in_toml(),
+        REQUIREMENT => currents_in_results() + &motions() + &motors() + &gears() + &modules() + &alternatives() + &rows_in_toml(),
         FITTED => {
             let names: Vec<String> = EFFECTS.iter().map(|e| code(e.name())).collect();
             format!(
@@ -179,6 +180,19 @@ fn modules() -> String {
          convention it is, in a column of its own; a number that does not is a mistake. Curves and tables are pairs in one cell, `0:71 22.6:71 35.5:0`, \
          with both units in the header, `driving_curve [rad/s : N*m]`; in TOML a list of pairs, `[[\"0 rad/s\", \"71 N*m\"], …]`. A number may have a column of its ±, `…_tolerance`.\n\n{}",
         columns(&all, of, choices::<Module>),
+    )
+}
+
+/// What other sources say of rows.
+fn alternatives() -> String {
+    let rows = ALTERNATIVES.iter().map(|(name, required, about)| {
+        let name = if *required { format!("**{}**", code(name)) } else { code(name) };
+        vec![name, (*about).to_string()]
+    });
+    format!(
+        "\n## Alternatives (CSV)\n\nWhat other sources say of numbers of motors, gears and modules ([modules.md](modules.md)): one line for each \
+         number. A file with the columns `column` and `value` holds them; the rows must be in the same catalogue.\n\n{}",
+        table(&["column", "what it is"], rows)
     )
 }
 

@@ -190,7 +190,7 @@ const OF_RANKING: [&str; 4] = ["module_constants", "module_gear_loss", "module_b
 const NAMED: usize = 4;
 
 /// Modules that can do a joint by all that their rows rate, and cannot be ranked: by mass, each with its smallest margin.
-fn by_ratings(of: &JointResult) -> Option<String> {
+pub(super) fn by_ratings(of: &JointResult) -> Option<String> {
     let is_undecided = |u: &Unjudged| {
         let unchecked = u.design.as_ref().map_or(&[][..], |design| &design.unchecked);
         unchecked.iter().any(|(name, _)| *name == "module_curve")

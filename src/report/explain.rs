@@ -37,7 +37,14 @@ pub fn text(story: &Explanation) -> String {
     out.push('\n');
     let quantities = quantities(story);
     let room = quantities.iter().map(|(what, ..)| what.chars().count() + 2).fold(24, usize::max);
+    // A module that says ratings alone has few of them.
+    let ratings_alone = story.motor.inside.as_deref().is_some_and(|inside| !inside.says_currents());
+    let mut unknown: Vec<&str> = Vec::new();
     for (what, value, unit) in quantities {
+        if ratings_alone && value.is_none_or(f64::is_nan) {
+            unknown.extend(Some(what).filter(|what| unknown.last() != Some(what)));
+            continue;
+        }
         let value = value.map_or_else(
             || format!("{} {unit}", optional(None)),
             |value| match heat_or(value, unit) {
@@ -50,7 +57,12 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&paragraph(RUNAWAY, 2, 4));
         }
     }
-    out.push_str(&format!("\n{}", paragraph(&format!("Of the {}.", super::losses::sentence(e)), 0, 2)));
+    if !unknown.is_empty() {
+        out.push_str(&paragraph(&format!("not known, since its row has no constants: {}", unknown.join(", ")), 2, 4));
+    }
+    if !ratings_alone {
+        out.push_str(&format!("\n{}", paragraph(&format!("Of the {}.", super::losses::sentence(e)), 0, 2)));
+    }
     for line in super::losses::of_supply(e) {
         out.push_str(&paragraph(&capitalised(&line), 0, 2));
     }
@@ -207,10 +219,9 @@ pub(super) fn remedy_text(remedy: &Remedy) -> String {
         false => format!("{}, ", percent(remedy.needed / remedy.bound - 1.0)),
     };
     format!(
-        "{} of at least {} {} instead of {} ({}{}'s), at N = {}",
+        "{} of at least {} instead of {} ({}{}'s), at N = {}",
         remedy.limit,
-        number(remedy.needed),
-        remedy.unit,
+        crate::words::with_unit(remedy.needed, remedy.unit),
         number(remedy.bound),
         more,
         remedy.owner,

@@ -67,6 +67,11 @@ pub fn reason_text(reason: &Reason, joint: &Joint) -> (String, String) {
                 number(*ratio)
             ),
         ),
+        // At such a speed a module's row gives nothing, however little is asked.
+        Reason::Module { bind, over, .. } if !over.is_finite() => (
+            format!("{} is exceeded", bind.limit),
+            format!("{}: at that speed it gives no torque", bind_text(bind, joint)),
+        ),
         Reason::Module { bind, over, allowed } => {
             (format!("{} is exceeded", bind.limit), format!("{} is {}", bind_text(bind, joint), by(*over, *allowed)))
         }

@@ -38,7 +38,7 @@ pub(super) fn read(
                     true => (
                         "`gear` describes the gear of a continuous ratio, and this joint has modules alone",
                         "a module has its own gear",
-                        "remove it; or give a `ratio` too, for motors beside the modules",
+                        "remove it; or give a `ratio` too, for motors next to the modules",
                     ),
                     false => (
                         "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue",

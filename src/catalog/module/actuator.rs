@@ -248,7 +248,7 @@ impl Module {
             new.zip(known).map_or(1.0, |(new, known)| new / known)
         };
         let value = |p: Option<Printed>| p.map(|p| p.value);
-        let torque = share("peak_torque", self.largest_torque());
+        let torque = share("peak_torque", value(self.sheet.peak_torque).or(self.largest_torque()));
         share("stall_torque", None);
         let speed = share("no_load_speed", self.no_load_speed());
         let rated = share("rated_torque", value(self.sheet.rated_torque));

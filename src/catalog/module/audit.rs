@@ -3,7 +3,8 @@
 
 use super::overload::{BENDS, bends};
 use super::{MODULE_FIELDS, Module, RatedPower, TorqueLoss, on_curve};
-use crate::catalog::alternative::{Alternative, Spread, spreads};
+use crate::catalog::alternative::Alternative;
+use crate::catalog::alternative::spread::{Spread, spreads};
 use crate::catalog::convention::{BackEmfConvention, Commutation, CurrentConvention};
 use crate::catalog::finding::{Audited, Finding, Outcome, Severity};
 use crate::catalog::row::Side;

@@ -249,11 +249,16 @@ impl Module {
         Some(self.no_load_speed()? * share)
     }
 
-    /// The largest torque that its row lets it give \[N·m\]: its peak, else that of its curve, else that at standstill.
+    /// The largest torque of its driving curve \[N·m\].
+    pub fn largest_of_curve(&self) -> Option<f64> {
+        self.driving_curve.iter().map(|point| point[1]).reduce(f64::max)
+    }
+
+    /// The largest torque that its row lets it give \[N·m\]: of its peak and its curve the smaller, else that at standstill.
     pub fn largest_torque(&self) -> Option<f64> {
         let value = |p: Option<crate::catalog::Printed>| p.map(|p| p.value);
-        let of_curve = || self.driving_curve.iter().map(|point| point[1]).reduce(f64::max);
-        value(self.sheet.peak_torque).or_else(of_curve).or(value(self.sheet.stall_torque))
+        let both = value(self.sheet.peak_torque).into_iter().chain(self.largest_of_curve());
+        both.reduce(f64::min).or(value(self.sheet.stall_torque))
     }
 
     /// The speed up to which its driving curve gives a torque at a bus voltage \[rad/s\], zero where it nowhere does; `None`

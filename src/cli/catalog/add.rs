@@ -45,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         crate::catalog::add::can_be_added(source).map_err(|error| vec![error])?;
     }
     let mut changes = Vec::new();
-    for of in [Of::Motors, Of::Gears] {
+    for of in Of::ALL {
         let holds = |source: &&Arc<Source>| has(source, of).unwrap_or(false);
         let from: Vec<Arc<Source>> = sources.iter().filter(holds).cloned().collect();
         if from.is_empty() {
@@ -62,10 +62,10 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         let (text, ids) = added(&target, &from, of)?;
         changes.push((path, text, ids));
     }
-    if let [(first, ..), (second, ..)] = changes.as_slice()
-        && first == second
-    {
-        let why = format!("`{}` is one file, which holds motors or gears; add them to two", first.display());
+    let twice = changes.windows(2).find(|pair| pair[0].0 == pair[1].0);
+    if let Some([(first, ..), _]) = twice {
+        let why =
+            format!("`{}` is one file, which holds motors, gears or modules; add them to a file each", first.display());
         return Err(Failure::Argument(why));
     }
     let mut said = String::new();
@@ -99,8 +99,7 @@ fn own(of: Of) -> Result<PathBuf, Failure> {
     let is_file = user.is_file() || !user.exists() && user.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
     Ok(match (is_file, of) {
         (true, _) => user,
-        (false, Of::Motors) => user.join("motors").join("mine.csv"),
-        (false, Of::Gears) => user.join("gears").join("mine.csv"),
+        (false, of) => user.join(of.word()).join("mine.csv"),
     })
 }
 
@@ -119,11 +118,12 @@ fn check_target(path: &Path, of: Of) -> Result<(), Failure> {
     }
     if path.exists() {
         let source = Source::read(path).map_err(|e| vec![e])?;
-        let other = if of == Of::Motors { Of::Gears } else { Of::Motors };
-        if has(&source, other).map_err(|e| vec![e])? {
-            let (new, there) = if of == Of::Motors { ("motors", "gears") } else { ("gears", "motors") };
-            let why = format!("`{shown}` holds {there}; {new} need a file of their own");
-            return Err(Failure::Argument(why));
+        for other in Of::ALL.into_iter().filter(|other| *other != of) {
+            if has(&source, other).map_err(|e| vec![e])? {
+                let (new, there) = (of.word(), other.word());
+                let why = format!("`{shown}` holds {there}; {new} need a file of their own");
+                return Err(Failure::Argument(why));
+            }
         }
     }
     Ok(())
@@ -148,8 +148,10 @@ fn check_beside(path: &Path, from: &[Arc<Source>]) -> Result<(), Failure> {
 /// Ids that are in the built-in catalogue too: the two cannot be read together.
 fn warn(changes: &[(PathBuf, String, Vec<String>)]) -> Result<(), Failure> {
     let builtin = Catalog::builtin()?;
-    let is_builtin =
-        |id: &&String| builtin.motors.iter().any(|m| m.id == **id) || builtin.gears.iter().any(|g| g.id == **id);
+    let is_builtin = |id: &&String| {
+        let of_modules = builtin.modules.iter().any(|m| m.id == **id);
+        of_modules || builtin.motors.iter().any(|m| m.id == **id) || builtin.gears.iter().any(|g| g.id == **id)
+    };
     for (path, _, ids) in changes {
         let both: Vec<&str> = ids.iter().filter(is_builtin).map(String::as_str).collect();
         if !both.is_empty() {

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use super::{Done, Failure};
 use crate::catalog::filter::names;
 use crate::catalog::row::{Convention, MotorRow, Row, States, about, aliases_of, choices, column_of};
-use crate::catalog::{Gear, VERSION, read_gears, read_motors};
+use crate::catalog::{Gear, Module, VERSION, read_gears, read_modules, read_motors};
 use crate::input::Source;
 use crate::output;
 use crate::words::csv::csv_text;
@@ -23,7 +23,7 @@ use crate::words::nearest;
 pub struct Arguments {
     /// Of what kind of file
     what: Kind,
-    /// A column of the row and its value, with its unit; for motor and gear, may be repeated. Nothing else is in the row then
+    /// A column of the row and its value, with its unit; for motor, gear and module, may be repeated. Nothing else is in the row then
     #[arg(long, value_name = "COLUMN=VALUE")]
     set: Vec<String>,
     /// Write the file; one that is there is never replaced
@@ -38,6 +38,8 @@ enum Kind {
     Motor,
     /// A row of a gear catalogue
     Gear,
+    /// A row of a catalogue of modules
+    Module,
     /// What a robot needs: for optimize, sweep, explain
     Requirement,
     /// Readings and logs of a motor on a bench: for characterize and identify
@@ -99,6 +101,36 @@ const GEAR: &[(&str, &str)] = &[
     ("note", ""),
 ];
 
+/// The module of the template.
+const MODULE: &[(&str, &str)] = &[
+    ("id", "my-module-9"),
+    ("manufacturer", "My maker"),
+    ("model", "A80 9:1"),
+    ("kind", "planetary"),
+    ("drive", "built_in"),
+    ("ratio", "9"),
+    ("peak_torque [N*m]", "40"),
+    ("rated_torque [N*m]", "12"),
+    ("no_load_speed [rpm]", "200"),
+    ("voltage [V]", "48"),
+    ("min_voltage [V]", "24"),
+    ("max_voltage [V]", "60"),
+    ("driving_curve [rad/s : N*m]", "0:40 12:40 20.9:0"),
+    ("armature [kg*m^2]", "0.0158"),
+    ("armature_side", "output"),
+    ("torque_constant [N*m/A]", ""),
+    ("torque_constant_current", ""),
+    ("torque_constant_side", ""),
+    ("torque_constant_loss", ""),
+    ("resistance [ohm]", ""),
+    ("terminals", ""),
+    ("mass [g]", "900"),
+    ("source", "data sheet A80, 2026"),
+    ("source_date", "2026-01-31"),
+    ("source_kind", "datasheet"),
+    ("note", ""),
+];
+
 const REQUIREMENT: &str = include_str!("templates/requirement.toml");
 const BENCH: &str = include_str!("templates/bench.toml");
 const RULES: &str = include_str!("templates/rules.toml");
@@ -108,19 +140,22 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let text = match (arguments.what, arguments.set.is_empty()) {
         (Kind::Motor, true) => template::<MotorRow>("motor", MOTOR),
         (Kind::Gear, true) => template::<Gear>("gear", GEAR),
+        (Kind::Module, true) => template::<Module>("module", MODULE),
+        (Kind::Module, false) => row::<Module>(&arguments.set)?,
         (Kind::Motor, false) => row::<MotorRow>(&arguments.set)?,
         (Kind::Gear, false) => row::<Gear>(&arguments.set)?,
         (Kind::Requirement, true) => REQUIREMENT.into(),
         (Kind::Bench, true) => BENCH.into(),
         (Kind::Rules, true) => RULES.into(),
         (Kind::Design, true) => DESIGN.into(),
-        (_, false) => return Err(Failure::Argument("`--set` makes a row of a motor or a gear".into())),
+        (_, false) => return Err(Failure::Argument("`--set` makes a row of a motor, a gear or a module".into())),
     };
     if !arguments.set.is_empty() {
         // The row is one that the reader takes.
         let source = Arc::new(Source::new("the row of --set", text.clone()));
         let read = match arguments.what {
             Kind::Motor => read_motors(&source).map(drop),
+            Kind::Module => read_modules(&source).map(drop),
             _ => read_gears(&source).map(drop),
         };
         read.map_err(|error| Failure::Input(vec![error]))?;

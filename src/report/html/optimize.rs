@@ -6,6 +6,7 @@ use crate::catalog::Catalog;
 use crate::design::answer::{Design, JointResult, RobotResult};
 use crate::design::outlook::Outlook;
 use crate::design::robot::Choice;
+use crate::report::answer::by_ratings;
 use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
     bind_text, budget_lines, choice_text, joint_notes, notes, proof, ratio_text, rewound_text, verdict, without_choice,
@@ -61,6 +62,7 @@ pub fn page(result: &RobotResult, outlooks: &[Outlook], whole: Option<&Choice>, 
     if whole.is_none() {
         summary.extend(budget(result).into_iter().map(Part::Text));
     }
+    summary.extend(result.joints.iter().filter_map(by_ratings).map(Part::Text));
     let figure = plot::optimized(result, catalog);
     let mut sections = Vec::new();
     let mut warnings = Vec::new();

@@ -2,6 +2,7 @@
 
 use crate::catalog::SourceKind;
 use crate::catalog::audit::{Severity as AuditSeverity, audit_motor};
+use crate::catalog::module::BUILT_IN;
 use crate::rules::facts::{JointFacts, RobotFacts};
 use crate::rules::lock::LockState;
 use crate::rules::place::Place;
@@ -69,7 +70,8 @@ pub(super) const ROW_SECONDARY: Rule = Rule {
             let message = format!("{} is quoted at second hand: {}", motor.id, motor.source);
             remarks.push(Remark::new(message, motor.id.clone(), Place::Motor));
         }
-        if let Some(gear) = facts.choice.gear.filter(|g| secondary(g.source_kind)) {
+        // The gear of a module is of the same row.
+        if let Some(gear) = facts.choice.gear.filter(|g| secondary(g.source_kind) && g.id != BUILT_IN) {
             let message = format!("{} is quoted at second hand: {}", gear.id, gear.source);
             remarks.push(Remark::new(message, gear.id.clone(), Place::Reduction));
         }

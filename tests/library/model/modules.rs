@@ -211,7 +211,7 @@ fn on(curve: &[(f64, f64)], speed: f64) -> f64 {
 
 #[test]
 fn the_limits_of_a_module_are_those_of_the_raw_samples() {
-    let (mut kept, mut exceeded) = (0, 0);
+    let (mut kept, mut exceeded, mut undecided) = (0, 0, 0);
     for seed in cases(0, 1000) {
         let mut generator = Pcg64::seed_from_u64(seed);
         let mut within = |a: f64, b: f64| generator.random_range(a..b);
@@ -219,7 +219,7 @@ fn the_limits_of_a_module_are_those_of_the_raw_samples() {
         let knee = free * within(0.3, 0.9);
         let braking = peak * within(1.0, 1.3);
         let (rated, inertia) = (peak * within(0.3, 0.7), within(1e-4, 0.05));
-        let volt = within(20.0, 60.0);
+        let volt = within(20.0, 90.0);
         let driving = [(0.0, peak), (knee, peak), (free, 0.0)];
         let against = [(0.0, braking), (knee, braking), (free, 0.0)];
         let curve =
@@ -247,24 +247,38 @@ fn the_limits_of_a_module_are_those_of_the_raw_samples() {
         let torque = |k: usize| motion.torque[k] + inertia * motion.acceleration[k];
         // A machine without inductance: with less voltage the curve moves by what is lost of the speed without load.
         let moved = if volt < 48.0 { free * (1.0 - volt / 48.0) } else { 0.0 };
+        // With more it is at least the curve, and certainly no more than the peak, up to as much more speed as there is voltage.
         let share = |k: usize| {
             let (t, w) = (torque(k), motion.velocity[k]);
+            let asked = robot.joints[0].limits.safety * t.abs();
             let curve = if t * w < 0.0 { &against } else { &driving };
-            robot.joints[0].limits.safety * t.abs() / on(curve, w.abs() + moved)
+            let sure = on(curve, w.abs() + moved);
+            let most = match (volt > 48.0 && t * w >= 0.0, w.abs() > free * volt / 48.0) {
+                (false, _) => sure,
+                (true, true) => 0.0,
+                (true, false) => peak,
+            };
+            if asked > most { Some(asked / most) } else { Some(asked / sure).filter(|share| *share <= 1.0) }
         };
-        let worst = (0..SAMPLES).map(share).fold(0.0, f64::max);
+        let worst = (0..SAMPLES).filter_map(share).fold(0.0, f64::max);
+        let open = worst <= 1.0 && (0..SAMPLES).any(|k| share(k).is_none());
         let rms = ((0..SAMPLES).map(|k| torque(k).powi(2)).sum::<f64>() / SAMPLES as f64).sqrt();
         let close = |a: f64, b: f64| (a.is_infinite() && b.is_infinite()) || (a - b).abs() <= 1e-9 * b.abs();
-        assert!(close(common::demand(&found, "torque_speed"), worst), "{seed}: {worst}");
         assert!(close(common::demand(&found, "rated_torque"), rms), "{seed}: {rms}");
+        if open {
+            undecided += 1;
+            assert!(found.margins.iter().all(|m| m.limit != "torque_speed"), "{seed}");
+            continue;
+        }
+        assert!(close(common::demand(&found, "torque_speed"), worst), "{seed}: {worst}");
         let keeps = worst <= 1.0 && rms <= rated && low <= volt && volt <= high;
         assert_eq!(found.feasible, keeps, "{seed}: {worst} {rms} {rated} {volt} {low} {high}");
         assert!(found.loss.is_nan() && found.peak_current.is_nan());
         kept += usize::from(keeps);
         exceeded += usize::from(!keeps);
     }
-    println!("{kept} keep all, {exceeded} do not");
-    assert!(kept * 10 > exceeded && exceeded * 10 > kept);
+    println!("{kept} keep all, {exceeded} do not, {undecided} are not decided");
+    assert!(kept * 10 > exceeded && exceeded * 10 > kept && undecided >= 3);
 }
 
 #[test]

@@ -308,7 +308,7 @@ fn a_row_of_flags_is_what_they_say_or_nothing() {
     assert!(said(&run(&["mas=1 kg"])).contains("did you mean `mass`?"));
     assert!(said(&run(&["mass="])).contains("it has no value"));
     assert!(said(&run(&["mass"])).contains("write it like mass=240g"));
-    assert!(folder.wrong(&["new", "rules", "--set", "a=b"]).contains("makes a row of a motor or a gear"));
+    assert!(folder.wrong(&["new", "rules", "--set", "a=b"]).contains("makes a row of a motor, a gear or a module"));
 }
 
 #[test]

@@ -126,8 +126,14 @@ fn a_calf_with_the_limits_of_the_hip() {
     assert_eq!(found["joint"], "FL_calf_joint");
     // 713.37 W at both: 45.43 N·m × 15.70 rad/s.
     holds(&found["message"], "713.4 W");
-    assert_eq!(found["help"], "write effort 45.43 N*m and velocity 15.7 rad/s");
+    assert_eq!(found["help"], "write velocity 15.7 rad/s; the effort may be 45.43 N*m");
     assert!(!codes(&value).contains(&"GW403"), "one cause is found once: {:?}", codes(&value));
+    // Limits that both hardware keeps may be meant: no error, and nothing to raise.
+    let low = "effort=\"20\" velocity=\"12\"";
+    let derated = urdf(&[("FL_hip_joint", low), ("FL_calf_joint", low)]);
+    let (_, value) = json(DOG, &[("dog.urdf", &derated)]);
+    assert_eq!(finding(&value, "GW409")["severity"], "warning", "{value}");
+    assert_eq!(finding(&value, "GW409")["instead"].as_array().map_or(0, Vec::len), 0, "{value}");
     // Written right there is none.
     let right = urdf(&[("FL_hip_joint", limit), ("FL_calf_joint", "effort=\"45.43\" velocity=\"10.4\"")]);
     let (status, value) = json(DOG, &[("dog.urdf", &right)]);
@@ -613,4 +619,34 @@ fn wrong_input_is_refused_with_its_place() {
         (ran.status, value["command"].as_str(), value["passes"].as_bool()),
         (2, Some("check-model"), Some(false))
     );
+}
+
+/// MuJoCo adds the forces of all actuators of a joint; one without a limit leaves none.
+#[test]
+fn actuators_of_one_joint_add_up() {
+    let model = |actuators: &str| {
+        format!(
+            "<mujoco><worldbody><body><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/><joint name=\"knee\" armature=\"0.0158\"/></body></worldbody><actuator>{actuators}</actuator></mujoco>"
+        )
+    };
+    let forty = "<motor joint=\"knee\" forcerange=\"-40 40\"/>";
+    let hardware = "[[joint]]\nnames = [\"knee\"]\nmodule = \"damiao-j8009-2ec\"\n";
+    let effort = |actuators: &str| {
+        let here = tempfile::TempDir::new().unwrap();
+        std::fs::write(here.path().join("knee.xml"), model(actuators)).unwrap();
+        std::fs::write(here.path().join("hardware.toml"), hardware).unwrap();
+        let ran = super::folder::run(&here, &["check-model", "knee.xml", "--against", "hardware.toml", "--json"]);
+        let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap_or_else(|_| panic!("{}", ran.err));
+        (ran.status, codes(&value).into_iter().map(str::to_string).collect::<Vec<_>>())
+    };
+    let (status, found) = effort(forty);
+    assert!(status == 0 && !found.iter().any(|code| code == "GW401"), "{found:?}");
+    let (status, found) = effort(&forty.repeat(2));
+    assert!(status == 1 && found.iter().any(|code| code == "GW401"), "{found:?}");
+    let open = format!("{forty}<position joint=\"knee\" kp=\"100\"/>");
+    let (_, found) = effort(&open);
+    assert!(!found.iter().any(|code| code == "GW401" || code == "GW402"), "not judged: {found:?}");
+    // What limits the joint limits them all.
+    let (_, found) = effort(&forty.repeat(2).replace("-40 40", "-20 20"));
+    assert!(!found.iter().any(|code| code == "GW401"), "{found:?}");
 }

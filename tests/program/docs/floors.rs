@@ -177,6 +177,7 @@ const CIRCLES: &[&[&str]] = &[
     &["catalog/import/mgdb.rs", "catalog/import/mgdb/cells.rs"],
     // A motor may be a module, whose gear is a row too.
     &[
+        "catalog/alternative/mod.rs",
         "catalog/drag.rs",
         "catalog/gear.rs",
         "catalog/module/constants.rs",

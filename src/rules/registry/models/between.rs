@@ -33,7 +33,17 @@ fn same_limits(facts: &ModelFacts) -> Vec<ModelRemark> {
         let by_row = hardware.peak.is_some() && hardware.no_load.is_some();
         let there = match by_row {
             true => {
-                format!("its hardware gives {} N*m and {} rad/s there", number(right_effort), number(right_velocity))
+                let product = effort.value * velocity.value;
+                let same = if within(right_effort * right_velocity, product, 0.01) {
+                    format!(", the same {} W", number(product))
+                } else {
+                    String::new()
+                };
+                format!(
+                    "its hardware gives {} N*m and {} rad/s there{same}",
+                    number(right_effort),
+                    number(right_velocity)
+                )
             }
             false => format!(
                 "{} N*m and {} rad/s make the same {} W",
