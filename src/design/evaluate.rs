@@ -455,7 +455,7 @@ impl<'a> Prepared<'a> {
 
     /// Whether it is a module of whose power nobody knows.
     fn lacks_power(&self) -> bool {
-        !self.candidate.motor.inside.as_deref().is_none_or(Inside::says_power)
+        !self.candidate.motor.inside.as_deref().is_none_or(|inside| inside.says_power() && inside.says_loss())
     }
 
     /// The same, whatever of a module is not known.

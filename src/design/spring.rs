@@ -2,6 +2,7 @@
 //! worth: the same joint with the same motor and no spring stands beside every choice.
 
 use super::answer::{Design, Reason, Refused, SpringChoice, WithoutSpring};
+use super::evaluate::{FEASIBILITY_TOLERANCE, Margin};
 use super::mount::{Mount, Site, covered_inertia};
 use super::program::spring::{self, SpringOptimum, Sprung};
 use super::program::{Bind, Certificate, Optimum, RatioProgram, Unsolved};
@@ -60,8 +61,13 @@ pub(super) fn choose(
     Ok((SpringChoice { stiffness, rest_angle, lower_bound, gap, least_stiffness, without }, optimum))
 }
 
-/// A spring that was looked at: how far the limits are exceeded, else the objective; stiffness and rest angle.
-type Looked = ((f64, f64), f64, f64);
+/// A spring that was looked at: how far the limits are exceeded, how many of them are not decided, the objective; stiffness and
+/// rest angle.
+type Looked = ((f64, usize, f64), f64, f64);
+
+/// Limits that no spring changes.
+const WITHOUT_SPRING: [&str; 5] =
+    ["actuator_mass", "outer_diameter", "axial_length", "reflected_inertia", "supply_range"];
 
 /// Springs of a module that are looked at along stiffness and rest angle, before the best are moved.
 const GRID: usize = 9;
@@ -80,21 +86,26 @@ fn choose_of_module(
     let covered = covered(mount);
     let evaluated = |k: f64, q: f64| {
         let sprung = Sprung::new(joint, k, q, covered)?;
-        Some(prepared.with_candidate(sprung.candidate(&prepared.candidate)).at_in_full(ratio))
+        let there = prepared.with_candidate(sprung.candidate(&prepared.candidate));
+        let open = judge::unjudged(mount.robot, joint, &there.unchecked_at(ratio)).len();
+        Some((there.at_in_full(ratio), open))
     };
     if evaluated(0.0, 0.0).is_none() {
         return Err(Reason::NotSolved(Unsolved::NoPosition));
     }
     let look = |k: f64, q: f64| -> Looked {
-        let Some(there) = evaluated(k, q) else { return ((f64::INFINITY, 0.0), k, q) };
+        let Some((there, open)) = evaluated(k, q) else { return ((f64::INFINITY, 0, 0.0), k, q) };
         let margin = there.tightest().map_or(1.0, |m| m.margin);
         // By ratings alone there is no loss: what is left of them counts.
         let objective = there.objective(&joint.objective).filter(|o| o.is_finite()).unwrap_or(-margin);
-        (if there.feasible { (0.0, objective) } else { (-margin, 0.0) }, k, q)
+        (if there.feasible { (0.0, open, objective) } else { (-margin, 0, 0.0) }, k, q)
     };
     let ([k0, k1], [q0, q1]) = (asked.stiffness, asked.rest_angle);
-    let better =
-        |a: &Looked, b: &Looked| a.0.0.total_cmp(&b.0.0).then(a.0.1.total_cmp(&b.0.1)).then(a.1.total_cmp(&b.1));
+    let better = |a: &Looked, b: &Looked| {
+        let (first, second) = (a.0, b.0);
+        let of_limits = first.0.total_cmp(&second.0).then(first.1.cmp(&second.1));
+        of_limits.then(first.2.total_cmp(&second.2)).then(a.1.total_cmp(&b.1))
+    };
     let places = |low: f64, high: f64| {
         let count = if low == high { 1 } else { GRID };
         (0..count).map(move |j| low + (high - low) * j as f64 / (GRID - 1) as f64)
@@ -118,9 +129,12 @@ fn choose_of_module(
         }
     }
     let (_, stiffness, rest) = best;
-    let there = evaluated(stiffness, rest).ok_or(Reason::NotSolved(Unsolved::NoPosition))?;
+    let (there, _) = evaluated(stiffness, rest).ok_or(Reason::NotSolved(Unsolved::NoPosition))?;
     if !there.feasible {
-        let Some(margin) = there.tightest().filter(|_| !allows_spring(&prepared.candidate, asked)) else {
+        let exceeded = |m: &&Margin| m.margin < -FEASIBILITY_TOLERANCE && WITHOUT_SPRING.contains(&m.limit);
+        let always = there.margins.iter().find(exceeded);
+        let certain = || there.tightest().filter(|_| !allows_spring(&prepared.candidate, asked));
+        let Some(margin) = always.or_else(certain) else {
             return Err(Reason::NotSolved(Unsolved::NothingRuledOutWithSpring));
         };
         let bind = Bind::of(margin.limit, margin.sample);

@@ -46,6 +46,8 @@ pub struct Hardware {
     pub others: Vec<(&'static str, Fact)>,
     /// Speed without load at the voltage \[rad/s\].
     pub no_load: Option<Fact>,
+    /// The speed above which it certainly gives nothing, where `no_load` is not known in full \[rad/s\].
+    pub no_load_most: Option<Fact>,
     /// Inertia of rotor and gear \[kg·m²\].
     pub armature: Option<Fact>,
     /// Coulomb friction \[N·m\].
@@ -56,6 +58,13 @@ pub struct Hardware {
     pub mass: Option<Fact>,
     /// Largest torque over speed \[rad/s, N·m\], with what it is; from standstill on, the speed rises.
     pub curve: Option<(Vec<[f64; 2]>, Fact)>,
+}
+
+impl Hardware {
+    /// The speed above which it certainly gives nothing; `None` where no row says one.
+    pub fn fastest(&self) -> Option<&Fact> {
+        self.no_load_most.as_ref().or(self.no_load.as_ref())
+    }
 }
 
 /// The hardware that an entry of the file names.
@@ -163,6 +172,12 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
         let how = format!("{name} {} rad/s{at}{divided}{}", number(speed), with_r(r));
         Fact { holds, ..fact(speed * share / r, how) }
     });
+    // Twice the voltage is no more than twice the speed.
+    let more = mount.voltage.zip(printed_at).map(|(voltage, printed)| voltage / printed).filter(|more| *more > 1.0);
+    let no_load_most = free.zip(more).map(|((speed, name), more)| {
+        let how = format!("{} × {name} {} rad/s{at}{divided}{}", number(more), number(speed), with_r(r));
+        fact(more * speed / r, how)
+    });
     let curve = (!module.driving_curve.is_empty()).then(|| {
         // C(ω; V) = C(ω + ω₀ (1 − V/V_c); V_c).
         let shift = free.map_or(0.0, |(speed, _)| speed * (1.0 - share));
@@ -204,6 +219,7 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
         peak,
         others,
         no_load,
+        no_load_most,
         armature,
         friction: friction("dynamic_friction", sheet.dynamic_friction, "N*m", 1)
             .or_else(|| friction("static_friction", sheet.static_friction, "N*m", 1)),
@@ -304,6 +320,7 @@ fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Ha
         peak,
         others,
         no_load,
+        no_load_most: None,
         armature,
         friction,
         damping,

@@ -122,7 +122,10 @@ pub(super) fn tables(comparison: &Comparison) -> Vec<Titled> {
         ("As the program computes with them: power-invariant q axis".into(), header(), computed),
         ("Metrics that no ratio changes".into(), header(), metrics),
         (
-            format!("At matched actuator inertia J_a = {inertia} g*cm^2 (massless gears without loss)"),
+            match comparison.inertia > 0.0 {
+                true => format!("At matched actuator inertia J_a = {inertia} g*cm^2 (massless gears without loss)"),
+                false => "At matched actuator inertia: neither inertia is known; `--inertia` gives one".into(),
+            },
             header(),
             at_matched,
         ),

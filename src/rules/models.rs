@@ -119,10 +119,8 @@ impl<'a> ModelFacts<'a> {
                 gear || hardware.peak.as_ref().is_some_and(|fact| !within(value, fact.value, tolerances.limits))
             }
             (Quantity::Velocity, Some(value)) => {
-                let above = |fact: &&crate::hardware::Fact| {
-                    fact.holds == Holds::Exactly && value > fact.value * (1.0 + tolerances.limits)
-                };
-                hardware.no_load.as_ref().filter(above).is_some()
+                let above = |fact: &&crate::hardware::Fact| value > fact.value * (1.0 + tolerances.limits);
+                hardware.fastest().filter(above).is_some()
                     || of.get(Quantity::Saturation).is_some()
                         && hardware.no_load.as_ref().is_some_and(|fact| value < fact.value * (1.0 - tolerances.limits))
             }

@@ -255,6 +255,14 @@ pub const NEEDS: &[Need] = &[
         at_ratio: |c| (c.load.dwell > 0.0 && c.two_node().is_some()).then_some(heat_at_standstill as Judge),
     },
     Need {
+        name: "objective_mass",
+        of: Of::Other,
+        stated: |_, joint| joint.objective.weight(Quantity::Mass) > 0.0,
+        key: |_| Some(Key::Joint(&["objective"])),
+        missing: |c| if c.joint.objective.weight(Quantity::Mass) > 0.0 { no_mass(c) } else { None },
+        at_ratio: |_| None,
+    },
+    Need {
         name: "mass_budget",
         of: Of::Other,
         stated: |robot, _| robot.budget.actuator_mass.is_some(),

@@ -52,43 +52,59 @@ impl Module {
                 alternatives,
                 published: Vec::new(),
             };
-            let rotor_inertia = motor.rotor_inertia.or(inertia);
-            // Its own peak torque is that of the flange: a motor's that follows from it would count the gear's loss twice.
-            let says_peak = self.sheet.peak_torque.is_some();
-            // Of a current and a temperature that both rows bound the smaller one counts.
-            let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
-            let own_peak = self.refers.current.zip(self.sheet.peak_current);
-            let own_peak = own_peak.map(|(is, p)| p.value * is.torque_current(Commutation::Brushless));
-            let hottest = self.sheet.max_winding_temperature.map(|p| p.value);
-            let no_drag = motor.drag() == Drag::Unknown;
-            let friction = |printed: Option<Printed>, power: i32| {
-                let at_flange = self.at_output(printed.filter(|_| no_drag), self.refers.friction_side, power)?;
-                Some(at_flange / ratio.powi(power))
-            };
-            let mass = if splits { motor.mass } else { whole.or(motor.mass) };
-            let sheet = Sheet {
-                peak_torque: motor.sheet.peak_torque.filter(|_| !says_peak),
-                mass: if splits { motor.sheet.mass } else { self.sheet.mass.or(motor.sheet.mass) },
-                ..motor.sheet.clone()
-            };
-            return Motor {
-                id: self.id.clone(),
-                inside: Some(Arc::new(inside)),
-                rotor_inertia,
-                peak_torque: motor.peak_torque.filter(|_| !says_peak),
-                peak_current: least(motor.peak_current, own_peak),
-                max_winding_temperature: least(motor.max_winding_temperature, hottest),
-                coulomb_friction: motor.coulomb_friction.or(friction(self.sheet.dynamic_friction, 1)),
-                viscous_friction: motor.viscous_friction.or(friction(self.sheet.viscous_friction, 2)),
-                mass,
-                sheet,
-                ..motor.clone()
-            };
+            return Motor { id: self.id.clone(), inside: Some(Arc::new(inside)), ..self.filled(motor, splits) };
         }
         let motor = self.by_constants(depth, response);
         let inside =
             motor.inside.as_deref().map(|inside| Arc::new(Inside { findings, alternatives, ..inside.clone() }));
         Motor { inside, ..motor }
+    }
+
+    /// The motor row inside with what the module's row says in its place: in the sheet too, so that it has its ±.
+    fn filled(&self, motor: &Motor, splits: bool) -> Motor {
+        let (ratio, own, sheet) = (self.ratio(), &self.sheet, &motor.sheet);
+        let like = |value: Option<f64>, printed: Option<Printed>| {
+            let share = printed.and_then(|p| p.relative_tolerance());
+            value.map(|value| Printed { value, tolerance: share.map(|share| share * value.abs()) })
+        };
+        // Its own peak torque is that of the flange: a motor's that follows from it would count the gear's loss twice.
+        let says_peak = own.peak_torque.is_some();
+        // Of a current and a temperature that both rows bound the smaller one counts.
+        let least = |a: Option<Printed>, b: Option<Printed>| match (a, b) {
+            (Some(a), Some(b)) => Some(if b.value < a.value { b } else { a }),
+            (a, b) => a.or(b),
+        };
+        let in_row = motor.conventions.of_peak_current().torque_current(motor.conventions.commutation);
+        let factor = self.refers.current.map(|is| is.torque_current(Commutation::Brushless) / in_row);
+        let peak = factor.zip(own.peak_current).map(|(factor, p)| factor * p.value);
+        let no_drag = motor.drag() == Drag::Unknown;
+        let friction = |printed: Option<Printed>, power: i32| {
+            let at_flange = self.at_output(printed.filter(|_| no_drag), self.refers.friction_side, power);
+            like(at_flange.map(|f| f / ratio.powi(power)), printed)
+        };
+        let inertia = self.constants().inertia.filter(|_| motor.rotor_inertia.is_none());
+        let sheet = Sheet {
+            peak_torque: sheet.peak_torque.filter(|_| !says_peak),
+            mass: if splits { sheet.mass } else { own.mass.or(sheet.mass) },
+            peak_current: least(sheet.peak_current, like(peak, own.peak_current)),
+            max_winding_temperature: least(sheet.max_winding_temperature, own.max_winding_temperature),
+            coulomb_friction: sheet.coulomb_friction.or(friction(own.dynamic_friction, 1)),
+            viscous_friction: sheet.viscous_friction.or(friction(own.viscous_friction, 2)),
+            rotor_inertia: sheet.rotor_inertia.or(like(inertia.map(|j| j / (ratio * ratio)), own.armature)),
+            ..sheet.clone()
+        };
+        let value = |p: Option<Printed>| p.map(|p| p.value);
+        Motor {
+            peak_torque: motor.peak_torque.filter(|_| !says_peak),
+            mass: if splits { motor.mass } else { value(own.mass).or(motor.mass) },
+            peak_current: value(sheet.peak_current).map(|i| i * in_row).or(motor.peak_current),
+            max_winding_temperature: value(sheet.max_winding_temperature).or(motor.max_winding_temperature),
+            coulomb_friction: motor.coulomb_friction.or(value(sheet.coulomb_friction)),
+            viscous_friction: motor.viscous_friction.or(value(sheet.viscous_friction)),
+            rotor_inertia: motor.rotor_inertia.or(value(sheet.rotor_inertia)),
+            sheet,
+            ..motor.clone()
+        }
     }
 
     fn by_constants(&self, depth: Depth, response: Option<Response>) -> Motor {
@@ -217,13 +233,24 @@ impl Motor {
     pub fn inside_of(self, other: &Motor, ratings: &[(&'static str, f64)]) -> Motor {
         match &other.inside {
             None => self,
-            Some(inside) if ratings.is_empty() => self.around(inside.clone()),
+            Some(inside) if ratings.is_empty() && inside.gear_loss != Some(EfficiencyFrom::TorqueConstant) => {
+                self.around(inside.clone())
+            }
             Some(inside) => {
+                let share = ratings.iter().find(|(column, _)| *column == "torque_constant");
+                let share =
+                    share.zip(inside.module.sheet.torque_constant).map_or(1.0, |((_, new), old)| new / old.value);
                 let module = inside.module.with_ratings(ratings);
                 // With the rated torque goes the whole table: the answer in shares of it is the same.
                 let rated = module.sheet.rated_torque.map(|p| p.value);
                 let response = inside.response.clone().zip(rated).map(|(answer, rated)| Response { rated, ..answer });
-                self.around(Arc::new(Inside { module, response, ..Inside::clone(inside) }))
+                let mut gear = inside.gear.clone();
+                // Torque per ampere was measured at the flange: the gear's efficiency is what is left of it over K_B.
+                if inside.gear_loss == Some(EfficiencyFrom::TorqueConstant) {
+                    let kept = share * other.back_emf_constant / self.back_emf_constant;
+                    gear.efficiency = gear.efficiency.map(|efficiency| (efficiency * kept).min(1.0));
+                }
+                self.around(Arc::new(Inside { module, gear, response, ..Inside::clone(inside) }))
             }
         }
     }
@@ -240,16 +267,17 @@ impl Module {
     #[must_use]
     pub fn with_ratings(&self, ratings: &[(&'static str, f64)]) -> Module {
         let mut module = self.clone();
-        let mut share = |name: &str, known: Option<f64>| {
-            let new = ratings.iter().find(|(column, _)| *column == name).map(|(_, value)| *value);
-            if let (Some(field), Some(value)) = (MODULE_FIELDS.iter().find(|f| f.name == name), new) {
-                (field.set)(&mut module.sheet, Printed::exact(value));
+        for (column, value) in ratings {
+            if let Some(field) = MODULE_FIELDS.iter().find(|f| f.name == *column) {
+                (field.set)(&mut module.sheet, Printed::exact(*value));
             }
+        }
+        let share = |name: &str, known: Option<f64>| {
+            let new = ratings.iter().find(|(column, _)| *column == name).map(|(_, value)| *value);
             new.zip(known).map_or(1.0, |(new, known)| new / known)
         };
         let value = |p: Option<Printed>| p.map(|p| p.value);
         let torque = share("peak_torque", value(self.sheet.peak_torque).or(self.largest_torque()));
-        share("stall_torque", None);
         let speed = share("no_load_speed", self.no_load_speed());
         let rated = share("rated_torque", value(self.sheet.rated_torque));
         for curve in [&mut module.driving_curve, &mut module.braking_curve] {

@@ -221,10 +221,12 @@ fn row<R: Row>(set: &[String]) -> Result<String, Failure> {
     let (mut header, mut cells) = (Vec::new(), Vec::new());
     for text in set {
         let wrong = |why: String| Failure::Argument(format!("`--set {text}`: {why}"));
-        let Some((name, value)) = text.split_once('=') else {
+        let Some((head, value)) = text.split_once('=') else {
             return Err(wrong("write it like mass=240g".into()));
         };
-        let (name, value) = (name.trim(), value.trim());
+        // Of a curve both units are behind the name.
+        let (name, value, units) =
+            (name_of(head), value.trim(), head.trim().strip_prefix(name_of(head)).unwrap_or_default());
         let column = column_of(name).unwrap_or(name);
         let own = column.strip_suffix("_tolerance").unwrap_or(column);
         let is_number = R::fields().iter().any(|f| f.name == own);
@@ -239,7 +241,11 @@ fn row<R: Row>(set: &[String]) -> Result<String, Failure> {
             return Err(wrong("it has no value; leave out what is not known".into()));
         }
         let (cell, unit) = if is_number { number_and_unit(value) } else { (value, "") };
-        header.push(if unit.is_empty() { column.to_string() } else { format!("{column} [{unit}]") });
+        header.push(match (unit.is_empty(), units.trim()) {
+            (true, "") => column.to_string(),
+            (true, units) => format!("{column} {units}"),
+            (false, _) => format!("{column} [{unit}]"),
+        });
         cells.push(cell.to_string());
     }
     let header: Vec<&str> = header.iter().map(String::as_str).collect();

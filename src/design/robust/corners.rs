@@ -2,6 +2,7 @@
 
 use crate::actuator::limits::{Depends, Limit};
 use crate::catalog::audit::Severity;
+use crate::catalog::module::constants::EfficiencyFrom;
 use crate::catalog::module::{Inside, MODULE_FIELDS, ModuleSheet, Published};
 use crate::catalog::{Alternative, Catalog, FIELDS, Field, Motor, Printed};
 use crate::design::Prepared;
@@ -68,8 +69,33 @@ const COLUMNS: &[(&str, Part, Worst)] = &[
     ("length", Part::Rating, Worst::High),
 ];
 
-/// The ratings of a module that limits depend on. Its curves and its overload table go with them.
-const RATINGS: &[&str] = &["peak_torque", "stall_torque", "rated_torque", "no_load_speed"];
+/// A column of a module's own sheet that limits depend on.
+struct Rating {
+    column: &'static str,
+    worst: Worst,
+    /// Whether a share of it may be assumed as its ±: a supply range is no number that spreads.
+    spreads: bool,
+}
+
+const fn rated(column: &'static str, worst: Worst, spreads: bool) -> Rating {
+    Rating { column, worst, spreads }
+}
+
+/// Its curves and its overload table go with the ratings, the gear's efficiency with a torque constant that was measured at the flange.
+const RATINGS: &[Rating] = &[
+    rated("peak_torque", Worst::Low, true),
+    rated("stall_torque", Worst::Low, true),
+    rated("rated_torque", Worst::Low, true),
+    rated("no_load_speed", Worst::Low, true),
+    rated("torque_constant", Worst::Low, true),
+    rated("min_voltage", Worst::High, false),
+    rated("max_voltage", Worst::Low, false),
+];
+
+/// Whether a module's torque constant is that of the flange, beside a back-EMF constant.
+fn is_measured(motor: &Motor) -> bool {
+    motor.inside.as_deref().is_some_and(|inside| inside.gear_loss == Some(EfficiencyFrom::TorqueConstant))
+}
 
 /// A number of the sheet with a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,9 +167,10 @@ pub fn toleranced(motor: &Motor) -> Vec<Toleranced> {
         let printed = (field(column).get)(sheet).filter(|_| counts(column))?;
         one(column, false, printed, *part, *worst)
     };
-    let of_module = |column: &&'static str| {
-        let printed = (rating(column).get)(&motor.inside.as_deref()?.module.sheet)?;
-        one(column, true, printed, Part::Rating, Worst::Low)
+    let of_module = |of: &Rating| {
+        let printed = (rating(of.column).get)(&motor.inside.as_deref()?.module.sheet)?;
+        let counts = of.column != "torque_constant" || is_measured(motor);
+        one(of.column, true, printed, Part::Rating, of.worst).filter(|_| counts)
     };
     COLUMNS.iter().filter_map(of).chain(RATINGS.iter().filter_map(of_module)).collect()
 }
@@ -183,7 +210,7 @@ pub fn take_alternatives(catalog: &mut Catalog) {
             let of_sheet = COLUMNS.iter().filter_map(|(column, ..)| {
                 ends(false, column, &|of: &Motor| (field(column).get)(&of.sheet).map(|p| p.value))
             });
-            let of_module = RATINGS.iter().filter_map(|column| {
+            let of_module = RATINGS.iter().map(|of| of.column).filter_map(|column| {
                 ends(true, column, &|of: &Motor| {
                     (rating(column).get)(&of.inside.as_deref()?.module.sheet).map(|p| p.value)
                 })
@@ -220,8 +247,8 @@ pub fn assume_tolerance(motors: &mut [Motor], share: f64) {
         let sheet = &mut module.sheet;
         sheet.peak_torque = sheet.peak_torque.or(most.map(Printed::exact));
         sheet.no_load_speed = sheet.no_load_speed.or(free.map(Printed::exact));
-        for column in RATINGS {
-            let field = rating(column);
+        for of in RATINGS.iter().filter(|of| of.spreads) {
+            let field = rating(of.column);
             if let Some(printed) = assumed((field.get)(&module.sheet)) {
                 (field.set)(&mut module.sheet, printed);
             }

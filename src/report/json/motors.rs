@@ -117,7 +117,7 @@ pub fn ranked(ranking: &Ranking) -> Value {
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Compared<'a> {
     /// Actuator inertia that both are matched to.
-    pub matched_inertia_kgm2: f64,
+    pub matched_inertia_kgm2: Option<f64>,
     /// S_M of the second over S_M of the first.
     pub responsiveness_ratio: Option<f64>,
     /// The two motors.
@@ -234,7 +234,14 @@ pub fn compared(comparison: &Comparison) -> Value {
         _ => None,
     };
     let motors = vec![side(0), side(1)];
-    document("compare", Compared { matched_inertia_kgm2: comparison.inertia, responsiveness_ratio, motors })
+    document(
+        "compare",
+        Compared {
+            matched_inertia_kgm2: Some(comparison.inertia).filter(|inertia| *inertia > 0.0),
+            responsiveness_ratio,
+            motors,
+        },
+    )
 }
 
 /// What `audit` prints.

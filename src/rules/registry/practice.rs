@@ -10,11 +10,15 @@ pub(super) const TORQUE_RESERVE: Rule = Rule {
     name: "torque-reserve",
     summary: "peak torque of motor and gear keeps 10 % in reserve",
     severity: Severity::Warning,
-    what: "Asks for a reserve of at least 0.1 on the peak torque of motor and gear. Reserve is 1 − demand/limit without the requirement's `safety` factor.",
+    what: "Asks for a reserve of at least 0.1 on the peak torque of motor and gear, and on the torque–speed curve of a module. Reserve is 1 − demand/limit without the requirement's `safety` factor.",
     why: "K_T spreads by several per cent from motor to motor and falls by about 0.1 to 0.2 % per kelvin of the magnets (NdFeB remanence, about −0.11 %/K), 5 to 10 % over 50 K; load, friction and model are no better known. With less than 10 % the limit is kept on paper only.",
     example: "A requirement with safety = 1.0 and a motor that is used to 98 % of its peak torque.",
     fix: "Write `safety = 1.2` into the requirement, so that optimize chooses with it; or a stronger motor or gear.",
-    test: Test::Bounds { measures: &["peak_torque_reserve", "gear_peak_torque_reserve"], min: Some(0.1), max: None },
+    test: Test::Bounds {
+        measures: &["peak_torque_reserve", "gear_peak_torque_reserve", "torque_speed_reserve"],
+        min: Some(0.1),
+        max: None,
+    },
 };
 
 pub(super) const CURRENT_RESERVE: Rule = Rule {
@@ -34,12 +38,18 @@ pub(super) const HEAT_RESERVE: Rule = Rule {
     name: "heat-reserve",
     summary: "continuous current and torque keep 10 % in reserve",
     severity: Severity::Warning,
-    what: "Asks for a reserve of at least 0.1 on continuous current, continuous torque and standstill holding. The requirement's `safety` does not act on heat.",
+    what: "Asks for a reserve of at least 0.1 on continuous current, continuous torque and standstill holding, and on rated torque or overload of a module. The requirement's `safety` does not act on heat.",
     why: "Heat goes with the square: 10 % of current are 20 % of heat, about what a warmer day, a closed housing or a flange smaller than the maker's test plate takes away.",
     example: "A wrist at 97 % of its continuous current.",
     fix: "A larger ratio, a motor with a higher K_M, or a thermal model in the row that shows that the heat is carried off.",
     test: Test::Bounds {
-        measures: &["continuous_current_reserve", "continuous_torque_reserve", "standstill_holding_reserve"],
+        measures: &[
+            "continuous_current_reserve",
+            "continuous_torque_reserve",
+            "standstill_holding_reserve",
+            "rated_torque_reserve",
+            "overload_reserve",
+        ],
         min: Some(0.1),
         max: None,
     },

@@ -29,7 +29,7 @@ fn same_limits(facts: &ModelFacts) -> Vec<ModelRemark> {
         let turns = hardware.transmission / of_twin.transmission;
         // What the row says counts before what the other joint carries.
         let right_effort = hardware.peak.as_ref().map_or(effort.value * turns, |fact| fact.value);
-        let right_velocity = hardware.no_load.as_ref().map_or(velocity.value / turns, |fact| fact.value);
+        let right_velocity = hardware.fastest().map_or(velocity.value / turns, |fact| fact.value);
         let by_row = hardware.peak.is_some() && hardware.no_load.is_some();
         let there = match by_row {
             true => {

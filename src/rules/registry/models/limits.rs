@@ -113,9 +113,13 @@ fn velocity_above_no_load(facts: &ModelFacts, k: usize) -> Judgement {
     if velocity.value <= free.value * (1.0 + facts.file.tolerances.limits) || is_explained(facts, k) {
         return Judgement::Judged(Vec::new());
     }
-    if free.holds == Holds::AtLeast {
-        return Judgement::NotJudged(AT_MORE_VOLTAGE);
-    }
+    let most = hardware.no_load_most.as_ref();
+    let beyond = |most: &&crate::hardware::Fact| velocity.value > most.value * (1.0 + facts.file.tolerances.limits);
+    let free = match (free.holds, most.filter(beyond)) {
+        (Holds::Exactly, _) => free,
+        (Holds::AtLeast, Some(most)) => most,
+        (Holds::AtLeast, None) => return Judgement::NotJudged(AT_MORE_VOLTAGE),
+    };
     let mut all = factors(hardware, 1);
     all.push((1.0_f64.to_degrees(), "degrees in place of radians (57.3)".into()));
     all.push((30.0 / std::f64::consts::PI, "rpm in place of rad/s (9.55)".into()));
