@@ -120,6 +120,10 @@ pub fn text(story: &Explanation) -> String {
             out.push_str(&paragraph(&format!("{limit}: {what}"), 2, 4));
         }
     }
+    if !joint.carries.is_empty() {
+        let line = "This joint carries other actuators, whose masses are not in its load here: the choice of the whole robot has them.";
+        out.push_str(&format!("\n{}", paragraph(line, 0, 2)));
+    }
     for (place, note) in super::motion::notes(joint).into_iter().enumerate() {
         out.push_str(if place == 0 { "\n" } else { "" });
         out.push_str(&paragraph(&format!("{note}."), 0, 2));

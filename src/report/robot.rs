@@ -8,13 +8,32 @@ use super::table::{Column, Table, paragraph, wrap};
 use super::{columns, design_ratio, different_motors, number, optional};
 use crate::design::answer::Design;
 use crate::design::robot::{Change, Choice, Combination, Sag, Wanting};
-use crate::requirement::{Joint, Regeneration, Robot};
+use crate::requirement::{Joint, Quantity, Regeneration, Robot};
+
+/// That joules per cycle are summed of cycles that do not last the same.
+fn cycles_differ(robot: &Robot) -> Option<String> {
+    let of_energy = robot.joints.iter().filter(|j| j.objective.weight(Quantity::Energy) > 0.0);
+    let lasts: Vec<f64> = of_energy.filter_map(|j| j.motion.duration()).collect();
+    let least = lasts.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = lasts.iter().copied().fold(0.0, f64::max);
+    (most > least * (1.0 + 1e-9)).then(|| {
+        format!(
+            "cycles last from {} s to {} s: the sum is of joules per cycle of each joint, which is no energy of one time; \
+             `loss`, or motions that repeat together, weigh joints by time",
+            number(least),
+            number(most)
+        )
+    })
+}
 
 /// For people; `took` is how long the search took, where it was given a time.
 pub fn text(choice: &Choice, took: Option<Duration>) -> String {
     let robot = choice.robot;
     let mut out = paragraph(&format!("The whole robot, {}:", aim(choice)), 0, 2);
     out.push_str(&paragraph(&kept(choice), 2, 4));
+    if let Some(line) = cycles_differ(robot) {
+        out.push_str(&paragraph(&line, 2, 4));
+    }
     let Some(best) = choice.combinations.first() else {
         out.push_str(&wanting_text(choice));
         open(choice, took).iter().for_each(|line| out.push_str(&format!("    {}\n", wrap(line, 6))));
@@ -302,8 +321,7 @@ fn budget_now(robot: &Robot, budget: &str) -> Option<f64> {
     }
 }
 
-/// The joint question of a budget: what a step more or less of it is worth.
-/// What other budgets would change; of a budget that decides nothing that alone.
+/// What other budgets would change; of a budget near which nothing changes that alone.
 pub(super) fn change_lines(choice: &Choice, best: &Combination) -> Vec<String> {
     let is_same = |change: &Change| {
         let same = |a: &Combination, b: &Combination| a.objective == b.objective && a.mass == b.mass;
@@ -311,8 +329,8 @@ pub(super) fn change_lines(choice: &Choice, best: &Combination) -> Vec<String> {
     };
     let of = |changes: &[Change]| match changes.iter().all(is_same) {
         true => {
-            let values: Vec<String> = changes.iter().map(|c| format!("{} {}", number(c.value), c.unit)).collect();
-            vec![format!("{} decides nothing: with {} the best is the same", changes[0].budget, values.join(" or "))]
+            let values: Vec<String> = changes.iter().map(|c| crate::words::with_unit(c.value, c.unit)).collect();
+            vec![format!("{}: with {} the best is the same", changes[0].budget, values.join(" or "))]
         }
         false => changes.iter().map(|change| change_text(choice, best, change)).collect(),
     };
@@ -404,7 +422,12 @@ pub fn wanting_lines(choice: &Choice) -> Vec<String> {
         return Vec::new();
     }
     if choice.wanting.is_empty() {
-        return vec!["with any one of the budgets given up none was found either".into()];
+        let budget = &choice.robot.budget;
+        let has_budget = budget.actuator_mass.is_some() || budget.max_distinct_motors.is_some() || power;
+        return vec![match has_budget {
+            true => "with any one of the budgets given up none was found either".into(),
+            false => "no budget is stated: with what they carry, joints exceed limits of their own".to_string(),
+        }];
     }
     choice.wanting.iter().map(line).collect()
 }

@@ -171,6 +171,13 @@ fn open<T>(
     }
 }
 
+impl Use {
+    /// Whether two joints of the requirement drive one of the mechanism.
+    pub(super) fn is_of_the_same(&self, other: &Use) -> bool {
+        self.joint == other.joint
+    }
+}
+
 /// Reads what `mechanism_joint` and its companions of a joint say, and gives the joint's motion.
 pub(super) fn read_joint(section: &Section, scale: Option<Scale>, model: &Model) -> Option<(Motion, Use)> {
     let name = section.required_text(

@@ -216,6 +216,17 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
             None => complete = false,
         }
     }
+    for (k, taken) in uses.iter().enumerate().filter_map(|(k, taken)| Some((k, taken.as_ref()?))) {
+        let first = uses[..k].iter().position(|other| other.as_ref().is_some_and(|other| other.is_of_the_same(taken)));
+        if let Some(first) = first {
+            let message = format!("`{}` and `{}` have one `mechanism_joint`", joints[first].name, joints[k].name);
+            let problem = Problem::at(taken.said.clone(), message, "its torque would count twice");
+            root.note(
+                problem.help("two actuators of one joint share its torque: describe them as one, or as two joints"),
+            );
+            complete = false;
+        }
+    }
     let told = cases::told(root);
     if !complete {
         return None;

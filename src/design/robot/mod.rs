@@ -176,7 +176,9 @@ fn prove(context: &Context, answer: &Answer) -> Proof {
         };
         not_proved.push(format!("the best ratios of {}{more} are not certified", ids.join(", ")));
     }
-    let lower_bound = Some(answer.lower).filter(|l| l.is_finite());
+    // A ratio that may be better has no part in the bound: then there is none.
+    let bounds = unproved.is_empty();
+    let (lower_bound, gap) = (Some(answer.lower).filter(|l| bounds && l.is_finite()), gap.filter(|_| bounds));
     let open = open(context, answer);
     Proof { lower_bound, gap, not_proved, branches: answer.nodes, open, regions: answer.regions }
 }

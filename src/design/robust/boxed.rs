@@ -123,7 +123,8 @@ struct Boxed<'p> {
 
 impl<'p> Boxed<'p> {
     fn new(mount: Mount<'p, 'p>, corners: &'p [Corner]) -> Result<Boxed<'p>, Unusable> {
-        let prepare = |motor: &'p Motor| Mount { motor, ..mount }.prepared();
+        // A module's gear is its own at each corner.
+        let prepare = |motor: &'p Motor| Mount { motor, ..mount }.with_gear(mount.gear).prepared();
         let corners = corners.iter().map(|c| Ok((prepare(&c.motor)?, c.clone())));
         Ok(Boxed { nominal: prepare(mount.motor)?, corners: corners.collect::<Result<_, _>>()? })
     }

@@ -650,3 +650,30 @@ fn actuators_of_one_joint_add_up() {
     let (_, found) = effort(&forty.repeat(2).replace("-40 40", "-20 20"));
     assert!(!found.iter().any(|code| code == "GW401"), "{found:?}");
 }
+
+/// At more voltage than the row's nobody says the speed; twice as much voltage is no more than twice as much of it.
+#[test]
+fn speeds_at_more_voltage_have_an_upper_end() {
+    let row = "id,ratio,peak_torque [N*m],rated_torque [N*m],no_load_speed [rad/s],voltage [V],armature [kg*m^2],armature_side,mass [g],source,source_kind,drive\nmy,9,40,12,20,48,0.01,output,900,x,datasheet,built_in\n";
+    let hardware = "[[joint]]\nnames = [\"hip\"]\nmodule = \"my\"\nvoltage = \"60 V\"\n[[joint]]\nnames = [\"knee\"]\nmodule = \"my\"\ntransmission = { ratio = 1.5 }\nvoltage = \"60 V\"\n";
+    let found = |hip: f64, knee: f64| {
+        let here = tempfile::TempDir::new().unwrap();
+        let model = format!(
+            "{{\"hip\": {{\"effort\": 40, \"velocity\": {hip}}}, \"knee\": {{\"effort\": 40, \"velocity\": {knee}}}}}"
+        );
+        for (name, text) in [("m.csv", row), ("hardware.toml", hardware), ("limits.json", model.as_str())] {
+            std::fs::write(here.path().join(name), text).unwrap();
+        }
+        let arguments =
+            ["check-model", "limits.json", "--against", "hardware.toml", "--catalog", "builtin", "m.csv", "--json"];
+        let ran = super::folder::run(&here, &arguments);
+        let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap_or_else(|_| panic!("{}", ran.err));
+        let errors = value["findings"].as_array().unwrap().iter().filter(|f| f["severity"] == "error");
+        errors.map(|f| f["code"].as_str().unwrap().to_string()).collect::<Vec<_>>()
+    };
+    // Same limits at both, 16 rad/s of which the knee may do 16.67: nobody knows, so it is no error.
+    assert_eq!(found(16.0, 16.0), Vec::<String>::new());
+    assert_eq!(found(24.0, 10.0), Vec::<String>::new());
+    assert_eq!(found(26.5, 10.0), ["GW403"]);
+    assert_eq!(found(1146.0, 10.0), ["GW403"]);
+}

@@ -487,3 +487,82 @@ fn two_modules_are_compared_by_what_their_rows_rate() {
     assert_eq!(value["motors"][0]["resistance_ohm"], Value::Null, "{value}");
     assert!(published().is_valid(&value), "{value}");
 }
+
+#[test]
+fn tolerances_vary_what_a_modules_row_says_in_place_of_its_motors_and_a_measured_torque_constant() {
+    let requirement = |objective: &str, points: &str| {
+        format!(
+            "name = \"x\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"k\"\nmodules = [\"zm0\"]\nobjective = \"{objective}\"\npoints = [{points}]\n"
+        )
+    };
+    let robust = |files: &[(&str, &str)], text: &str, more: &[&str]| -> Value {
+        let here = folder(text);
+        for (name, text) in files {
+            fs::write(here.path().join(name), text).unwrap();
+        }
+        let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+        let ran = run(&here, &[&["optimize", "leg.toml", "--robust", "--json"], more, &["--catalog"], &names].concat());
+        serde_json::from_str(&ran.out).unwrap_or_else(|_| panic!("{}{}", ran.out, ran.err))
+    };
+    let kept = |value: &Value| value["joints"][0]["candidates"].as_array().unwrap().len();
+    // 18.82 A of the module's 19 A; the motor's row would let 50 A through. At K_T - 5 % it needs 19.79 A.
+    let motor = "id,terminals,current,resistance [ohm],torque_constant [N*m/A],rotor_inertia [g*cm^2],mass [g],peak_current [A],no_load_current [A],no_load_speed [rpm],continuous_torque [N*m],max_winding_temperature [degC],source,source_kind\nmot0,line_to_line,q_axis,0.2,0.1,500,400,50,0.3,4000,2,155,x,datasheet\n";
+    let gear = "id,kind,ratio,efficiency,mass [kg],inertia [kg*m^2],peak_torque [N*m],continuous_torque [N*m],source,source_kind\ngg0,planetary,9,0.9,0.3,1e-6,80,40,x,datasheet\n";
+    let module = |amperes: &str| {
+        format!(
+            "id,drive,ratio,motor,gear,mass [kg],peak_torque [N*m],rated_torque [N*m],peak_current [A],current,source,source_kind\nzm0,built_in,9,mot0,gg0,1.0,40,12,{amperes},q_axis,x,datasheet\n"
+        )
+    };
+    let of = |amperes: &str, share: &str| {
+        let files = [("mo.csv", motor), ("ge.csv", gear), ("m.csv", &module(amperes))];
+        robust(&files, &requirement("mass", &(point(15.0, 2.0, 0.5) + &point(2.0, 2.0, 10.0))), &["--tolerance", share])
+    };
+    assert_eq!(kept(&of("19", "0.1%")), 1);
+    assert_eq!(kept(&of("19", "5%")), 0);
+    assert_eq!(kept(&of("22", "5%")), 1);
+    // Torque per ampere was measured at the flange, beside a back-EMF: 28.5 N*m are 28.5 A of 30 A, at 0.9 N*m/A 31.7 A.
+    let row = |share: &str| {
+        format!(
+            "id,ratio,mass [kg],peak_torque [N*m],rated_torque [N*m],no_load_speed [rad/s],voltage [V],armature [kg*m^2],armature_side,torque_constant [N*m/A],torque_constant_current,torque_constant_side,torque_constant_loss,back_emf_constant [V*s/rad],back_emf_convention,back_emf_side,resistance [ohm],terminals,dynamic_friction [N*m],friction_side,peak_current [A],current,torque_constant_tolerance [N*m/A],source,source_kind,drive\nzm0,9,1.0,40.0,35.0,30.0,48,0.01,output,1.0,q_axis,output,measured,1.1,q_axis,output,0.1,q_axis,0,output,30,q_axis,{share},x,datasheet,built_in\n"
+        )
+    };
+    let points = point(28.5, 2.0, 1.0) + &point(1.0, 2.0, 10.0);
+    let measured =
+        |share: &str| robust(&[("mo.csv", motor), ("m.csv", &row(share))], &requirement("peak_current", &points), &[]);
+    assert_eq!((kept(&measured("0.02")), kept(&measured("0.1"))), (1, 0));
+}
+
+#[test]
+fn a_spring_is_one_of_which_all_is_decided_and_changes_no_mass() {
+    let pi = std::f64::consts::PI;
+    let mut motion = "time [s],position [rad],velocity [rad/s],acceleration [rad/s^2],torque [N*m]\n".to_string();
+    for k in 0..=40 {
+        let (t, angle) = (0.2 * pi * f64::from(k) / 40.0, 2.0 * pi * f64::from(k) / 40.0);
+        let (s, c) = angle.sin_cos();
+        motion += &format!("{t:.9},{s:.9},{:.9},{:.9},{:.9}\n", 10.0 * c, -100.0 * s, -28.0 * s);
+    }
+    let row = "id,drive,ratio,peak_torque [N*m],rated_torque [N*m],no_load_speed [rad/s],voltage [V],min_voltage [V],max_voltage [V],armature [kg*m^2],armature_side,mass [g],source,source_kind\nmine,built_in,9,30,25,20,48,20,60,0.0001,output,900,x,datasheet\n";
+    let spring = "spring = { stiffness = [\"0 N*m/rad\", \"60 N*m/rad\"], rest_angle = [\"-0.5 rad\", \"0.5 rad\"] }";
+    let found = |limits: &str| -> Value {
+        let text = format!(
+            "name = \"x\"\n[bus]\nvoltage = \"48 V\"\n[[joint]]\nname = \"k\"\nmodules = [\"mine\"]\nobjective = \"mass\"\nmotion = \"m.csv\"\n[joint.limits]\n{limits}\n"
+        );
+        let here = folder(&text);
+        fs::write(here.path().join("m.csv"), &motion).unwrap();
+        fs::write(here.path().join("mine.csv"), row).unwrap();
+        let ran = run(&here, &["optimize", "leg.toml", "--json", "--also", "mine.csv"]);
+        serde_json::from_str(&ran.out).unwrap_or_else(|_| panic!("{}{}", ran.out, ran.err))
+    };
+    let first = |value: &Value, list: &str| value["joints"][0][list].as_array().map_or(0, Vec::len);
+    // Without a spring, points lie between the line and the box; of 20 to 40 N*m/rad none does.
+    let with = found(spring);
+    assert_eq!((first(&with, "candidates"), first(&with, "unjudged")), (1, 0), "{with}");
+    assert_eq!(first(&found(""), "unjudged"), 1);
+    // No spring makes it lighter.
+    let heavy = found(&format!("actuator_mass = \"0.8 kg\"\n{spring}"));
+    assert_eq!(
+        (first(&heavy, "candidates"), first(&heavy, "unjudged"), first(&heavy, "rejected")),
+        (0, 0, 1),
+        "{heavy}"
+    );
+}
