@@ -221,9 +221,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         if let Some(first) = first {
             let message = format!("`{}` and `{}` have one `mechanism_joint`", joints[first].name, joints[k].name);
             let problem = Problem::at(taken.said.clone(), message, "its torque would count twice");
-            root.note(
-                problem.help("two actuators of one joint share its torque: describe them as one, or as two joints"),
-            );
+            root.note(problem.help("two actuators of one joint share its torque: describe them as one"));
             complete = false;
         }
     }

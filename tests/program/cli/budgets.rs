@@ -75,3 +75,11 @@ fn a_budget_that_cannot_be_kept_names_its_cause_and_no_other() {
     assert_eq!(ran.status, 0, "{}", ran.out);
     assert!(all.iter().all(|told| !ran.out.contains(told)));
 }
+
+#[test]
+fn two_joints_are_not_one_joint_of_the_description() {
+    let arm = concat!(env!("CARGO_MANIFEST_DIR"), "/requirements/arm_from_its_description.toml");
+    let ran = run(&folder(), &["optimize", arm, "--set", "joint.wrist_2.mechanism_joint=wrist_1"]);
+    assert_eq!(ran.status, 2, "{}", ran.out);
+    assert!(ran.err.contains("`wrist_1` and `wrist_2` have one `mechanism_joint`"), "{}", ran.err);
+}
