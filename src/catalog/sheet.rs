@@ -25,6 +25,12 @@ impl Printed {
         Printed { value, tolerance: None }
     }
 
+    /// The number times another one.
+    #[must_use]
+    pub fn times(self, by: f64) -> Printed {
+        Printed { value: self.value * by, tolerance: self.tolerance.map(|t| t * by.abs()) }
+    }
+
     /// Tolerance over value; `None` where no tolerance is given.
     pub fn relative_tolerance(&self) -> Option<f64> {
         self.tolerance.filter(|_| self.value != 0.0).map(|t| t / self.value.abs())

@@ -160,7 +160,7 @@ impl Evaluation {
     fn of_module(self, inside: &Inside) -> Evaluation {
         let unless = |known: bool, value: f64| if known { value } else { f64::NAN };
         let (currents, loss) = (inside.says_currents(), inside.says_loss());
-        let power = inside.says_power() && loss;
+        let power = inside.says_whole_power();
         let inertia = unless(inside.says_inertia, self.reflected_inertia);
         let losses = match (currents, loss) {
             (false, _) => Losses::UNKNOWN,
@@ -455,7 +455,7 @@ impl<'a> Prepared<'a> {
 
     /// Whether it is a module of whose power nobody knows.
     fn lacks_power(&self) -> bool {
-        !self.candidate.motor.inside.as_deref().is_none_or(|inside| inside.says_power() && inside.says_loss())
+        !self.candidate.motor.inside.as_deref().is_none_or(Inside::says_whole_power)
     }
 
     /// The same, whatever of a module is not known.

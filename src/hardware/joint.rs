@@ -131,7 +131,7 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
     };
     let stall = torque(sheet.stall_torque, "stall_torque");
     let of_curve = || {
-        let most = module.driving_curve.iter().map(|point| point[1]).reduce(f64::max)?;
+        let most = module.largest_of_curve()?;
         let how = format!("{}the largest torque of driving_curve {} N*m{}", times(r, ""), number(most), with_r(r));
         Some(fact(r * most, how))
     };

@@ -157,24 +157,52 @@ fn heat_over_the_motion(candidate: &Candidate, ratio: f64) -> Verdict {
     }
     let own = candidate.motor.sheet.thermal_time_constant_winding.map(|t| SHORT_SHARE * t.value);
     let short = own.map_or(SHORT_STRETCH, |own| own.min(SHORT_STRETCH));
-    let longest = stretch::longest(&course, limit, repeats);
     let least = candidate.motor.sheet.thermal_time_constant_winding.map_or(LEAST_TIME_CONSTANT, |t| t.value);
-    if longest < short && largest * longest <= least * limit {
-        return Verdict::Assumed(match load.starts_cold() {
+    match above(&course, repeats, (largest, limit), (short, least)) {
+        Above::Never => Verdict::Kept,
+        Above::Briefly => Verdict::Assumed(match load.starts_cold() {
             true => "taken as kept: from cold heat stays above its steady limit for less than 1 s at a time",
             false => {
                 "judged by its mean heat: the thermal time constants are not known, and heat stays above its steady limit for less than 1 s at a time"
             }
-        });
-    }
-    // As if all of the thermal resistance were the winding's, with its time constant or the least of any: from above.
-    match stretch::is_within(stretch::lagged(&course, least, repeats), limit) {
-        true => Verdict::Assumed(
+        }),
+        Above::Bounded => Verdict::Assumed(
             "judged as if all thermal resistance answered with the time constant of the winding (where it is not known, 5.1 s, the least of the catalogue): from above",
         ),
-        false => Verdict::Unknown(
+        Above::Open => Verdict::Unknown(
             "the thermal time constants are not known, and heat stays above its steady limit for so long that a winding which warms quickly may become too hot",
         ),
+    }
+}
+
+/// How far a course of heat stays above what can be carried for ever.
+pub(super) enum Above {
+    /// Nowhere.
+    Never,
+    /// For so short at a time that the winding averages it.
+    Briefly,
+    /// Not with a winding whose thermal time constant is the least.
+    Bounded,
+    /// Maybe.
+    Open,
+}
+
+/// Heat over the motion without a heat capacity: its squares, whether they repeat, the largest of them and their steady limit, and the
+/// length of a short stretch and the least thermal time constant \[s\].
+pub(super) fn above(
+    course: &[stretch::Piece],
+    repeats: bool,
+    (largest, limit): (f64, f64),
+    (short, least): (f64, f64),
+) -> Above {
+    let longest = stretch::longest(course, limit, repeats);
+    // As if all of the thermal resistance were the winding's, with its time constant or the least of any: from above.
+    let lagged = || stretch::lagged(course, least, repeats);
+    match () {
+        () if stretch::is_within(largest, limit) => Above::Never,
+        () if longest < short && largest * longest <= least * limit => Above::Briefly,
+        () if stretch::is_within(lagged(), limit) => Above::Bounded,
+        () => Above::Open,
     }
 }
 

@@ -2,11 +2,10 @@
 //!
 //! What it has to give at a sample is `T_k = τ_k + J_o α_k`; friction and gear loss are in the ratings already.
 
-use super::heat::{LEAST_TIME_CONSTANT, SHORT_STRETCH};
+use super::heat::{Above, LEAST_TIME_CONSTANT, SHORT_STRETCH, above};
 use super::limit::*;
 use crate::actuator::candidate::Candidate;
 use crate::actuator::shaft::Feature;
-use crate::actuator::stretch;
 use crate::catalog::module::overload::Piece;
 use crate::catalog::module::{BUILT_IN, Inside, Module, on_curve};
 use crate::requirement::Spring;
@@ -27,7 +26,7 @@ pub(super) const LIMITS: &[Limit] = &[
         prepare: |c| match inside(c).map(|inside| (torque_speed(c, inside), inside)) {
             None => Prepared::NotAsked,
             // The voltage of its winding and its largest current answer it too, where the gear's loss is in them.
-            Some((Prepared::Unknown(_), inside)) if inside.says_power() && inside.says_loss() => Prepared::NotAsked,
+            Some((Prepared::Unknown(_), inside)) if inside.says_whole_power() => Prepared::NotAsked,
             Some((prepared, _)) => prepared,
         },
     },
@@ -161,7 +160,7 @@ fn says_torque_speed(candidate: &Candidate) -> bool {
 
 /// Why a module's torque is not compared with a curve, where its constants answer instead.
 pub(super) fn why_no_curve(candidate: &Candidate) -> Option<&'static str> {
-    let inside = inside(candidate).filter(|inside| inside.says_power() && inside.says_loss())?;
+    let inside = inside(candidate).filter(|inside| inside.says_whole_power())?;
     match torque_speed(candidate, inside) {
         Prepared::Unknown(why) => Some(why),
         _ => None,
@@ -306,11 +305,8 @@ fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
     let of_curve = sheet.voltage.map(|p| p.value);
     let no_load = module.no_load_speed();
     // With less voltage there is less speed.
-    let less = of_curve.is_some_and(|of_curve| volt < of_curve);
-    let missing = match (of_curve, no_load) {
-        (Some(of_curve), Some(no_load)) if less => no_load * (1.0 - volt / of_curve),
-        _ => 0.0,
-    };
+    let lost = module.speed_lost(volt);
+    let missing = lost.unwrap_or(0.0);
     // With more there may be more, up to as much more speed as there is voltage.
     let more = of_curve.map_or(1.0, |of_curve| (volt / of_curve).max(1.0));
     let peak = sheet.peak_torque.or(sheet.stall_torque).map(|p| p.value);
@@ -330,7 +326,7 @@ fn most_torque(module: &Module, speed: f64, driving: bool, volt: f64) -> Most {
         // A braking curve is more than the peak torque while it drives: the gear's loss helps.
         let most = sheet.peak_torque.filter(|_| by_driving).map_or(f64::INFINITY, |p| p.value);
         let at_speed = on_curve(curve, speed).min(most);
-        return match less && no_load.is_none() && speed > 0.0 {
+        return match lost.is_none() && speed > 0.0 {
             true => Most::Between(0.0, at_speed, NO_FREE_SPEED),
             false => sure(at_speed),
         };
@@ -375,25 +371,19 @@ pub(super) fn heat_by_rating(candidate: &Candidate, _: f64) -> Verdict {
     let Some((course, repeats)) = candidate.load.flange_course(inertia(candidate, inside)) else {
         return Verdict::Kept;
     };
-    let (limit, short, least) = (rated * rated, SHORT_STRETCH, LEAST_TIME_CONSTANT);
     let largest = course.iter().map(|piece| piece.from.max(piece.to)).fold(0.0, f64::max);
-    if stretch::is_within(largest, limit) {
-        return Verdict::Kept;
-    }
-    let longest = stretch::longest(&course, limit, repeats);
-    if longest < short && largest * longest <= least * limit {
-        return Verdict::Assumed(match candidate.load.starts_cold() {
+    match above(&course, repeats, (largest, rated * rated), (SHORT_STRETCH, LEAST_TIME_CONSTANT)) {
+        Above::Never => Verdict::Kept,
+        Above::Briefly => Verdict::Assumed(match candidate.load.starts_cold() {
             true => "taken as kept: from cold it gives more than its rated torque for less than 1 s at a time",
             false => {
                 "judged by its mean: it gives more than its rated torque for less than 1 s at a time, and its row has no overload table"
             }
-        });
-    }
-    match stretch::is_within(stretch::lagged(&course, least, repeats), limit) {
-        true => Verdict::Assumed(
+        }),
+        Above::Bounded => Verdict::Assumed(
             "judged as if a winding with a time constant of 5.1 s, the least of the catalogue, bore its rated torque: its row has no overload table",
         ),
-        false => Verdict::Unknown(
+        Above::Open => Verdict::Unknown(
             "it gives more than its rated torque for so long that a winding which warms quickly may become too hot, and its row has no overload table",
         ),
     }

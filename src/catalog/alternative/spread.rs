@@ -41,21 +41,17 @@ fn factor(
     }
 }
 
-fn scaled(printed: Printed, by: f64) -> Printed {
-    Printed { value: printed.value * by, tolerance: printed.tolerance.map(|t| t * by.abs()) }
-}
-
 impl Alternative {
     /// Its number at the flange of its module and on the q axis; `None` where its source does not say side or convention, and of
     /// curves and tables.
     pub fn at_flange(&self, module: &Module) -> Option<Printed> {
         let winding = module.refers.winding;
-        Some(scaled(self.value?, factor(module, self.column, self.side, self.convention, winding)?))
+        Some(self.value?.times(factor(module, self.column, self.side, self.convention, winding)?))
     }
 
     /// Its number as the module's row would print it; `None` where the two cannot be compared.
     pub fn as_in(&self, module: &Module) -> Option<Printed> {
-        Some(scaled(self.at_flange(module)?, 1.0 / own_factor(module, self.column)?))
+        Some(self.at_flange(module)?.times(1.0 / own_factor(module, self.column)?))
     }
 }
 
@@ -105,7 +101,7 @@ pub fn spreads(module: &Module, alternatives: &[Alternative]) -> Vec<Spread> {
             return None;
         }
         let own = (field.get)(&module.sheet).zip(own_factor(module, field.name));
-        all.extend(own.map(|(printed, by)| scaled(printed, by)));
+        all.extend(own.map(|(printed, by)| printed.times(by)));
         let least = all.iter().map(|p| p.value).fold(f64::INFINITY, f64::min);
         let most = all.iter().map(|p| p.value).fold(f64::NEG_INFINITY, f64::max);
         let low = |p: &Printed| p.value - p.tolerance.unwrap_or(0.0);

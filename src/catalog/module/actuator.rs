@@ -15,6 +15,16 @@ use crate::catalog::row::MotorRow;
 use crate::catalog::sheet::{Conventions, OwnConventions, Printed, Sheet};
 use crate::catalog::{Catalog, Gear, Motor, is_named};
 
+/// A number with a ± that is so large a share of it.
+fn known(value: Option<f64>, share: Option<f64>) -> Option<Printed> {
+    value.map(|value| Printed { value, tolerance: share.map(|share| share * value.abs()) })
+}
+
+/// A number that comes from a printed one, with the same share as its ±.
+fn like(value: Option<f64>, printed: Option<Printed>) -> Option<Printed> {
+    known(value, printed.and_then(|p| p.relative_tolerance()))
+}
+
 impl Module {
     /// The module as a motor with the gear inside. Numbers that nobody knows are not: without constants they are no number at
     /// all, and nothing that is computed with them is shown.
@@ -54,19 +64,16 @@ impl Module {
             };
             return Motor { id: self.id.clone(), inside: Some(Arc::new(inside)), ..self.filled(motor, splits) };
         }
-        let motor = self.by_constants(depth, response);
-        let inside =
-            motor.inside.as_deref().map(|inside| Arc::new(Inside { findings, alternatives, ..inside.clone() }));
-        Motor { inside, ..motor }
+        let mut motor = self.by_constants(depth, response);
+        if let Some(inside) = motor.inside.as_mut().map(Arc::make_mut) {
+            (inside.findings, inside.alternatives) = (findings, alternatives);
+        }
+        motor
     }
 
     /// The motor row inside with what the module's row says in its place: in the sheet too, so that it has its ±.
     fn filled(&self, motor: &Motor, splits: bool) -> Motor {
         let (ratio, own, sheet) = (self.ratio(), &self.sheet, &motor.sheet);
-        let like = |value: Option<f64>, printed: Option<Printed>| {
-            let share = printed.and_then(|p| p.relative_tolerance());
-            value.map(|value| Printed { value, tolerance: share.map(|share| share * value.abs()) })
-        };
         // Its own peak torque is that of the flange: a motor's that follows from it would count the gear's loss twice.
         let says_peak = own.peak_torque.is_some();
         // Of a current and a temperature that both rows bound the smaller one counts.
@@ -76,7 +83,7 @@ impl Module {
         };
         let in_row = motor.conventions.of_peak_current().torque_current(motor.conventions.commutation);
         let factor = self.refers.current.map(|is| is.torque_current(Commutation::Brushless) / in_row);
-        let peak = factor.zip(own.peak_current).map(|(factor, p)| factor * p.value);
+        let peak = factor.zip(own.peak_current).map(|(factor, p)| p.times(factor));
         let no_drag = motor.drag() == Drag::Unknown;
         let friction = |printed: Option<Printed>, power: i32| {
             let at_flange = self.at_output(printed.filter(|_| no_drag), self.refers.friction_side, power);
@@ -86,7 +93,7 @@ impl Module {
         let sheet = Sheet {
             peak_torque: sheet.peak_torque.filter(|_| !says_peak),
             mass: if splits { sheet.mass } else { own.mass.or(sheet.mass) },
-            peak_current: least(sheet.peak_current, like(peak, own.peak_current)),
+            peak_current: least(sheet.peak_current, peak),
             max_winding_temperature: least(sheet.max_winding_temperature, own.max_winding_temperature),
             coulomb_friction: sheet.coulomb_friction.or(friction(own.dynamic_friction, 1)),
             viscous_friction: sheet.viscous_friction.or(friction(own.viscous_friction, 2)),
@@ -145,14 +152,9 @@ impl Module {
             published: Vec::new(),
         };
         let spread = constants.spread;
-        let known = |value: Option<f64>, spread: Option<f64>| {
-            value.map(|value| Printed { value, tolerance: spread.map(|share| share * value.abs()) })
-        };
         let in_convention = |p: Option<Printed>, is: Option<CurrentConvention>| {
-            let factor = is?.torque_current(Commutation::Brushless);
-            known(Some(p?.value * factor), p?.relative_tolerance())
+            Some(p?.times(is?.torque_current(Commutation::Brushless)))
         };
-        let like = |value, printed: Option<Printed>| known(value, printed.and_then(|p| p.relative_tolerance()));
         let at_motor = |printed: Option<Printed>, power| {
             like(self.at_output(printed, self.refers.friction_side, power).map(|f| f / ratio.powi(power)), printed)
         };

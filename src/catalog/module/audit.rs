@@ -455,7 +455,7 @@ const READ_OFF: f64 = 1.06;
 
 fn curve(of: &Of) -> Option<Outcome> {
     let module = of.module;
-    let most = module.driving_curve.iter().map(|p| p[1]).reduce(f64::max)?;
+    let most = module.largest_of_curve()?;
     if let Some(peak) = value(module.sheet.peak_torque).filter(|peak| most > peak * READ_OFF) {
         let message =
             format!("its driving curve reaches {} N*m, above its peak torque {} N*m", number(most), number(peak));

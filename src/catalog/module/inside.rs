@@ -70,6 +70,11 @@ impl Inside {
         self.says_currents() && (self.gear_loss.is_some() || self.loss_in_constant)
     }
 
+    /// Whether power and voltage are known with all that is lost.
+    pub fn says_whole_power(&self) -> bool {
+        self.says_power() && self.says_loss()
+    }
+
     /// Whether power and voltage are known too.
     pub fn says_power(&self) -> bool {
         self.says_currents() && self.says_back_emf

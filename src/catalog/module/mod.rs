@@ -245,8 +245,16 @@ impl Module {
 
     /// Its speed without load at a bus voltage \[rad/s\]: less voltage has less speed, more has no more than is printed.
     pub fn no_load_speed_at(&self, volt: f64) -> Option<f64> {
-        let share = self.sheet.voltage.map_or(1.0, |printed| (volt / printed.value).min(1.0));
-        Some(self.no_load_speed()? * share)
+        Some(self.no_load_speed()? - self.speed_lost(volt)?)
+    }
+
+    /// What a bus voltage takes from the speed without load of its row \[rad/s\]: nothing where it is not less than the row's; `None` where
+    /// it is and nobody knows that speed.
+    pub fn speed_lost(&self, volt: f64) -> Option<f64> {
+        match self.sheet.voltage {
+            Some(printed) if volt < printed.value => Some(self.no_load_speed()? * (1.0 - volt / printed.value)),
+            _ => Some(0.0),
+        }
     }
 
     /// The largest torque of its driving curve \[N·m\].
@@ -264,11 +272,7 @@ impl Module {
     /// The speed up to which its driving curve gives a torque at a bus voltage \[rad/s\], zero where it nowhere does; `None`
     /// where it has no curve, or where nobody knows what less voltage leaves of it.
     pub fn speed_at_torque(&self, torque: f64, volt: f64) -> Option<f64> {
-        let lost = match self.no_load_speed() {
-            Some(free) => free - self.no_load_speed_at(volt)?,
-            None if self.sheet.voltage.is_none_or(|printed| volt >= printed.value) => 0.0,
-            None => return None,
-        };
+        let lost = self.speed_lost(volt)?;
         let last = self.driving_curve.iter().rposition(|point| point[1] >= torque);
         let speed = match last {
             None if self.driving_curve.is_empty() => return None,

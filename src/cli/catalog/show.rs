@@ -46,8 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         });
     }
     if let Some(module) = catalog.modules.iter().find(|m| m.id == id).filter(|_| texts.is_empty()) {
-        let alternatives: Vec<Alternative> = elsewhere.iter().copied().cloned().collect();
-        let findings = audit_module(module, &catalog.modules, &catalog.motors, &alternatives);
+        let findings = audit_module(module, &catalog.modules, &catalog.motors, &catalog.alternatives);
         texts.push(match arguments.json {
             true => json_text(&json::catalog::module_shown(module, &findings, &elsewhere)),
             false => module_text(module, &findings) + &card::elsewhere_text(&elsewhere),

@@ -16,6 +16,7 @@ use super::total::Total;
 use crate::actuator::limits::Remark;
 use crate::actuator::{Laurent, Load};
 use crate::catalog::Catalog;
+use crate::catalog::module::Inside;
 use crate::design::Prepared;
 use crate::design::answer::Design;
 use crate::design::best::lacking;
@@ -593,8 +594,7 @@ impl<'a> Context<'a> {
         motors.dedup();
         let carried_torque = found.coordinates.clone();
         // Of a module whose currents nobody knows there is no power.
-        let says_power =
-            |d: &Design| d.motor.inside.as_deref().is_none_or(|inside| inside.says_power() && inside.says_loss());
+        let says_power = |d: &Design| d.motor.inside.as_deref().is_none_or(Inside::says_whole_power);
         let known = designs.iter().all(says_power);
         let if_known = |power: f64| if known { power } else { f64::NAN };
         Combination {
