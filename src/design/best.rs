@@ -2,7 +2,7 @@
 
 use super::answer::{Design, Reason, Refused, Rejected, Unjudged, Unusable};
 use super::mount::{Mount, Site};
-use super::program::{Bind, Certificate, Optimum, RatioProgram};
+use super::program::{Certificate, Optimum, RatioProgram};
 use super::selection::Selection;
 use super::solved::{design, one_gear, solve};
 use super::{Prepared, judge, spring};
@@ -160,7 +160,7 @@ pub(super) fn is_impossible(site: Site, motor: &Motor) -> bool {
 /// The best gear of the catalogue for one motor: all that fit are evaluated, which is the proof.
 fn best_gear<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Result<Design<'a>, Refused<'a>> {
     let Site { robot, joint, .. } = site;
-    let mut gears: Selection<(Mount, Prepared, Optimum)> = Selection::new();
+    let mut gears: Selection<(Mount, Prepared, Optimum)> = Selection::new(motor);
     for mount in site.mounts(motor) {
         let Some(gear) = mount.gear else { continue };
         let prepared = match mount.prepared() {
@@ -177,12 +177,6 @@ fn best_gear<'a>(site: Site<'a, '_>, motor: &'a Motor, only_checked: bool) -> Re
         }
         let evaluation = prepared.at(gear.ratio);
         match evaluation.objective(&joint.objective) {
-            _ if !evaluation.feasible && motor.inside.is_some() => {
-                let Some(margin) = evaluation.tightest() else { continue };
-                let bind = Bind::of(margin.limit, margin.sample);
-                let reason = Reason::Module { bind, over: margin.demand / margin.bound, allowed: margin.bound };
-                return Err(Refused::rejected(Rejected { motor, gear: None, reason }));
-            }
             _ if !evaluation.feasible => gears.exceeds(&gear.id, evaluation.tightest()),
             None => gears.unusable(Unusable::Mass),
             Some(objective) => {

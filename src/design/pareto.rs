@@ -195,7 +195,7 @@ impl<'a> Asked<'a, '_> {
     }
 
     fn of_gears(&self, motor: &'a Motor) -> Curve<'a> {
-        let mut gears: Selection<()> = Selection::new();
+        let mut gears: Selection<()> = Selection::new(motor);
         let mut points = Vec::new();
         for mount in self.site.mounts(motor) {
             let Some(gear) = mount.gear else { continue };

@@ -45,12 +45,15 @@ pub(super) struct Selection<'a, T> {
     /// What is not known of a gear that might have done.
     unknown: Option<Remark>,
     tried: usize,
+    /// A module has one gear, its own: there is nothing to choose.
+    is_module: bool,
 }
 
 impl<'a, T> Selection<'a, T> {
-    /// Nothing was looked at yet.
-    pub(super) fn new() -> Selection<'a, T> {
-        Selection { best: [None, None], nearest: None, why: None, unknown: None, tried: 0 }
+    /// Nothing was looked at yet of a motor.
+    pub(super) fn new(motor: &Motor) -> Selection<'a, T> {
+        let is_module = motor.inside.is_some();
+        Selection { best: [None, None], nearest: None, why: None, unknown: None, tried: 0, is_module }
     }
 
     /// A mount that keeps its limits; `apart` where a limit that the requirement states cannot be judged of it.
@@ -109,11 +112,14 @@ impl<'a, T> Selection<'a, T> {
 
     /// The best: of those that can be judged, if there is any. Else what the nearest gear exceeds, else what was said.
     fn settled(self) -> (Option<T>, Option<(Option<&'a str>, Reason)>) {
-        let Selection { best: [judged, apart], nearest, why, tried, unknown: _ } = self;
+        let Selection { best: [judged, apart], nearest, why, tried, is_module, unknown: _ } = self;
         let nearest = nearest.map(|Nearest { gear, margin }| {
             let bind = Bind::of(margin.limit, margin.sample);
             let (over, allowed) = (margin.demand / margin.bound, margin.bound);
-            (Some(gear), Reason::Gears { bind, over, allowed, tried })
+            match is_module {
+                true => (None, Reason::Module { bind, over, allowed }),
+                false => (Some(gear), Reason::Gears { bind, over, allowed, tried }),
+            }
         });
         (judged.or(apart).map(|(_, made)| made), nearest.or(why.map(|told| (told.gear, told.reason))))
     }

@@ -231,7 +231,7 @@ pub(super) fn best_gear<'a>(
     only_checked: bool,
 ) -> Result<Design<'a>, Refused<'a>> {
     let Site { robot, joint, .. } = site;
-    let mut gears: Selection<(Design, bool)> = Selection::new();
+    let mut gears: Selection<(Design, bool)> = Selection::new(motor);
     let mut bounds = [Bound(Some(f64::INFINITY)); 2];
     for mount in site.mounts(motor) {
         let (Some(gear), Some(range)) = (mount.gear_id(), mount.range()) else { continue };

@@ -86,7 +86,7 @@ impl<'a> Over<'a, '_> {
     /// The best gear with which all limits are kept over the tolerances.
     fn gears(self) -> Result<RobustDesign<'a>, Reason> {
         let Over { site, nominal, toleranced, corners, only_checked } = self;
-        let mut gears: Selection<(&'a str, Boxed, Optimum)> = Selection::new();
+        let mut gears: Selection<(&'a str, Boxed, Optimum)> = Selection::new(nominal.motor);
         for mount in site.mounts(nominal.motor) {
             let (Some(gear), Ok(boxed)) = (mount.gear, Boxed::new(mount, corners)) else { continue };
             // With another gear than the nominal one other limits may be unknown.

@@ -566,3 +566,19 @@ fn a_spring_is_one_of_which_all_is_decided_and_changes_no_mass() {
         "{heavy}"
     );
 }
+
+#[test]
+fn a_design_of_unknown_mass_keeps_no_objective_of_mass() {
+    let text = LEG
+        .replace("\"bxi-*\"", "\"mine\"")
+        .replace("objective = \"loss\"", "objective = \"mass\"")
+        .replace("25 N*m", "15 N*m");
+    let here = folder(&text);
+    fs::write(here.path().join("mine.csv"), own(&[("mass [g]", "")])).unwrap();
+    let told = run(&here, &["explain", "mine", "leg.toml", "--also", "mine.csv"]);
+    assert!(
+        told.status == 1 && flat(&told.out).contains("cannot be judged: the mass of motor or gear is not known"),
+        "{}",
+        told.out
+    );
+}
