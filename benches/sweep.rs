@@ -159,7 +159,7 @@ fn thousand(c: &mut Criterion) {
     let (rubbing, mut robot) = (thousand_motors(true), all_limits(1000));
     robot.bus.regeneration = Regeneration::Limited(40.0);
     let joint = &robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     let (mut times, mut certified, mut feasible) = (Vec::new(), 0, 0);
     for motor in rubbing.motors.iter().step_by(10) {
         let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().expect("a candidate"));

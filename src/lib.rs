@@ -10,6 +10,7 @@
 //! * [`input`]: files are read once, every mistake in them is collected with its place.
 //! * [`effects`]: what an actuator may do beyond its data sheet, one file each.
 //! * [`motion`]: what a joint is asked for, as arrays over samples, and at every instant between them.
+//! * [`transmission`]: what is between actuator and joint, and what it makes of a motion.
 //! * [`catalog`]: motors and gears in their declared conventions, converted to the power-invariant
 //!   q-axis equivalent; the audit of redundant numbers.
 //! * [`mechanism`]: the robot as a tree of rigid bodies (URDF, MJCF), and the joint torques of a trajectory.
@@ -66,6 +67,7 @@ pub mod rules;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod study;
+pub mod transmission;
 pub mod units;
 #[doc(hidden)]
 pub mod words;

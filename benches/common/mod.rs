@@ -50,6 +50,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
         turns: gearwise::requirement::Turns::AsWound,
         phases: Vec::new(),
         carries: Vec::new(),
+        passed: None,
     };
     Robot {
         name: "bench".into(),

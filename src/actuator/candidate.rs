@@ -13,6 +13,7 @@ use crate::catalog::drag::Drag;
 use crate::catalog::estimate::Estimated;
 use crate::catalog::module::Drive;
 use crate::catalog::{Gear, Motor};
+use crate::numerics::laurent::Laurent;
 use crate::requirement::{GearMap, GearModel, GearPiece, Joint, MotorDrag, Robot, Turns};
 
 /// A motor and a gear for a joint, before the ratio is chosen.
@@ -94,6 +95,23 @@ impl<'a> Candidate<'a> {
         }
     }
 
+    /// The candidate with what one of two actuators does; itself where there is one.
+    pub(crate) fn of_actuator(&self, which: Option<usize>) -> Candidate<'a> {
+        Candidate { load: self.load.of_actuator(which), ..*self }
+    }
+
+    /// The candidate as each of its actuators is: once, or for both of two.
+    pub(crate) fn each_actuator(&self) -> impl Iterator<Item = Candidate<'a>> + use<'a> {
+        let (this, count) = (*self, self.load.actuators().len());
+        (0..count.max(1)).map(move |k| this.of_actuator((count > 0).then_some(k)))
+    }
+
+    /// Which sample of the joint's motion is the first of an actuator.
+    pub(crate) fn first_sample(&self, of: Option<usize>) -> usize {
+        let cases = self.joint.motion.cases.as_deref();
+        of.and_then(|k| Some(cases?.list.get(k)?.samples.start)).unwrap_or(0)
+    }
+
     /// The candidate with the drag at its other end alone, where there is one.
     pub(crate) fn at_other_end(&self) -> Option<Candidate<'a>> {
         self.other.map(|actuator| Candidate { actuator, other: None, ..*self })
@@ -132,15 +150,34 @@ pub enum End {
 }
 
 impl Candidate<'_> {
-    /// Mass of motor and gear at a ratio \[kg\]; `None` where either is unknown.
+    /// Mass of motor, gear and transmission at a ratio \[kg\]; `None` where motor or gear is unknown.
     pub fn mass_at(&self, ratio: f64) -> Option<f64> {
-        Some(self.motor.mass? + self.gear.mass_at(ratio)? + self.mass_slope() * ratio * ratio)
+        let fixed = self.motor.mass? + self.gear.mass_at(ratio)? + self.transmission_mass();
+        Some(fixed + self.mass_slope() * ratio * ratio)
+    }
+
+    /// What the requirement says that the transmission weighs \[kg\].
+    fn transmission_mass(&self) -> f64 {
+        self.joint.passed.as_ref().and_then(|passed| passed.mass_of_each()).unwrap_or(0.0)
+    }
+
+    /// The inertia of the actuator that the joint feels, over the ratio \[kg·m²\]: N² (J_m + J_g), and behind a transmission
+    /// r² (N² (J_m + J_g) + J_t) + J_j at the largest r of the motion.
+    pub fn reflected_inertia(&self) -> Laurent {
+        let own = Laurent::monomial(self.actuator.inertia, 2) + Laurent::constant(self.inertia_at_output());
+        match self.joint.passed.as_deref() {
+            None => own,
+            Some(passed) => {
+                let constant = passed.inertia_at_joint(0.0);
+                own * (passed.inertia_at_joint(1.0) - constant) + Laurent::constant(constant)
+            }
+        }
     }
 
     /// What is known of that mass \[kg\]: the actuator weighs at least this.
     pub fn known_mass_at(&self, ratio: f64) -> f64 {
         let gear = self.gear.mass_at(ratio).unwrap_or(0.0) + self.mass_slope() * ratio * ratio;
-        self.motor.mass.unwrap_or(0.0) + gear
+        self.motor.mass.unwrap_or(0.0) + gear + self.transmission_mass()
     }
 
     /// The smaller of the motor's and the drive's largest current, q axis \[A\], and whose it is. Where the winding is open,

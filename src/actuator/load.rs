@@ -14,7 +14,7 @@ use super::thermal_motion::{Course, Heat, Outcome, Temperature, TwoNode};
 use super::waveform::{Functional, WavePoint, Waveform};
 use super::weakening::{Step, Weakening};
 use crate::numerics::laurent::Laurent;
-use crate::requirement::{Motion, TorqueBandwidth};
+use crate::requirement::{Motion, Ripple, TorqueBandwidth};
 
 /// A rise that is so many times its bound is cut off by its logarithm: a motion from cold may come to numbers whose
 /// rounding is larger than any bound.
@@ -23,6 +23,12 @@ const FAR_BEYOND: f64 = 100.0;
 /// Samples of the first periods of a heat that runs away that are looked at, at most: what is not beyond the bound by then is no cut,
 /// but still below.
 const FIRST_SAMPLES: usize = 1 << 20;
+
+/// Root mean square of the load torque \[N·m\].
+fn rms_torque(motion: &Motion) -> f64 {
+    let held = |k: usize| if motion.velocity[k] == 0.0 { motion.held } else { 1.0 };
+    motion.mean(|k| (held(k) * motion.torque[k]).powi(2)).sqrt()
+}
 
 /// Mean of |ω||τ|³ over a motion.
 fn mean_wear(motion: &Motion) -> f64 {
@@ -93,6 +99,8 @@ pub struct Load {
     steps: Arc<[Step]>,
     /// Where the gear is one of a family: the same on each piece of it.
     pieces: Vec<Load>,
+    /// Where two actuators of one design do this at the same time: what each of them does. What is a sum over time is one for each.
+    actuators: Vec<Load>,
     /// On a piece of a family of gears: what its efficiency and its torque without load that falls with the ratio take \[W\].
     gear_loss: Option<Laurent>,
 }
@@ -114,7 +122,7 @@ pub(crate) struct Along<'d> {
 
 impl Load {
     /// Prepares a motion.
-    pub fn new(motion: &Motion, bandwidth: Option<TorqueBandwidth>) -> Load {
+    pub fn new(motion: &Motion, ripple: Option<Ripple>) -> Load {
         let features = |k: usize, torque: f64, rate: f64, sign: f64| {
             let mut x = [0.0; FEATURES];
             x[Feature::Load as usize] = torque;
@@ -144,35 +152,39 @@ impl Load {
         let samples = 0..motion.len();
         let plain: Vec<WavePoint> =
             samples.clone().flat_map(|k| points(k, motion.torque[k], motion.torque_rate[k])).collect();
-        let bandwidth = bandwidth.map(|TorqueBandwidth { frequency, amplitude }| {
+        let bandwidth = ripple.map(|ripple| {
+            let TorqueBandwidth { frequency, amplitude } = ripple.bandwidth;
             let omega = std::f64::consts::TAU * frequency;
             let superposed = samples.clone().flat_map(|k| {
                 (0..BANDWIDTH_PHASES).flat_map(move |phase| {
                     let angle = std::f64::consts::TAU * phase as f64 / BANDWIDTH_PHASES as f64;
-                    let torque = motion.torque[k] + amplitude * angle.cos();
-                    let rate = motion.torque_rate[k] - amplitude * omega * angle.sin();
+                    let (more, faster) = (amplitude * angle.cos(), -amplitude * omega * angle.sin());
+                    let (torque, rate) = ripple.superposed(motion, k, more, faster);
                     points(k, torque, rate)
                 })
             });
             Waveform::new(&superposed.collect::<Vec<_>>())
         });
+        // At standstill friction of a transmission may hold for the actuator.
+        let in_means = |k: usize| motion.torque[k] * if motion.velocity[k] == 0.0 { motion.held } else { 1.0 };
         let in_means: Vec<WavePoint> = samples
             .clone()
             .map(|k| WavePoint {
-                features: features(k, motion.torque[k], motion.torque_rate[k], sign(motion.velocity[k])),
+                features: features(k, in_means(k), motion.torque_rate[k], sign(motion.velocity[k])),
                 flow: Flow::in_means(motion.torque[k], motion.velocity[k]),
                 origin: k,
                 direct: 0.0,
             })
             .collect();
         let (mean, standstill) = (moments(&in_means, &motion.weight), moments(&in_means, &motion.dwell));
+        let actuators: Vec<Load> = motion.actuators().iter().map(|each| Load::new(each, None)).collect();
         Load {
             waveform: Waveform::new(&plain),
             bandwidth,
             peak_speed: largest(&motion.velocity),
             peak_torque: largest(&motion.torque),
             running_load: running_load(motion),
-            rms_torque: motion.mean(|k| motion.torque[k].powi(2)).sqrt(),
+            rms_torque: rms_torque(motion),
             mean_speed: motion.mean(|k| motion.velocity[k].abs()),
             mean_wear: mean_wear(motion),
             dwell: motion.dwell.iter().sum(),
@@ -184,7 +196,7 @@ impl Load {
             },
             has_steady_heat: motion.has_steady_heat(),
             share_of_time: motion.share_of_time(),
-            course: HeatCourse::new(motion).map(Arc::new),
+            course: if actuators.is_empty() { HeatCourse::new(motion).map(Arc::new) } else { None },
             mean,
             standstill,
             samples: in_means.into(),
@@ -195,26 +207,38 @@ impl Load {
             rest: motion.dwell.as_slice().into(),
             steps: Step::all(motion).into(),
             pieces: Vec::new(),
+            actuators,
             gear_loss: None,
         }
     }
 
+    /// What each of two actuators does that do this at the same time; empty where it is one.
+    pub fn actuators(&self) -> &[Load] {
+        &self.actuators
+    }
+
+    /// What one actuator does: a part of it, or all.
+    pub(crate) fn of_actuator(&self, which: Option<usize>) -> &Load {
+        which.and_then(|k| self.actuators.get(k)).unwrap_or(self)
+    }
+
     /// The same with an inertia at the output \[kg·m²\] that the gear's efficiency covers as it covers the
     /// load torque; zero where it covers none. The gear's own limits stay on the torque at its output.
-    pub fn with_inertia(motion: &Motion, bandwidth: Option<TorqueBandwidth>, inertia: f64) -> Load {
+    pub fn with_inertia(motion: &Motion, ripple: Option<Ripple>, inertia: f64) -> Load {
         if inertia == 0.0 {
-            return Load::new(motion, bandwidth);
+            return Load::new(motion, ripple);
         }
         let mut moved = motion.clone();
         for k in 0..motion.len() {
             moved.torque[k] += inertia * motion.acceleration[k];
             moved.torque_rate[k] += inertia * motion.jerk[k];
         }
-        let mut load = Load::new(&moved, bandwidth);
+        let mut load = Load::new(&moved, ripple);
         load.peak_torque = largest(&motion.torque);
         load.running_load = running_load(motion);
-        load.rms_torque = motion.mean(|k| motion.torque[k].powi(2)).sqrt();
+        load.rms_torque = rms_torque(motion);
         load.mean_wear = mean_wear(motion);
+        load.actuators = motion.actuators().iter().map(|each| Load::with_inertia(each, None, inertia)).collect();
         load
     }
 
@@ -228,9 +252,12 @@ impl Load {
             x[Feature::One as usize] = torque;
             x[Feature::SpeedRate as usize] = rate;
         };
-        let mut samples = self.samples.to_vec();
-        samples.iter_mut().for_each(|sample| change(&mut sample.features));
-        self.with_points(samples, |wave| wave.changed(change))
+        let folded = |load: &Load| {
+            let mut samples = load.samples.to_vec();
+            samples.iter_mut().for_each(|sample| change(&mut sample.features));
+            load.with_points(samples, |wave| wave.changed(change))
+        };
+        Load { actuators: self.actuators.iter().map(folded).collect(), ..folded(self) }
     }
 
     /// The same with other samples in means, and what a change makes of those of limits.
@@ -268,7 +295,9 @@ impl Load {
             *sample = sample.min(d);
         }
         let waveform = self.waveform.weakened(of_points);
-        Some(Load { waveform, direct, needs: Some(needs), rippled: OnceLock::new(), ..self.clone() })
+        let each = |load: &Load| load.weakened(needs).unwrap_or_else(|| load.clone());
+        let actuators = self.actuators.iter().map(each).collect();
+        Some(Load { waveform, direct, needs: Some(needs), rippled: OnceLock::new(), actuators, ..self.clone() })
     }
 
     /// The samples with the bandwidth torque on top, and with the currents along d that they need: all points of a sample have the

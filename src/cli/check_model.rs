@@ -90,7 +90,7 @@ impl Inputs {
                 Err(error) => errors.push(error),
             }
         }
-        let file = hardware::read(&arguments.against).map_err(|error| errors.push(error)).ok();
+        let file = hardware::read(&arguments.against).map_err(|all| errors.extend(all)).ok();
         let rules = match &arguments.rules {
             Some(path) => read(path).map_err(|error| errors.push(error)).ok(),
             None => Some(RulesFile::default()),

@@ -25,6 +25,7 @@ mod import;
 mod man;
 mod merge;
 mod optimize;
+mod over;
 mod progress;
 mod rank;
 mod rule;

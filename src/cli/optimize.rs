@@ -53,6 +53,10 @@ pub struct Arguments {
     /// The front of two quantities instead, e.g. loss,reflected_inertia
     #[arg(long, value_name = "A,B")]
     pareto: Option<String>,
+    /// The best design over one number that is given in the requirement, between two values: as
+    /// joint.knee.transmission.ratio=1:3 or joint.knee.transmission.four_bar.crank="20 mm:60 mm"
+    #[arg(long, value_name = "KEY=LOW:HIGH", conflicts_with_all = ["pareto", "robust", "robot", "plot", "html", "write_design", "rules", "only_top"])]
+    search: Option<String>,
     /// Designs that keep all limits over the motors' tolerances, and how likely the first choice stays first
     #[arg(long, conflicts_with_all = ["pareto", "only_top", "plot"])]
     robust: bool,
@@ -62,7 +66,7 @@ pub struct Arguments {
     /// Take the ends of what all sources print of a module's numbers as their ±, with --robust
     #[arg(long, value_name = "HOW", requires = "robust", value_parser = PossibleValuesParser::new(["worst"]))]
     alternatives: Option<String>,
-    /// How many ratios along each motor's front, with --pareto
+    /// How many ratios along each motor's front, with --pareto; how many values of the grid, with --search
     #[arg(long, default_value_t = 33, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     points: u32,
     /// Draw the objective of the first designs over the ratio and the first choice's torque over speed, or the fronts: an .svg or .png file
@@ -150,6 +154,10 @@ fn time_limit(text: &str) -> Result<Duration, Failure> {
 }
 
 pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
+    if let Some(over) = &arguments.search {
+        let Arguments { requirement, set, catalog, only_checked, output, .. } = arguments;
+        return super::over::run(over, arguments.points as usize, requirement, set, catalog, *only_checked, output);
+    }
     arguments.html.check()?;
     super::check_plot(arguments.plot.as_ref())?;
     let no_springs = match (&arguments.pareto, arguments.robust) {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::options::Stop;
+use crate::actuator::Load;
 use crate::actuator::candidate::End;
 use crate::actuator::gear_figures::GearFigures;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
@@ -194,6 +195,9 @@ impl<'a> Prepared<'a> {
                 Check::NotAsked => {}
             }
         }
+        // What is said of both of two actuators is said once.
+        unchecked.dedup();
+        at_ratio.dedup_by_key(|(name, _)| *name);
         unchecked.extend(candidate.lacking());
         at_ratio.extend(candidate.told_at_a_ratio());
         let assumed = candidate.assumptions(&asked);
@@ -228,7 +232,8 @@ impl<'a> Prepared<'a> {
         let mut judged = self.judged_anywhere();
         let other = self.candidate.at_other_end();
         for (limit, judge) in &self.at_ratio {
-            let verdicts = std::iter::once(&self.candidate).chain(&other).map(|end| judge(end, ratio));
+            let ends = std::iter::once(&self.candidate).chain(&other).flat_map(Candidate::each_actuator);
+            let verdicts = ends.map(|end| judge(&end, ratio));
             match verdicts.max().unwrap_or(Verdict::Kept) {
                 Verdict::Kept => {}
                 Verdict::Assumed(what) => judged.assumed.push((limit, what)),
@@ -432,6 +437,15 @@ impl<'a> Prepared<'a> {
 
     /// Root mean square current at a ratio \[A\].
     fn rms_current(&self, ratio: f64) -> f64 {
+        let each = self.candidate.load.actuators();
+        if !each.is_empty() {
+            let of = |(load, actuator): (&Load, &Actuator)| match actuator.shortfall.saturates() {
+                true => load.mean_current_squared(actuator, 0.0, ratio).sqrt(),
+                false => load.mean_torque_squared(actuator).at(ratio).max(0.0).sqrt() / actuator.torque_constant,
+            };
+            let all = each.iter().flat_map(|load| self.candidate.ends().map(move |end| (load, end)));
+            return all.map(of).fold(0.0, f64::max);
+        }
         let of = |(actuator, means): (&Actuator, &Means)| match actuator.shortfall.is_nothing() {
             true => means.torque_squared.at(ratio).max(0.0).sqrt() / actuator.torque_constant,
             false => (self.copper_at(actuator, means, ratio) / actuator.resistance).sqrt(),
@@ -511,7 +525,7 @@ impl<'a> Prepared<'a> {
             copper_loss,
             peak_current: actuator.shortfall.peak_current(peak),
             rms_current: self.rms_current(ratio),
-            reflected_inertia: ratio * ratio * actuator.inertia,
+            reflected_inertia: candidate.reflected_inertia().at(ratio),
             mass: candidate.mass_at(ratio),
             mean_power: mean_power + saturated,
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
@@ -584,8 +598,10 @@ impl<'a> Prepared<'a> {
             return self.at_ratio(ratio, |here| here.winding_temperature(ratio));
         }
         let of_end = |(actuator, means): (&Actuator, &Means)| match actuator.shortfall.is_nothing() {
-            true => means.torque_squared.at(ratio).max(0.0) / actuator.torque_constant.powi(2),
-            false => self.rms_current(ratio).powi(2),
+            true if self.candidate.load.actuators().is_empty() => {
+                means.torque_squared.at(ratio).max(0.0) / actuator.torque_constant.powi(2)
+            }
+            _ => self.rms_current(ratio).powi(2),
         };
         let mean = self.ends().map(of_end).fold(0.0, f64::max);
         let settles = thermal::winding_temperature(

@@ -90,9 +90,9 @@ pub fn best_ratios(robot: &Robot, choices: &[Choice]) -> Vec<Option<Option<(f64,
 /// One joint under the load that is given.
 fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Examined, Unusable> {
     if let Some(spring) = choice.design.spring
-        && let Some(moved) = joint.motion.with_spring(spring.stiffness, spring.rest_angle)
+        && let Some(moved) = joint.with_spring(spring.stiffness, spring.rest_angle)
     {
-        joint.motion = moved.into();
+        joint = moved;
     }
     let (motor, ratio) = (choice.motor, choice.ratio);
     let load = load_through(&joint, choice.gear);

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use crate::actuator::Load;
 use crate::requirement::{Joint, Motion, TorqueBandwidth};
+use crate::transmission::Passed;
 
 /// Most loads that are kept; the oldest goes first.
 const KEPT: usize = 32;
@@ -18,6 +19,7 @@ const SAMPLES: usize = 20_000;
 struct Ready {
     motion: Arc<Motion>,
     bandwidth: Option<TorqueBandwidth>,
+    passed: Option<Arc<Passed>>,
     load: Load,
 }
 
@@ -33,14 +35,17 @@ impl Loads {
             return make();
         }
         let same = |ready: &&Arc<Ready>| {
-            ready.bandwidth == bandwidth && (Arc::ptr_eq(&ready.motion, motion) || ready.motion == *motion)
+            ready.bandwidth == bandwidth
+                && (bandwidth.is_none() || ready.passed == joint.passed)
+                && (Arc::ptr_eq(&ready.motion, motion) || ready.motion == *motion)
         };
         let known = self.0.lock().expect("no thread panicked").iter().find(same).cloned();
         if let Some(ready) = known {
             return ready.load.clone();
         }
         let load = make();
-        let ready = Arc::new(Ready { motion: motion.clone(), bandwidth, load: load.clone() });
+        let ready =
+            Arc::new(Ready { motion: motion.clone(), bandwidth, passed: joint.passed.clone(), load: load.clone() });
         let mut all = self.0.lock().expect("no thread panicked");
         if all.len() >= KEPT {
             all.remove(0);

@@ -22,6 +22,7 @@ pub mod nearby;
 pub mod optimize;
 pub mod options;
 pub mod outlook;
+pub mod over;
 pub mod pareto;
 pub mod program;
 pub mod prune;

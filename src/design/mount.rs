@@ -155,7 +155,7 @@ pub fn load_through(joint: &Joint, gear: Option<&Gear>) -> Load {
 
 /// The load of a joint with an inertia at the output \[kg·m²\] that the gear's efficiency covers.
 pub(crate) fn load_covering(joint: &Joint, covered: Option<f64>) -> Load {
-    let load = Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, covered.unwrap_or(0.0));
+    let load = Load::with_inertia(&joint.motion, joint.ripple(), covered.unwrap_or(0.0));
     match &joint.gear_map {
         Some(map) if covered.is_none() => load.with_pieces(map, &joint.gear),
         _ => load,

@@ -29,7 +29,7 @@ pub struct LeftOut {
 /// An actuator at its joint. SI; at the output unless said.
 #[derive(Debug, Clone)]
 pub struct SimulatedJoint {
-    /// Ratio, N.
+    /// Ratio, N; behind a transmission of one ratio N r.
     pub ratio: f64,
     /// Rotor inertia J_m and the gear's at its input, J_g, both at the motor \[kg·m²\]; `None` for a module that does not say its own.
     pub inertias: Option<(f64, f64)>,
@@ -116,7 +116,47 @@ impl SimulatedJoint {
         unknown.into_iter().for_each(|(name, why)| joint.leave_out(name, why));
         joint.leave_out_the_gear(candidate);
         joint.leave_out_the_drive(candidate);
+        joint.pass_on(candidate);
         joint
+    }
+
+    /// Takes an actuator to the joint behind its transmission, where that has one ratio; where it has none the numbers stay those of the
+    /// actuator, which is said.
+    fn pass_on(&mut self, candidate: &Candidate) {
+        let Some(passed) = candidate.joint.passed.as_deref() else { return };
+        let number = crate::words::number;
+        let Some((_, Some(r))) = passed.ratio().map(|(range, constant)| (range, constant.map(f64::abs))) else {
+            let range = match passed.ratio() {
+                Some((range, _)) => {
+                    format!("torque at the joint is r times, speed 1/r times, armature r² times, with r = {} to {} over the motion", number(range.least.0), number(range.most.0))
+                }
+                None => "two actuators move two joints: at the joints torque is Jᵀ, armature Jᵀ J times that of the actuators".into(),
+            };
+            let why = format!(
+                "the numbers written are those of the actuator before it; {range}; a model needs the links themselves"
+            );
+            return self.leave_out(format!("transmission ({})", passed.word), why);
+        };
+        let at_joint = |bound: Bound| Bound { value: bound.value / r, ..bound };
+        self.armature = self.armature.map(|own| passed.inertia_at_joint(own));
+        self.damping = self.damping.map(|b| b * r * r);
+        self.friction_loss = self.friction_loss.map(|c| c * r);
+        self.speed = at_joint(self.speed);
+        self.speed_at_motor_torque = self.speed_at_motor_torque.map(|speed| speed / r);
+        self.ratio *= r;
+        if let Some(most) = passed.numbers.max_input_speed.map(|most| most / r).filter(|most| *most < self.speed.value)
+        {
+            self.speed = Bound { value: most, owner: "transmission" };
+        }
+        if let Some(most) = passed.numbers.peak_torque.map(|most| most / self.ratio)
+            && self.motor_torque.is_none_or(|torque| most < torque.value)
+        {
+            self.motor_torque = Some(Bound { value: most, owner: "transmission" });
+        }
+        if passed.numbers.is_lossy() {
+            let what = format!("efficiency {} of the transmission", number(passed.numbers.efficiency));
+            self.leave_out(what, "a joint has no loss in proportion to the load");
+        }
     }
 
     /// Largest torque at the output \[N·m\] before the gear's loss, `N T`.

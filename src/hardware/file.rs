@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::catalog::matches_pattern;
 use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key};
+use crate::transmission::read::{Files, read_way};
 use crate::units;
 
 /// What of a motor is between it and the flange.
@@ -26,6 +27,15 @@ pub enum Which {
     Motor(String, Span<usize>, Reduction),
 }
 
+/// Turns of an actuator for one of its joint, r.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turns {
+    /// The smallest over the joint's range.
+    pub least: f64,
+    /// The largest.
+    pub most: f64,
+}
+
 /// Hardware at some joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mount {
@@ -34,7 +44,7 @@ pub struct Mount {
     /// The rows.
     pub which: Which,
     /// Turns of the actuator for one of the joint, r.
-    pub transmission: f64,
+    pub transmission: Turns,
     /// Supply voltage \[V\].
     pub voltage: Option<f64>,
     /// Largest current of the drive behind which a motor is, amplitude of a phase \[A\].
@@ -116,13 +126,21 @@ impl HardwareFile {
 ///
 /// # Errors
 /// Every mistake in it.
-pub fn read(path: &Path) -> Result<HardwareFile, InputError> {
-    Form::read(&Source::argument(path)?, read_root)
+pub fn read(path: &Path) -> Result<HardwareFile, Vec<InputError>> {
+    let source = Source::argument(path).map_err(|e| vec![e])?;
+    let mut errors = Vec::new();
+    let read = Form::read(&source, |root| {
+        read_root(root, &mut Files { open: &mut |path| Source::read(path), errors: &mut errors })
+    });
+    Form::with_others(read, errors)
 }
 
 /// What the reader asks for.
 pub fn describe() -> Description {
-    Form::describe("[[joint]]\ntransmission = { ratio = 2 }\n[[coupling]]\n[limits]\n", read_root)
+    let skeleton = "[[joint]]\ntransmission = { four_bar = {}, lever = {} }\n[[coupling]]\n[limits]\n";
+    Form::describe(skeleton, |root| {
+        read_root(root, &mut Files { open: &mut |path| Source::read(path), errors: &mut Vec::new() })
+    })
 }
 
 const JOINT: Key = key("joint", "hardware at joints of the model");
@@ -134,14 +152,14 @@ const RATIO: Key = key("ratio", "ratio N behind the motor, where no gear is name
 /// Keys that go with a motor and not with a module.
 const OF_MOTOR: &[&str] = &["gear", "ratio", "efficiency", "drive_current"];
 
-fn read_root(root: &Section) -> Option<HardwareFile> {
+fn read_root(root: &Section, files: &mut Files) -> Option<HardwareFile> {
     let sections = root.sections(JOINT);
     let mut mounts = Vec::new();
     if sections.is_empty() && root.noted() == 0 {
         root.missing("joint", "a [[joint]] with names = [\"*_knee\"] and module = \"robstride-rs04\"");
     }
     for section in sections {
-        mounts.extend(mount(&section));
+        mounts.extend(mount(&section, files));
         section.finish();
     }
     let couplings = root.sections(key("coupling", "two joints that two actuators drive together"));
@@ -165,7 +183,7 @@ fn read_root(root: &Section) -> Option<HardwareFile> {
     Some(HardwareFile { source: root.source().clone(), mounts, couplings, tolerances })
 }
 
-fn mount(section: &Section) -> Option<Mount> {
+fn mount(section: &Section, files: &mut Files) -> Option<Mount> {
     let noted = section.noted();
     if !section.has("names") {
         section.missing("names", "[\"*_knee\"]");
@@ -189,18 +207,11 @@ fn mount(section: &Section) -> Option<Mount> {
         .number(key("efficiency", "of the gear behind a motor, where no row gives it").default("1"), Range::Fraction);
     let transmission = match section.section(key("transmission", "what is between the actuator and the joint")) {
         Some(inner) => {
-            let ratio = inner.number(
-                key("ratio", "turns of the actuator for one of the joint, r: torque × r, speed / r, inertia × r²")
-                    .required(),
-                Range::Positive,
-            );
-            if !inner.has("ratio") {
-                inner.missing("ratio", "1.917");
-            }
+            let read = turns(&inner, files);
             inner.finish();
-            ratio?
+            read?
         }
-        None => 1.0,
+        None => Turns { least: 1.0, most: 1.0 },
     };
     let wrong = |key: &'static str, message: &str, label: &str| {
         section.note(Problem::at(section.span_of(key), message, label));
@@ -240,6 +251,34 @@ fn mount(section: &Section) -> Option<Mount> {
         }
     };
     Some(Mount { names, which, transmission, voltage, drive_current, efficiency, span: section.span() })
+}
+
+/// Looks over a joint's range.
+const LOOKS: usize = 2000;
+
+/// How many turns of the actuator make one of the joint, over its range where that matters.
+fn turns(section: &Section, files: &mut Files) -> Option<Turns> {
+    let about = "with what is no `ratio`: the joint's range, over which r is looked at";
+    let range = section.quantity_range(key("range", about), &units::ANGLE, Range::Any);
+    let way = read_way(section, files)?;
+    if let Some(ratio) = way.constant() {
+        return Some(Turns { least: ratio.abs(), most: ratio.abs() });
+    }
+    if !section.has("range") {
+        section.missing("range", "[\"-40 deg\", \"30 deg\"]");
+    }
+    let [low, high] = range?;
+    let way = way.around(0.5 * (low + high));
+    if let Err(fault) = way.check(low, high) {
+        let problem = Problem::at(section.span_of("range"), fault.to_string(), "in this range");
+        section
+            .note(problem.help("compare the range with the transmission's: their zero, their unit, their direction"));
+        return None;
+    }
+    let at = |k: usize| way.at(low + (high - low) * k as f64 / LOOKS as f64).map(|at| at.ratio.abs());
+    let all = (0..=LOOKS).map(at).collect::<Result<Vec<f64>, _>>().ok()?;
+    let of = |best: fn(f64, f64) -> f64| all.iter().copied().reduce(best);
+    Some(Turns { least: of(f64::min)?, most: of(f64::max)? })
 }
 
 fn coupling(section: &Section) -> Option<Coupling> {

@@ -1,6 +1,6 @@
 //! The hardware of a joint in numbers at the joint: of a module, or of a motor with a gear, behind a transmission.
 
-use super::file::{Mount, Reduction, Which};
+use super::file::{Mount, Reduction, Turns, Which};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::module::on_curve;
 use crate::catalog::{Catalog, Gear, Module, Motor};
@@ -36,8 +36,11 @@ pub struct Fact {
 pub struct Hardware {
     /// Its ids, as the file of hardware names them.
     pub label: String,
-    /// Turns of the actuator for one of the joint, r.
+    /// Turns of the actuator for one of the joint, r; the most of them where they go with the angle.
     pub transmission: f64,
+    /// Whether r goes with the angle: torque and speed are then the largest over the joint's range, and what is one number at every angle
+    /// is not known.
+    pub varies: bool,
     /// Turns of the motor for one of the actuator, N.
     pub gear: Option<f64>,
     /// Largest torque \[N·m\].
@@ -84,7 +87,7 @@ pub fn of(mount: &Mount, catalog: &Catalog) -> Result<Hardware, Problem> {
             let found = catalog.modules.iter().find(|m| m.id == *id);
             let module = found
                 .ok_or_else(|| unknown("module", id, span, catalog.modules.iter().map(|m| m.id.as_str()).collect()))?;
-            Ok(of_module(mount, module))
+            Ok(over_the_range(mount, |r| of_module(mount, r, module)))
         }
         Which::Motor(id, span, reduction) => {
             let motors = || catalog.motors.iter().chain(&catalog.aside);
@@ -101,8 +104,33 @@ pub fn of(mount: &Mount, catalog: &Catalog) -> Result<Hardware, Problem> {
                     (Some(gear), gear.ratio)
                 }
             };
-            Ok(of_motor(mount, motor, gear, ratio))
+            Ok(over_the_range(mount, |r| of_motor(mount, r, motor, gear, ratio)))
         }
+    }
+}
+
+/// Hardware whose transmission goes with the angle: torque at the largest r, speed at the smallest.
+fn over_the_range(mount: &Mount, of: impl Fn(f64) -> Hardware) -> Hardware {
+    let Turns { least, most } = mount.transmission;
+    let strongest = of(most);
+    if least == most {
+        return strongest;
+    }
+    let fastest = of(least);
+    let there = |fact: Option<Fact>, which: &str| {
+        fact.map(|fact| Fact { how: format!("{}, the {which} over the joint's range", fact.how), ..fact })
+    };
+    Hardware {
+        varies: true,
+        peak: there(strongest.peak, "largest"),
+        no_load: there(fastest.no_load, "smallest"),
+        no_load_most: there(fastest.no_load_most, "smallest"),
+        others: Vec::new(),
+        armature: None,
+        friction: None,
+        damping: None,
+        curve: None,
+        ..strongest
     }
 }
 
@@ -116,8 +144,8 @@ fn with_r(r: f64) -> String {
     if r == 1.0 { String::new() } else { format!(", r = {}", number(r)) }
 }
 
-fn of_module(mount: &Mount, module: &Module) -> Hardware {
-    let (r, sheet, refers) = (mount.transmission, &module.sheet, &module.refers);
+fn of_module(mount: &Mount, r: f64, module: &Module) -> Hardware {
+    let (sheet, refers) = (&module.sheet, &module.refers);
     let fact = |value: f64, how: String| Fact {
         value,
         row: module.id.clone(),
@@ -215,6 +243,7 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
     Hardware {
         label: module.id.clone(),
         transmission: r,
+        varies: false,
         gear: Some(ratio).filter(|n| n.is_finite()),
         peak,
         others,
@@ -229,8 +258,7 @@ fn of_module(mount: &Mount, module: &Module) -> Hardware {
     }
 }
 
-fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Hardware {
-    let r = mount.transmission;
+fn of_motor(mount: &Mount, r: f64, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Hardware {
     let row = gear.map_or_else(|| motor.id.clone(), |gear| format!("{} + {}", motor.id, gear.id));
     let source = match gear {
         Some(gear) if gear.source != motor.source => format!("{}; {}", motor.source, gear.source),
@@ -316,6 +344,7 @@ fn of_motor(mount: &Mount, motor: &Motor, gear: Option<&Gear>, ratio: f64) -> Ha
             None => format!("{} @ {}", motor.id, number(ratio)),
         },
         transmission: r,
+        varies: false,
         gear: Some(ratio),
         peak,
         others,

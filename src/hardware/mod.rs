@@ -6,5 +6,5 @@
 mod file;
 mod joint;
 
-pub use file::{Coupling, HardwareFile, Mount, Tolerances, Which, describe, read};
+pub use file::{Coupling, HardwareFile, Mount, Tolerances, Turns, Which, describe, read};
 pub use joint::{Fact, Hardware, Holds, of};

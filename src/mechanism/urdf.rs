@@ -219,7 +219,12 @@ fn read_joint<'a>(sheet: &Sheet, joint: El<'a>, name: &str) -> Option<Hanging<'a
             "mimic" => sheet.refuse(
                 node,
                 &format!("joint `{name}` mimics another: one actuator moves both"),
-                "remove `mimic` and give each joint its column in the trajectory; add up the torques by hand",
+                &format!(
+                    "remove `mimic` and give each joint its column in the trajectory; one actuator then gives the torque of the other joint \
+                     and {0} times that of this one. Where each has an actuator, [[coupling]] of the requirement says how they go \
+                     together: matrix = [[1, 0], [{0}, 1]]",
+                    node.attribute("multiplier").unwrap_or("1")
+                ),
             ),
             "calibration" | "safety_controller" => {}
             other => leave_aside(sheet, node, other, OF_JOINT),

@@ -88,6 +88,8 @@ pub struct Cases {
     pub sequence: Vec<Step>,
     /// Whether the sequence is made once, from cold.
     pub once: bool,
+    /// Whether they are no load cases, one after another, but what two actuators of one joint design do at the same time.
+    pub together: bool,
 }
 
 impl Cases {
@@ -111,6 +113,9 @@ impl Cases {
 
     /// How long all that is stated moves \[s\]; `None` where shares state no number of repetitions.
     pub(super) fn moves(&self) -> Option<f64> {
+        if self.together {
+            return Some(self.sequence_lasts().0);
+        }
         match &self.often {
             Often::Shares(_) => None,
             Often::Cycles(cycles) => Some(cycles.iter().zip(&self.list).map(|(n, case)| n * case.lasts()).sum()),
@@ -198,7 +203,7 @@ impl Motion {
         list.iter_mut().zip(shares).for_each(|(case, share)| case.share = share);
         let cases: (Vec<Case>, Vec<Motion>) = list.into_iter().zip(cases.into_iter().map(|(_, motion)| motion)).unzip();
         let (list, motions) = cases;
-        let cases = Cases { list, often, sequence, once };
+        let cases = Cases { list, often, sequence, once, together: false };
         let moving = cases.moving();
         let join = |of: &dyn Fn(&Motion) -> &Vec<f64>| motions.iter().flat_map(|m| of(m).iter().copied()).collect();
         let weighed = |of: &dyn Fn(&Motion) -> &Vec<f64>| {
@@ -234,7 +239,33 @@ impl Motion {
             repeat_every: None,
             given: given.flat_map(|(m, case)| m.given.iter().map(|k| k + case.samples.start)).collect(),
             between: motions.iter().map(|m| m.between).fold(Between::Nothing, worse),
+            held: motions.iter().map(|m| m.held).fold(0.0, f64::max),
             cases: Some(Arc::new(cases)),
+        }
+    }
+
+    /// What two actuators of one design do at the same time \[rad, N·m\], as one motion: what is kept at every sample is kept by both,
+    /// and means are those over both. Heat is that of each ([`Cases::together`]).
+    ///
+    /// # Panics
+    /// As [`Motion::from_cases`].
+    pub fn together(motions: [Motion; 2]) -> Motion {
+        let once = matches!(motions[0].course, Course::Once(_)) && motions[0].repeat_every.is_none();
+        let numbered = motions.into_iter().enumerate().map(|(k, motion)| (format!("actuator {}", k + 1), motion));
+        let mut both = Motion::from_cases(numbered.collect(), Often::Shares(vec![0.5, 0.5]), once);
+        if let Some(cases) = &mut both.cases {
+            let cases = Arc::make_mut(cases);
+            cases.together = true;
+            cases.sequence = vec![Step { case: 0, repetitions: 1.0 }];
+        }
+        both
+    }
+
+    /// The motion of each of its actuators, where it is that of two.
+    pub(crate) fn actuators(&self) -> Vec<Motion> {
+        match &self.cases {
+            Some(cases) if cases.together => cases.list.iter().map(|case| self.part(case)).collect(),
+            _ => Vec::new(),
         }
     }
 
@@ -275,12 +306,16 @@ impl Motion {
             repeat_every: case.repeat_every,
             given: self.given[case.given.clone()].iter().map(|k| k - case.samples.start).collect(),
             between: self.between,
+            held: self.held,
             cases: None,
         }
     }
 
     /// The same for other motions in place of its cases, with what is stated of them.
     pub(super) fn recomposed(cases: &Cases, motions: Vec<Motion>) -> Motion {
+        if let (true, Ok(both)) = (cases.together, <[Motion; 2]>::try_from(motions.clone())) {
+            return Motion::together(both);
+        }
         let names = cases.list.iter().map(|case| case.name.clone());
         Motion::from_cases(names.zip(motions).collect(), cases.often.clone(), cases.once)
     }

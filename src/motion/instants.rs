@@ -129,7 +129,7 @@ impl Cubic {
 }
 
 /// From one sample to the next.
-struct Interval {
+pub(super) struct Interval {
     start: f64,
     length: f64,
     torque: Cubic,
@@ -142,17 +142,23 @@ struct Interval {
 }
 
 /// Torque, torque rate, speed, acceleration, jerk and position of one instant.
-struct Instant {
-    torque: f64,
-    torque_rate: f64,
-    velocity: f64,
-    acceleration: f64,
-    jerk: f64,
-    position: Option<f64>,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Instant {
+    pub(crate) torque: f64,
+    pub(crate) torque_rate: f64,
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) jerk: f64,
+    pub(crate) position: Option<f64>,
 }
 
 impl Interval {
-    fn at(&self, s: f64) -> Instant {
+    /// How long it is \[s\].
+    pub(super) fn end(&self) -> f64 {
+        self.length
+    }
+
+    pub(super) fn at(&self, s: f64) -> Instant {
         let moves = if self.stands { 0.0 } else { 1.0 };
         Instant {
             torque: self.torque.at(s),
@@ -165,7 +171,7 @@ impl Interval {
     }
 
     /// Its ends, and between them both sides of every change of sign.
-    fn cuts(&self, largest: &Largest, apart: f64) -> Vec<f64> {
+    pub(super) fn cuts(&self, largest: &Largest, apart: f64) -> Vec<f64> {
         let mut zeros = Vec::new();
         if !self.stands {
             zeros.extend([(self.rests[0], 0.0), (self.rests[1], self.length)].iter().filter(|e| e.0).map(|e| e.1));
@@ -198,7 +204,7 @@ impl Interval {
 
     /// The largest second derivative of what limits and means are made of, each as a share of its largest value
     /// \[1/s²\]. A straight line over a time w misses at most w²/8 of it.
-    fn bend(&self, largest: &Largest) -> f64 {
+    pub(super) fn bend(&self, largest: &Largest) -> f64 {
         let h = self.length;
         let ends = |cubic: &Cubic| cubic.bend(0.0).abs().max(cubic.bend(h).abs());
         let [t, t1, t2] = [self.torque.largest(h), self.torque.derivative().largest(h), ends(&self.torque)];
@@ -224,21 +230,21 @@ impl Interval {
 }
 
 /// The largest values over the samples.
-struct Largest {
-    torque: f64,
-    torque_rate: f64,
-    velocity: f64,
-    acceleration: f64,
+pub(super) struct Largest {
+    pub(super) torque: f64,
+    pub(super) torque_rate: f64,
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
     /// Half of the range.
     position: f64,
     /// τ ω.
-    power: f64,
+    pub(super) power: f64,
     /// α ω.
-    inertial: f64,
+    pub(super) inertial: f64,
 }
 
 impl Largest {
-    fn new(motion: &Motion) -> Largest {
+    pub(super) fn new(motion: &Motion) -> Largest {
         let of = |values: &[f64]| values.iter().fold(0.0_f64, |a, v| a.max(v.abs()));
         let (torque, velocity, acceleration) = (of(&motion.torque), of(&motion.velocity), of(&motion.acceleration));
         let product = |a: &[f64], b: &[f64], least: f64| {
@@ -269,7 +275,7 @@ fn length(motion: &Motion, i: usize) -> f64 {
     }
 }
 
-fn intervals(motion: &Motion) -> Vec<Interval> {
+pub(super) fn intervals(motion: &Motion) -> Vec<Interval> {
     let n = motion.len();
     let count = if matches!(motion.course, Course::Periodic(_)) { n } else { n - 1 };
     let interval = |i: usize| {
@@ -306,11 +312,11 @@ fn latest(time: &[f64]) -> f64 {
 }
 
 /// A part of an interval without a change of sign.
-struct Piece {
-    interval: usize,
-    from: f64,
-    to: f64,
-    bend: f64,
+pub(super) struct Piece {
+    pub(super) interval: usize,
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) bend: f64,
 }
 
 impl Piece {
@@ -327,7 +333,7 @@ pub(super) fn with_holds(motion: Motion) -> Motion {
     if !intervals.iter().any(Interval::holds_beside_a_motion) {
         return motion;
     }
-    let apart = apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion.time));
+    let apart = apart_of(&motion);
     let mut pieces = Vec::new();
     for (i, interval) in intervals.iter().enumerate() {
         let mut cuts = vec![0.0, interval.length];
@@ -343,19 +349,29 @@ pub(super) fn with_holds(motion: Motion) -> Motion {
 pub(super) fn resolve(motion: Motion) -> Motion {
     let largest = Largest::new(&motion);
     let intervals = intervals(&motion);
-    let apart = apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion.time));
+    let apart = apart_of(&motion);
     let mut pieces = Vec::with_capacity(intervals.len());
     for (i, interval) in intervals.iter().enumerate() {
         let bend = interval.bend(&largest);
         let cuts = interval.cuts(&largest, apart);
         pieces.extend(cuts.windows(2).map(|w| Piece { interval: i, from: w[0], to: w[1], bend }));
     }
+    resolve_pieces(&motion, &intervals, &pieces)
+}
+
+/// From a change of sign to the instants beside it \[s\].
+pub(super) fn apart_of(motion: &Motion) -> f64 {
+    apart(motion.duration().unwrap_or(1.0), motion.len(), latest(&motion.time))
+}
+
+/// A motion of given samples with the instants that its pieces take, as fine as that many may be.
+pub(super) fn resolve_pieces(motion: &Motion, intervals: &[Interval], pieces: &[Piece]) -> Motion {
     let most = most(motion.len()) + pieces.len();
     let mut resolution = RESOLUTION;
     while pieces.iter().map(|p| p.parts(resolution)).sum::<usize>() > most {
         resolution *= 2.0;
     }
-    built(&motion, &intervals, &pieces, resolution, Between::Spline(resolution))
+    built(motion, intervals, pieces, resolution, Between::Spline(resolution))
 }
 
 /// A motion of the parts of its pieces.
@@ -389,6 +405,7 @@ fn emptied(motion: &Motion) -> Motion {
         derived: motion.derived.clone(),
         given: Vec::new(),
         between: motion.between,
+        held: motion.held,
         cases: None,
     }
 }

@@ -3,11 +3,14 @@
 pub mod cases;
 pub mod instants;
 mod read;
+mod through;
 
 pub use cases::{Case, Cases, Lasting, Often, Step};
 pub use instants::Between;
+pub(crate) use instants::Instant;
 pub use read::{CarriedColumn, OWN_COLUMNS, columns, read, read_carrying};
 pub(crate) use read::{check_length, check_time, course, disagreement, may_carry, repeats};
+pub(crate) use through::{At, through};
 
 use std::sync::Arc;
 
@@ -64,6 +67,8 @@ pub struct Motion {
     pub given: Vec<usize>,
     /// What is known between the samples.
     pub between: Between,
+    /// What of the torque at standstill counts in means over time: all of it, but for what friction of a transmission may hold.
+    pub held: f64,
     /// The load cases, where there are several.
     pub cases: Option<Arc<Cases>>,
 }
@@ -181,6 +186,7 @@ impl Motion {
             derived,
             repeat_every: None,
             between: Between::Nothing,
+            held: 1.0,
             cases: None,
         }
     }
@@ -213,6 +219,7 @@ impl Motion {
             repeat_every: None,
             given: (0..points.len()).collect(),
             between: Between::Nothing,
+            held: 1.0,
             cases: None,
         }
     }

@@ -34,6 +34,11 @@ impl Laurent {
         Laurent::monomial(value, 0)
     }
 
+    /// The coefficient of a power; zero of one that it cannot have.
+    pub fn coefficient(&self, power: i32) -> f64 {
+        usize::try_from(power - LOW).ok().and_then(|j| self.0.get(j)).copied().unwrap_or(0.0)
+    }
+
     /// The value at a ratio.
     #[inline]
     pub fn at(&self, ratio: f64) -> f64 {

@@ -69,7 +69,7 @@ fn missing() -> Vec<(&'static str, &'static str)> {
             continue;
         };
         let joint = &robot.joints[0];
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         let Ok(candidate) =
             Mount::new(&robot, joint, &load, &catalog.motors[0]).with_gear(Some(&catalog.gears[0])).candidate()
         else {

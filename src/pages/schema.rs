@@ -5,8 +5,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value, json};
 
 use crate::report::json::{
-    Envelope, catalog, characterize, check, check_model, explain, export, identify, import, motors, optimize, pareto,
-    robust, rule, sweep, torques,
+    Envelope, catalog, characterize, check, check_model, explain, export, identify, import, motors, optimize, over,
+    pareto, robust, rule, sweep, torques,
 };
 use crate::study::Summary;
 
@@ -17,6 +17,7 @@ type Shape = fn(&mut SchemaGenerator) -> Schema;
 const COMMANDS: &[(&str, Shape)] = &[
     ("optimize", shape::<optimize::Answer>),
     ("optimize --pareto", shape::<pareto::Answer>),
+    ("optimize --search", shape::<over::Answer>),
     ("optimize --robust", shape::<robust::Answer>),
     ("sweep", shape::<sweep::Answer>),
     ("explain", shape::<explain::Answer>),

@@ -24,6 +24,7 @@ pub mod losses;
 mod motion;
 pub mod optimize;
 mod outlook;
+pub mod over;
 pub mod pareto;
 pub mod plot;
 mod prune;

@@ -8,8 +8,10 @@ use std::ops::Range as Span;
 use toml::Spanned;
 
 use super::robot::{Carried, Joint};
+use super::transmission::passed_on;
 use crate::input::{Key, Problem, Range, Section, key};
 use crate::motion::CarriedColumn;
+use crate::transmission::Ways;
 use crate::units;
 
 /// What a joint says it carries.
@@ -76,13 +78,31 @@ pub(super) fn resolve(
             }
             spans[j] = name.span();
             let samples = joints[j].motion.len();
-            let (torque_per_mass, rate, constant) = match value {
-                What::Constant(value) => (vec![value; samples], vec![0.0; samples], true),
-                What::Course(values, rates) => (values, rates, false),
+            if joints[j].passed.as_deref().is_some_and(|passed| passed.numbers.is_lossy()) {
+                lossy(root, name.span(), &names[j]);
+                good = false;
+                continue;
+            }
+            let (torque_per_mass, rate, constant) = match (value, joints[j].passed.as_deref()) {
+                (What::Constant(value), Some(passed)) => {
+                    let per = (0..samples).map(|k| passed_on(passed, k, value, 0.0));
+                    let (values, rates) = per.unzip();
+                    (values, rates, matches!(passed.ways, Ways::One { constant: Some(_), .. }))
+                }
+                (What::Constant(value), None) => (vec![value; samples], vec![0.0; samples], true),
+                (What::Course(values, rates), _) => (values, rates, false),
             };
             // What the requirement says itself goes before what a description of the robot says.
             joints[j].carries.retain(|carried| carried.joint != joint);
             joints[j].carries.push(Carried { joint, torque_per_mass, rate, constant });
+        }
+    }
+    // What a description of the robot makes a joint carry.
+    for j in 0..joints.len() {
+        let is_lossy = joints[j].passed.as_deref().is_some_and(|passed| passed.numbers.is_lossy());
+        if good && is_lossy && !joints[j].carries.is_empty() {
+            lossy(root, spans[j].clone(), &names[j]);
+            good = false;
         }
     }
     if !good {
@@ -96,6 +116,14 @@ pub(super) fn resolve(
         return None;
     }
     Some(())
+}
+
+/// A joint cannot carry actuators behind a transmission that loses power.
+fn lossy(root: &Section, span: Span<usize>, joint: &str) {
+    let message = format!("joint `{joint}` carries an actuator, and its transmission has an `efficiency`");
+    let label = "which way power goes through it depends on what is carried";
+    let help = "put the loss into the gear (`gear.efficiency`), or let the motion's torque have the actuator in it";
+    root.note(Problem::at(span, message, label).help(help));
 }
 
 /// The joints of a cycle, in the order in which they carry each other.

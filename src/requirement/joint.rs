@@ -9,7 +9,7 @@ use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
 use super::robot::{Filter, Joint};
 use super::turns::{self, Turns};
-use super::{Drive, MotorDrag, Objective, Quantity, cases, drive, gear, map_file, objective};
+use super::{Drive, MotorDrag, Objective, Quantity, cases, drive, gear, map_file, objective, transmission};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{self, Motion};
 use crate::units;
@@ -65,12 +65,24 @@ pub(super) fn read(
         (motions::read_motion(&section, joints, name.as_ref(), scale, reader), None)
     };
     let (motion, columns) = read.unzip();
+    let between = transmission::read_joint(&section, reader);
     let (objective, balancing) = objective::read(&section).unzip();
     let limits = read_limits(&section, ambient, no_springs, motion.as_deref());
     let limits = Limits { mount_resistance: read_mount(&section), ..limits };
     if let Some(map) = &map {
         map_file::check(&section, map, ratio.as_ref(), &limits);
     }
+    let noted = section.noted();
+    let (motion, columns, passed) = match (&between, motion) {
+        (Some(between), Some(motion)) => {
+            match transmission::pass(&section, between, &motion, &limits, columns.unwrap_or_default()) {
+                Some((motion, passed, columns)) => (Some(motion), Some(columns), Some(passed)),
+                None => (None, None, None),
+            }
+        }
+        (_, motion) => (motion, columns, None),
+    };
+    let is_broken = section.has("transmission") && (between.is_none() || section.noted() > noted);
     let own_drive = section.section(key("drive", "the drive of this joint, in place of the bus's")).map(|table| {
         let current =
             table.quantity(key("current", "largest drive current, phase amplitude"), &units::CURRENT, Range::Positive);
@@ -148,7 +160,8 @@ pub(super) fn read(
         gear_map: map.map(|read| read.map),
         ratio: ratio?,
         motors,
-        motion: motion?,
+        motion: motion.filter(|_| !is_broken)?,
+        passed,
         objective: objective?,
         balancing: balancing?,
         limits,

@@ -2,6 +2,8 @@
 
 use crate::catalog::LifeQuantile;
 use crate::input::{Problem, Range, Section, key};
+use crate::motion::Motion;
+use crate::transmission::{Passed, SpringAt};
 use crate::units;
 
 /// Limits that a requirement puts on a joint.
@@ -63,8 +65,11 @@ impl Limits {
 pub struct Spring {
     /// Smallest and largest stiffness \[N·m/rad\], k.
     pub stiffness: [f64; 2],
-    /// Smallest and largest rest angle \[rad\], q_0, on the scale of the motion's position.
+    /// Smallest and largest rest angle \[rad\], q_0, on the scale of the motion's position where it is at the joint, of the actuator's
+    /// where it is there.
     pub rest_angle: [f64; 2],
+    /// On which side of a transmission it is.
+    pub at: SpringAt,
 }
 
 impl Default for Limits {
@@ -99,6 +104,36 @@ pub struct TorqueBandwidth {
     pub amplitude: f64,
 }
 
+/// A torque on top of a motion, at the joint, as it arrives at the actuator.
+#[derive(Debug, Clone, Copy)]
+pub struct Ripple<'j> {
+    /// Amplitude and frequency at the joint.
+    pub bandwidth: TorqueBandwidth,
+    /// What is between joint and actuator.
+    pub passed: Option<&'j Passed>,
+}
+
+impl From<TorqueBandwidth> for Ripple<'_> {
+    fn from(bandwidth: TorqueBandwidth) -> Self {
+        Ripple { bandwidth, passed: None }
+    }
+}
+
+impl Ripple<'_> {
+    /// Torque \[N·m\] and its rate \[N·m/s\] at the actuator at sample k of its motion, with so much more at the joint.
+    pub fn superposed(&self, motion: &Motion, k: usize, torque: f64, rate: f64) -> (f64, f64) {
+        match self.passed {
+            None => (motion.torque[k] + torque, motion.torque_rate[k] + rate),
+            Some(passed) => {
+                // What is in the actuator's motion beyond the joint's (a carried mass, a spring before the transmission) stays.
+                let (plain, plain_rate) = passed.with_more(k, 0.0, 0.0);
+                let (more, more_rate) = passed.with_more(k, torque, rate);
+                (motion.torque[k] + more - plain, motion.torque_rate[k] + more_rate - plain_rate)
+            }
+        }
+    }
+}
+
 /// Every limit of the model that a reserve may be kept of, by name; a test compares them with the model's own list.
 pub const LIMIT_NAMES: &[&str] = &[
     "peak_current",
@@ -127,6 +162,9 @@ pub const LIMIT_NAMES: &[&str] = &[
     "gear_backlash",
     "gear_stiffness",
     "backdriving_torque",
+    "transmission_torque",
+    "transmission_force",
+    "transmission_speed",
     "reflected_inertia",
     "torque_bandwidth_current",
     "torque_bandwidth_voltage",
@@ -166,8 +204,10 @@ pub(super) fn read_spring(section: Section) -> Option<Spring> {
         &units::ANGLE,
         Range::Any,
     );
+    let about = "on which side of the `transmission` it pulls, and whose angles and stiffness are meant";
+    let at = section.choice(key("at", about).default("`joint`"), SpringAt::NAMES).unwrap_or_default();
     section.finish();
-    Some(Spring { stiffness: stiffness?, rest_angle: rest_angle? })
+    Some(Spring { stiffness: stiffness?, rest_angle: rest_angle?, at })
 }
 
 /// Reads the life that a gear is to have, as L10.
@@ -217,7 +257,7 @@ pub(super) fn read(section: Section, ambient: f64) -> Limits {
             Range::Positive,
         ),
         reflected_inertia: section.quantity(
-            key("reflected_inertia", "N² (J_m + J_g) at the output"),
+            key("reflected_inertia", "N² (J_m + J_g) at the output; through a `transmission` at the joint"),
             &units::INERTIA,
             Range::Positive,
         ),

@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use super::driven::Driven;
 use super::motions::{MotionReader, REPEAT_EVERY, Scale, repeat_every};
 use super::robot::Joint;
+use super::transmission::passed_on;
 use crate::input::{InputError, Key, Problem, Range, Section, Source, key};
 use crate::mechanism::torques::{self, Carried, Torques};
 use crate::mechanism::trajectory::{self, Trajectory};
@@ -22,8 +23,12 @@ pub(super) fn load(driven: &Driven, joints: &mut [Joint]) {
     // What only rounding says is nothing: the joint would be solved anew for each mass that it does not feel.
     let felt = |c: &&Carried| driven.separate && c.largest().abs() > 1e-12 * size;
     for Carried { carrying, actuator, coefficients } in driven.carried.iter().filter(felt) {
-        let Joint { motion, carries, .. } = &mut joints[*carrying];
-        let (torque_per_mass, rate) = motion.at_every_sample(coefficients);
+        let Joint { motion, carries, passed, .. } = &mut joints[*carrying];
+        let (mut torque_per_mass, mut rate) = motion.at_every_sample(coefficients);
+        if let Some(passed) = passed.as_deref() {
+            let through = (0..rate.len()).map(|k| passed_on(passed, k, torque_per_mass[k], rate[k]));
+            (torque_per_mass, rate) = through.unzip();
+        }
         carries.push(super::robot::Carried { joint: *actuator, torque_per_mass, rate, constant: false });
     }
 }
@@ -47,6 +52,13 @@ pub(super) struct Known {
     separate: bool,
     /// After what time a trajectory that happens once is made again \[s\].
     repeat_every: Option<f64>,
+}
+
+impl Known {
+    /// Whether its masses are without the actuators.
+    pub(super) fn leaves_actuators_out(&self) -> bool {
+        self.separate
+    }
 }
 
 /// What a joint takes from the mechanism.

@@ -6,6 +6,7 @@
 mod bus;
 mod carried;
 mod cases;
+mod coupling;
 pub mod design_file;
 mod drive;
 mod driven;
@@ -20,6 +21,7 @@ mod objective;
 mod read;
 mod robot;
 pub mod set;
+mod transmission;
 mod turns;
 
 pub use crate::motion::{Between, Course, Motion, Point, Samples};
@@ -29,7 +31,7 @@ pub use drive::{Drive, MotorDrag};
 pub use driven::Driven;
 pub use gear::{EfficiencyCovers, GearModel, RatioChoice, backdrive_efficiency, stages};
 pub use gear_map::{GearMap, GearPiece, Line, MapRow};
-pub use limits::{LIMIT_NAMES, Limits, Spring, TorqueBandwidth};
+pub use limits::{LIMIT_NAMES, Limits, Ripple, Spring, TorqueBandwidth};
 pub use motions::{FromDisk, Motions};
 pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use read::{describe, read, read_changed, read_source, read_without_springs};

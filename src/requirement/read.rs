@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::bus::{self, Bus, Regeneration};
 use super::motions::{FromDisk, MotionReader, Motions};
 use super::robot::{Budget, Robot};
-use super::{carried, cases, joint, map_file, mechanism};
+use super::{carried, cases, coupling, joint, map_file, mechanism};
 use crate::input::kind::{self, FileKind};
 use crate::input::{Change, Description, Form, InputError, Problem, Range, Section, Source, key, limits};
 use crate::units;
@@ -66,6 +66,7 @@ scale = {}
 objective = {}
 reference = {}
 limits = { torque_bandwidth = {}, spring = {}, reserve = {} }
+transmission = { four_bar = {}, lever = {} }
 spring = {}
 drive = {}
 mount = {}
@@ -85,6 +86,8 @@ scale = {}
 points = [{}]
 [[case]]
 joints = {}
+[[coupling]]
+rods = [{}]
 ";
 
 /// What the reader asks for.
@@ -226,9 +229,14 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         }
     }
     let told = cases::told(root);
+    let couplings = coupling::read(root, motions);
     if !complete {
         return None;
     }
+    let separate = matches!(&model, mechanism::Model::Read(known) if known.leaves_actuators_out());
+    let (uses_of, carried_of, places_of) = (&mut uses, &mut carried, &mut places);
+    let mut beside = coupling::Beside { uses: uses_of, carried: carried_of, places: places_of, separate };
+    coupling::resolve(root, couplings, &mut joints, &mut beside)?;
     let spans = uses.iter().map(|u| u.as_ref().map_or(0..0, |u| u.said.clone())).collect();
     let driven = mechanism::driven(model, &uses);
     if let Some(driven) = &driven {

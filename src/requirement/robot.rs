@@ -8,12 +8,13 @@ use super::drive::{Drive, MotorDrag};
 use super::driven::Driven;
 use super::gear::{GearModel, RatioChoice};
 use super::gear_map::GearMap;
-use super::limits::Limits;
+use super::limits::{Limits, Ripple};
 use super::objective::{Balancing, Objective};
 use super::turns::{Turns, Windings};
 use crate::catalog::{Module, Motor, is_named, matches_pattern};
 use crate::input::{InputFile, Source};
 use crate::motion::Motion;
+use crate::transmission::{Passed, SpringAt, Transmission, Via};
 
 /// A robot: its supply, its surroundings and its joints.
 #[derive(Debug, Clone)]
@@ -123,8 +124,10 @@ pub struct Joint {
     pub gear_map: Option<Arc<GearMap>>,
     /// Which motors may be chosen: patterns of ids or makers.
     pub motors: Filter,
-    /// What the joint does.
+    /// What the actuator does: what the joint does, through its transmission where it has one.
     pub motion: Arc<Motion>,
+    /// What is between actuator and joint, and the motion at the joint.
+    pub passed: Option<Arc<Passed>>,
     /// What makes a choice good.
     pub objective: Objective,
     /// Whether that is balanced between loss and mass.
@@ -143,6 +146,30 @@ pub struct Joint {
     pub phases: Vec<f64>,
     /// Whose actuators this joint carries.
     pub carries: Vec<Carried>,
+}
+
+/// How a spring parallel to an actuator pulls at it: with k (q − q_0)/r at each sample, r = 1 where nothing is between.
+#[derive(Debug, Clone, Copy)]
+pub struct Pull<'j> {
+    /// The spring's angle at each sample \[rad\], q.
+    pub position: &'j [f64],
+    velocity: &'j [f64],
+    passed: Option<&'j Passed>,
+}
+
+impl Pull<'_> {
+    /// Of a spring of 1 N·m/rad at sample k: what its angle gives at the actuator \[N·m\], and what one radian of its rest angle
+    /// takes of that.
+    pub fn torque(&self, k: usize) -> [f64; 2] {
+        let per = self.passed.map_or(1.0, |passed| passed.per_torque(k).0);
+        [self.position[k] * per, per]
+    }
+
+    /// Rates of the two \[N·m/s\].
+    pub fn rate(&self, k: usize) -> [f64; 2] {
+        let (per, rate) = self.passed.map_or((1.0, 0.0), |passed| passed.per_torque(k));
+        [self.velocity[k] * per + self.position[k] * rate, rate]
+    }
 }
 
 /// Which rows of a catalogue may be chosen.
@@ -224,8 +251,67 @@ impl Joint {
     /// The same with a spring of a stiffness \[N·m/rad\] and a rest angle \[rad\] taking its part of the load; `None` where
     /// the motion says no position.
     pub fn with_spring(&self, stiffness: f64, rest_angle: f64) -> Option<Joint> {
-        let motion = self.motion.with_spring(stiffness, rest_angle)?;
+        if let Some(passed) = self.passed.as_deref().filter(|p| p.numbers.is_lossy() && self.spring_is_at_joint()) {
+            // What the transmission loses follows the direction of the power that is left.
+            let moved = passed.motion().with_spring(stiffness, rest_angle)?;
+            let Via::One(way) = passed.via.clone() else { return None };
+            let (motion, passed) = Passed::new(&Transmission { way, numbers: passed.numbers }, &moved).ok()?;
+            return Some(Joint { motion: motion.into(), passed: Some(passed.into()), ..self.clone() });
+        }
+        let pull = self.pull()?;
+        let mut motion = Motion::clone(&self.motion);
+        for k in 0..motion.len() {
+            let ([q, per], [speed, per_rate]) = (pull.torque(k), pull.rate(k));
+            motion.torque[k] += stiffness * (q - rest_angle * per);
+            motion.torque_rate[k] += stiffness * (speed - rest_angle * per_rate);
+        }
         Some(Joint { motion: motion.into(), ..self.clone() })
+    }
+
+    /// The same with all torques of its motion times `torque`, played `speed` times as fast ([`Motion::scaled`]).
+    #[must_use]
+    pub fn scaled(mut self, torque: f64, speed: f64) -> Joint {
+        let again = self.passed.as_deref().and_then(|passed| {
+            let motions: Vec<Motion> =
+                passed.joints.iter().map(|(_, motion)| Motion::clone(motion).scaled(torque, speed)).collect();
+            // The same angles as before: nothing of them can be wrong.
+            passed.again(&motions).ok()
+        });
+        match again {
+            Some((motion, passed)) => (self.motion, self.passed) = (motion.into(), Some(passed.into())),
+            None => self.motion = Motion::clone(&self.motion).scaled(torque, speed).into(),
+        }
+        // What is carried weighs the same; only its course runs faster.
+        for carried in &mut self.carries {
+            carried.rate.iter_mut().for_each(|rate| *rate *= speed);
+        }
+        self
+    }
+
+    /// What the joint does itself, before its transmission where it has one; of two joints that are coupled each with its name.
+    pub fn own_motions(&self) -> Vec<(&str, &Motion)> {
+        match self.passed.as_deref() {
+            None => vec![("", &self.motion)],
+            Some(passed) => passed.joints.iter().map(|(name, motion)| (name.as_str(), motion.as_ref())).collect(),
+        }
+    }
+
+    /// How a parallel spring of the joint pulls at its actuator; `None` where the motion says no position.
+    pub fn pull(&self) -> Option<Pull<'_>> {
+        let passed = self.passed.as_deref().filter(|_| self.spring_is_at_joint());
+        let motion = passed.map_or(&self.motion, |passed| passed.motion());
+        Some(Pull { position: motion.position.as_deref()?, velocity: &motion.velocity, passed })
+    }
+
+    /// Whether a spring of the joint pulls behind its transmission.
+    fn spring_is_at_joint(&self) -> bool {
+        self.limits.spring.is_none_or(|spring| spring.at == SpringAt::Joint)
+    }
+
+    /// The torque on top of the motion that the joint asks for, as it arrives at the actuator.
+    pub fn ripple(&self) -> Option<Ripple<'_>> {
+        let passed = self.passed.as_deref();
+        self.limits.torque_bandwidth.map(|bandwidth| Ripple { bandwidth, passed })
     }
 
     /// What is minimised, in a word or a few: `balanced`, or the name of the objective.
@@ -255,6 +341,7 @@ impl Joint {
             gear_map,
             motors,
             motion,
+            passed,
             objective,
             balancing,
             limits,
@@ -277,6 +364,7 @@ impl Joint {
             && *motor_drag == other.motor_drag
             && *turns == other.turns
             && *motion == other.motion
+            && *passed == other.passed
     }
 }
 
@@ -302,7 +390,8 @@ impl Robot {
             self.joints.iter().enumerate().any(of)
         };
         let mut names: Vec<&str> = Vec::new();
-        for case in self.joints.iter().filter_map(|j| j.motion.cases.as_ref()).flat_map(|cases| &cases.list) {
+        let load_cases = self.joints.iter().filter_map(|j| j.motion.cases.as_ref()).filter(|cases| !cases.together);
+        for case in load_cases.flat_map(|cases| &cases.list) {
             if !names.contains(&case.name.as_str()) {
                 names.push(&case.name);
             }
@@ -319,5 +408,6 @@ impl Robot {
 
 /// Which of a joint's load cases has a name.
 pub(super) fn case_named(joint: &Joint, name: &str) -> Option<usize> {
-    joint.motion.cases.as_ref()?.list.iter().position(|case| case.name == name)
+    let cases = joint.motion.cases.as_ref().filter(|cases| !cases.together)?;
+    cases.list.iter().position(|case| case.name == name)
 }

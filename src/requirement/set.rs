@@ -178,13 +178,8 @@ pub fn scale(robot: &mut Robot, torque: f64, speed: f64) {
     if (torque, speed) == (1.0, 1.0) {
         return;
     }
-    for joint in &mut robot.joints {
-        joint.motion = joint.motion.as_ref().clone().scaled(torque, speed).into();
-        // What is carried weighs the same; only its course runs faster.
-        for carried in &mut joint.carries {
-            carried.rate.iter_mut().for_each(|rate| *rate *= speed);
-        }
-    }
+    let joints = std::mem::take(&mut robot.joints);
+    robot.joints = joints.into_iter().map(|joint| joint.scaled(torque, speed)).collect();
 }
 
 /// The key of a design file.

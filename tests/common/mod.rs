@@ -13,8 +13,9 @@ use gearwise::design::{Evaluation, Mount, Prepared};
 use gearwise::input::Source;
 use gearwise::requirement::{
     Budget, Bus, GearModel, Joint, Limits, Motion, Objective, Point, Quantity, RatioChoice, Regeneration, Robot,
-    backdrive_efficiency,
+    Spring, backdrive_efficiency,
 };
+use gearwise::transmission::SpringAt;
 
 /// The path of a file of the repository.
 pub fn repository(path: &str) -> std::path::PathBuf {
@@ -65,6 +66,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         turns: gearwise::requirement::Turns::AsWound,
         phases: Vec::new(),
         carries: Vec::new(),
+        passed: None,
     };
     Robot {
         name: "test".into(),
@@ -96,6 +98,9 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
     }
 }
 
+/// A spring at the joint, to be completed.
+pub const SPRING: Spring = Spring { stiffness: [0.0, 1.0], rest_angle: [0.0, 1.0], at: SpringAt::Joint };
+
 /// One operating point that lasts.
 pub fn hold(torque: f64, velocity: f64, acceleration: f64) -> Motion {
     Motion::from_points(&[Point { torque, velocity, acceleration, duration: Some(1.0), ..Point::default() }])
@@ -109,7 +114,7 @@ pub fn gear(efficiency: f64) -> GearModel {
 /// One design of the robot's first joint.
 pub fn evaluate(robot: &Robot, motor: &Motor, ratio: f64) -> Evaluation {
     let joint = &robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     Prepared::new(Mount::new(robot, joint, &load, motor).candidate().expect("a candidate")).at(ratio)
 }
 

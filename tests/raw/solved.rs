@@ -18,7 +18,7 @@ pub struct Solved {
 pub fn solve(motor: &Motor, robot: &Robot) -> Result<Solved, Reason> {
     let joint = &robot.joints[0];
     let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!("gears have no program") };
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     let prepared = Prepared::new(Mount::new(robot, joint, &load, motor).candidate().map_err(Reason::Unusable)?);
     let optimum = RatioProgram::new(&prepared, &joint.objective, min, max).solve()?;
     let evaluation = prepared.at_in_full(optimum.ratio);

@@ -1,6 +1,7 @@
 //! How a candidate stands against a limit that applies to it.
 
 use super::limit::{Asked, Check, Demand};
+use crate::actuator::Load;
 use crate::actuator::candidate::{Candidate, End};
 use crate::actuator::waveform::{Functional, WavePoint, Waveform};
 use crate::actuator::weakening::AlongD;
@@ -30,10 +31,15 @@ impl Asked {
         self.factor * if self.squared { raw.max(0.0).sqrt() } else { raw }
     }
 
+    /// The load whose sums over time it is of.
+    pub(crate) fn load<'c>(&self, candidate: &Candidate<'c>) -> &'c Load {
+        candidate.load.of_actuator(self.actuator)
+    }
+
     /// The limit as it is for the candidate at one ratio, and that candidate at the limit's end of the motor's drag.
     pub(crate) fn there<'c>(&self, here: &Candidate<'c>) -> Option<(Asked, Candidate<'c>)> {
         let other = here.at_other_end().filter(|_| self.end == End::Other);
-        let here = other.unwrap_or(*here);
+        let here = other.unwrap_or(*here).of_actuator(self.actuator);
         match self.limit.check(&here) {
             Check::Asked(asked) => Some((asked, here)),
             _ => None,
@@ -43,8 +49,12 @@ impl Asked {
     /// The functional's value at a ratio, and the sample of the motion that has it.
     pub fn raw_demand(&self, candidate: &Candidate, ratio: f64) -> (f64, Option<usize>) {
         if candidate.is_evaluated() {
+            let later = candidate.first_sample(self.actuator);
             return candidate.at_ratio(ratio, |here| match self.there(here) {
-                Some((asked, here)) => asked.raw_demand(&here, ratio),
+                Some((asked, here)) => {
+                    let (value, sample) = asked.raw_demand(&here, ratio);
+                    (value, sample.map(|k| k + later))
+                }
                 None => (0.0, None),
             });
         }
@@ -63,9 +73,12 @@ impl Asked {
                 None => (0.0, None),
             },
             Demand::Mass => (candidate.known_mass_at(ratio), None),
-            Demand::WindingPeak(node) => candidate.load.winding_peak(actuator, &node, ratio),
+            Demand::WindingPeak(node) => {
+                let (peak, sample) = self.load(candidate).winding_peak(actuator, &node, ratio);
+                (peak, sample.map(|k| k + candidate.first_sample(self.actuator)))
+            }
             Demand::MeanCurrentSquared(standing) => {
-                let load = candidate.load;
+                let load = self.load(candidate);
                 (load.share_of_time * load.mean_current_squared(actuator, standing, ratio), None)
             }
         }
@@ -77,7 +90,7 @@ impl Asked {
             return *self;
         }
         candidate.at_ratio(ratio, |here| match self.limit.check(here) {
-            Check::Asked(there) => Asked { end: self.end, ..there },
+            Check::Asked(there) => Asked { end: self.end, actuator: self.actuator, ..there },
             _ => *self,
         })
     }
@@ -86,7 +99,7 @@ impl Asked {
     pub fn is_certainly_kept(&self, candidate: &Candidate, ratio: f64) -> bool {
         match self.demand {
             Demand::WindingPeak(node) if !candidate.is_evaluated() => {
-                candidate.load.winding_peak_is_within(candidate.end(self.end), &node, ratio, self.bound)
+                self.load(candidate).winding_peak_is_within(candidate.end(self.end), &node, ratio, self.bound)
             }
             _ => false,
         }
@@ -134,11 +147,11 @@ impl Asked {
             }
             Demand::WindingPeak(_) if self.is_certainly_kept(candidate, ratio) => None,
             Demand::WindingPeak(node) => {
-                let cut = candidate.load.winding_peak_cut(actuator, &node, ratio, self.raw_bound());
+                let cut = self.load(candidate).winding_peak_cut(actuator, &node, ratio, self.raw_bound());
                 Some((cut, self.raw_demand(candidate, ratio).1))
             }
             Demand::MeanCurrentSquared(standing) => {
-                let load = candidate.load;
+                let load = self.load(candidate);
                 Some((load.mean_current_squared_cut(actuator, standing, ratio) * load.share_of_time, None))
             }
             Demand::Fixed(..) | Demand::Constant(_) | Demand::AverageTorque(_) | Demand::Mass => None,

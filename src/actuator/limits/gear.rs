@@ -88,14 +88,14 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "gear_momentary_torque",
         unit: "N*m",
-        formula: "safety · τ_shock ≤ τ_gear momentary peak",
+        formula: "safety · τ_shock ≤ τ_gear momentary peak, behind a transmission τ_shock/min |r|",
         safety: true,
         of: Of::Gear,
         class: Class::Fixed,
         depends: Depends::Rating,
         stated: |_, joint| joint.limits.shock_torque.is_some(),
         key: |_| Some(Key::Joint(&["limits", "shock_torque"])),
-        prepare: |c| match (c.joint.limits.shock_torque, c.gear.ratings.momentary_peak_torque) {
+        prepare: |c| match (shock(c), c.gear.ratings.momentary_peak_torque) {
             (None, _) => Prepared::NotAsked,
             (Some(shock), Some(bound)) => plain(Demand::Constant(shock), c.joint.limits.safety, bound, "gear"),
             (Some(_), None) => Prepared::Unknown("the gear's momentary peak torque is not known"),
@@ -113,7 +113,7 @@ pub(super) const LIMITS: &[Limit] = &[
             joint.limits.shock_torque.is_some() || described(joint, joint.gear.ratings.ratcheting_torque)
         },
         key: |_| Some(Key::Joint(&["gear", "ratcheting_torque"])),
-        prepare: |c| match (c.joint.limits.shock_torque, c.gear.ratings.ratcheting_torque) {
+        prepare: |c| match (shock(c), c.gear.ratings.ratcheting_torque) {
             (shock, Some(bound)) => {
                 let (torque, sample) = c.load.peak_torque;
                 let demand = match shock {
@@ -174,39 +174,59 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "gear_backlash",
         unit: "rad",
-        formula: "backlash of the gear ≤ largest that is allowed",
+        formula: "backlash of the gear ≤ largest that is allowed, behind a transmission over min |r| and with its own",
         safety: false,
         of: Of::Gear,
         class: Class::Fixed,
         depends: Depends::Rating,
         stated: |_, joint| joint.limits.max_backlash.is_some(),
         key: |_| Some(Key::Joint(&["limits", "max_backlash"])),
-        prepare: |c| match (c.joint.limits.max_backlash, c.gear.backlash) {
-            (None, _) => Prepared::NotAsked,
-            (Some(bound), Some(backlash)) => plain(Demand::Constant(backlash), 1.0, bound, "requirement"),
-            (Some(_), None) => Prepared::Unknown("the gear's backlash is not known"),
+        prepare: |c| {
+            let Some(bound) = c.joint.limits.max_backlash else { return Prepared::NotAsked };
+            let transmission = c.joint.passed.as_deref();
+            let own = transmission.map_or(Some(0.0), |passed| passed.numbers.backlash);
+            let of_gear =
+                c.gear.backlash.map(|backlash| backlash * transmission.map_or(1.0, |passed| passed.levers.angle));
+            let known = own.unwrap_or(0.0) + of_gear.unwrap_or(0.0);
+            match (of_gear, own) {
+                (Some(_), Some(_)) => plain(Demand::Constant(known), 1.0, bound, "requirement"),
+                // What is known is too much already.
+                _ if known > bound => plain(Demand::Constant(known), 1.0, bound, "requirement"),
+                (None, _) => Prepared::Unknown("the gear's backlash is not known"),
+                (_, None) => Prepared::Unknown("the transmission's backlash is not known"),
+            }
         },
     },
     Limit {
         name: "gear_stiffness",
         unit: "N*m/rad",
-        formula: "smallest stiffness that is asked for ≤ stiffness of the gear",
+        formula: "smallest stiffness that is asked for ≤ stiffness of the gear, behind a transmission min r² times that, in series with its own",
         safety: false,
         of: Of::Gear,
         class: Class::Fixed,
         depends: Depends::Rating,
         stated: |_, joint| joint.limits.min_stiffness.is_some(),
         key: |_| Some(Key::Joint(&["limits", "min_stiffness"])),
-        prepare: |c| match (c.joint.limits.min_stiffness, c.gear.stiffness) {
-            (None, _) => Prepared::NotAsked,
-            (Some(asked), Some(stiffness)) => plain(Demand::Constant(asked), 1.0, stiffness, "gear"),
-            (Some(_), None) => Prepared::Unknown("the gear's stiffness is not known"),
+        prepare: |c| {
+            let Some(asked) = c.joint.limits.min_stiffness else { return Prepared::NotAsked };
+            let transmission = c.joint.passed.as_deref();
+            let own = transmission.map_or(Some(f64::INFINITY), |passed| passed.numbers.stiffness);
+            let of_gear = c.gear.stiffness.map(|k| k * transmission.map_or(1.0, |passed| passed.levers.stiffness));
+            let series = 1.0 / (of_gear.map_or(0.0, f64::recip) + own.map_or(0.0, f64::recip));
+            let owner = if transmission.is_some() { "gear and transmission" } else { "gear" };
+            match (of_gear, own) {
+                (Some(_), Some(_)) => plain(Demand::Constant(asked), 1.0, series, owner),
+                // What is known gives way too much already.
+                _ if series < asked => plain(Demand::Constant(asked), 1.0, series, owner),
+                (None, _) => Prepared::Unknown("the gear's stiffness is not known"),
+                (_, None) => Prepared::Unknown("the transmission's stiffness is not known"),
+            }
         },
     },
     Limit {
         name: "backdriving_torque",
         unit: "N*m",
-        formula: "N (c + c_g)/η_b ≤ τ_backdriving, with the T_b of the gear for its part where it is printed",
+        formula: "N (c + c_g)/η_b ≤ τ_backdriving, with the T_b of the gear for its part where it is printed; behind a transmission times max |r|/η_tb",
         safety: false,
         of: Of::Gear,
         class: Class::UpperBound,
@@ -222,6 +242,12 @@ pub(super) const LIMITS: &[Limit] = &[
         },
     },
 ];
+
+/// The torque of a shock as it arrives at the gear \[N·m\].
+fn shock(c: &Candidate) -> Option<f64> {
+    let arrives = c.joint.passed.as_deref().map_or(1.0, |passed| passed.levers.torque);
+    c.joint.limits.shock_torque.map(|shock| shock * arrives)
+}
 
 /// The torque at the output that sets motor and gear going without current, from rest \[N·m\] at a ratio; `None` where it is not
 /// known, infinite where the gear locks.
@@ -251,10 +277,15 @@ fn backdriving(c: &Candidate) -> Result<Demand, &'static str> {
         (None, Some(gear)) => (motor + gear, 0.0),
         (None, None) => return Err("neither starting nor backdriving torque of the gear is known"),
     };
-    match efficiency > 0.0 {
+    let (most, passes) = c
+        .joint
+        .passed
+        .as_deref()
+        .map_or((1.0, 1.0), |passed| (passed.levers.backdriving, passed.numbers.backdrive_efficiency));
+    match efficiency > 0.0 && passes > 0.0 {
         true => {
             let terms = Laurent::monomial(per_ratio / efficiency, 1) + Laurent::constant(of_gear);
-            Ok(Demand::Polynomial(terms, None))
+            Ok(Demand::Polynomial(terms * (most / passes), None))
         }
         // Whatever the torque, a gear that locks does not move.
         false => Ok(Demand::Constant(f64::INFINITY)),

@@ -1,7 +1,6 @@
 //! What the requirement asks of a joint beyond its motion.
 
 use super::limit::*;
-use crate::numerics::laurent::Laurent;
 use crate::requirement::Turns;
 
 /// Limits, in the order in which they are reported.
@@ -9,7 +8,7 @@ pub(super) const LIMITS: &[Limit] = &[
     Limit {
         name: "reflected_inertia",
         unit: "kg*m^2",
-        formula: "N² (J_m + J_g) ≤ J",
+        formula: "N² (J_m + J_g) ≤ J, behind a transmission max r² (N² (J_m + J_g) + J_t) + J_j",
         safety: false,
         of: Of::Other,
         class: Class::UpperBound,
@@ -17,9 +16,7 @@ pub(super) const LIMITS: &[Limit] = &[
         stated: |_, joint| joint.limits.reflected_inertia.is_some(),
         key: |_| Some(Key::Joint(&["limits", "reflected_inertia"])),
         prepare: |c| match c.joint.limits.reflected_inertia {
-            Some(bound) => {
-                plain(Demand::Polynomial(Laurent::monomial(c.actuator.inertia, 2), None), 1.0, bound, "requirement")
-            }
+            Some(bound) => plain(Demand::Polynomial(c.reflected_inertia(), None), 1.0, bound, "requirement"),
             None => Prepared::NotAsked,
         },
     },

@@ -57,6 +57,15 @@ pub enum Demand {
 }
 
 impl Demand {
+    /// The same of samples that come so many later.
+    pub(super) fn later(self, by: usize) -> Demand {
+        match self {
+            Demand::Fixed(value, sample) => Demand::Fixed(value, sample.map(|k| k + by)),
+            Demand::Polynomial(polynomial, sample) => Demand::Polynomial(polynomial, sample.map(|k| k + by)),
+            other => other,
+        }
+    }
+
     /// Whether it is dear at every ratio: a walk over all samples, or many where heat runs away. Such a limit is looked at
     /// where the others are kept.
     pub fn takes_a_walk(&self) -> bool {
@@ -84,6 +93,8 @@ pub struct Asked {
     pub standing: f64,
     /// At which end of what is known of the motor's drag the demand is.
     pub end: End,
+    /// Of which of two actuators that do different things at the same time it is; `None` where it is of all.
+    pub actuator: Option<usize>,
 }
 
 /// Whether a limit applies.

@@ -16,6 +16,7 @@ mod needs;
 mod remarks;
 mod size;
 mod speed;
+mod transmission;
 
 pub use super::candidate::{ASSUMED, Candidate, hottest};
 pub use gear::{GEAR_LIFE, backdriving_torque};
@@ -36,6 +37,7 @@ const KINDS: &[&[Limit]] = &[
     module::LIMITS,
     speed::LIMITS,
     gear::LIMITS,
+    transmission::LIMITS,
     joint::LIMITS,
     bus::LIMITS,
     mass::LIMITS,
@@ -78,7 +80,8 @@ impl Limit {
             Prepared::Unknown(what) => Check::Unknown(what),
             Prepared::Asked { demand, squared, factor, bound, owner, standing } => {
                 let bound = bound * kept;
-                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner, standing, end: End::First })
+                let (end, actuator) = (End::First, None);
+                Check::Asked(Asked { limit: self, demand, squared, factor, bound, owner, standing, end, actuator })
             }
             Prepared::AtRatio(judge) => Check::AtRatio(judge),
         }
@@ -96,9 +99,31 @@ impl Candidate<'_> {
         NEEDS.iter().filter_map(|need| Some((need.name, (need.at_ratio)(self)?)))
     }
 
-    /// All limits with what they say of this candidate.
+    /// All limits with what they say of this candidate. Where two actuators do different things at the same time, what is kept at every
+    /// instant is one limit, and what is a sum over time one for each of them.
     pub fn checks(&self) -> impl Iterator<Item = (&'static Limit, Check)> + '_ {
-        LIMITS.iter().map(|limit| (limit, limit.check(self)))
+        LIMITS.iter().flat_map(move |limit| {
+            let check = limit.check(self);
+            let of_both = match &check {
+                Check::NotAsked => true,
+                Check::Asked(asked) => matches!(asked.demand, Demand::Samples(_) | Demand::Bandwidth(_)),
+                Check::Unknown(_) | Check::AtRatio(_) => false,
+            };
+            let apart = if of_both { 0 } else { self.load.actuators().len() };
+            let whole = (apart == 0).then_some((limit, check));
+            whole.into_iter().chain((0..apart).map(move |k| (limit, self.check_of(limit, k))))
+        })
+    }
+
+    /// What a limit says of one of two actuators.
+    fn check_of(&self, limit: &'static Limit, actuator: usize) -> Check {
+        match limit.check(&self.of_actuator(Some(actuator))) {
+            Check::Asked(asked) => {
+                let demand = asked.demand.later(self.first_sample(Some(actuator)));
+                Check::Asked(Asked { demand, actuator: Some(actuator), ..asked })
+            }
+            other => other,
+        }
     }
 }
 

@@ -244,7 +244,7 @@ fn torque_speed(candidate: &Candidate, inside: &Inside) -> Prepared {
 /// stiffness k and s = k q_0 each sample asks −b ≤ τ + J_o α + k q − s ≤ a, two half-planes, and the range is a convex piece of the
 /// plane: it is cut by one after another.
 pub fn allows_spring(candidate: &Candidate, spring: &Spring) -> bool {
-    let (Some(inside), Some(position)) = (inside(candidate), &candidate.joint.motion.position) else { return true };
+    let (Some(inside), Some(pull)) = (inside(candidate), candidate.joint.pull()) else { return true };
     let (motion, inertia) = (&candidate.joint.motion, inertia(candidate, inside));
     let (safety, volt) = (candidate.joint.limits.safety, candidate.robot.bus.voltage);
     let most = |speed: f64, driving: bool| match most_torque(&inside.module, speed, driving, volt) {
@@ -253,11 +253,12 @@ pub fn allows_spring(candidate: &Candidate, spring: &Spring) -> bool {
     };
     let ([k0, k1], [q0, q1]) = (spring.stiffness, spring.rest_angle);
     let mut piece = vec![[k0, k0 * q0], [k0, k0 * q1], [k1, k1 * q1], [k1, k1 * q0]];
-    for (j, q) in position.iter().enumerate() {
+    for j in 0..motion.len() {
+        let [q, per] = pull.torque(j);
         let (load, speed) = (motion.torque[j] + inertia * motion.acceleration[j], motion.velocity[j]);
         for sign in [1.0, -1.0] {
             let most = most(speed.abs(), sign * speed >= 0.0);
-            let over = |[k, s]: [f64; 2]| sign * (load + k * q - s) - most - 1e-9 * (most + load.abs());
+            let over = |[k, s]: [f64; 2]| sign * (load + k * q - s * per) - most - 1e-9 * (most + load.abs());
             piece = clipped(&piece, over);
         }
     }

@@ -133,7 +133,7 @@ impl RatioProgram<'_> {
         self.limits.iter().any(|Limited { candidate, asked }| match asked.demand {
             Demand::WindingPeak(node) if asked.bound > 0.0 => {
                 let bound = asked.bound * (1.0 + CLEARLY);
-                candidate.load.winding_peak_is_beyond(candidate.end(asked.end), &node, (a, b), bound)
+                asked.load(candidate).winding_peak_is_beyond(candidate.end(asked.end), &node, (a, b), bound)
             }
             _ => false,
         })

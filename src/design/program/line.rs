@@ -188,7 +188,9 @@ fn keeps_between(Limited { candidate, asked }: &Limited, a: f64, b: f64) -> bool
             for _ in 0..PIECES {
                 let Some((from, to)) = open.pop() else { return true };
                 let at_an_end = to <= a * (1.0 + NEAR_END) || from >= b * (1.0 - NEAR_END);
-                if at_an_end || candidate.load.winding_peak_stays_within(actuator, &node, (from, to), asked.bound) {
+                if at_an_end
+                    || asked.load(candidate).winding_peak_stays_within(actuator, &node, (from, to), asked.bound)
+                {
                     continue;
                 }
                 let middle = (from * to).sqrt();

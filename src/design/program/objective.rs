@@ -57,15 +57,14 @@ pub(super) struct Goal<'a> {
 impl<'a> Goal<'a> {
     pub(super) fn new(program: &'a RatioProgram<'a>) -> Goal<'a> {
         let (objective, prepared) = (program.objective, program.prepared);
-        let inertia = objective.weight(Quantity::ReflectedInertia) * prepared.candidate.actuator.inertia;
+        let inertia = prepared.candidate.reflected_inertia() * objective.weight(Quantity::ReflectedInertia);
         let is_plain = has_plain_losses(prepared);
         let [copper, loss] = match is_plain {
             true => [prepared.copper_cut(1.0), prepared.loss_cut(1.0)],
             false => [Laurent::default(); 2],
         };
         let losses = copper * objective.weight(Quantity::CopperLoss) + loss * objective.weight(Quantity::Loss);
-        let at_output = objective.weight(Quantity::ReflectedInertia) * prepared.candidate.inertia_at_output();
-        let mut smooth = losses + Laurent::monomial(inertia, 2) + Laurent::constant(at_output);
+        let mut smooth = losses + inertia;
         let mass = objective.weight(Quantity::Mass);
         if mass > 0.0 && prepared.candidate.gear.mass_per_stage.is_none() {
             let slope = prepared.candidate.mass_slope();

@@ -71,7 +71,7 @@ fn walks(program: &RatioProgram, grid: &[f64], cheap: &[f64]) -> Vec<Walk> {
     let over = |first: usize, last: usize| (grid[first], grid[(last + 1).min(grid.len() - 1)]);
     let says = |l: &Limited, (a, b): (f64, f64)| match l.asked.demand {
         Demand::WindingPeak(node) if l.asked.bound > 0.0 => {
-            let (load, actuator, bound) = (l.candidate.load, l.candidate.end(l.asked.end), l.asked.bound);
+            let (load, actuator, bound) = (l.asked.load(&l.candidate), l.candidate.end(l.asked.end), l.asked.bound);
             if load.winding_peak_stays_within(actuator, &node, (a, b), bound) {
                 Walk::Kept
             } else if load.winding_peak_is_beyond(actuator, &node, (a, b), bound * (1.0 + CLEARLY)) {
@@ -365,7 +365,7 @@ fn nowhere(program: &RatioProgram, points: &[(f64, f64)]) -> Infeasible {
         let walks = program.limits.iter().filter_map(|Limited { candidate, asked }| match asked.demand {
             Demand::WindingPeak(node) if asked.bound > 0.0 && !program.is_evaluated() => {
                 let between = (points[first].0, points[last].0);
-                let rise = candidate.load.winding_peak_at_least(candidate.end(asked.end), &node, between);
+                let rise = asked.load(candidate).winding_peak_at_least(candidate.end(asked.end), &node, between);
                 Some(rise / asked.bound * (1.0 - CLEARLY) - 1.0)
             }
             _ => None,

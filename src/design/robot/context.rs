@@ -546,7 +546,7 @@ impl<'a> Context<'a> {
 
     fn priced_costs(&self, joint: usize, ways: &[usize], weights: &[(usize, f64)], scale: f64) -> Vec<f64> {
         let of = &self.robot.joints[joint];
-        let load = Load::new(&of.motion, of.limits.torque_bandwidth);
+        let load = Load::new(&of.motion, of.ripple());
         let one = |way: &usize| {
             let item = self.ways[joint][*way].item.as_ref();
             item.map_or(f64::NEG_INFINITY, |item| priced(self.robot, self.catalog, of, &load, item, scale, weights))

@@ -20,6 +20,7 @@ use crate::actuator::waveform::{Functional, WavePoint, Waveform};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
 use crate::design::program::{minimise, value};
+use crate::motion::Case;
 use crate::requirement::{Course, Motion, Robot};
 
 /// Instants closer than this share of the period are one.
@@ -79,6 +80,8 @@ struct Doing {
     joint: usize,
     first: usize,
     motion: Motion,
+    /// How many actuators of the joint do it.
+    count: f64,
     /// Whether it may be at any of these samples, whatever the others do.
     any: bool,
 }
@@ -86,14 +89,24 @@ struct Doing {
 impl Schedule {
     pub(super) fn new(robot: &Robot) -> Schedule {
         let scenarios = robot.scenarios().into_iter().map(|(name, doing)| {
-            let doing = robot.joints.iter().zip(doing).enumerate().map(|(joint, (of, case))| {
-                let motion = of.motion.as_ref();
-                match motion.cases.as_ref().zip(case) {
-                    Some((cases, case)) => {
-                        let case = &cases.list[case];
-                        Doing { joint, first: case.samples.start, motion: motion.part(case), any: false }
+            let doing = robot.joints.iter().zip(doing).enumerate().flat_map(|(joint, (of, case))| {
+                let (motion, count) = (of.motion.as_ref(), f64::from(of.count));
+                let part = |case: &Case, count| Doing {
+                    joint,
+                    first: case.samples.start,
+                    motion: motion.part(case),
+                    count,
+                    any: false,
+                };
+                match (motion.cases.as_ref(), case) {
+                    (Some(both), _) if both.together => {
+                        let each = count / both.list.len() as f64;
+                        both.list.iter().map(|case| part(case, each)).collect()
                     }
-                    None => Doing { joint, first: 0, motion: motion.clone(), any: motion.cases.is_some() },
+                    (Some(cases), Some(case)) => vec![part(&cases.list[case], count)],
+                    (cases, _) => {
+                        vec![Doing { joint, first: 0, motion: motion.clone(), count, any: cases.is_some() }]
+                    }
                 }
             });
             Scenario { name, groups: groups(robot, doing.collect()) }
@@ -128,7 +141,8 @@ fn groups(robot: &Robot, doing: Vec<Doing>) -> Vec<Group> {
 /// Actuators of one joint at operating points need not be at the same one: on a supply that sags one of them is looked at while the
 /// others are at their worst.
 fn apart(robot: &Robot, group: Group) -> Vec<Group> {
-    let count = f64::from(robot.joints[group.joints[0]].count);
+    let parts = group.instants.first().into_iter().flat_map(|instant| &instant.parts);
+    let count: f64 = parts.map(|(_, _, weight)| weight).sum();
     if group.timed || count <= 1.0 || robot.shared_resistance().is_none() {
         return vec![group];
     }
@@ -152,7 +166,7 @@ fn instants(robot: &Robot, group: &[Doing]) -> Vec<Instant> {
     let first = &group[0];
     let period = match first.motion.course {
         Course::Points(_) | Course::Cases => {
-            let count = f64::from(robot.joints[first.joint].count);
+            let count = first.count;
             let whole = |k| Instant {
                 parts: vec![(first.joint, first.first + k, count)],
                 drives: vec![Drive { joint: first.joint, samples: vec![(first.first + k, 1.0)] }],
@@ -171,7 +185,7 @@ fn instants(robot: &Robot, group: &[Doing]) -> Vec<Instant> {
         let joint = &robot.joints[doing.joint];
         match (period, joint.phases.is_empty()) {
             (Some(period), false) => joint.phases.iter().map(|share| (share * period, 1.0)).collect(),
-            _ => vec![(0.0, f64::from(joint.count))],
+            _ => vec![(0.0, doing.count)],
         }
     };
     let mut times: Vec<f64> = Vec::new();

@@ -148,22 +148,32 @@ impl Section<'_> {
 
     /// Three quantities of one kind, along x, y and z, in SI, if the key is there.
     pub fn vector(&self, key: impl Into<Key>, kind: &'static Kind) -> Option<[f64; 3]> {
-        let key = key.into();
+        self.components(key.into(), kind, "x, y, z")?.try_into().ok()
+    }
+
+    /// Two quantities of one kind, along x and y of a plane, in SI, if the key is there.
+    pub fn planar(&self, key: impl Into<Key>, kind: &'static Kind) -> Option<[f64; 2]> {
+        self.components(key.into(), kind, "x, y")?.try_into().ok()
+    }
+
+    fn components(&self, key: Key, kind: &'static Kind, axes: &str) -> Option<Vec<f64>> {
         let value = self.ask(&key, &Asked::Vector(kind))?;
-        let key = key.name;
-        let Some(items) = value.get_ref().as_array().filter(|a| a.len() == 3) else {
+        let (key, count) = (key.name, axes.split(',').count());
+        let Some(items) = value.get_ref().as_array().filter(|a| a.len() == count) else {
+            let times = if count == 2 { "two times" } else { "three times" };
+            let zeros = format!("\"0 {}\", ", kind.si).repeat(count - 1);
             self.form.note(
                 Problem::at(
                     value.span(),
-                    format!("{} is not a vector [x, y, z]", self.name(key)),
-                    format!("expected three times {}, each with its unit", kind.with_article()),
+                    format!("{} is not a vector [{axes}]", self.name(key)),
+                    format!("expected {times} {}, each with its unit", kind.with_article()),
                 )
-                .help(format!("for example {key} = [\"0 {0}\", \"0 {0}\", \"{1}\"]", kind.si, kind.example)),
+                .help(format!("for example {key} = [{zeros}\"{}\"]", kind.example)),
             );
             return None;
         };
         let read: Vec<Option<f64>> = items.iter().map(|item| self.read_quantity(item, key, kind, Range::Any)).collect();
-        Some([read[0]?, read[1]?, read[2]?])
+        read.into_iter().collect()
     }
 
     /// A quantity that must be there.

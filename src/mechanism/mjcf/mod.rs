@@ -82,8 +82,22 @@ pub(super) fn read<'a>(sheet: &Sheet, root: El<'a>) -> Option<Mechanism> {
                 if let Some(first) = children(node).find(|n| n.attribute("active") != Some("false")) {
                     let what =
                         format!("`{}` of `{name}` couples joints outside the tree of bodies", first.tag_name().name());
-                    let help = "inverse dynamics needs a tree; cut the loop and give its force as an external force";
-                    sheet.refuse(first, &what, help);
+                    let help = match first.tag_name().name() {
+                        "joint" => {
+                            let terms: Vec<&str> =
+                                first.attribute("polycoef").unwrap_or("0 1").split_whitespace().collect();
+                            let per = terms.get(1).copied().unwrap_or("1");
+                            format!(
+                                "inverse dynamics needs a tree: remove it and give each joint its column in the trajectory. Where each \
+                                 has an actuator, [[coupling]] of the requirement says how they go together: matrix = [[1, 0], [{per}, 1]]"
+                            )
+                        }
+                        _ => "inverse dynamics needs a tree: cut the loop, and describe its links in the requirement: \
+                              [joint.transmission] four_bar = { … } where they move one joint, [[coupling]] rods = [ { … }, { … } ] \
+                              where they move two"
+                            .to_string(),
+                    };
+                    sheet.refuse(first, &what, &help);
                 }
             }
             "include" => sheet.refuse(node, "an included file is not read", "put its text in place of `include`"),

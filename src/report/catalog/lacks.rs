@@ -218,7 +218,7 @@ mod tests {
         let robot =
             requirement::read_source(&Source::new("x.toml", robot).into()).unwrap_or_else(|e| panic!("{}", e[0]));
         let joint = &robot.joints[0];
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         let candidate = Mount::new(&robot, joint, &load, motor).candidate().map_err(|e| format!("{e:?}"))?;
         let judged = |judge: Judge| matches!(judge(&candidate, 9.0), Verdict::Unknown(_));
         let mut found: Vec<&'static str> = candidate

@@ -71,8 +71,9 @@ fn table(joints: &[&Joint]) -> Table {
         "limits",
     ];
     let mut table = Table::new("What each joint asks for", &header);
-    for joint in joints {
-        let m = &joint.motion;
+    let each = joints.iter().flat_map(|joint| joint.own_motions().into_iter().map(move |(name, m)| (joint, name, m)));
+    for (joint, of, m) in each {
+        let name = if of.is_empty() { joint.name.clone() } else { format!("{}: {of}", joint.name) };
         let largest = |of: &[f64]| number(of.iter().fold(0.0_f64, |most, v| most.max(v.abs())));
         let rms = || number(m.mean(|k| m.torque[k].powi(2)).sqrt());
         let course = match m.course {
@@ -93,14 +94,14 @@ fn table(joints: &[&Joint]) -> Table {
         let rms = if m.has_durations() { rms() } else { "–".into() };
         table.rows.push(super::Row {
             cells: vec![
-                joint.name.clone(),
+                name,
                 joint.count.to_string(),
                 course,
                 m.given.len().to_string(),
                 largest(&m.torque),
                 rms,
                 largest(&m.velocity),
-                ratio_text(joint).trim_start_matches("ratio ").to_string(),
+                ratio_text(joint).trim_start_matches("ratio ").to_string() + &through(joint),
                 joint.aim(),
                 limits(joint),
             ],
@@ -108,6 +109,16 @@ fn table(joints: &[&Joint]) -> Table {
         });
     }
     table
+}
+
+/// The ratio of what is between actuator and joint, behind that of the gear.
+fn through(joint: &Joint) -> String {
+    match joint.passed.as_deref().map(|passed| (passed.ratio(), passed.word)) {
+        None => String::new(),
+        Some((Some((_, Some(ratio))), _)) => format!(", then {}", number(ratio)),
+        Some((Some((range, None)), _)) => format!(", then {} to {}", number(range.least.0), number(range.most.0)),
+        Some((None, word)) => format!(", then a {word}"),
+    }
 }
 
 /// What a choice for the joint must keep, beyond what data sheets say.

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::catalog::Motor;
 use crate::design::answer;
 use crate::requirement::{self, Balancing, Between};
+use crate::transmission::Ways;
 
 /// What is said of the joint itself.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -27,6 +28,75 @@ pub struct Joint<'a> {
     /// The load cases, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cases: Option<Cases<'a>>,
+    /// What is between actuator and joint; torques, speeds and gear ratios of designs are those of the actuator then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmission: Option<Transmission<'a>>,
+}
+
+/// What is between actuators and joints.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Transmission<'a> {
+    /// What it is: `ratio`, `table`, `four-bar linkage`, `lever with a screw`, or a coupling of two joints.
+    pub kind: &'static str,
+    /// Smallest turn of the actuator per turn of the joint over the motion, |dθ/dq|; `null` of a coupling.
+    pub least_ratio: Option<f64>,
+    /// The angle of the joint that has it; `null` where the motion says no position.
+    pub least_ratio_at_rad: Option<f64>,
+    /// The largest.
+    pub largest_ratio: Option<f64>,
+    /// Smallest |det J| of a coupling over the motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_determinant: Option<f64>,
+    /// What is largest at each joint.
+    pub joints: Vec<Peaks<'a>>,
+    /// What is largest at the output of each actuator.
+    pub actuators: Vec<Peaks<'a>>,
+    /// Mean loss of the transmission, which is not in the designs' loss; `null` where no efficiency is given.
+    pub loss_w: Option<f64>,
+    /// Its mass, which is in that of the actuators; `null` where it is not given and counts as nothing.
+    pub mass_kg: Option<f64>,
+}
+
+/// Largest torque and speed on one side of a transmission.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Peaks<'a> {
+    /// Whose: a joint's name, `actuator 1` or `actuator 2` where there are two.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub of: &'a str,
+    /// Largest torque.
+    pub peak_torque_nm: f64,
+    /// Largest speed.
+    pub peak_speed_rad_s: f64,
+}
+
+impl<'a> Transmission<'a> {
+    fn new(joint: &'a requirement::Joint) -> Option<Transmission<'a>> {
+        let passed = joint.passed.as_deref()?;
+        let peaks = |of: &'a str, motion: &requirement::Motion, samples: std::ops::Range<usize>| {
+            let most = |of: &[f64]| of[samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            Peaks { of, peak_torque_nm: most(&motion.torque), peak_speed_rad_s: most(&motion.velocity) }
+        };
+        let ratio = passed.ratio().map(|(range, _)| range);
+        let angle = |k: usize| passed.motion().position.as_ref().map(|q| q[k]);
+        let both = joint.motion.cases.as_deref().filter(|cases| cases.together);
+        Some(Transmission {
+            kind: passed.word,
+            least_ratio: ratio.map(|range| range.least.0),
+            least_ratio_at_rad: ratio.and_then(|range| angle(range.least.1)),
+            largest_ratio: ratio.map(|range| range.most.0),
+            least_determinant: match &passed.ways {
+                Ways::Two(both) => Some(both.determinant.least.0),
+                Ways::One { .. } => None,
+            },
+            joints: passed.joints.iter().map(|(name, motion)| peaks(name, motion, 0..motion.len())).collect(),
+            actuators: match both {
+                Some(both) => both.list.iter().map(|c| peaks(&c.name, &joint.motion, c.samples.clone())).collect(),
+                None => vec![peaks("", &joint.motion, 0..joint.motion.len())],
+            },
+            loss_w: passed.numbers.says_loss.then_some(passed.loss),
+            mass_kg: passed.numbers.mass,
+        })
+    }
 }
 
 /// The load cases of a joint.
@@ -71,7 +141,7 @@ pub struct Step<'a> {
 impl<'a> Cases<'a> {
     /// Of a joint's motion; `None` where it has no cases.
     pub fn new(joint: &'a requirement::Joint) -> Option<Cases<'a>> {
-        let (motion, cases) = (&joint.motion, joint.motion.cases.as_deref()?);
+        let (motion, cases) = (&joint.motion, joint.motion.cases.as_deref().filter(|cases| !cases.together)?);
         let case = |case: &'a crate::motion::Case| {
             let (peak_torque_nm, peak_speed_rad_s) = motion.peaks(case);
             Case {
@@ -105,6 +175,7 @@ impl<'a> Joint<'a> {
             derived_by_spline: &joint.motion.derived,
             between_samples: BetweenSamples::new(joint),
             cases: Cases::new(joint),
+            transmission: Transmission::new(joint),
         }
     }
 }

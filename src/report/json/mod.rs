@@ -17,6 +17,7 @@ pub mod joint;
 pub mod motors;
 pub mod optimize;
 pub mod outlook;
+pub mod over;
 pub mod pareto;
 pub mod remake;
 pub mod robot;

@@ -1,7 +1,7 @@
 //! What a requirement asks of each joint: load torque and speed over time, operating points as torque over speed.
 
 use super::{Dash, Figure, Group, Mark, Panel, Series, Shape, Tone, thinned};
-use crate::requirement::{Course, Joint};
+use crate::requirement::{Course, Joint, Motion};
 
 /// Most samples of a motion that are drawn.
 const SAMPLES: usize = 800;
@@ -10,19 +10,22 @@ const LOOKS: usize = 7;
 
 /// The motions of all joints over each other; joints that do the same are drawn once.
 pub fn figure(joints: &[&Joint]) -> Figure {
-    let mut kinds: Vec<(Vec<&str>, &Joint)> = Vec::new();
-    for joint in joints {
-        match kinds.iter_mut().find(|(_, first)| first.motion == joint.motion) {
-            Some((names, _)) => names.push(&joint.name),
-            None => kinds.push((vec![&joint.name], joint)),
+    let mut kinds: Vec<(Vec<&str>, &Motion)> = Vec::new();
+    for (joint, (name, motion)) in
+        joints.iter().flat_map(|joint| joint.own_motions().into_iter().map(move |m| (joint, m)))
+    {
+        let name = if name.is_empty() { &joint.name } else { name };
+        match kinds.iter_mut().find(|(_, first)| *first == motion) {
+            Some((names, _)) => names.push(name),
+            None => kinds.push((vec![name], motion)),
         }
     }
     let axes =
         [("time [s]", "load torque [N·m]"), ("time [s]", "speed [rad/s]"), ("speed [rad/s]", "load torque [N·m]")];
     let mut panels =
         axes.map(|(x, y)| Panel { x: x.into(), y: y.into(), empty: "nothing is asked".into(), ..Panel::default() });
-    for (rank, (names, joint)) in kinds.iter().enumerate() {
-        let (name, m) = (names.join(", "), &joint.motion);
+    for (rank, (names, m)) in kinds.iter().enumerate() {
+        let name = names.join(", ");
         let own = rank < LOOKS;
         let tone = if own { Tone::nth(rank) } else { Tone::Grey };
         let series = |mark: Mark, points: Vec<(f64, f64)>| {

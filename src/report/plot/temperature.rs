@@ -48,7 +48,9 @@ fn followed(prepared: &Prepared, ratio: f64) -> Option<Panel> {
     let celsius = |kelvin: f64| in_unit(kelvin, "degC");
     let look = |here: &Candidate| {
         // At the end of the motor's drag where it is hotter.
-        let courses = here.ends().map(|actuator| here.load.winding_course(actuator, &node, ratio));
+        let courses = here.each_actuator().flat_map(|one| {
+            here.ends().map(|actuator| one.load.winding_course(actuator, &node, ratio)).collect::<Vec<_>>()
+        });
         let courses: Option<Vec<_>> = courses.collect();
         let (times, course) = courses?.into_iter().max_by(|a, b| a.1.peak.total_cmp(&b.1.peak))?;
         let points = |of: &[f64]| thinned(of.len(), POINTS).map(|k| (times[k], celsius(of[k]))).collect::<Vec<_>>();

@@ -217,6 +217,24 @@ limits! { OF_MODULES:
         fix "Another module, or another supply.";
 }
 
+limits! { OF_TRANSMISSIONS:
+    "GW050" "transmission-torque" "transmission_torque",
+        "the torque at the joint stays within what the transmission bears",
+        why "A belt jumps and a rod buckles at the torque of the joint, whatever motor and gear could give.",
+        example "A knee that asks 60 N*m of a belt that is made for 45 N*m.",
+        fix "A wider belt or a stronger linkage, or a spring that takes part of the load.";
+    "GW051" "transmission-force" "transmission_force",
+        "the force in rod or screw stays within what it bears",
+        why "Near the ends of its way a linkage has little moment arm: the same torque needs several times the force there.",
+        example "An ankle whose rod sees 2100 N at 40 degrees of flexion, and is made for 1500 N.",
+        fix "Longer levers, other angles of the links, or a stronger rod.";
+    "GW052" "transmission-speed" "transmission_speed",
+        "the input of the transmission stays below its largest speed",
+        why "A screw whips and a belt throws off above their speed.",
+        example "A ball screw at 3600 rpm that may turn 3000 rpm.",
+        fix "A larger lead or a smaller ratio of the transmission.";
+}
+
 /// A motor and gear that cannot be evaluated at all.
 pub(crate) const NOT_EVALUATED: Rule = Rule {
     code: "GW030",

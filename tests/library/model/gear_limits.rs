@@ -178,7 +178,8 @@ fn life_is_the_makers_law() {
     }
     // A spring that is to be chosen changes the torque of every instant.
     let mut sprung = robot("life = \"1 h\"").unwrap();
-    sprung.joints[0].limits.spring = Some(Spring { stiffness: [0.0, 1.0], rest_angle: [0.0, 1.0] });
+    sprung.joints[0].limits.spring =
+        Some(Spring { stiffness: [0.0, 1.0], rest_angle: [0.0, 1.0], ..crate::common::SPRING });
     let joint = &sprung.joints[0];
     let (load, catalog) = (Load::new(&joint.motion, None), catalog(&row(COLUMNS, RATED)).unwrap());
     let mount = Mount::new(&sprung, joint, &load, &catalog.motors[0]).with_gear(Some(&catalog.gears[0]));
@@ -489,7 +490,7 @@ fn demands_are_those_of_the_waveforms() {
         let at_rest: f64 = timed().map(|(_, share)| share[1]).sum();
         let peak = case.raw.iter().map(|p| p.torque.abs()).fold(0.0, f64::max);
         let joint = &case.robot.joints[0];
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         let prepared = Prepared::new(Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap());
         for n in [3.0, 70.0] {
             let at = prepared.at(n);

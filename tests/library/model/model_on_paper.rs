@@ -510,7 +510,7 @@ fn limits_say_whose_they_are_and_what_is_left() {
     let mut case = draw(3, true);
     let at = |case: &raw::Case, name: &str| -> Option<Asked> {
         let joint = &case.robot.joints[0];
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         let candidate = Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap();
         let limit = LIMITS.iter().find(|l| l.name == name).unwrap();
         match limit.check(&candidate) {
@@ -565,7 +565,7 @@ fn limits_say_whose_they_are_and_what_is_left() {
     assert_eq!(at(&case, "winding_temperature").unwrap().bound, 0.0);
     let asked = at(&case, "peak_current").unwrap();
     let joint = &case.robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     let candidate = Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap();
     let margin =
         |bound: f64, demand: f64| Asked { bound, squared: false, factor: 1.0, ..asked }.margin(&candidate, 3.0, demand);

@@ -379,7 +379,7 @@ fn of_the_ratios_that_can_be_judged_the_best_is_the_choice() {
         joint.limits.winding_temperature = joint.limits.winding_temperature.or(case.motor.max_winding_temperature);
         let joint = &case.robot.joints[0];
         let RatioChoice::Continuous { min, max } = joint.ratio else { unreachable!() };
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         let prepared = Prepared::new(Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap());
         let is_judged = |n: f64| unjudged(&case.robot, joint, &prepared.unchecked_at(n)).is_empty();
         let looked: Vec<(f64, bool, f64)> = (0..=600)

@@ -243,7 +243,7 @@ fn own(case: &Case, n: f64) -> Own {
 
 fn evaluate(case: &Case, n: f64) -> Evaluation {
     let joint = &case.robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     Prepared::new(Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap()).at(n)
 }
 

@@ -20,7 +20,7 @@ use crate::raw::{Case, draw};
 /// What a random joint is evaluated as at a ratio.
 fn with<T>(case: &Case, look: impl FnOnce(&Prepared) -> T) -> T {
     let joint = &case.robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     let candidate = Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap();
     look(&Prepared::new(candidate))
 }

@@ -35,7 +35,7 @@ fn prepared<'a>(robot: &'a Robot, load: &'a Load, case: &'a Case) -> Prepared<'a
 }
 
 fn load(robot: &Robot) -> Load {
-    Load::new(&robot.joints[0].motion, robot.joints[0].limits.torque_bandwidth)
+    Load::new(&robot.joints[0].motion, robot.joints[0].ripple())
 }
 
 /// Whether what the requirement states can be judged at a ratio: else the ratio is not said to be kept.
@@ -245,7 +245,7 @@ fn gears_near_by_keep_every_limit_and_cost_what_is_said() {
             let found = nearby(&robot, of.joint, &catalog, design).unwrap();
             let away = |n: f64| (n / design.optimum.ratio).ln().abs();
             let furthest = found.gears.iter().map(|g| away(g.gear.ratio)).fold(0.0, f64::max);
-            let load = Load::new(&of.joint.motion, of.joint.limits.torque_bandwidth);
+            let load = Load::new(&of.joint.motion, of.joint.ripple());
             let with = |gear| Mount::new(&robot, of.joint, &load, design.motor).with_gear(Some(gear)).prepared();
             for near in &found.gears {
                 let there = with(near.gear).unwrap().at_in_full(near.gear.ratio);

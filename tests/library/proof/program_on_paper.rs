@@ -20,7 +20,7 @@ fn range(case: &Case) -> (f64, f64) {
 /// Looks at the program of a case.
 fn with_program<T>(case: &Case, look: impl FnOnce(&RatioProgram) -> T) -> T {
     let joint = &case.robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     let prepared = Prepared::new(Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap());
     let (min, max) = range(case);
     look(&RatioProgram::new(&prepared, &joint.objective, min, max))

@@ -120,7 +120,7 @@ fn draw(seed: u64) -> Case {
     let mut case = Case { robot, numbers, other };
     // Ratings above what the nominal motor needs at the middle ratio.
     let (joint, needs) = (&case.robot.joints[0], case.motor(false));
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     let at = evaluate(&case.robot, &load, &needs, matched);
     let need = |name: &str| at.margins.iter().find(|m| m.limit == name).map_or(1.0, |m| m.demand);
     let slack = |x: f64| 1.02 + 0.6 * x;
@@ -153,7 +153,7 @@ fn no_motor_within_the_tolerances_breaks_a_limit_and_outside_the_window_one_does
         let case = draw(seed);
         let catalog = Catalog::of(vec![case.motor(true)], Vec::new());
         let joint = &case.robot.joints[0];
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         let result = &robust(&case.robot, &catalog, Options::default()).unwrap()[0];
         let free: Vec<usize> = (0..case.numbers.len()).filter(|i| case.numbers[*i].3 > 0.0).collect();
         let corner = |bits: usize| {

@@ -232,7 +232,8 @@ fn draw(seed: u64, kind: Kind) -> Case {
     }
     joint.ratio = RatioChoice::Continuous { min: matched * within(0.2, 0.7), max: matched * within(1.5, 5.0) };
     let stiffness = [if chance(0.6) { 0.0 } else { pull * within(0.1, 0.9) }, pull * within(1.0, 3.0)];
-    joint.limits.spring = Some(Spring { stiffness, rest_angle: [within(-1.5, -0.2), within(0.0, 1.5)] });
+    joint.limits.spring =
+        Some(Spring { stiffness, rest_angle: [within(-1.5, -0.2), within(0.0, 1.5)], ..common::SPRING });
     let single = [Quantity::CopperLoss, Quantity::Loss, Quantity::PeakCurrent, Quantity::Energy, Quantity::PeakPower];
     joint.objective = match kind {
         Kind::WeightedPeak => Objective {
@@ -509,7 +510,7 @@ fn a_spring_cancels_gravity_on_paper() {
     ]);
     let mut robot = common::robot(Motion::from_samples(samples.clone(), Course::Periodic(period)), GearModel::IDEAL);
     robot.joints[0].ratio = RatioChoice::Continuous { min: 10.0, max: 10.0 };
-    robot.joints[0].limits.spring = Some(Spring { stiffness: [0.0, 30.0], rest_angle: [-1.0, 1.0] });
+    robot.joints[0].limits.spring = Some(Spring { stiffness: [0.0, 30.0], rest_angle: [-1.0, 1.0], ..common::SPRING });
     let case = Case { motor, robot, raw: samples, period };
     solved(&case, |design| {
         let design = design.unwrap();
@@ -527,7 +528,8 @@ fn a_spring_cancels_gravity_on_paper() {
     });
     // Gravity alone in the spring's range: what is left is the inertia's.
     let mut bound = Case { robot: case.robot.clone(), motor: case.motor.clone(), raw: case.raw.clone(), period };
-    bound.robot.joints[0].limits.spring = Some(Spring { stiffness: [0.0, gravity], rest_angle: [-1.0, 1.0] });
+    bound.robot.joints[0].limits.spring =
+        Some(Spring { stiffness: [0.0, gravity], rest_angle: [-1.0, 1.0], ..common::SPRING });
     solved(&bound, |design| {
         let design = design.unwrap();
         assert_relative_eq!(design.spring.unwrap().stiffness, gravity, max_relative = 1e-6);
@@ -544,7 +546,8 @@ fn a_given_spring_equals_a_motion_with_its_torque() {
     {
         let mut case = draw(seed, kind);
         let (k, rest) = (case.ranges()[1][1] * 0.4, 0.1);
-        case.robot.joints[0].limits.spring = Some(Spring { stiffness: [k, k], rest_angle: [rest, rest] });
+        case.robot.joints[0].limits.spring =
+            Some(Spring { stiffness: [k, k], rest_angle: [rest, rest], ..common::SPRING });
         let mut by_hand = case.raw.clone();
         for i in 0..by_hand.time.len() {
             by_hand.torque[i] += k * (case.raw.position.as_ref().unwrap()[i] - rest);

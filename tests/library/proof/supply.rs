@@ -92,7 +92,7 @@ fn a_sample_is_held_where_the_bus_by_itself_holds_it() {
 
 fn with<T>(case: &Case, look: impl FnOnce(&Prepared) -> T) -> T {
     let joint = &case.robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     let candidate = Mount::new(&case.robot, joint, &load, &case.motor).candidate().unwrap();
     look(&Prepared::new(candidate))
 }

@@ -36,7 +36,7 @@ fn joint(torque: f64, speed: f64, amplitude: Option<f64>) -> Robot {
 
 fn look<T>(robot: &Robot, motor: &Motor, look: impl FnOnce(&Prepared) -> T) -> T {
     let joint = &robot.joints[0];
-    let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+    let load = Load::new(&joint.motion, joint.ripple());
     look(&Prepared::new(Mount::new(robot, joint, &load, motor).candidate().unwrap()))
 }
 

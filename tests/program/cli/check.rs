@@ -40,6 +40,7 @@ ratio = { min = 8, max = 9.5 }
 motor_drag = "off"
 gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque = "20 N*m", continuous_torque = "12 N*m", max_input_speed = "6000 rpm", momentary_peak_torque = "44 N*m", ratcheting_torque = "45 N*m", average_input_speed = "3000 rpm", continuous_torque_is = "rated_life", rated_life = "7000 h", rated_speed = "2000 rpm", life_quantile = "L10", starting_torque = "0 N*m", backlash = "1 arcmin", stiffness = "9000 N*m/rad" }
 motion = "knee.csv"
+transmission = { four_bar = { ground = ["0 mm", "250 mm"], crank = "50 mm", coupler = "250 mm", rocker = "50 mm" }, backlash = "0 arcmin", stiffness = "1e9 N*m/rad", peak_torque = "21 N*m", max_force = "2000 N", max_input_speed = "20 rad/s" }
 [joint.limits]
 actuator_mass = "0.6 kg"
 outer_diameter = "90 mm"
@@ -139,9 +140,9 @@ fn motors(changes: &[(&str, &str)]) -> String {
     format!("{}\n{}\n{}\n", header.join(","), row("alpha-1").join(","), row("alpha-2").join(","))
 }
 
-/// Rest, then to and fro: a load of 0.01 kg m² and a constant torque of 3 N m.
+/// Rest, then to and fro: a load of 0.01 kg m² and a constant torque of 3 N m. The joint's linkage is a parallelogram.
 fn motion() -> String {
-    let mut text = String::from("time [s], torque [N*m], velocity [rad/s], acceleration [rad/s^2]\n");
+    let mut text = String::from("time [s], torque [N*m], velocity [rad/s], position [rad], acceleration [rad/s^2]\n");
     let pi = std::f64::consts::PI;
     for k in 0..=100 {
         let t = f64::from(k) / 100.0;
@@ -150,7 +151,8 @@ fn motion() -> String {
         let velocity = if k == 100 || s == 0.0 { 0.0 } else { 8.0 * two.sin() * one.sin().powi(2) };
         let rate = 2.0 * pi * two.cos() * one.sin().powi(2) + pi * two.sin() * two.sin();
         let acceleration = if velocity == 0.0 && k != 65 { 0.0 } else { 8.0 * rate / 0.7 };
-        text.push_str(&format!("{t},{},{velocity},{acceleration}\n", 3.0 + 0.01 * acceleration));
+        let position = 0.7 * 8.0 * (1.0 - two.cos()).powi(2) / (8.0 * pi);
+        text.push_str(&format!("{t},{},{velocity},{position},{acceleration}\n", 3.0 + 0.01 * acceleration));
     }
     text
 }
@@ -273,6 +275,9 @@ fn breaking(code: &str) -> Case<'static> {
             design: &[("\"alpha-1\"\nratio = 9", "\"warm\"\nratio = 9")],
             ..Case::default()
         },
+        "GW050" => robot(&[("\"21 N*m\"", "\"2 N*m\"")]),
+        "GW051" => robot(&[("\"2000 N\"", "\"20 N\"")]),
+        "GW052" => robot(&[("\"20 rad/s\"", "\"2 rad/s\"")]),
         "GW049" => {
             Case { robot: &AT_THE_KNEE, design: &[("\"alpha-1\"\nratio = 9", "\"low\"\nratio = 9")], ..Case::default() }
         }

@@ -182,7 +182,7 @@ fn the_voltage_boundary_meets_the_circle() {
     let catalog = Catalog::builtin().unwrap();
     let mut checked = 0;
     for joint in &robot.joints {
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         for motor in catalog.motors.iter().filter(|m| m.rotor_inertia.is_some()) {
             let candidate = Mount::new(&robot, joint, &load, motor).candidate().unwrap();
             let prepared = Prepared::new(candidate);

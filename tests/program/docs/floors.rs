@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::common::repository;
 
 /// Every room, from the top: each may import from those before it.
-const ROOMS: [&str; 19] = [
+const ROOMS: [&str; 20] = [
     "words",
     "units",
     "output",
@@ -16,6 +16,7 @@ const ROOMS: [&str; 19] = [
     "input",
     "effects",
     "motion",
+    "transmission",
     "catalog",
     "mechanism",
     "requirement",

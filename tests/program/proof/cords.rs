@@ -210,7 +210,8 @@ fn the_least_energy_of_cords_with_a_spring_and_regeneration() {
         let mut few = catalog.clone();
         few.motors.retain(|motor| all[..12].iter().any(|pair| pair.1 == motor.id));
         few.gears.retain(|gear| all[..12].iter().any(|pair| pair.2 == gear.id));
-        robot.joints[0].limits.spring = Some(Spring { stiffness: [0.0, 20.0], rest_angle: [-3.0, 3.0] });
+        robot.joints[0].limits.spring =
+            Some(Spring { stiffness: [0.0, 20.0], rest_angle: [-3.0, 3.0], ..crate::common::SPRING });
         let result = &optimize(&robot, &few).joints[0];
         let best = result.designs().next().unwrap();
         let spring = best.spring.as_ref().unwrap();

@@ -101,7 +101,7 @@ fn the_valley_of_an_objective_is_found_and_proved_without_the_solver() {
     for joint in &robot.joints {
         for id in ["t-motor-ri50", "t-motor-u8"] {
             let motor = catalog.motor(id).unwrap();
-            let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+            let load = Load::new(&joint.motion, joint.ripple());
             let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().unwrap());
             let RatioChoice::Continuous { .. } = joint.ratio else { continue };
             for quantity in [Quantity::Loss, Quantity::PeakCurrent, Quantity::Energy, Quantity::PeakPower] {

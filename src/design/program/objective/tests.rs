@@ -24,7 +24,7 @@ fn cuts_for_sums_touch_the_objective_and_are_below_it() {
     let (mut kinks, mut steps) = (0, 0);
     robot.joints[1].gear.mass_per_stage = Some((0.15, 3.0));
     for joint in &robot.joints {
-        let load = Load::new(&joint.motion, joint.limits.torque_bandwidth);
+        let load = Load::new(&joint.motion, joint.ripple());
         let motor = catalog.motor("t-motor-ri50").unwrap();
         let prepared = Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().unwrap());
         for objective in [

@@ -58,7 +58,7 @@ impl Sprung {
     /// \[kg·m²\]. `None` where the motion says no position.
     pub fn new(joint: &Joint, stiffness: f64, rest_angle: f64, covered: f64) -> Option<Sprung> {
         let joint = joint.with_spring(stiffness, rest_angle)?;
-        let load = Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, covered);
+        let load = Load::with_inertia(&joint.motion, joint.ripple(), covered);
         Some(Sprung { joint, load })
     }
 

@@ -64,12 +64,15 @@ impl<'a> Problem<'a> {
     pub(super) fn new(prepared: &'a Prepared<'a>, objective: &'a Objective, covered: f64) -> Option<Problem<'a>> {
         let joint = prepared.candidate.joint;
         let motion = &joint.motion;
-        let position = motion.position.as_ref()?;
+        let pull = joint.pull()?;
+        let position = pull.position;
         let (low, high) = position.iter().fold((f64::MAX, f64::MIN), |(l, h), q| (l.min(*q), h.max(*q)));
         let middle = 0.5 * (low + high);
+        // With k and s = k (q_0 − middle).
+        let affine = |torque: f64, [q, per]: [f64; 2]| [torque, q - middle * per, -per];
         let sample = |k: usize, torque: f64, rate: f64, sign: f64| Sample {
-            torque: [torque + covered * motion.acceleration[k], position[k] - middle, -1.0],
-            rate: [rate + covered * motion.jerk[k], motion.velocity[k], 0.0],
+            torque: affine(torque + covered * motion.acceleration[k], pull.torque(k)),
+            rate: affine(rate + covered * motion.jerk[k], pull.rate(k)),
             acceleration: motion.acceleration[k],
             jerk: motion.jerk[k],
             velocity: motion.velocity[k],
@@ -90,17 +93,18 @@ impl<'a> Problem<'a> {
                 limits.push(sample(k, motion.torque[k], motion.torque_rate[k], s));
             }
         }
-        if let Some(asked) = joint.limits.torque_bandwidth {
+        if let Some(ripple) = joint.ripple() {
+            let asked = ripple.bandwidth;
             let omega = std::f64::consts::TAU * asked.frequency;
             for (k, phase) in all.clone().flat_map(|k| (0..BANDWIDTH_PHASES).map(move |phase| (k, phase))) {
                 let angle = std::f64::consts::TAU * phase as f64 / BANDWIDTH_PHASES as f64;
-                let torque = motion.torque[k] + asked.amplitude * angle.cos();
-                let rate = motion.torque_rate[k] - asked.amplitude * omega * angle.sin();
+                let (more, faster) = (asked.amplitude * angle.cos(), -asked.amplitude * omega * angle.sin());
+                let (torque, rate) = ripple.superposed(motion, k, more, faster);
                 ripples
                     .extend(signs(k).into_iter().map(|s| Sample { place: usize::MAX, ..sample(k, torque, rate, s) }));
             }
         }
-        let output = all.map(|k| [motion.torque[k], position[k] - middle, -1.0]).collect();
+        let output = all.map(|k| affine(motion.torque[k], pull.torque(k))).collect();
         Some(Problem {
             prepared,
             objective,
@@ -173,16 +177,12 @@ impl<'a> Problem<'a> {
 
     /// The joint with the spring's torque added to its motion.
     pub(super) fn joint_with(&self, stiffness: f64, rest_angle: f64) -> Joint {
-        let mut joint = self.joint.clone();
-        if let Some(motion) = self.motion.with_spring(stiffness, rest_angle) {
-            joint.motion = motion.into();
-        }
-        joint
+        self.joint.with_spring(stiffness, rest_angle).unwrap_or_else(|| self.joint.clone())
     }
 
     /// The load of a joint, with what the gear's efficiency covers.
     pub(super) fn load(&self, joint: &Joint) -> Load {
-        Load::with_inertia(&joint.motion, joint.limits.torque_bandwidth, self.covered)
+        Load::with_inertia(&joint.motion, joint.ripple(), self.covered)
     }
 
     /// Whether the search is to stop.
@@ -350,7 +350,9 @@ impl<'a> Problem<'a> {
         if weight(Quantity::Loss) > 0.0 {
             value += weight(Quantity::Loss) * most(&|actuator, _| self.loss_of(actuator, z));
         }
-        value += weight(Quantity::ReflectedInertia) * actuator.inertia * z[0];
+        if weight(Quantity::ReflectedInertia) > 0.0 {
+            value += weight(Quantity::ReflectedInertia) * candidate.reflected_inertia().at(z[0].sqrt());
+        }
         if weight(Quantity::PeakCurrent) > 0.0 {
             value += weight(Quantity::PeakCurrent) * peak(Functional::TorqueSquared).sqrt() / actuator.torque_constant;
         }
@@ -456,7 +458,9 @@ impl<'a> Problem<'a> {
             }
             form.add_constant(each * candidate.standby_power());
         }
-        form.add_u(weight(Quantity::ReflectedInertia) * actuator.inertia);
+        let reflected = candidate.reflected_inertia();
+        form.add_u(weight(Quantity::ReflectedInertia) * reflected.coefficient(2));
+        form.add_constant(weight(Quantity::ReflectedInertia) * reflected.coefficient(0));
         if weight(Quantity::PeakCurrent) > 0.0 {
             let each = weight(Quantity::PeakCurrent) / actuator.torque_constant;
             let (_, sample, actuator) = peak(Functional::TorqueSquared);

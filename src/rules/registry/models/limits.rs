@@ -220,6 +220,9 @@ fn gear(facts: &ModelFacts, k: usize) -> Judgement {
     let Some(n) = hardware.gear else {
         return Judgement::NotJudged("no row of its hardware gives the ratio of its gear");
     };
+    if hardware.varies {
+        return Judgement::NotJudged("the ratio of its transmission goes with the angle");
+    }
     let whole = n * hardware.transmission;
     let mut remarks = Vec::new();
     for wrong in facts.wrong_gears(k) {
