@@ -28,4 +28,5 @@ mod set;
 mod stdin;
 mod study;
 mod tables;
+mod teeth;
 mod words;
