@@ -151,9 +151,10 @@ pub fn is_near(design: &Design, ratio: f64) -> bool {
     (ratio / design.optimum.ratio - 1.0).abs() <= NEAR || windows.iter().any(|w| w.min <= ratio && ratio <= w.max)
 }
 
-/// What can be bought or made near a design of a free ratio; `None` where its gear is one of the catalogue.
+/// What can be bought or made near a design of a free ratio; `None` where its gear is one of the catalogue, or the requirement
+/// lists the stages of a gear that is made.
 pub fn nearby<'a>(robot: &Robot, joint: &Joint, catalog: &'a Catalog, design: &Design<'a>) -> Option<Nearby<'a>> {
-    if design.gear.is_some() || joint.ratio.is_catalog() {
+    if design.gear.is_some() || joint.ratio.is_catalog() || joint.ratio.teeth().is_some() {
         return None;
     }
     let motor = design.motor;
