@@ -103,7 +103,7 @@ fn gears_near_by_say_what_they_cost_and_what_is_not_known() {
     // One that does all, one of unknown torque, one that is too weak, one of unknown efficiency.
     let rows = row("good", &ratio, "0.9,200,30,500,900,20000")
         + &row("unsaid", &ratio, "0.92,200,30,,900,20000")
-        + &row("weak", &ratio, "0.97,200,30,500,0.5,20000");
+        + &row("weak", &ratio, "0.97,200,30,,0.5,20000");
     let (near, text) = look(&rows);
     let of = |k: usize, key: &str| near["gears"][k][key].clone();
     assert_eq!([of(0, "gear"), of(1, "gear"), of(2, "gear")], ["good", "unsaid", "weak"], "{near}");
