@@ -42,7 +42,9 @@ pub fn design<'c>(text: &str, joint: &Joint, catalog: &'c Catalog) -> Result<Cho
     let mut ratio = None;
     match place.map(|p| (p, p.parse::<f64>())) {
         None => {}
-        Some((_, Ok(number))) if (1e-6..=1e6).contains(&number) => ratio = Some(number),
+        Some((_, Ok(number))) if (1e-6..=1e6).contains(&number) => {
+            ratio = Some(joint.ratio.as_printed(number));
+        }
         Some((text, Ok(_))) => {
             return Err(Failure::Argument(format!("`{text}` is not a ratio: expected a number from 1e-6 to 1e6")));
         }

@@ -115,7 +115,7 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
 }
 
 /// The numbers of a gear of the catalogue; `None` where its efficiency is not known.
-fn gear_model(gear: &Gear) -> Option<GearModel> {
+pub(super) fn gear_model(gear: &Gear) -> Option<GearModel> {
     let efficiency = gear.load_efficiency()?;
     Some(GearModel {
         efficiency,

@@ -6,7 +6,7 @@ use super::said::per_cent;
 use super::{design_ratio, number};
 use crate::catalog::is_word;
 use crate::design::answer::{Design, JointResult, RobotResult, SpringChoice};
-use crate::design::buildable::{Stage, Train};
+use crate::requirement::{Joint, Stage, Train};
 use crate::words::range_inwards;
 
 /// The way from a folder to a file, both as they are on disk; the file's own path where one of them is not there.
@@ -127,7 +127,10 @@ pub fn toml(written: &Written) -> String {
         out.push_str(&format!("\n[[joint]]\nname = {}\nmotor = {}\n", text(&joint.joint.name), text(&design.motor.id)));
         match design.gear {
             Some(gear) => out.push_str(&format!("gear = {}\n", text(gear))),
-            None => out.push_str(&format!("ratio = {ratio:?}{}\n", built_text(built.as_ref()))),
+            None => {
+                let built = built_text(built.as_ref(), joint.joint, ratio);
+                out.push_str(&format!("ratio = {ratio:?}{built}\n"));
+            }
         }
         if built.is_some() {
             out.push_str(&format!("optimal_ratio = {:?}\n", optimal.optimum.ratio));
@@ -142,9 +145,11 @@ pub fn toml(written: &Written) -> String {
 }
 
 /// How a ratio can be built, as a comment behind it.
-fn built_text(built: Option<&Made>) -> String {
-    let Some(Made { train: Some(train), .. }) = built else { return String::new() };
+fn built_text(built: Option<&Made>, joint: &Joint, ratio: f64) -> String {
+    let listed = joint.ratio.toothed(ratio).map(|gear| &gear.train);
+    let Some(train) = built.and_then(|built| built.train.as_ref()).or(listed) else { return String::new() };
     let stage = |stage: &Stage| format!("sun {}, ring {}", stage.sun, stage.ring);
     let stages: Vec<String> = train.stages.iter().map(stage).collect();
-    format!("  # for example planetary: {}", stages.join("; "))
+    let example = if listed.is_some() { "" } else { "for example " };
+    format!("  # {example}planetary: {}", stages.join("; "))
 }

@@ -38,6 +38,7 @@ mod said;
 pub mod spring;
 pub mod sweep;
 pub mod table;
+mod teeth;
 pub mod tint;
 pub mod torques;
 pub(crate) mod turns;

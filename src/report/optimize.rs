@@ -86,11 +86,12 @@ pub(super) fn ratio_text(joint: &Joint) -> String {
 fn ratio_of_motors(joint: &Joint) -> String {
     match &joint.ratio {
         RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
-        RatioChoice::Listed { values, step: Some(step) } => {
+        RatioChoice::Listed { teeth: Some(teeth), .. } => super::teeth::ratios(teeth),
+        RatioChoice::Listed { values, step: Some(step), .. } => {
             let ends = (values.first().copied().unwrap_or(f64::NAN), values.last().copied().unwrap_or(f64::NAN));
             format!("ratio {} to {} in steps of {}", number(ends.0), number(ends.1), number(*step))
         }
-        RatioChoice::Listed { values, step: None } => {
+        RatioChoice::Listed { values, step: None, .. } => {
             format!("ratio {}", values.iter().map(|n| n.to_string()).collect::<Vec<_>>().join(", "))
         }
         RatioChoice::Catalog { patterns, .. } => format!("gears {}", patterns.join(", ")),

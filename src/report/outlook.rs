@@ -3,14 +3,15 @@
 use super::answer::{binds, checked, is_of_range, own_bound};
 use super::said::{margin_at, per_cent, proof, windows_text};
 use super::table::{Column, Table, paragraph};
-use super::{balance, design_ratio, losses, number, optional, turns};
+use super::{balance, demand_of, design_ratio, losses, number, optional, teeth, turns};
+use crate::actuator::limits::Remark;
+use crate::catalog::Gear;
 use crate::design::answer::{Design, JointResult};
-use crate::design::buildable::Train;
 use crate::design::flatness::Flatness;
-use crate::design::nearby::Nearby;
+use crate::design::nearby::{Gap, NearGear, Nearby, Parts, Standing};
 use crate::design::outlook::{FrontDesign, Outlook};
 use crate::design::program::Certificate;
-use crate::requirement::{Balancing, Joint};
+use crate::requirement::{Balancing, Joint, Quantity};
 use crate::words::range_inwards;
 
 /// Why the first choice of a joint; empty where there is none.
@@ -23,6 +24,9 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     let [what, sure] = how(design, joint);
     say(&what);
     say(&sure);
+    if let Some(line) = teeth::of_ratio(joint, design.optimum.ratio) {
+        say(&line);
+    }
     say(&losses::sentence(&design.evaluation));
     losses::of_supply(&design.evaluation).iter().for_each(|line| say(line));
     losses::of_gear(&design.evaluation).iter().for_each(|line| say(line));
@@ -37,9 +41,10 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     }
     if let Some(bound) = &outlook.own_bound {
         let key = if bound.is_largest { ("a larger", "max") } else { ("a smaller", "min") };
-        let what = match joint.ratio.is_list() {
-            true => format!("list {} ratio", key.0),
-            false => format!("give `ratio` {} `{}`", key.0, key.1),
+        let what = match (joint.ratio.is_list(), joint.ratio.teeth().is_some()) {
+            (true, _) => format!("list {} ratio", key.0),
+            (_, true) => format!("allow {} ratio of a stage", key.0),
+            _ => format!("give `ratio` {} `{}`", key.0, key.1),
         };
         let kept = if design.unchecked.is_empty() { "every limit" } else { "every checked limit" };
         say(&format!("{}; {kept} is kept there: {what}, if it can be built", own_bound(bound, joint)));
@@ -63,7 +68,7 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
         if let Some(line) = planetary(nearby, design, joint) {
             say(&line);
         }
-        out.push_str(&gears(nearby, joint));
+        out.push_str(&gears(nearby, design, joint));
     }
     out + &front(&outlook.front)
 }
@@ -121,13 +126,6 @@ fn runner_up(result: &JointResult, design: &Design) -> Option<String> {
     Some(format!("next: {}{gear} at N = {}{above}", next.motor.id, design_ratio(next)))
 }
 
-/// Teeth of a train of simple planetary stages.
-pub(super) fn teeth(train: &Train) -> String {
-    let stages: Vec<String> =
-        train.stages.iter().map(|stage| format!("sun {} ring {}", stage.sun, stage.ring)).collect();
-    stages.join(", then ")
-}
-
 /// A number with two decimals and its sign.
 fn signed(value: f64) -> String {
     let sign = if value < 0.0 { "−" } else { "+" };
@@ -151,7 +149,7 @@ fn planetary(nearby: &Nearby, design: &Design, joint: &Joint) -> Option<String> 
     let there = &built.design.evaluation;
     Some(format!(
         "simple planetary near by: {} teeth, N = {}: loss {} W, {} kg, {} {}",
-        teeth(built.train.as_ref()?),
+        teeth::of_train(built.train.as_ref()?),
         number(there.ratio),
         number(there.loss),
         optional(there.mass),
@@ -160,44 +158,140 @@ fn planetary(nearby: &Nearby, design: &Design, joint: &Joint) -> Option<String> 
     ))
 }
 
-fn gears(nearby: &Nearby, joint: &Joint) -> String {
-    if nearby.gears.is_empty() {
-        let line = match (&nearby.exceeded, nearby.looked_at) {
-            (_, 0) => "no gear of the catalogue near this ratio says what torque it carries and fits".to_string(),
-            (Some((gear, margin)), n) => {
-                let over = match margin.bound == 0.0 {
-                    true => "more than nothing".into(),
-                    false => format!("{} times the limit", number(margin.demand / margin.bound)),
-                };
-                let all = crate::words::counted(n, "gear");
-                format!(
-                    "of {all} of the catalogue near this ratio none will do: with {}, the nearest, {} is {over}",
-                    gear.id, margin.limit
-                )
-            }
-            (None, n) => {
-                format!("of {} of the catalogue near this ratio none can be judged", crate::words::counted(n, "gear"))
-            }
-        };
-        return paragraph(&line, 4, 6);
+fn gears(nearby: &Nearby, design: &Design, joint: &Joint) -> String {
+    if let Some(gap) = &nearby.gap {
+        return paragraph(&no_gear(gap), 4, 6);
     }
-    let columns = vec![
-        Column::name("gear of the\ncatalogue"),
-        Column::number("N", ""),
-        Column::number("mass", "kg"),
-        Column::number("loss", "W"),
-        Column::number(joint.goal(), "").dropped(2),
-        Column::name("against\nthe best"),
-    ];
-    let rows = nearby.gears.iter().map(|near| {
-        let e = &near.evaluation;
-        let cells = [number(e.ratio), optional(e.mass), number(e.loss), number(near.objective), change(near.above)];
-        std::iter::once(near.gear.id.clone()).chain(cells).collect()
-    });
-    let unit = joint.objective.unit();
-    let mut columns = columns;
-    columns[4] = Column::number(joint.goal(), unit).dropped(2);
-    format!("\n{}", Table::new(columns).indented(4).also_in("`--json`").rows(rows).text())
+    let mut out = paragraph(&format!("{}:", heading(nearby)), 4, 6);
+    nearby.gears.iter().for_each(|near| out.push_str(&paragraph(&near_gear(near, design, joint), 6, 8)));
+    out
+}
+
+/// How many gears are near by and named, and whether one of them will do.
+pub(super) fn heading(nearby: &Nearby) -> String {
+    let named = nearby.gears.len();
+    // The best are named first: what the first does not keep none does.
+    let keeps = nearby.gears.first().is_some_and(|near| near.standing == Standing::Keeps);
+    match (nearby.looked_at > named, keeps) {
+        (false, true) => "gears of the catalogue near by".into(),
+        (true, true) => format!("gears of the catalogue near by, the first {named} of {}", nearby.looked_at),
+        (false, false) => "gears of the catalogue near by, none of which is known to keep every limit".into(),
+        (true, false) => format!(
+            "gears of the catalogue near by: none of {} is known to keep every limit; the first {named}",
+            nearby.looked_at
+        ),
+    }
+}
+
+/// Between which ratios the catalogue has no gear that will do.
+pub(super) fn no_gear(gap: &Gap) -> String {
+    let named = |gear: &Gear| format!("{}:1 ({})", number(gear.ratio), gear.id);
+    let of = "and fits this motor and the requirement's ratios";
+    match (gap.below, gap.above) {
+        (Some(below), Some(above)) => {
+            format!("no gear of the catalogue is between {} and {} {of}", named(below), named(above))
+        }
+        (None, Some(above)) => format!("no gear of the catalogue is below {} {of}", named(above)),
+        (Some(below), None) => format!("no gear of the catalogue is above {} {of}", named(below)),
+        (None, None) => "no gear of the catalogue fits this motor and the requirement's ratios".into(),
+    }
+}
+
+/// A gear near by: what it costs, where that comes from, and how far it keeps the limits.
+fn near_gear(near: &NearGear, design: &Design, joint: &Joint) -> String {
+    let [cost, mass, kept] = near_gear_cells(near, design, joint);
+    let said: Vec<String> = [cost, mass].into_iter().filter(|text| !text.is_empty()).collect();
+    let said = if said.is_empty() { String::new() } else { format!("{}; ", said.join(", ")) };
+    format!("{}:1 {}: {said}{kept}", number(near.gear.ratio), near.gear.id)
+}
+
+/// What a gear near by costs more of the objective, what of mass, and how far it keeps the limits; the first two empty where
+/// nothing can be evaluated.
+pub(super) fn near_gear_cells(near: &NearGear, design: &Design, joint: &Joint) -> [String; 3] {
+    let kept = standing(near, design);
+    let Some(there) = &near.evaluation else { return [String::new(), String::new(), kept] };
+    let mass_alone = joint.objective.sole() == Some(Quantity::Mass);
+    let cost = match near.more {
+        _ if mass_alone => String::new(),
+        None => format!("{} not known", joint.goal()),
+        Some(more) => {
+            let parts = near.parts.map_or_else(String::new, |parts| parts_text(&parts, near, design, joint));
+            format!("{} {}{parts}", joint.goal(), more_of(more, design, joint, true))
+        }
+    };
+    let mass = match near.mass {
+        Some(more) => format!("mass {} kg", with_sign(more)),
+        None if there.mass.is_none() => "mass not known".into(),
+        None => "mass not compared: that of the best design is not known".into(),
+    };
+    [cost, mass, kept]
+}
+
+/// Where what a gear costs more comes from.
+fn parts_text(parts: &Parts, near: &NearGear, design: &Design, joint: &Joint) -> String {
+    let one = |name: &str, more: f64| format!("{name} {}", more_of(more, design, joint, false));
+    let inertia = match parts.inertia {
+        Some(more) => one("inertia", more),
+        None if near.gear.inertia.is_none() => "inertia not known, left out".into(),
+        None => String::new(),
+    };
+    let mass = parts.mass.map(|more| one("mass", more));
+    let all = [one("ratio", parts.ratio), one("efficiency", parts.efficiency), inertia];
+    let all: Vec<String> = all.into_iter().chain(mass).filter(|text| !text.is_empty()).collect();
+    format!(" ({})", all.join(", "))
+}
+
+/// More or less of the objective: as a share of the best where that means something.
+fn more_of(more: f64, design: &Design, joint: &Joint, with_unit: bool) -> String {
+    let best = design.optimum.objective;
+    match (best > 0.0, joint.objective.unit()) {
+        (true, _) => {
+            let share = with_sign((1000.0 * more / best).round() / 10.0);
+            if with_unit { format!("{share} %") } else { share }
+        }
+        (false, unit) if with_unit && unit != "1" => format!("{} {unit}", with_sign(more)),
+        (false, _) => with_sign(more),
+    }
+}
+
+/// A number with its sign.
+fn with_sign(value: f64) -> String {
+    match number(value.abs()).as_str() {
+        "0" => "0".into(),
+        size if value > 0.0 => format!("+{size}"),
+        size => format!("−{size}"),
+    }
+}
+
+/// How far a gear keeps the limits, and what of them cannot be judged with it.
+fn standing(near: &NearGear, design: &Design) -> String {
+    let remarks = |all: Vec<&Remark>| {
+        let all: Vec<String> = all.iter().map(|(name, why)| format!("{name} ({why})")).collect();
+        all.join(", ")
+    };
+    let is_new = |remark: &&Remark| !design.unchecked.contains(remark);
+    match &near.standing {
+        Standing::Keeps if near.keeps_all() => "all limits kept".into(),
+        Standing::Keeps => "all checked limits kept".into(),
+        Standing::LessKnown | Standing::Unjudged => {
+            let new: Vec<&Remark> = near.unchecked.iter().filter(is_new).collect();
+            let what = match near.standing {
+                Standing::Unjudged => "all checked limits kept, but it cannot be judged",
+                _ => "all checked limits kept; not checked with it",
+            };
+            match new.is_empty() {
+                true => "all checked limits kept".into(),
+                false => format!("{what}: {}", remarks(new)),
+            }
+        }
+        Standing::Exceeds => {
+            let over = near.exceeded();
+            let worst = over.first().map_or_else(String::new, |m| format!("exceeds {} ({})", m.limit, demand_of(m)));
+            let others: Vec<&str> = over.iter().skip(1).map(|m| m.limit).collect();
+            if others.is_empty() { worst } else { format!("{worst} and {}", others.join(", ")) }
+        }
+        Standing::Unusable(why) => format!("cannot be evaluated: {}", why.reason()),
+    }
 }
 
 fn front(front: &[FrontDesign]) -> String {

@@ -1,5 +1,8 @@
 //! Which ratios a joint may have, and the gear that goes with a free one: `ratio`, `gears`, `gear`.
 
+use std::sync::Arc;
+
+use super::teeth::{self, MOST_LISTED, SAME, Teeth, Toothed};
 use crate::catalog::drag::Friction;
 use crate::catalog::{ContinuousTorque, GearRatings, LifeQuantile, no_load_friction};
 use crate::input::{Problem, Range, Section, key};
@@ -21,6 +24,8 @@ pub enum RatioChoice {
         values: Vec<f64>,
         /// Where they were given as a grid, its step.
         step: Option<f64>,
+        /// Where they are those of planetary stages, the teeth.
+        teeth: Option<Arc<Teeth>>,
     },
     /// The gears of the catalogue whose id matches one of the patterns.
     Catalog {
@@ -31,10 +36,8 @@ pub enum RatioChoice {
     },
 }
 
-/// A ratio may be off by this share of itself and is still the one that is meant.
-const SAME: f64 = 1e-9;
-/// Most ratios that a list or a grid may have.
-const MOST_LISTED: usize = 1000;
+/// By how much of itself four digits may be off.
+const PRINTED: f64 = 5e-4;
 
 impl RatioChoice {
     /// The smallest and the largest ratio; `None` where gears of the catalogue have them.
@@ -54,14 +57,34 @@ impl RatioChoice {
         }
     }
 
-    /// Whether the ratios were listed one by one, not as a range or grid.
+    /// Whether the ratios were listed one by one, not as a range, a grid or by teeth.
     pub fn is_list(&self) -> bool {
-        matches!(self, RatioChoice::Listed { step: None, .. })
+        matches!(self, RatioChoice::Listed { step: None, teeth: None, .. })
+    }
+
+    /// The teeth, where the ratios are those of planetary stages.
+    pub fn teeth(&self) -> Option<&Teeth> {
+        match self {
+            RatioChoice::Listed { teeth, .. } => teeth.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// The gear of a ratio by its teeth, where the ratios are those of planetary stages.
+    pub fn toothed(&self, ratio: f64) -> Option<&Toothed> {
+        self.teeth()?.of(ratio)
     }
 
     /// Whether the ratios are those of gears of the catalogue.
     pub fn is_catalog(&self) -> bool {
         matches!(self, RatioChoice::Catalog { .. })
+    }
+
+    /// The ratio that one was printed from in four digits, where the ratios are those of teeth; else the ratio itself.
+    pub fn as_printed(&self, ratio: f64) -> f64 {
+        let away = |n: &f64| (n / ratio - 1.0).abs();
+        let of_teeth = self.teeth().into_iter().flat_map(|teeth| teeth.gears.iter().map(|gear| gear.ratio));
+        of_teeth.filter(|n| away(n) <= PRINTED).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(ratio)
     }
 
     /// Whether a ratio may be chosen, but for rounding; of gears of the catalogue it is not told by the ratio.
@@ -220,7 +243,7 @@ pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
     }
 }
 
-/// Reads `{ min, max }`, `{ min, max, step }` or `{ values }`.
+/// Reads `{ min, max }`, `{ min, max, step }`, `{ values }` or `{ stages, teeth }`.
 fn read_ratios(table: &Section) -> Option<RatioChoice> {
     let (min, max) = (
         table.number(key("min", "smallest ratio").or("values"), Range::Positive),
@@ -229,6 +252,14 @@ fn read_ratios(table: &Section) -> Option<RatioChoice> {
     let step =
         table.number(key("step", "of a grid that begins at `min`; without it any ratio between"), Range::Positive);
     let values = table.number_list(key("values", "the only ratios, ascending").or("min"), Range::Positive);
+    let stages = teeth::read_stages(table);
+    let about = "which teeth the stages may have: all that can be assembled are listed; with `stages`";
+    let teeth = table.section(key("teeth", about));
+    if table.has("stages") || table.has("teeth") {
+        let teeth = teeth::read(table, stages, teeth)?;
+        let values = teeth.gears.iter().map(|gear| gear.ratio).collect();
+        return Some(RatioChoice::Listed { values, step: None, teeth: Some(teeth.into()) });
+    }
     if table.has("values") {
         if let Some(other) = ["min", "max", "step"].into_iter().find(|other| table.has(*other)) {
             let message = format!("`values` lists the ratios: it has no `{other}`");
@@ -286,7 +317,7 @@ fn read_grid(table: &Section, (min, max): (f64, f64), step: f64) -> Option<Ratio
     // As it would be written by hand: 5.3, not 5.300000000000001.
     let at = |k: usize| format!("{:.12e}", min + k as f64 * step).parse().unwrap_or(min + k as f64 * step);
     let values = (0..=steps as usize).map(at).map(|ratio: f64| ratio.min(max)).collect();
-    Some(RatioChoice::Listed { values, step: Some(step) })
+    Some(RatioChoice::Listed { values, step: Some(step), teeth: None })
 }
 
 /// The ratios of a list.
@@ -313,11 +344,11 @@ fn read_values(table: &Section, values: Vec<f64>) -> Option<RatioChoice> {
             return wrong(message, "expected the smallest first");
         }
     }
-    Some(RatioChoice::Listed { values, step: None })
+    Some(RatioChoice::Listed { values, step: None, teeth: None })
 }
 
-/// Reads `gear` of a joint, but for its `map`.
-pub(super) fn read_gear(section: &Section) -> GearModel {
+/// Reads `gear` of a joint, but for its `map`; with the number of its stages, where the ratio says it.
+pub(super) fn read_gear(section: &Section, stages: Option<usize>) -> GearModel {
     let efficiency =
         section.number(key("efficiency", "when the motor drives, η").default("1"), Range::Fraction).unwrap_or(1.0);
     let backdrive = section
@@ -332,7 +363,10 @@ pub(super) fn read_gear(section: &Section) -> GearModel {
     let per_stage =
         section.quantity(key("mass_per_stage", "of each stage, in place of `mass`"), &units::MASS, Range::NonNegative);
     let stage_ratio = section.number(
-        key("stage_ratio", "largest ratio of one stage, at least 1.1; with `mass_per_stage`"),
+        key(
+            "stage_ratio",
+            "largest ratio of one stage, at least 1.1; with `mass_per_stage`, unless `ratio` lists stages",
+        ),
         Range::AtLeastOne,
     );
     let mass = section.quantity(
@@ -341,6 +375,11 @@ pub(super) fn read_gear(section: &Section) -> GearModel {
         Range::NonNegative,
     );
     match (per_stage, stage_ratio) {
+        (_, Some(_)) if stages.is_some() => {
+            let message = "`stage_ratio` says how many stages a ratio takes, and `ratio` lists the stages itself";
+            let problem = Problem::at(section.span_of("stage_ratio"), message, "a second number of one thing");
+            section.note(problem.help("remove it: `mass_per_stage` counts the listed stages"));
+        }
         (Some(_), Some(ratio)) if ratio < 1.1 => {
             section.note(Problem::at(
                 section.span_of("stage_ratio"),
@@ -348,7 +387,7 @@ pub(super) fn read_gear(section: &Section) -> GearModel {
                 "expected at least 1.1",
             ));
         }
-        (Some(_), None) if !section.has("stage_ratio") => {
+        (Some(_), None) if !section.has("stage_ratio") && stages.is_none() => {
             section.missing("stage_ratio", "5  # largest ratio of one stage")
         }
         (None, Some(_)) if !section.has("mass_per_stage") => section.missing("mass_per_stage", "\"120 g\""),
@@ -365,8 +404,13 @@ pub(super) fn read_gear(section: &Section) -> GearModel {
     let gear = GearModel {
         efficiency,
         backdrive_efficiency: backdrive.unwrap_or_else(|| backdrive_efficiency(efficiency)),
-        mass: mass.or(if per_stage.is_some() { None } else { Some(0.0) }),
-        mass_per_stage: per_stage.zip(stage_ratio),
+        // Listed stages are as many at every ratio.
+        mass: mass.or(match (per_stage, stages) {
+            (Some(mass), Some(stages)) => Some(mass * stages as f64),
+            (Some(_), None) => None,
+            (None, _) => Some(0.0),
+        }),
+        mass_per_stage: per_stage.zip(stage_ratio).filter(|_| stages.is_none()),
         inertia: section
             .quantity(key("inertia", "at the input, J_g").default("none"), &units::INERTIA, Range::NonNegative)
             .unwrap_or(0.0),

@@ -48,7 +48,8 @@ pub(super) fn read(
                 };
                 section.note(Problem::at(gear.span(), message, label).help(help));
             }
-            let model = gear::read_gear(&gear);
+            let stages = ratio.as_ref().and_then(RatioChoice::teeth).map(|teeth| teeth.stages.len());
+            let model = gear::read_gear(&gear, stages);
             let map = map_file::read(&gear, reader);
             gear.finish();
             (model, map)

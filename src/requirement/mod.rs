@@ -21,6 +21,7 @@ mod objective;
 mod read;
 mod robot;
 pub mod set;
+mod teeth;
 mod transmission;
 mod turns;
 
@@ -37,4 +38,5 @@ pub use objective::{Balance, Balancing, Extreme, Objective, Quantity};
 pub use read::{describe, read, read_changed, read_source, read_without_springs};
 pub use robot::{Budget, Carried, Filter, Joint, Robot, RobotCase};
 pub use set::Settings;
+pub use teeth::{LEAST_TEETH, NoTeeth, Stage, Teeth, Toothed, Train, trains};
 pub use turns::{Turns, Windings};

@@ -59,7 +59,7 @@ ambient = {}
 budget = {}
 mechanism = { payload = {} }
 [[joint]]
-ratio = {}
+ratio = { teeth = {} }
 gear = {}
 motion = ''
 scale = {}

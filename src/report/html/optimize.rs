@@ -11,8 +11,10 @@ use crate::report::explain::{limit_columns, limit_rows};
 use crate::report::optimize::{
     bind_text, budget_lines, choice_text, joint_notes, notes, proof, ratio_text, rewound_text, verdict, without_choice,
 };
+use crate::report::outlook::{heading, near_gear_cells, no_gear};
 use crate::report::plot::design as plot;
 use crate::report::reason::reason_text;
+use crate::report::teeth::of_ratio;
 use crate::report::{columns, different_motors, number, optional, spring};
 use crate::requirement::{Joint, RatioChoice};
 
@@ -185,6 +187,8 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
     parts.extend(candidates(result, names).part());
     parts.extend(losses(result, names));
     if let Some(first) = result.candidates.first() {
+        let teeth = of_ratio(joint, first.optimum.ratio).filter(|_| first.gear.is_none());
+        parts.extend(teeth.map(|line| Part::Text(format!("{}: {line}.", choice_text(first)))));
         let name = format!("{names}: limits of the first choice, {}", choice_text(first));
         let limits = Table::of(name, &limit_columns()).rows(limit_rows(&first.evaluation.margins, joint));
         parts
@@ -194,6 +198,7 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
         let prices = Table::new(format!("{names}: what one per cent more of a limit changes"), &["limit", &change]);
         parts.extend(prices.rows(rows).part().map(|part| folded("What wider limits would bring", part)));
     }
+    parts.extend(outlook.and_then(|outlook| near_gears(result, outlook, names)));
     parts.extend(super::unjudged::of_joint(names, result));
     let mut rejected = Table::new(
         format!("{names}: why not the others"),
@@ -230,6 +235,27 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
 
 fn folded(title: &str, part: Part) -> Part {
     Part::Folded(title.into(), Box::new(part))
+}
+
+/// Gears that one can buy near the best ratio of the first design.
+fn near_gears(result: &JointResult, outlook: &Outlook, names: &str) -> Option<Part> {
+    let (design, nearby) = (result.candidates.first()?, outlook.nearby.as_ref()?);
+    if let Some(gap) = &nearby.gap {
+        return Some(Part::Text(format!("{}.", no_gear(gap))));
+    }
+    let name = format!("{names}: {} {}", heading(nearby), choice_text(design));
+    let columns = ["gear", ">N", ">loss [W]", ">mass [kg]", "against the best", "limits"];
+    let mut table = Table::new(name, &columns);
+    for near in &nearby.gears {
+        let [cost, mass, kept] = near_gear_cells(near, design, result.joint);
+        let loss = near.evaluation.as_ref().map(|there| there.loss);
+        let more: Vec<String> = [cost, mass].into_iter().filter(|text| !text.is_empty()).collect();
+        let mass = near.evaluation.as_ref().and_then(|there| there.mass);
+        let cells =
+            vec![near.gear.id.clone(), number(near.gear.ratio), optional(loss), optional(mass), more.join(", "), kept];
+        table.push(&near.gear.id, cells);
+    }
+    table.part().map(|part| folded("Gears of the catalogue near the best ratio", part))
 }
 
 /// Designs whose losses are drawn.

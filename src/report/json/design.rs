@@ -33,6 +33,9 @@ pub struct Design<'a> {
     pub gear: Option<&'a str>,
     /// Ratio N.
     pub ratio: f64,
+    /// Teeth of a gear of this ratio, where the requirement lists the stages.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub teeth: Option<Teeth>,
     /// Whether every limit that could be checked is kept.
     pub feasible: bool,
     /// Objective; `null` where a number that it needs is not known.
@@ -146,6 +149,26 @@ pub struct Bind<'a> {
     pub at: Option<String>,
     /// Why what lies beyond cannot be judged; `null` where it exceeds the limit.
     pub unjudged: Option<&'a str>,
+}
+
+/// The planetary gear with the fewest teeth that has a ratio.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Teeth {
+    /// Teeth of sun and ring of each stage, the motor's first.
+    pub stages: Vec<[u32; 2]>,
+    /// Planets of each stage.
+    pub planets: u32,
+    /// How many other sets of teeth have the ratio.
+    pub others: u64,
+}
+
+impl Teeth {
+    /// Of a ratio at a joint; `None` where the requirement does not list stages.
+    pub fn new(joint: &Joint, ratio: f64) -> Option<Teeth> {
+        let (teeth, gear) = (joint.ratio.teeth()?, joint.ratio.toothed(ratio)?);
+        let stages = gear.train.stages.iter().map(|stage| [stage.sun, stage.ring]).collect();
+        Some(Teeth { stages, planets: teeth.planets, others: gear.others })
+    }
 }
 
 /// An interval of feasible ratios.
@@ -538,6 +561,7 @@ impl<'a> Design<'a> {
             motor: &facts.motor.id,
             gear: facts.gear,
             ratio: e.ratio,
+            teeth: Teeth::new(joint, e.ratio).filter(|_| facts.gear.is_none()),
             feasible: e.feasible,
             objective: facts.objective,
             objective_unit: joint.objective.unit(),

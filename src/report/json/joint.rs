@@ -21,6 +21,9 @@ pub struct Joint<'a> {
     /// What loss and mass are divided by where the objective is balanced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reference: Option<Reference>,
+    /// Where the requirement lists planetary stages: how many ratios these have, and how many of them are looked at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stages: Option<Stages>,
     /// What of the motion was not given but taken from a spline.
     pub derived_by_spline: &'a [&'static str],
     /// What is known of the motion between its samples; `null` where there is nothing between.
@@ -99,6 +102,17 @@ impl<'a> Transmission<'a> {
     }
 }
 
+/// Ratios of planetary stages.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Stages {
+    /// How many ratios can be assembled.
+    pub ratios: usize,
+    /// How many of them are looked at.
+    pub looked_at: usize,
+    /// Where that is not all: each other one is within this share of one that is looked at, which has no more teeth.
+    pub within: Option<f64>,
+}
+
 /// The load cases of a joint.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Cases<'a> {
@@ -172,6 +186,11 @@ impl<'a> Joint<'a> {
             count: joint.count,
             objective: joint.goal(),
             reference: Reference::new(joint),
+            stages: joint.ratio.teeth().map(|teeth| Stages {
+                ratios: teeth.ratios,
+                looked_at: teeth.gears.len(),
+                within: teeth.within,
+            }),
             derived_by_spline: &joint.motion.derived,
             between_samples: BetweenSamples::new(joint),
             cases: Cases::new(joint),

@@ -3,13 +3,17 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::design::{Limit, NotChecked, limits, not_checked};
+use super::finite;
 use super::turns::OtherTurns;
+use crate::catalog::Gear;
 use crate::design::answer::JointResult;
 use crate::design::evaluate::Evaluation;
 use crate::design::flatness;
 use crate::design::nearby;
 use crate::design::outlook;
 use crate::design::program::Certificate;
+use crate::requirement::Joint;
 
 /// What is said of the first candidate beside the choice.
 #[derive(Debug, Default, Serialize, JsonSchema)]
@@ -20,7 +24,7 @@ pub struct Outlook<'a> {
     /// The requirement's own range of ratios decided; left out where it did not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_bound: Option<OwnBound>,
-    /// Gears of the catalogue near the best ratio that keep every limit; left out where the catalogue fixes the gear.
+    /// Gears of the catalogue near the best ratio; left out where the catalogue fixes the gear.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_gears: Option<NearGears<'a>>,
     /// A simple planetary gear near the best ratio.
@@ -63,14 +67,32 @@ pub struct OwnBound {
 /// Gears of the catalogue near by.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct NearGears<'a> {
-    /// How many were looked at: those near by that fit and state what torque they carry.
+    /// How many were looked at: those of a ratio that is feasible or within 30 % of the best one, that fit the motor or do not
+    /// say what they fit, and whose ratio the requirement allows.
     pub looked_at: usize,
-    /// The nearest that keep every limit.
+    /// The first of them: by how they stand, then by the objective, those that exceed a limit by how far.
     pub gears: Vec<NearGear<'a>>,
-    /// Where none does: the nearest one.
-    pub nearest: Option<&'a str>,
-    /// The limit that it exceeds most.
-    pub exceeds: Option<&'static str>,
+    /// Where none was looked at: between which gears there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gap: Option<Gap<'a>>,
+}
+
+/// Between which gears of the catalogue there is none that fits the motor and the requirement's ratios.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Gap<'a> {
+    /// The next one of a smaller ratio; `null` where there is none.
+    pub below: Option<GearAt<'a>>,
+    /// The next one of a larger ratio; `null` where there is none.
+    pub above: Option<GearAt<'a>>,
+}
+
+/// A gear of the catalogue with its ratio.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct GearAt<'a> {
+    /// Its id.
+    pub gear: &'a str,
+    /// Its ratio.
+    pub ratio: f64,
 }
 
 /// What a ratio near the best one costs.
@@ -88,14 +110,58 @@ pub struct Nearly {
     pub above: Option<f64>,
 }
 
-/// A gear of the catalogue.
+/// A gear of the catalogue, evaluated with its own efficiency, inertia, mass and ratings.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct NearGear<'a> {
     /// Its id.
     pub gear: &'a str,
-    /// What it costs.
-    #[serde(flatten)]
-    pub at: Nearly,
+    /// Its ratio.
+    pub ratio: f64,
+    /// `keeps`: every limit that is judged of the best design; `less_known`: what can be judged, which is less than of the best
+    /// design; `unjudged`: the same, and the requirement states what cannot be; `exceeds`: not every limit; `unusable`: it
+    /// cannot be evaluated.
+    pub standing: &'static str,
+    /// Whether every limit could be judged and is kept.
+    pub keeps_all: bool,
+    /// The limits that it exceeds, the worst first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub exceeds: Vec<Limit<'a>>,
+    /// Limits that could not be checked with it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_checked: Vec<NotChecked<'a>>,
+    /// Why it cannot be evaluated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub because: Option<&'static str>,
+    /// Mean loss with it; `null` where it is not known.
+    pub loss_w: Option<f64>,
+    /// Mass of motor and gear; `null` where it is not known.
+    pub mass_kg: Option<f64>,
+    /// That less the mass of the best design; `null` where one of them is not known.
+    pub more_mass_kg: Option<f64>,
+    /// The objective with it; `null` where it is not known.
+    pub objective: Option<f64>,
+    /// That less the objective of the best design, in its unit.
+    pub more: Option<f64>,
+    /// The same relative to the best; `null` where that is not above zero.
+    pub above: Option<f64>,
+    /// Where it comes from, in the unit of the objective; `null` where nothing is to be taken apart, or the described gear is not
+    /// known at this ratio.
+    pub parts: Option<Parts>,
+}
+
+/// What of the objective is more, by what is changed one after the other. The parts add up to `more`, unless the gear's inertia is
+/// not known.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Parts {
+    /// The described gear at the other ratio.
+    pub ratio: f64,
+    /// With the efficiencies and the torque without load of the other gear.
+    pub efficiency: f64,
+    /// With its inertia; `null` where that is not known: it is left out.
+    pub inertia: Option<f64>,
+    /// With its mass; left out where the objective does not count it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
 }
 
 /// A gear of simple planetary stages.
@@ -142,7 +208,7 @@ impl<'a> Outlook<'a> {
         Outlook {
             flatness: of.flatness.as_ref().map(Flatness::from),
             own_bound: of.own_bound.as_ref().map(OwnBound::from),
-            near_gears: of.nearby.as_ref().map(NearGears::from),
+            near_gears: of.nearby.as_ref().map(|nearby| NearGears::new(nearby, result.joint)),
             near_planetary: planetary,
             turns: of.rewound.as_ref().map(|how| OtherTurns::new(how, design.motor, None, result.joint)),
             front: of.front.iter().map(FrontDesign::from).collect(),
@@ -169,17 +235,44 @@ impl From<&flatness::OwnBound> for OwnBound {
     }
 }
 
-impl<'a> From<&'a nearby::Nearby<'a>> for NearGears<'a> {
-    fn from(of: &'a nearby::Nearby<'a>) -> NearGears<'a> {
-        let gear = |near: &'a nearby::NearGear<'a>| NearGear {
-            gear: &near.gear.id,
-            at: Nearly::new(&near.evaluation, near.objective, near.above),
-        };
+impl<'a> NearGears<'a> {
+    fn new(of: &'a nearby::Nearby<'a>, joint: &'a Joint) -> NearGears<'a> {
+        let at = |gear: &'a Gear| GearAt { gear: &gear.id, ratio: gear.ratio };
         NearGears {
             looked_at: of.looked_at,
-            gears: of.gears.iter().map(gear).collect(),
-            nearest: of.exceeded.as_ref().map(|(gear, _)| gear.id.as_str()),
-            exceeds: of.exceeded.as_ref().map(|(_, margin)| margin.limit),
+            gears: of.gears.iter().map(|near| NearGear::new(near, joint)).collect(),
+            gap: of.gap.as_ref().map(|gap| Gap { below: gap.below.map(at), above: gap.above.map(at) }),
+        }
+    }
+}
+
+impl<'a> NearGear<'a> {
+    fn new(near: &'a nearby::NearGear<'a>, joint: &'a Joint) -> NearGear<'a> {
+        let exceeded: Vec<_> = near.exceeded().into_iter().copied().collect();
+        let there = near.evaluation.as_ref();
+        NearGear {
+            gear: &near.gear.id,
+            ratio: near.gear.ratio,
+            standing: near.standing.word(),
+            keeps_all: near.keeps_all(),
+            exceeds: limits(&exceeded, joint),
+            not_checked: not_checked(&near.unchecked),
+            because: match &near.standing {
+                nearby::Standing::Unusable(why) => Some(why.reason()),
+                _ => None,
+            },
+            loss_w: there.and_then(|e| finite(e.loss)),
+            mass_kg: there.and_then(|e| e.mass),
+            more_mass_kg: near.mass,
+            objective: near.objective.and_then(finite),
+            more: near.more.and_then(finite),
+            above: near.above.and_then(finite),
+            parts: near.parts.map(|parts| Parts {
+                ratio: parts.ratio,
+                efficiency: parts.efficiency,
+                inertia: parts.inertia,
+                mass: parts.mass,
+            }),
         }
     }
 }

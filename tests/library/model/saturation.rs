@@ -34,7 +34,7 @@ fn argument(share: f64) -> f64 {
 
 fn look<T>(motor: &Motor, torque: f64, look: impl FnOnce(&Prepared) -> T) -> T {
     let mut robot = common::robot(common::hold(torque, 1.0, 0.0), GearModel::IDEAL);
-    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None, teeth: None };
     let joint = &robot.joints[0];
     let load = Load::new(&joint.motion, None);
     look(&Prepared::new(Mount::new(&robot, joint, &load, motor).candidate().unwrap()))

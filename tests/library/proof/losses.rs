@@ -230,7 +230,7 @@ fn the_order_of_two_open_drags_turns_at_the_share_on_paper() {
     let drag = |torque: f64, speed: f64, share: f64| torque * (share + (1.0 - share) * 100.0 / speed);
     let found = |first: &Motor, other: &Motor, change: &dyn Fn(&mut Robot)| -> Option<OpenOrder> {
         let mut robot = common::robot(common::hold(0.2, 100.0, 0.0), common::gear(1.0));
-        robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+        robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None, teeth: None };
         robot.joints[0].objective = Objective::single(Quantity::Loss);
         robot.joints[0].motor_drag = MotorDrag::Counted;
         change(&mut robot);
@@ -331,7 +331,7 @@ fn the_nearest_demand_is_that_of_the_worse_end() {
 /// Looks at the design of a motor that turns at 20 rad/s with 0.2 N·m.
 fn robot_of<T>(motor: &Motor, look: impl FnOnce(&gearwise::design::Design) -> T) -> T {
     let mut robot = common::robot(common::hold(0.2, 20.0, 0.0), common::gear(1.0));
-    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None, teeth: None };
     robot.joints[0].objective = Objective::single(Quantity::Loss);
     robot.joints[0].motor_drag = MotorDrag::Counted;
     let catalog = Catalog::of(vec![motor.clone()], Vec::new());

@@ -93,9 +93,10 @@ fn no_flat_part_is_told_of_ratios_that_are_no_choice() {
     let case = (0..100).map(|i| draw(i, true)).find(|c| solved::solve(&c.motor, &c.robot).is_ok()).unwrap();
     let optimum = solved::solve(&case.motor, &case.robot).unwrap().optimum;
     let n = optimum.ratio;
-    for ratio in
-        [RatioChoice::Listed { values: vec![n, 1.1 * n], step: None }, RatioChoice::Continuous { min: n, max: n }]
-    {
+    for ratio in [
+        RatioChoice::Listed { values: vec![n, 1.1 * n], step: None, teeth: None },
+        RatioChoice::Continuous { min: n, max: n },
+    ] {
         let robot = with_ratio(&case, ratio.clone());
         let load = load(&robot);
         let prepared = prepared(&robot, &load, &case);
@@ -178,7 +179,7 @@ fn the_best_of_listed_ratios_is_that_of_a_plain_look_at_each() {
         let case = draw(i, i % 2 == 0);
         let RatioChoice::Continuous { min, max } = case.robot.joints[0].ratio else { unreachable!() };
         let values = grid(min, max, 3 + (i % 9) as usize);
-        let robot = with_ratio(&case, RatioChoice::Listed { values: values.clone(), step: None });
+        let robot = with_ratio(&case, RatioChoice::Listed { values: values.clone(), step: None, teeth: None });
         let catalog = Catalog::of(vec![case.motor.clone()], Vec::new());
         let result = optimize(&robot, &catalog);
         let joint = &result.joints[0];
@@ -228,59 +229,24 @@ fn the_best_of_listed_ratios_is_that_of_a_plain_look_at_each() {
     assert!(solved > 80 && refused > 20 && between > 0, "{solved} {refused} {between}");
 }
 
-/// Gears near by: each carries the load and costs what it is said to; none that is nearer would do.
+/// A planetary gear near by has the ratio of its teeth, and is no better than the best; a gear of the catalogue has none near by.
 #[test]
-fn gears_near_by_keep_every_limit_and_cost_what_is_said() {
+fn a_planetary_gear_near_by_has_its_ratio_and_is_not_better_than_the_best() {
     let catalog = Catalog::builtin().unwrap();
-    let mut robot = read(&repository("requirements/quadruped_mini_cheetah.toml")).unwrap();
-    for joint in &mut robot.joints {
-        joint.limits.actuator_mass = None;
-        joint.ratio = RatioChoice::Continuous { min: 3.0, max: 60.0 };
-        joint.limits.reflected_inertia = Some(0.2);
-    }
+    let robot = read(&repository("requirements/quadruped_mini_cheetah.toml")).unwrap();
     let result = optimize(&robot, &catalog);
-    let (mut offered, mut refused) = (0, 0);
+    let mut seen = 0;
     for of in &result.joints {
         for design in &of.candidates {
             let found = nearby(&robot, of.joint, &catalog, design).unwrap();
-            let away = |n: f64| (n / design.optimum.ratio).ln().abs();
-            let furthest = found.gears.iter().map(|g| away(g.gear.ratio)).fold(0.0, f64::max);
-            let load = Load::new(&of.joint.motion, of.joint.ripple());
-            let with = |gear| Mount::new(&robot, of.joint, &load, design.motor).with_gear(Some(gear)).prepared();
-            for near in &found.gears {
-                let there = with(near.gear).unwrap().at_in_full(near.gear.ratio);
-                assert!(there.feasible && (3.0..=60.0).contains(&there.ratio));
-                let torque = of.joint.motion.torque.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
-                assert!(near.gear.peak_torque.unwrap() >= torque * (1.0 - 1e-9), "{}", near.gear.id);
-                assert_eq!(near.evaluation.mass, near.gear.mass.zip(design.motor.mass).map(|(a, b)| a + b));
-                let above = there.objective(&of.joint.objective).unwrap() / design.optimum.objective - 1.0;
-                assert!((near.above.unwrap() - above).abs() < 1e-9);
-                offered += 1;
-            }
-            // Of those that are nearer than the last one that is offered each lacks something.
-            for gear in catalog.gears.iter().filter(|g| away(g.ratio) < furthest && (3.0..=60.0).contains(&g.ratio)) {
-                let is_offered = found.gears.iter().any(|near| near.gear.id == gear.id);
-                let fits = gear.fits(&design.motor.id) != Some(false) && gear.peak_torque.is_some();
-                let keeps = fits
-                    && with(gear).is_ok_and(|prepared| {
-                        let unchecked = prepared.judged(gear.ratio).unchecked;
-                        prepared.at(gear.ratio).feasible && unjudged(&robot, of.joint, &unchecked).is_empty()
-                    });
-                assert!(is_offered || !keeps, "{} for {}", gear.id, design.motor.id);
-                refused += usize::from(!is_offered);
-            }
-            if let Some((_, margin)) = &found.exceeded {
-                assert!(found.gears.is_empty() && margin.margin < 0.0);
-            }
-            if let Some(built) = &found.planetary {
-                let train = built.train.as_ref().unwrap();
-                assert!((train.ratio() - built.design.optimum.ratio).abs() < 1e-9);
-                assert!(found.planetary_above(design).unwrap() > -1e-6, "nothing is better than the best");
-            }
+            let Some(built) = &found.planetary else { continue };
+            let train = built.train.as_ref().unwrap();
+            assert!((train.ratio() - built.design.optimum.ratio).abs() < 1e-9);
+            assert!(found.planetary_above(design).unwrap() > -1e-6, "nothing is better than the best");
+            seen += 1;
         }
     }
-    assert!(offered > 20 && refused > 0, "{offered} {refused}");
-    // A gear of the catalogue has no others near by.
+    assert!(seen > 10, "{seen}");
     let geared = read(&repository("requirements/humanoid_hip_catalog_gears.toml")).unwrap();
     let result = optimize(&geared, &catalog);
     let first: &Design = &result.joints[0].candidates[0];

@@ -228,7 +228,8 @@ fn a_supply_that_sags_is_not_called_stiff() {
     let catalog = Catalog::builtin().unwrap();
     let motor = catalog.motor("t-motor-ri50").unwrap();
     let mut robot = common::robot(common::hold(10.0, 8.0, 0.0), common::gear(0.9));
-    (robot.bus.voltage, robot.joints[0].ratio) = (48.0, RatioChoice::Listed { values: vec![7.0], step: None });
+    (robot.bus.voltage, robot.joints[0].ratio) =
+        (48.0, RatioChoice::Listed { values: vec![7.0], step: None, teeth: None });
     let case = |robot: &Robot| {
         let joint = &robot.joints[0];
         let load = Load::new(&joint.motion, None);
@@ -256,7 +257,7 @@ fn the_current_that_a_drive_gives_for_ever_is_a_limit() {
     let catalog = Catalog::builtin().unwrap();
     let motor = catalog.motor("t-motor-ri50").unwrap().clone();
     let mut robot = common::robot(common::hold(5.0, 1.0, 0.0), common::gear(1.0));
-    robot.joints[0].ratio = RatioChoice::Listed { values: vec![5.0], step: None };
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![5.0], step: None, teeth: None };
     let only = Catalog::of(vec![motor.clone()], Vec::new());
     let amplitude = 1.0 / motor.torque_constant / 1.5_f64.sqrt();
     let design = |robot: &Robot| optimize(robot, &only).joints[0].designs().next().map(|d| d.evaluation.clone());

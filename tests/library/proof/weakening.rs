@@ -29,7 +29,7 @@ fn motor() -> Motor {
 fn joint(torque: f64, speed: f64, amplitude: Option<f64>) -> Robot {
     let mut robot = common::robot(common::hold(torque, speed, 0.0), GearModel::IDEAL);
     robot.bus.voltage = 10.0 * 2.0_f64.sqrt();
-    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None, teeth: None };
     robot.bus.drive.field_weakening_current = amplitude;
     robot
 }

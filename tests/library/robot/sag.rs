@@ -29,7 +29,7 @@ fn robot(count: u32, resistance: f64) -> Robot {
     robot.bus.voltage = 10.0;
     robot.bus.internal_resistance = Some(resistance);
     robot.joints[0].count = count;
-    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None };
+    robot.joints[0].ratio = RatioChoice::Listed { values: vec![1.0], step: None, teeth: None };
     robot.joints[0].objective = Objective::single(Quantity::CopperLoss);
     robot
 }

@@ -99,7 +99,7 @@ fn why_says_what_the_json_says() {
     legs(&folder, "legs.toml", None, &[]);
     legs(&folder, "narrow.toml", Some("\"loss\""), &[("max = 20", "max = 4")]);
     folder.requirement("humanoid_hip_catalog_gears.toml", "gears.toml", &[]);
-    let (mut bounds, mut flats, mut fronts) = (0, 0, 0);
+    let (mut bounds, mut flats, mut fronts, mut nears) = (0, 0, 0, 0);
     for file in ["legs.toml", "narrow.toml", "gears.toml"] {
         let words = ["optimize", file, "--catalog", "catalog", "--why"];
         let json = folder.json(&words);
@@ -134,16 +134,22 @@ fn why_says_what_the_json_says() {
             bounds += usize::from(joint["own_bound"].is_object());
             if let Some(near) = joint.get("near_gears") {
                 for gear in all(&near["gears"]) {
-                    assert!(
-                        own.contains(&format!(" {} {} ", gear["gear"].as_str().unwrap(), shown(&gear["ratio"]))),
-                        "{own}"
-                    );
+                    let named = format!(" {}:1 {}: ", shown(&gear["ratio"]), gear["gear"].as_str().unwrap());
+                    let rest = &own[own.find(&named).unwrap_or_else(|| panic!("{named} in\n{own}")) + named.len()..];
+                    let line = &rest[..rest.find(":1 ").unwrap_or(rest.len())];
+                    assert_eq!(line.contains("all limits kept"), gear["keeps_all"] == true, "{line}");
+                    let standing = gear["standing"].as_str().unwrap();
+                    assert_eq!(line.contains("exceeds "), standing == "exceeds", "{line}");
+                    assert_eq!(line.contains("cannot be judged"), standing == "unjudged", "{line}");
+                    let parts = &gear["parts"];
+                    if parts["inertia"].is_number() {
+                        let of = |key: &str| parts[key].as_f64().unwrap_or(0.0);
+                        let sum = of("ratio") + of("efficiency") + of("inertia") + of("mass");
+                        assert!((sum - at(&gear["more"])).abs() <= 1e-9 * at(&gear["objective"]).abs(), "{gear}");
+                    }
+                    nears += 1;
                 }
-                assert_eq!(
-                    own.contains("of the catalogue near this ratio none will do"),
-                    near["exceeds"].is_string(),
-                    "{own}"
-                );
+                assert_eq!(own.contains("no gear of the catalogue"), near["gap"].is_object(), "{own}");
             }
             assert_eq!(own.contains("simple planetary near by"), joint["near_planetary"].is_object(), "{own}");
             if let Some(front) = joint.get("front") {
@@ -161,7 +167,7 @@ fn why_says_what_the_json_says() {
         }
         assert_nothing_folded(folder.0.path(), &words);
     }
-    assert!(bounds > 0 && flats > bounds && fronts == 3, "{bounds} {flats} {fronts}");
+    assert!(bounds > 0 && flats > bounds && fronts == 3 && nears > 0, "{bounds} {flats} {fronts} {nears}");
 }
 
 /// Exit status and what is printed, both streams together.

@@ -28,5 +28,6 @@ mod set;
 mod stdin;
 mod study;
 mod tables;
+mod teeth;
 mod transmission;
 mod words;
