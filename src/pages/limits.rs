@@ -12,7 +12,7 @@ pub fn text() -> String {
         "{MADE}# Limits\n\nWhat a design must keep. Sweep, ratio program, `explain` and the design rules read this one list. T is the \
          torque at the motor's shaft, τ the load's at the output, both at every instant of the motion; see [the model](model.md). A limit \
          that nobody asks for is not checked; one that should be but cannot be is listed as *not checked* with every design. Heat \
-         and what the requirement itself states (a mass, an inertia, a winding temperature, a torque bandwidth, a life, a backlash, a budget) have to be judged: \
+         and what the requirement itself states (a mass, a size, a price, an inertia, a winding temperature, a torque bandwidth, a life, a backlash, a budget) have to be judged: \
          a motor of which they cannot be is listed apart as *cannot be judged* and is never a choice. Continuous current, continuous torque \
          and thermal resistances are witnesses of one limit, heat: one of them judges it. What a row lacks is [estimated](estimates.md) \
          where rows built alike say it.\n\n{}\n\n",
@@ -59,7 +59,7 @@ fn missing() -> Vec<(&'static str, &'static str)> {
              points = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\"{duration} }} ]\n[joint.limits]\nactuator_mass = \"1 kg\"\nouter_diameter = \"1 m\"\naxial_length = \"1 m\"\n\
              reflected_inertia = \"1 kg*m^2\"\nwinding_temperature = \"110 degC\"\n\
              torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\" }}\nshock_torque = \"1 N*m\"\nlife = \"1 h\"\nmax_backlash = \"1 deg\"\n\
-             min_stiffness = \"1 N*m/rad\"\nmax_backdriving_torque = \"1 N*m\"\n"
+             min_stiffness = \"1 N*m/rad\"\nmax_backdriving_torque = \"1 N*m\"\nprice = \"1 EUR\"\nlead_time = \"1 d\"\n[prices]\ncurrency = \"EUR\"\ndate = \"2026-11-01\"\n"
         );
         let sources =
             vec![Source::new("motors.csv", motors).into(), Source::new("gears.csv", format!("{HEAD}{gear}")).into()];

@@ -12,6 +12,7 @@ mod instants;
 mod losses;
 mod near_best;
 mod optimality;
+mod parts;
 mod program_on_paper;
 mod properties;
 mod prune;
