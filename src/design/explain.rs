@@ -93,6 +93,8 @@ pub struct Remedy {
     pub ratio: f64,
     /// Whose limit it is.
     pub owner: &'static str,
+    /// Whether a part of the actuator is not known that counts for it: then more may be needed.
+    pub at_least: bool,
 }
 
 impl Explanation<'_> {
@@ -283,7 +285,8 @@ impl Remedy {
     /// A limit that would have to be `needed` at a ratio.
     fn new(asked: &Asked, candidate: &Candidate, needed: f64, ratio: f64) -> Remedy {
         let (limit, unit) = (asked.limit.name, asked.limit.unit_for(candidate.robot));
-        Remedy { limit, unit, bound: asked.bound, needed, ratio, owner: asked.owner }
+        let at_least = asked.parts().is_some_and(|parts| parts.missing.is_some());
+        Remedy { limit, unit, bound: asked.bound, needed, ratio, owner: asked.owner, at_least }
     }
 }
 

@@ -42,8 +42,8 @@ pub fn text() -> String {
 /// What keeps a limit from being checked: asked of the limits themselves, with a row that says nothing beyond
 /// what it must, and with operating points without durations.
 fn missing() -> Vec<(&'static str, &'static str)> {
-    const BARE: &str = "b,q_axis,q_axis,1,,0.1,1e-5,,,,,,";
-    const FULL: &str = "f,q_axis,q_axis,1,1e-3,0.1,1e-5,1,7,5,20,400,2";
+    const BARE: &str = "b,q_axis,q_axis,1,,0.1,1e-5,,,,,,,,,,,,";
+    const FULL: &str = "f,q_axis,q_axis,1,1e-3,0.1,1e-5,1,7,5,20,400,2,0.1,0.1,0.1,EUR,2026-11-01,1";
     const HEAD: &str =
         "id,kind,ratio,efficiency,inertia [kg*m^2],source,source_kind,average_torque [N*m],average_input_speed [rpm]\n";
     const GEARS: [&str; 2] = ["g,strain_wave,9,0.9,1e-6,s,derived,,\n", "g,strain_wave,9,0.9,1e-6,s,derived,1,1\n"];
@@ -51,7 +51,8 @@ fn missing() -> Vec<(&'static str, &'static str)> {
     for ((row, duration), gear) in [(BARE, ", duration = \"1 s\""), (FULL, "")].into_iter().zip(GEARS) {
         let motors = format!(
             "id,terminals,current,resistance [ohm],inductance [H],torque_constant [N*m/A],rotor_inertia [kg*m^2],mass [kg],pole_pairs,\
-             continuous_current [A],peak_current [A],max_winding_temperature [K],thermal_resistance_winding_housing [K/W],source,source_kind\n\
+             continuous_current [A],peak_current [A],max_winding_temperature [K],thermal_resistance_winding_housing [K/W],\
+             outer_diameter [m],length [m],price,price_currency,price_date,lead_time [d],source,source_kind\n\
              {row},s,derived\n"
         );
         let robot = format!(

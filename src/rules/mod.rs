@@ -326,7 +326,7 @@ impl Checker<'_> {
             reason: reason.map(String::from),
             value: remark.value,
             bound: remark.bound,
-            unit: None,
+            unit: remark.unit,
             backing: None,
             allowed,
         });
@@ -447,7 +447,7 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
         (Some(_), Some(Place::JointKey(["gear", _]))) => None,
         (_, asked) => asked,
     };
-    (remark.value, remark.bound) = (Some(margin.demand), Some(margin.bound));
+    (remark.value, remark.bound, remark.unit) = (Some(margin.demand), Some(margin.bound), Some(margin.unit));
     Ok(vec![remark])
 }
 

@@ -71,7 +71,10 @@ impl Candidate<'_> {
                 ));
             }
             if !self.joint.motors.modules.is_empty() && !self.has_drive_inside() {
-                assumed.push((asked.limit.name, "drive not inside: that of a module may be, and counts there"));
+                assumed.push((
+                    asked.limit.name,
+                    "drive not inside: no drive counts here, and one that is built into a module counts there",
+                ));
             }
         }
         if self.joint.motor_drag == MotorDrag::Counted && self.motor.lacks_speed_of_drag() {

@@ -146,7 +146,7 @@ impl<S: Sold> Field<S> {
     pub const LEAD_TIME: Field<S> = Field {
         name: "lead_time",
         tolerance: None,
-        about: "Time until it is delivered \\[s\\].",
+        about: "Time until it is delivered.",
         kind: &units::TIME,
         range: Range::NonNegative,
         states: States::Nothing,
