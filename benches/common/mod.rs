@@ -73,6 +73,7 @@ pub fn robot(samples: usize, joints: usize) -> Robot {
         },
         ambient: 298.15,
         budget: Budget::default(),
+        prices: None,
         joints: (0..joints).map(joint).collect(),
         cases: Vec::new(),
         set: Vec::new(),

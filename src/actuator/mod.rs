@@ -18,6 +18,7 @@ pub mod limits;
 pub mod load;
 pub mod losses;
 pub mod metrics;
+pub mod parts;
 pub mod shaft;
 pub mod step_response;
 pub mod stretch;

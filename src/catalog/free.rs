@@ -62,6 +62,7 @@ fn joined(motor: Motor, twin: &Motor) -> Motor {
             (field.set)(&mut sheet, printed);
         }
     }
+    sheet.offer = sheet.offer.or(&twin.sheet.offer);
     Motor { sheet, ..motor }.filled_from(&twin)
 }
 

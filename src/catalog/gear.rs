@@ -2,8 +2,10 @@
 
 use super::convention::has_words;
 use super::drag::Friction;
+use super::offer::{Offer, Sold};
 use super::row::{Field, Side, States};
 use super::sheet::{Printed, SourceKind};
+use super::size::across;
 use crate::input::Range;
 use crate::units;
 
@@ -166,6 +168,14 @@ pub struct Gear {
     pub backdrive_efficiency: Option<f64>,
     /// Mass \[kg\].
     pub mass: Option<f64>,
+    /// Outer diameter of a round one \[m\].
+    pub outer_diameter: Option<f64>,
+    /// Length along the axis \[m\].
+    pub length: Option<f64>,
+    /// Width of one that is not round, across the axis \[m\].
+    pub width: Option<f64>,
+    /// Height of one that is not round, across the axis \[m\].
+    pub height: Option<f64>,
     /// Moment of inertia at the input \[kg·m²\], J_g.
     pub inertia: Option<f64>,
     /// Output torque that can be carried for ever \[N·m\].
@@ -194,6 +204,8 @@ pub struct Gear {
     pub ratings: GearRatings,
     /// Patterns of motor ids that it is made for; empty where nothing is said.
     pub fits: Vec<String>,
+    /// What it costs.
+    pub offer: Offer,
     /// Where the numbers come from.
     pub source: String,
     /// What kind of source that is.
@@ -202,7 +214,23 @@ pub struct Gear {
     pub note: String,
 }
 
+impl Sold for Gear {
+    fn offer(&self) -> &Offer {
+        &self.offer
+    }
+
+    fn offer_mut(&mut self) -> &mut Offer {
+        &mut self.offer
+    }
+}
+
 impl Gear {
+    /// Its diameter across the axis \[m\]: see [`across`].
+    pub fn across(&self) -> Option<f64> {
+        let exact = |value: Option<f64>| value.map(Printed::exact);
+        across(exact(self.outer_diameter), exact(self.width), exact(self.height)).map(|across| across.value)
+    }
+
     /// What it takes without load at its input, as the model has it: nothing where the row does not say at which load its
     /// efficiency holds, which then has all of the loss in it.
     pub fn no_load(&self) -> Friction {
@@ -312,6 +340,9 @@ macro_rules! gear_fields {
                     set(g, printed.value);
                 },
             },)*
+            Field::PRICE,
+            Field::PRICE_QUANTITY,
+            Field::LEAD_TIME,
         ];
     };
 }
@@ -339,6 +370,14 @@ gear_fields! {
     backdrive_efficiency, "when the load drives, η_b; 2 − 1/η by default; at most 1", RATIO, Any, States::Nothing,
         |g| g.backdrive_efficiency, |g, v| g.backdrive_efficiency = Some(v);
     mass, "of the gear", MASS, NonNegative, States::Nothing, |g| g.mass, |g, v| g.mass = Some(v);
+    outer_diameter, "across the axis, of a round one", LENGTH, Positive, States::Nothing,
+        |g| g.outer_diameter, |g, v| g.outer_diameter = Some(v);
+    length, "along the axis, without the shaft", LENGTH, Positive, States::Nothing,
+        |g| g.length, |g, v| g.length = Some(v);
+    width, "across the axis, of one that is not round; a limit on the diameter takes the diagonal of width and height",
+        LENGTH, Positive, States::Nothing, |g| g.width, |g, v| g.width = Some(v);
+    height, "across the axis, of one that is not round", LENGTH, Positive, States::Nothing,
+        |g| g.height, |g, v| g.height = Some(v);
     inertia, "at the input, J_g", INERTIA, NonNegative, at_motor(-2), |g| g.inertia, |g, v| g.inertia = Some(v);
     continuous_torque, "at the output, continuous", TORQUE, Positive, only(Side::Output),
         |g| g.continuous_torque, |g, v| g.continuous_torque = Some(v);

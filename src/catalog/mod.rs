@@ -21,12 +21,15 @@ mod gear;
 pub mod import;
 pub mod module;
 mod motor;
+pub mod offer;
 pub mod outlier;
 mod read;
 pub mod rewound;
 pub mod row;
 mod said;
 mod sheet;
+mod size;
+mod wrong;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -41,9 +44,11 @@ pub use gear::{
 };
 pub use module::Module;
 pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE, Wound};
+pub use offer::{Currency, Date, Offer, Price, Sold};
 pub use read::{VERSION, gear_columns, module_columns, motor_columns, read_gears, read_modules, read_motors};
 pub use row::Field;
 pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
+pub use size::across;
 
 use crate::input::{InputError, InputFile, Problem, Source, sha256};
 

@@ -10,7 +10,7 @@
 
 use std::collections::HashSet;
 
-use super::{Catalog, FIELDS, Motor, Wound};
+use super::{Catalog, FIELDS, Motor, Offer, Wound};
 use crate::units;
 
 /// What the resistance of a winding with another number of turns may differ from the law by, relative: what of the slot
@@ -129,6 +129,8 @@ impl Motor {
         self.can_be_rewound()?;
         let mut motor = self.with_times_turns(turns);
         motor.id = format!("{}:{turns}", self.id);
+        // The price of another winding is asked for with it.
+        motor.sheet.offer = Offer::default();
         motor.wound = Some(Wound { of: self.id.clone(), turns });
         motor
             .assumptions

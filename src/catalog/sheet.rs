@@ -6,6 +6,7 @@
 use super::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, has_words,
 };
+use super::offer::{Offer, Sold};
 use super::row::{Convention, Field, States};
 use crate::input::Range;
 use crate::units;
@@ -129,6 +130,8 @@ macro_rules! sheet {
         #[derive(Debug, Clone, Default, PartialEq)]
         pub struct Sheet {
             $($(#[doc = $doc])* pub $name: Option<Printed>,)*
+            /// What it costs.
+            pub offer: Offer,
         }
 
         /// The numeric columns of a motor catalogue.
@@ -143,7 +146,20 @@ macro_rules! sheet {
                 get: |sheet| sheet.$name,
                 set: |sheet, printed| sheet.$name = Some(printed),
             },)*
+            Field::PRICE,
+            Field::PRICE_QUANTITY,
+            Field::LEAD_TIME,
         ];
+
+        impl Sold for Sheet {
+            fn offer(&self) -> &Offer {
+                &self.offer
+            }
+
+            fn offer_mut(&mut self) -> &mut Offer {
+                &mut self.offer
+            }
+        }
     };
     (@states) => { States::Nothing };
     (@states $states:ident) => { States::Convention(Convention::$states) };

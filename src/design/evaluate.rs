@@ -9,6 +9,7 @@ use crate::actuator::gear_figures::GearFigures;
 use crate::actuator::limits::{Asked, Candidate, Check, Demand, Judge, Remark, Verdict};
 use crate::actuator::load::Along;
 use crate::actuator::losses::{LossTerms, Losses, UnknownLoss};
+use crate::actuator::parts::{Cost, Whole};
 use crate::actuator::shaft::{FEATURES, Feature, Flow};
 use crate::actuator::supply::Drawn;
 use crate::actuator::thermal::{self, Winding};
@@ -40,6 +41,10 @@ pub struct Prepared<'a> {
     bend: Laurent,
     /// What of its losses nobody knows.
     unknown_losses: Arc<[UnknownLoss]>,
+    /// What is known of the price of its parts.
+    price: Option<Cost>,
+    /// What is known of the time until they are delivered.
+    lead_time: Whole,
     /// Whether a search over it is to stop.
     pub(super) stop: Stop<'a>,
 }
@@ -85,6 +90,8 @@ pub struct Margin {
     pub sample: Option<usize>,
     /// Whose limit it is.
     pub owner: &'static str,
+    /// The parts of the actuator that the demand is made of, where it is a limit on them.
+    pub parts: Option<Whole>,
 }
 
 impl Margin {
@@ -92,12 +99,13 @@ impl Margin {
     pub(super) fn new(asked: &Asked, candidate: &Candidate, ratio: f64, (raw, sample): (f64, Option<usize>)) -> Margin {
         Margin {
             limit: asked.limit.name,
-            unit: asked.limit.unit,
+            unit: asked.limit.unit_for(candidate.robot),
             demand: asked.natural(raw),
             bound: asked.bound,
             margin: asked.margin(candidate, ratio, raw),
             sample,
             owner: asked.owner,
+            parts: asked.parts(),
         }
     }
 }
@@ -141,6 +149,10 @@ pub struct Evaluation {
     pub reflected_inertia: f64,
     /// Mass of motor and gear \[kg\].
     pub mass: Option<f64>,
+    /// What is known of the price of its parts, in the currency of `[prices]`; `None` where the requirement has none.
+    pub price: Option<Cost>,
+    /// What is known of the time until its parts are delivered \[s\].
+    pub lead_time: Whole,
     /// Mean electrical power at the motor's terminals \[W\].
     pub mean_power: f64,
     /// Energy drawn from the bus per cycle \[J\]: only where the objective counts it, and durations are
@@ -216,7 +228,9 @@ impl<'a> Prepared<'a> {
             candidate.load.mean_squared_difference(difference) * (other.heating() + other.conduction())
         });
         let unknown_losses = candidate.unknown_losses().into();
-        Prepared { candidate, asked, unchecked, assumed, at_ratio, means, bend, unknown_losses, stop: Stop::NEVER }
+        let (price, lead_time) = (candidate.price(), candidate.lead_time());
+        let stop = Stop::NEVER;
+        Prepared { candidate, asked, unchecked, assumed, at_ratio, means, bend, unknown_losses, price, lead_time, stop }
     }
 
     /// The same for searches that may be stopped.
@@ -527,6 +541,8 @@ impl<'a> Prepared<'a> {
             rms_current: self.rms_current(ratio),
             reflected_inertia: candidate.reflected_inertia().at(ratio),
             mass: candidate.mass_at(ratio),
+            price: self.price,
+            lead_time: self.lead_time,
             mean_power: mean_power + saturated,
             energy: self.counts(Quantity::Energy).then(|| self.energy(ratio)).flatten(),
             peak_power: self.counts(Quantity::PeakPower).then(|| self.peak_power(ratio)),

@@ -11,7 +11,7 @@ use super::spring::{choose, nearest};
 use super::turns::{TurnsRange, can_be_asked};
 use super::{Evaluation, Prepared, Unusable};
 use crate::actuator::candidate::End;
-use crate::actuator::limits::{Asked, Remark};
+use crate::actuator::limits::{Asked, Candidate, Remark};
 use crate::actuator::thermal::Winding;
 use crate::catalog::{Gear, Motor, matches_pattern};
 use crate::numerics::line_search::{FULLY, golden_section};
@@ -93,6 +93,8 @@ pub struct Remedy {
     pub ratio: f64,
     /// Whose limit it is.
     pub owner: &'static str,
+    /// Whether a part of the actuator is not known that counts for it: then more may be needed.
+    pub at_least: bool,
 }
 
 impl Explanation<'_> {
@@ -281,9 +283,10 @@ fn sensitivities(mount: &Mount, range: (f64, f64), objective: f64) -> Vec<Sensit
 
 impl Remedy {
     /// A limit that would have to be `needed` at a ratio.
-    fn new(asked: &Asked, needed: f64, ratio: f64) -> Remedy {
-        let (limit, unit) = (asked.limit.name, asked.limit.unit);
-        Remedy { limit, unit, bound: asked.bound, needed, ratio, owner: asked.owner }
+    fn new(asked: &Asked, candidate: &Candidate, needed: f64, ratio: f64) -> Remedy {
+        let (limit, unit) = (asked.limit.name, asked.limit.unit_for(candidate.robot));
+        let at_least = asked.parts().is_some_and(|parts| parts.missing.is_some());
+        Remedy { limit, unit, bound: asked.bound, needed, ratio, owner: asked.owner, at_least }
     }
 }
 
@@ -308,7 +311,7 @@ fn remedies(prepared: &Prepared, joint: &Joint, (min, max): (f64, f64)) -> Vec<R
         }
         if let Some((ratio, raw)) = least {
             let there = asked.at(&prepared.candidate, ratio);
-            found.push(Remedy::new(&there, there.natural(raw), ratio));
+            found.push(Remedy::new(&there, &prepared.candidate, there.natural(raw), ratio));
         }
     }
     found.retain(|r| r.needed > r.bound);
@@ -323,7 +326,7 @@ fn remedies_at(prepared: &Prepared, ratio: f64) -> Vec<Remedy> {
         let raw = prepared.raw_demand(asked, ratio);
         let needed = asked.natural(raw);
         let exceeded = asked.margin(&prepared.candidate, ratio, raw) < -super::evaluate::FEASIBILITY_TOLERANCE;
-        exceeded.then_some(Remedy::new(asked, needed, ratio))
+        exceeded.then_some(Remedy::new(asked, &prepared.candidate, needed, ratio))
     });
     broken.collect()
 }

@@ -12,8 +12,8 @@ use super::program::Optimum;
 use super::robust::RobustDesign;
 use crate::actuator::limits::Remark;
 use crate::actuator::thermal::Winding;
-use crate::catalog::Motor;
 use crate::catalog::convention::{Commutation, CurrentConvention};
+use crate::catalog::{Currency, Motor};
 use crate::requirement::{Choice, Joint};
 use crate::units::{self, Kind};
 
@@ -148,13 +148,15 @@ impl Examined {
     }
 }
 
-/// In which frame a current is counted.
+/// What the unit of a figure leaves open: in which frame a current is counted, in which currency a price.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
     /// As the drive is bought: amplitude of a phase, DC of a brushed motor.
     Phase,
     /// As the model, its limits and its objective count it: q axis, power invariant.
     QAxis,
+    /// In the currency of the requirement.
+    Money,
 }
 
 /// A number of a design.
@@ -174,7 +176,7 @@ pub struct Figure {
     pub kind: &'static Kind,
     /// Unit in which people read it.
     pub unit: &'static str,
-    /// Frame of a current.
+    /// Frame of a current, or that it is money.
     pub frame: Option<Frame>,
     /// Where tables of a terminal show it: the place in which it gives way where there is no room, the least first.
     /// `None`: pages and files show it, tables of a terminal do not.
@@ -194,6 +196,8 @@ const WHERE_ASKED: &[&str] = &[
     "lowest_bus_voltage_v",
     "highest_bus_voltage_v",
     "supply_heat_w",
+    "price",
+    "lead_time_s",
 ];
 
 impl Figure {
@@ -217,10 +221,19 @@ impl Figure {
         self.finite(facts).map(|value| units::in_unit(value, self.unit))
     }
 
-    /// The unit that people read it in, with the frame of a current.
-    pub fn unit_of(&self, motor: &Motor) -> &'static str {
-        match (self.frame, motor.conventions.commutation) {
+    /// The unit that people read it in where a requirement counts prices in a currency.
+    pub fn unit_in(&self, currency: Option<Currency>) -> &'static str {
+        match (self.frame, currency) {
+            (Some(Frame::Money), Some(currency)) => currency.code(),
+            _ => self.unit,
+        }
+    }
+
+    /// The unit that people read it in, with the frame of a current, or the currency of a price.
+    pub fn unit_of(&self, facts: &Facts) -> &'static str {
+        match (self.frame, facts.motor.conventions.commutation) {
             (None, _) => self.unit,
+            (Some(Frame::Money), _) => self.unit_in(facts.evaluation.price.map(|cost| cost.currency)),
             (Some(Frame::QAxis), _) => "A (q axis)",
             (Some(Frame::Phase), Commutation::Brushless) => "A (phase amplitude)",
             (Some(Frame::Phase), Commutation::Brushed) => "A (DC)",
@@ -551,6 +564,30 @@ pub const FIGURES: &[Figure] = &[
         frame: None,
         in_tables: Some(7),
         value: |d| d.evaluation.mass,
+    },
+    Figure {
+        key: "price",
+        name: "price",
+        heading: "price",
+        words: "price",
+        meaning: "price of motor and gear, or of a module, in the currency of `[prices]`; where all of it is known",
+        kind: &units::RATIO,
+        unit: "1",
+        frame: Some(Frame::Money),
+        in_tables: None,
+        value: |d| d.evaluation.price?.whole.value(),
+    },
+    Figure {
+        key: "lead_time_s",
+        name: "lead_time",
+        heading: "lead time",
+        words: "lead time",
+        meaning: "longest lead time of motor and gear, or that of a module; where all of it is known",
+        kind: &units::TIME,
+        unit: "d",
+        frame: None,
+        in_tables: None,
+        value: |d| d.evaluation.lead_time.value(),
     },
     Figure {
         key: "winding_temperature_k",

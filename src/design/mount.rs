@@ -133,6 +133,10 @@ pub(super) fn gear_model(gear: &Gear) -> Option<GearModel> {
         friction_at_rest: gear.friction_at_rest(),
         backdriving_torque: gear.backdriving_torque,
         says_loss: true,
+        outer_diameter: gear.across(),
+        length: gear.length,
+        price: None,
+        lead_time: gear.offer.lead_time,
     })
 }
 

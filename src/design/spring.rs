@@ -66,8 +66,8 @@ pub(super) fn choose(
 type Looked = ((f64, usize, f64), f64, f64);
 
 /// Limits that no spring changes.
-const WITHOUT_SPRING: [&str; 5] =
-    ["actuator_mass", "outer_diameter", "axial_length", "reflected_inertia", "supply_range"];
+const WITHOUT_SPRING: [&str; 7] =
+    ["actuator_mass", "outer_diameter", "axial_length", "price", "lead_time", "reflected_inertia", "supply_range"];
 
 /// Springs of a module that are looked at along stiffness and rest angle, before the best are moved.
 const GRID: usize = 9;

@@ -189,6 +189,7 @@ pub(super) enum Asked<'a> {
     Tables,
     Numbers,
     Named(&'a Kind),
+    NamedNumbers,
     Cells,
     Matrix,
 }
@@ -219,6 +220,7 @@ impl Asked<'_> {
             Asked::Tables => "list of tables".into(),
             Asked::Numbers => "list of numbers".into(),
             Asked::Named(kind) => format!("table of {} by name, each as `{}`", kind.name, example(kind)),
+            Asked::NamedNumbers => "table of numbers by name".into(),
             Asked::Cells => "text, number or list of them".into(),
             Asked::Matrix => "list of lists of numbers".into(),
         }

@@ -74,6 +74,7 @@ impl Builder<'_> {
                 (field.set)(&mut sheet, printed);
             }
         }
+        sheet.offer = motor.sheet.offer.clone();
         let gear = self.gear(motor);
         let effects = self.effects(true);
         // A brushed motor's ampere is the q axis' already.

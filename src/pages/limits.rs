@@ -12,7 +12,7 @@ pub fn text() -> String {
         "{MADE}# Limits\n\nWhat a design must keep. Sweep, ratio program, `explain` and the design rules read this one list. T is the \
          torque at the motor's shaft, τ the load's at the output, both at every instant of the motion; see [the model](model.md). A limit \
          that nobody asks for is not checked; one that should be but cannot be is listed as *not checked* with every design. Heat \
-         and what the requirement itself states (a mass, an inertia, a winding temperature, a torque bandwidth, a life, a backlash, a budget) have to be judged: \
+         and what the requirement itself states (a mass, a size, a price, an inertia, a winding temperature, a torque bandwidth, a life, a backlash, a budget) have to be judged: \
          a motor of which they cannot be is listed apart as *cannot be judged* and is never a choice. Continuous current, continuous torque \
          and thermal resistances are witnesses of one limit, heat: one of them judges it. What a row lacks is [estimated](estimates.md) \
          where rows built alike say it.\n\n{}\n\n",
@@ -42,8 +42,8 @@ pub fn text() -> String {
 /// What keeps a limit from being checked: asked of the limits themselves, with a row that says nothing beyond
 /// what it must, and with operating points without durations.
 fn missing() -> Vec<(&'static str, &'static str)> {
-    const BARE: &str = "b,q_axis,q_axis,1,,0.1,1e-5,,,,,,";
-    const FULL: &str = "f,q_axis,q_axis,1,1e-3,0.1,1e-5,1,7,5,20,400,2";
+    const BARE: &str = "b,q_axis,q_axis,1,,0.1,1e-5,,,,,,,,,,,,";
+    const FULL: &str = "f,q_axis,q_axis,1,1e-3,0.1,1e-5,1,7,5,20,400,2,0.1,0.1,0.1,EUR,2026-11-01,1";
     const HEAD: &str =
         "id,kind,ratio,efficiency,inertia [kg*m^2],source,source_kind,average_torque [N*m],average_input_speed [rpm]\n";
     const GEARS: [&str; 2] = ["g,strain_wave,9,0.9,1e-6,s,derived,,\n", "g,strain_wave,9,0.9,1e-6,s,derived,1,1\n"];
@@ -51,7 +51,8 @@ fn missing() -> Vec<(&'static str, &'static str)> {
     for ((row, duration), gear) in [(BARE, ", duration = \"1 s\""), (FULL, "")].into_iter().zip(GEARS) {
         let motors = format!(
             "id,terminals,current,resistance [ohm],inductance [H],torque_constant [N*m/A],rotor_inertia [kg*m^2],mass [kg],pole_pairs,\
-             continuous_current [A],peak_current [A],max_winding_temperature [K],thermal_resistance_winding_housing [K/W],source,source_kind\n\
+             continuous_current [A],peak_current [A],max_winding_temperature [K],thermal_resistance_winding_housing [K/W],\
+             outer_diameter [m],length [m],price,price_currency,price_date,lead_time [d],source,source_kind\n\
              {row},s,derived\n"
         );
         let robot = format!(
@@ -59,7 +60,7 @@ fn missing() -> Vec<(&'static str, &'static str)> {
              points = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\"{duration} }} ]\n[joint.limits]\nactuator_mass = \"1 kg\"\nouter_diameter = \"1 m\"\naxial_length = \"1 m\"\n\
              reflected_inertia = \"1 kg*m^2\"\nwinding_temperature = \"110 degC\"\n\
              torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\" }}\nshock_torque = \"1 N*m\"\nlife = \"1 h\"\nmax_backlash = \"1 deg\"\n\
-             min_stiffness = \"1 N*m/rad\"\nmax_backdriving_torque = \"1 N*m\"\n"
+             min_stiffness = \"1 N*m/rad\"\nmax_backdriving_torque = \"1 N*m\"\nprice = \"1 EUR\"\nlead_time = \"1 d\"\n[prices]\ncurrency = \"EUR\"\ndate = \"2026-11-01\"\n"
         );
         let sources =
             vec![Source::new("motors.csv", motors).into(), Source::new("gears.csv", format!("{HEAD}{gear}")).into()];

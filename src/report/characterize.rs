@@ -165,6 +165,7 @@ fn row_text_csv(row: &Row, accepted: &[AuditFinding]) -> String {
         let printed = Printed { value: rounded(value, 7), tolerance: tolerance.map(|t| rounded(t, 3)) };
         (field.set)(&mut sheet, printed);
     }
+    sheet.offer = row.sheet.offer.clone();
     let found: Vec<String> = accepted.iter().map(|f| format!("both measured: {}", f.message)).collect();
     let note: Vec<&str> = [row.note.as_str()].into_iter().chain(found.iter().map(String::as_str)).collect();
     let written = MotorRow {

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use super::table;
 use super::unjudged::names;
 use crate::actuator::metrics::{METRICS, Metric, Shown};
-use crate::catalog::Motor;
+use crate::catalog::{Currency, Motor};
 use crate::design::figures::{FIGURES, Facts, Figure};
 use crate::design::program::Certificate;
 use crate::requirement::Joint;
@@ -138,6 +138,7 @@ pub fn columns() -> &'static [Column] {
         of_choice()
             .into_iter()
             .chain(figures)
+            .chain(of_price())
             .chain(of_limits())
             .chain(metrics)
             .chain(of_spring())
@@ -192,6 +193,17 @@ fn of_choice() -> Vec<Column> {
 
 fn solved<'e>(entry: &'e Entry) -> Option<&'e crate::design::program::Optimum> {
     entry.facts.as_ref()?.optimum
+}
+
+/// What a price means, and what is known of one that is not known whole.
+fn of_price() -> Vec<Column> {
+    let cost = |d: &Facts| d.evaluation.price;
+    vec![
+        text("price_currency", "currency of the price; blank where the requirement has no `[prices]`", move |e| {
+            e.facts.as_ref().and_then(cost).map_or_else(String::new, |cost| cost.currency.to_string())
+        }),
+        number("price_at_least", "price of the parts of which it is known", move |d| Some(cost(d)?.whole.known)),
+    ]
 }
 
 /// What is near its limit, and what of the limits is not known.
@@ -291,9 +303,11 @@ pub fn metric_cell(metric: &Metric, motor: &Motor) -> String {
 }
 
 /// Headings of the figures and metrics that tables of pages show at once (those of a terminal's tables), or of all others;
-/// a page leaves a column without an entry out.
-pub fn of_pages(at_once: bool) -> Vec<String> {
-    let figures = figures_of_pages(at_once).map(|figure| table::Column::number(figure.heading, figure.unit));
+/// a page leaves a column without an entry out. Prices are in the currency of the
+/// requirement, where it has one.
+pub fn of_pages(at_once: bool, currency: Option<Currency>) -> Vec<String> {
+    let heading = |figure: &'static Figure| table::Column::number(figure.heading, figure.unit_in(currency));
+    let figures = figures_of_pages(at_once).map(heading);
     let metrics = metrics_of_pages(at_once).map(|metric| table::Column::number(metric.symbol, metric.unit));
     figures.chain(metrics).map(|column| column.of_page()).collect()
 }

@@ -1,5 +1,6 @@
 //! Two motors side by side: the case study of Urs et al. for any pair.
 
+use super::catalog::card::priced;
 use super::rank::with_tolerance;
 use super::table::{Column, Table, paragraph};
 use super::{number, optional};
@@ -131,10 +132,35 @@ pub(super) fn tables(comparison: &Comparison) -> Vec<Titled> {
         ),
         ("Speed response to a voltage step of the free motor, simulated".into(), header(), step),
     ];
+    let bought = bought(comparison);
+    if !bought.is_empty() {
+        all.push(("Size, price and lead time, as the rows print them".into(), header(), bought));
+    }
     if comparison.motors.iter().any(|m| m.inside.is_some()) {
         all.push(("What the modules' rows rate, at the output".into(), header(), ratings()));
     }
     all
+}
+
+/// How large the two are, what they cost and how long one waits for them; nothing where no row says any of it.
+fn bought(comparison: &Comparison) -> Vec<Vec<String>> {
+    let pair = |f: fn(&Motor) -> Option<f64>| comparison.motors.map(f);
+    let numbers: [(&str, [Option<f64>; 2], &str); 3] = [
+        ("outer diameter", pair(|m| m.sheet.outer_diameter.map(|p| p.value)), "mm"),
+        ("axial length", pair(|m| m.sheet.length.map(|p| p.value)), "mm"),
+        ("lead time", pair(|m| m.sheet.offer.lead_time), "d"),
+    ];
+    let said = |values: &[Option<f64>; 2]| values.iter().any(Option::is_some);
+    let rows = numbers.iter().filter(|(_, values, _)| said(values));
+    let mut rows: Vec<_> = rows.map(|(what, values, unit)| row(what, *values, unit, Some(true))).collect();
+    let prices = comparison.motors.map(|m| m.sheet.offer.price());
+    if prices.iter().any(Option::is_some) {
+        let [a, b] = prices.map(|price| price.map_or_else(|| "–".into(), |price| priced(&price)));
+        let same = prices[0].zip(prices[1]).filter(|(a, b)| a.currency == b.currency && a.quantity == b.quantity);
+        let better = same.map_or_else(String::new, |(a, b)| advantage(Some(a.value), Some(b.value), true));
+        rows.push(vec!["price".into(), a, b, better]);
+    }
+    rows
 }
 
 /// Which of the two is more responsive, by how much, and how sure that is.

@@ -205,15 +205,18 @@ pub(super) const RUNAWAY: &str = "thermal runaway: the copper's resistance rises
 pub(super) fn quantities(story: &Explanation) -> Vec<(&'static str, Option<f64>, &'static str)> {
     let facts = story.facts();
     let said = FIGURES.iter().filter(|f| f.is_of_every_design() || f.value(&facts).is_some());
-    let figures = said.map(|f| (f.words, f.shown(&facts), f.unit_of(story.motor)));
+    let figures = said.map(|f| (f.words, f.shown(&facts), f.unit_of(&facts)));
+    // Of a price that is not known whole it is said what is known.
+    let part = facts.evaluation.price.filter(|cost| cost.whole.missing.is_some() && cost.whole.known > 0.0);
+    let part = part.map(|cost| ("price, at least", Some(cost.whole.known), cost.currency.code()));
     let metrics = METRICS.iter().filter(|m| m.shown == Shown::AsOrder);
     let metrics = metrics.map(|m| (m.symbol, m.value(story.motor).map(|v| crate::units::in_unit(v, m.unit)), m.unit));
-    figures.chain(metrics).collect()
+    figures.chain(part).chain(metrics).collect()
 }
 
 /// What widening one limit would bring: no more than what can be judged is promised.
 pub(super) fn would_do(story: &Explanation) -> &'static str {
-    match story.unchecked.is_empty() {
+    match story.unchecked.is_empty() && !story.remedies.iter().any(|remedy| remedy.at_least) {
         true => "Any one of these would make it feasible",
         false => "With any one of these it would keep every limit that can be judged, not those that are not checked",
     }
@@ -281,14 +284,21 @@ pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> 
                 number(m.bound),
                 m.unit.into(),
                 percent(m.margin),
-                match joint.limits.reserve(m.limit) {
-                    share if share > 0.0 => format!("{}, less {} reserve", m.owner, per_cent(share)),
-                    _ => m.owner.into(),
-                },
+                whose(m, joint),
                 at,
             ]
         })
         .collect()
+}
+
+/// Whose limit it is, which part of the actuator it is on, and what is kept of it in reserve.
+fn whose(margin: &Margin, joint: &Joint) -> String {
+    let part = margin.parts.and_then(|parts| parts.part).map(|part| format!(" on the {}", part.word()));
+    let owner = format!("{}{}", margin.owner, part.unwrap_or_default());
+    match joint.limits.reserve(margin.limit) {
+        share if share > 0.0 => format!("{owner}, less {} reserve", per_cent(share)),
+        _ => owner,
+    }
 }
 
 /// The best ratio in a sentence.

@@ -7,7 +7,7 @@ use super::optimize::margin_at;
 use super::table::{Column, Table, paragraph, wrap};
 use super::{columns, design_ratio, different_motors, number, optional};
 use crate::design::answer::Design;
-use crate::design::robot::{Change, Choice, Combination, Sag, Wanting};
+use crate::design::robot::{Bill, Change, Choice, Combination, Sag, Wanting};
 use crate::requirement::{Joint, Quantity, Regeneration, Robot};
 
 /// That joules per cycle are summed of cycles that do not last the same.
@@ -195,6 +195,9 @@ pub(super) fn sums(choice: &Choice, combination: &Combination) -> String {
         Some(mass) => text.push_str(&format!(", {} kg", number(mass))),
         None => text.push_str(", mass not known"),
     }
+    if let Some(bill) = combination.bill(choice.robot) {
+        text.push_str(&format!(", {}", bill_text(&bill)));
+    }
     text.push_str(&format!(", {}", different_motors(combination.distinct_motors)));
     let peak = number(combination.peak_power);
     match choice.instant_by_instant {
@@ -212,6 +215,18 @@ pub(super) fn sums(choice: &Choice, combination: &Combination) -> String {
         text.push_str(&format!(" ({})", cases.collect::<Vec<_>>().join(", ")));
     }
     text
+}
+
+/// What all actuators cost together, as far as it is known.
+fn bill_text(bill: &Bill) -> String {
+    let Bill { currency, at_least, known, of } = bill;
+    match bill.total() {
+        Some(total) => format!("{} {currency}", number(total)),
+        None if *at_least > 0.0 => {
+            format!("at least {} {currency} (the price of {known} of {of} actuators is known)", number(*at_least))
+        }
+        None => "price not known".into(),
+    }
 }
 
 /// What a kilogram more of an actuator costs those that carry it; `None` where none is carried.

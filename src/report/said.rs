@@ -6,7 +6,7 @@ use crate::catalog::module::Drive;
 use crate::design::answer::Design;
 use crate::design::evaluate::Margin;
 use crate::design::program::{Bind, Certificate, Optimum};
-use crate::requirement::{Course, GearModel, Joint, Quantity};
+use crate::requirement::{Course, Joint, Quantity};
 use crate::words::range_inwards;
 
 /// What is said of a joint before its designs, each a sentence. `short` leaves out what is only told to whoever asks for
@@ -16,7 +16,7 @@ pub(super) fn joint_notes(joint: &Joint, short: bool) -> Vec<String> {
     if joint.motion.course == Course::Points(None) {
         notes.push("The operating points have no durations: they weigh alike, and heat is that of the hottest, held continuously.".into());
     }
-    if !joint.ratio.is_catalog() && joint.gear == GearModel::IDEAL {
+    if !joint.ratio.is_catalog() && joint.gear.takes_nothing() {
         notes.push("No gear is described: it is taken as free of loss, inertia and mass.".into());
     }
     notes.extend(super::teeth::note(joint));

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::prices::{self, Money};
 use super::teeth::{self, MOST_LISTED, SAME, Teeth, Toothed};
 use crate::catalog::drag::Friction;
 use crate::catalog::{ContinuousTorque, GearRatings, LifeQuantile, no_load_friction};
@@ -146,10 +147,19 @@ pub struct GearModel {
     pub backdriving_torque: Option<f64>,
     /// Whether anything is said of what it loses.
     pub says_loss: bool,
+    /// Outer diameter \[m\]; `None` where it is not known.
+    pub outer_diameter: Option<f64>,
+    /// Length along the axis \[m\]; `None` where it is not known.
+    pub length: Option<f64>,
+    /// Price in the currency of `[prices]`, where the requirement says it; `None` where it is not known, and of a gear of the catalogue,
+    /// whose offer says it.
+    pub price: Option<f64>,
+    /// Time until it is delivered \[s\]; `None` where it is not known.
+    pub lead_time: Option<f64>,
 }
 
 impl GearModel {
-    /// A gear without loss, mass and inertia.
+    /// A gear without loss, mass, inertia and size, that costs nothing: what a requirement has that describes none.
     pub const IDEAL: GearModel = GearModel {
         efficiency: 1.0,
         backdrive_efficiency: 1.0,
@@ -175,7 +185,17 @@ impl GearModel {
         friction_at_rest: None,
         backdriving_torque: None,
         says_loss: false,
+        outer_diameter: Some(0.0),
+        length: Some(0.0),
+        price: Some(0.0),
+        lead_time: Some(0.0),
     };
+
+    /// Whether it takes nothing of what the model computes with: no loss, no mass, no inertia, and no limit of its own.
+    pub fn takes_nothing(&self) -> bool {
+        let GearModel { outer_diameter, length, price, lead_time, .. } = *self;
+        *self == GearModel { outer_diameter, length, price, lead_time, ..GearModel::IDEAL }
+    }
 
     /// Mass at a ratio \[kg\]: the fixed one, or as many stages as the ratio takes.
     pub fn mass_at(&self, ratio: f64) -> Option<f64> {
@@ -348,7 +368,7 @@ fn read_values(table: &Section, values: Vec<f64>) -> Option<RatioChoice> {
 }
 
 /// Reads `gear` of a joint, but for its `map`; with the number of its stages, where the ratio says it.
-pub(super) fn read_gear(section: &Section, stages: Option<usize>) -> GearModel {
+pub(super) fn read_gear(section: &Section, stages: Option<usize>, money: &Money) -> GearModel {
     let efficiency =
         section.number(key("efficiency", "when the motor drives, η").default("1"), Range::Fraction).unwrap_or(1.0);
     let backdrive = section
@@ -401,6 +421,9 @@ pub(super) fn read_gear(section: &Section, stages: Option<usize>) -> GearModel {
         ));
     }
     let (no_load, friction_at_rest) = read_no_load(section);
+    let length = |name: &'static str, about: &'static str| {
+        section.quantity(key(name, about), &units::LENGTH, Range::NonNegative)
+    };
     let gear = GearModel {
         efficiency,
         backdrive_efficiency: backdrive.unwrap_or_else(|| backdrive_efficiency(efficiency)),
@@ -432,6 +455,19 @@ pub(super) fn read_gear(section: &Section, stages: Option<usize>) -> GearModel {
         friction_at_rest,
         backdriving_torque: None,
         says_loss: LOSSES.iter().any(|key| section.has(*key)),
+        outer_diameter: length("outer_diameter", "of the gear; without it a limit on the diameter is not judged"),
+        length: length("length", "of the gear along its axis; without it a limit on the length is not judged"),
+        price: prices::read_amount(
+            section,
+            key("price", "of the gear; without it a limit on the price is not judged"),
+            Range::NonNegative,
+            money,
+        ),
+        lead_time: section.quantity(
+            key("lead_time", "of the gear; without it a limit on it is not judged"),
+            &units::TIME,
+            Range::NonNegative,
+        ),
     };
     let covers =
         key("efficiency_covers", "only `load` here: `load_and_gear` needs gears of the catalogue").default("`load`");

@@ -7,6 +7,7 @@ use super::gear::{EfficiencyCovers, GearModel, RatioChoice};
 use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
+use super::prices::Money;
 use super::robot::{Filter, Joint};
 use super::turns::{self, Turns};
 use super::{Drive, MotorDrag, Objective, Quantity, cases, drive, gear, map_file, objective, transmission};
@@ -20,6 +21,7 @@ pub(super) fn read(
     ambient: f64,
     no_springs: Option<&str>,
     joints: &[String],
+    money: &Money,
     model: &Model,
     reader: &mut MotionReader,
 ) -> Option<(Joint, Option<Use>, Vec<Asked>)> {
@@ -49,7 +51,7 @@ pub(super) fn read(
                 section.note(Problem::at(gear.span(), message, label).help(help));
             }
             let stages = ratio.as_ref().and_then(RatioChoice::teeth).map(|teeth| teeth.stages.len());
-            let model = gear::read_gear(&gear, stages);
+            let model = gear::read_gear(&gear, stages, money);
             let map = map_file::read(&gear, reader);
             gear.finish();
             (model, map)
@@ -68,7 +70,7 @@ pub(super) fn read(
     let (motion, columns) = read.unzip();
     let between = transmission::read_joint(&section, reader);
     let (objective, balancing) = objective::read(&section).unzip();
-    let limits = read_limits(&section, ambient, no_springs, motion.as_deref());
+    let limits = read_limits(&section, ambient, money, no_springs, motion.as_deref());
     let limits = Limits { mount_resistance: read_mount(&section), ..limits };
     if let Some(map) = &map {
         map_file::check(&section, map, ratio.as_ref(), &limits);
@@ -200,13 +202,19 @@ fn check_cycle(section: &Section, objective: &Objective, motion: &Motion) {
 }
 
 /// The limits of a joint, with the spring that stands in them or beside them.
-fn read_limits(section: &Section, ambient: f64, no_springs: Option<&str>, motion: Option<&Motion>) -> Limits {
+fn read_limits(
+    section: &Section,
+    ambient: f64,
+    money: &Money,
+    no_springs: Option<&str>,
+    motion: Option<&Motion>,
+) -> Limits {
     let (mut limits, in_limits) = match section.section(key("limits", "what a choice must keep")) {
         Some(table) => {
             let spring = table
                 .section(key("spring", "a parallel spring to be chosen with the ratio"))
                 .map(|s| (s.span(), limits::read_spring(s)));
-            (limits::read(table, ambient), spring)
+            (limits::read(table, ambient, money), spring)
         }
         None => (Limits::default(), None),
     };

@@ -1,5 +1,6 @@
 //! What a choice must keep: `limits` of a joint, with its `spring`.
 
+use super::prices::{self, Money};
 use crate::catalog::LifeQuantile;
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::Motion;
@@ -11,10 +12,16 @@ use crate::units;
 pub struct Limits {
     /// Mass of motor and gear \[kg\].
     pub actuator_mass: Option<f64>,
-    /// Outer diameter of the motor \[m\].
+    /// Outer diameter of the largest part \[m\].
     pub outer_diameter: Option<f64>,
-    /// Axial length of the motor \[m\].
+    /// Axial length of all parts \[m\].
     pub axial_length: Option<f64>,
+    /// How the lengths of the parts make one.
+    pub arrangement: Arrangement,
+    /// Price of all parts, in the currency of `[prices]`.
+    pub price: Option<f64>,
+    /// Longest time until a part is delivered \[s\].
+    pub lead_time: Option<f64>,
     /// Inertia at the output \[kg·m²\].
     pub reflected_inertia: Option<f64>,
     /// Torque to be delivered on top of the motion.
@@ -59,6 +66,22 @@ impl Limits {
     }
 }
 
+/// How the parts of an actuator lie to each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Arrangement {
+    /// One behind the other on one axis: their lengths add up.
+    #[default]
+    Coaxial,
+    /// Side by side, joined by a belt or a spur gear: the longer one counts.
+    SideBySide,
+}
+
+impl Arrangement {
+    /// Both with the word that a requirement uses for them.
+    pub const NAMES: &[(&str, Arrangement)] =
+        &[("coaxial", Arrangement::Coaxial), ("side_by_side", Arrangement::SideBySide)];
+}
+
 /// What a spring parallel to the actuator may be: it pulls the joint towards its rest angle with
 /// `k (q_0 − q)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +101,9 @@ impl Default for Limits {
             actuator_mass: None,
             outer_diameter: None,
             axial_length: None,
+            arrangement: Arrangement::Coaxial,
+            price: None,
+            lead_time: None,
             reflected_inertia: None,
             torque_bandwidth: None,
             winding_temperature: None,
@@ -175,6 +201,8 @@ pub const LIMIT_NAMES: &[&str] = &[
     "actuator_mass",
     "outer_diameter",
     "axial_length",
+    "price",
+    "lead_time",
 ];
 
 /// Reads `reserve`: shares of limits by their names; `all` is that of each that is not named.
@@ -210,6 +238,16 @@ pub(super) fn read_spring(section: Section) -> Option<Spring> {
     Some(Spring { stiffness: stiffness?, rest_angle: rest_angle?, at })
 }
 
+/// Reads how the parts lie to each other.
+fn read_arrangement(section: &Section) -> Arrangement {
+    let about = "one behind the other, whose lengths add up, or side by side, of which the longer one counts; for `axial_length`";
+    let read = section.choice(key("arrangement", about).default("`coaxial`"), Arrangement::NAMES);
+    if read.is_some() && !section.has("axial_length") {
+        section.missing("axial_length", "\"70 mm\"");
+    }
+    read.unwrap_or_default()
+}
+
 /// Reads the life that a gear is to have, as L10.
 fn read_life(section: &Section) -> Option<f64> {
     let about = "of the gear, in hours of this motion; its pauses count, and rest that follows it does not";
@@ -223,7 +261,7 @@ fn read_life(section: &Section) -> Option<f64> {
 }
 
 /// Reads `limits` of a joint; its spring apart.
-pub(super) fn read(section: Section, ambient: f64) -> Limits {
+pub(super) fn read(section: Section, ambient: f64, money: &Money) -> Limits {
     let bandwidth =
         section.section(key("torque_bandwidth", "a sinusoidal torque on top of the motion")).and_then(|table| {
             let frequency =
@@ -247,13 +285,25 @@ pub(super) fn read(section: Section, ambient: f64) -> Limits {
             Range::Positive,
         ),
         outer_diameter: section.quantity(
-            key("outer_diameter", "of the motor, as its row says it; a gear has no size here"),
+            key("outer_diameter", "of the largest of motor and gear; a module as printed, a box by its diagonal across the axis"),
             &units::LENGTH,
             Range::Positive,
         ),
         axial_length: section.quantity(
-            key("axial_length", "of the motor, `length` of its row"),
+            key("axial_length", "of motor and gear together; a module as printed"),
             &units::LENGTH,
+            Range::Positive,
+        ),
+        arrangement: read_arrangement(&section),
+        price: prices::read_amount(
+            &section,
+            key("price", "of motor and gear together, or of a module; needs [prices]"),
+            Range::Positive,
+            money,
+        ),
+        lead_time: section.quantity(
+            key("lead_time", "the longest of motor and gear, or of a module"),
+            &units::TIME,
             Range::Positive,
         ),
         reflected_inertia: section.quantity(

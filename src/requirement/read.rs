@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::bus::{self, Bus, Regeneration};
 use super::motions::{FromDisk, MotionReader, Motions};
 use super::robot::{Budget, Robot};
-use super::{carried, cases, coupling, joint, map_file, mechanism};
+use super::{carried, cases, coupling, joint, map_file, mechanism, prices};
 use crate::input::kind::{self, FileKind};
 use crate::input::{Change, Description, Form, InputError, Problem, Range, Section, Source, key, limits};
 use crate::units;
@@ -57,6 +57,7 @@ const SKELETON: &str = "
 bus = {}
 ambient = {}
 budget = {}
+prices = { rates = {} }
 mechanism = { payload = {} }
 [[joint]]
 ratio = { teeth = {} }
@@ -172,6 +173,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         section.finish();
         budget
     });
+    let money = prices::read(root);
     let takes_nothing = |bus: &Bus| bus.brake_power.is_some() && bus.regeneration == Regeneration::Allowed;
     let limited = budget.as_ref().is_some_and(|budget| budget.regeneration.is_some());
     if bus.as_ref().is_some_and(takes_nothing) && !limited {
@@ -201,7 +203,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         if let Some(name) = duplicate {
             root.note(Problem::at(name.span(), format!("two joints are called `{}`", name.get_ref()), "second time"));
         }
-        match joint::read(section, surroundings, no_springs, &all, &model, motions) {
+        match joint::read(section, surroundings, no_springs, &all, &money, &model, motions) {
             Some((joint, taken, carries)) => {
                 samples += joint.motion.len();
                 if samples > limits::SAMPLES {
@@ -250,6 +252,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         bus: bus?,
         ambient: surroundings,
         budget: budget.unwrap_or_default(),
+        prices: money.prices(),
         joints,
         cases,
         driven,

@@ -10,6 +10,7 @@ use super::gear::{GearModel, RatioChoice};
 use super::gear_map::GearMap;
 use super::limits::{Limits, Ripple};
 use super::objective::{Balancing, Objective};
+use super::prices::Prices;
 use super::turns::{Turns, Windings};
 use crate::catalog::{Module, Motor, is_named, matches_pattern};
 use crate::input::{InputFile, Source};
@@ -27,6 +28,8 @@ pub struct Robot {
     pub ambient: f64,
     /// What the whole robot may have.
     pub budget: Budget,
+    /// In what currency prices are counted; without it no price is.
+    pub prices: Option<Prices>,
     /// The joints.
     pub joints: Vec<Joint>,
     /// Load cases of the joints that happen together; empty where those of one name do.

@@ -123,6 +123,8 @@ impl Row {
         add("source", motor.source.clone());
         add("source_kind", word(SourceKind::NAMES, &motor.source_kind).into());
         add("audit_accept", motor.accepted_findings.join(" "));
+        add("price_currency", motor.sheet.offer.price_currency.clone());
+        add("price_date", motor.sheet.offer.price_date.clone());
         // The conventions decide what the numbers mean.
         add("conventions", crate::catalog::audit::conventions_line(motor));
         add("commutation", format!("{:?}", conventions.commutation).to_lowercase());
@@ -150,6 +152,8 @@ impl Row {
             ("model", gear.model.clone()),
             ("kind", word(GearKind::NAMES, &gear.kind).into()),
             ("fits", gear.fits.join(" ")),
+            ("price_currency", gear.offer.price_currency.clone()),
+            ("price_date", gear.offer.price_date.clone()),
             ("source", gear.source.clone()),
             ("source_kind", word(SourceKind::NAMES, &gear.source_kind).into()),
         ];

@@ -154,6 +154,13 @@ const OWN: &[Own] = &[
         Value::Robot(|facts| facts.total(|e| e.evaluation.mass)),
     ),
     (
+        "robot_price",
+        None,
+        "1",
+        "price of all actuators together, in the currency of `[prices]`; where all of it is known",
+        Value::Robot(|facts| facts.total(|e| e.evaluation.price?.whole.value())),
+    ),
+    (
         "robot_loss",
         Some(&units::POWER),
         "W",

@@ -25,6 +25,7 @@ pub use registry::{MODEL_RULES, RULES, every_rule, rule};
 pub use rule::{Backing, Remark, Rule, Severity, Test};
 
 use crate::actuator::limits::LIMITS;
+use crate::actuator::parts::{PartKind, Whole};
 use crate::catalog::Catalog;
 use crate::design::Unusable;
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
@@ -325,7 +326,7 @@ impl Checker<'_> {
             reason: reason.map(String::from),
             value: remark.value,
             bound: remark.bound,
-            unit: None,
+            unit: remark.unit,
             backing: None,
             allowed,
         });
@@ -424,22 +425,29 @@ fn limit_remarks(limit: &'static str, joint: &JointFacts) -> Result<Vec<Remark>,
     // What a drive is bought by is the phase's amplitude: which ampere is meant is said.
     let q_axis = LIMITS.iter().any(|l| l.name == limit && l.is_q_axis());
     let unit = if q_axis { format!("{} (q axis)", margin.unit) } else { margin.unit.to_string() };
+    let least = if margin.parts.is_some_and(|parts| parts.missing.is_some()) { "at least " } else { "" };
+    let part = margin.parts.and_then(|parts| parts.part).map(|part| format!(" of the {}", part.word()));
+    let part = part.unwrap_or_default();
     let message = format!(
-        "`{limit}` is exceeded: {} where the {} allows {} {unit}{over}{at}",
+        "`{limit}` is exceeded: {least}{}{part} where the {} allows {} {unit}{over}{at}",
         if hot { heat_or(margin.demand, margin.unit) } else { format!("{} {unit}", number(margin.demand)) },
         margin.owner,
         number(margin.bound),
     );
-    // What is too heavy or too large is the motor; all else is decided with the ratio.
-    let of_motor = ["actuator_mass", "outer_diameter", "axial_length"].contains(&limit);
-    let place = if of_motor { Place::Motor } else { Place::Reduction };
+    // What is too heavy, too large or too dear is the motor, unless it is the gear alone; all else is decided with the ratio.
+    let place = match margin.parts {
+        Some(Whole { part: Some(PartKind::Gear), .. }) => Place::Reduction,
+        Some(_) => Place::Motor,
+        None if limit == "actuator_mass" => Place::Motor,
+        None => Place::Reduction,
+    };
     let mut remark = Remark::new(message, limit, place);
     remark.asked = match (joint.choice.gear, asked_for(limit, margin.owner)) {
         // A gear of the catalogue brings its own ratings.
         (Some(_), Some(Place::JointKey(["gear", _]))) => None,
         (_, asked) => asked,
     };
-    (remark.value, remark.bound) = (Some(margin.demand), Some(margin.bound));
+    (remark.value, remark.bound, remark.unit) = (Some(margin.demand), Some(margin.bound), Some(margin.unit));
     Ok(vec![remark])
 }
 

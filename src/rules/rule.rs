@@ -188,12 +188,24 @@ pub struct Remark {
     pub value: Option<f64>,
     /// What it was compared with, SI.
     pub bound: Option<f64>,
+    /// Unit of both, where it is not that of the subject: the currency of a price.
+    pub unit: Option<&'static str>,
 }
 
 impl Remark {
     /// A remark without numbers.
     pub fn new(message: impl Into<String>, subject: impl Into<String>, place: Place) -> Remark {
         let (message, subject) = (message.into(), subject.into());
-        Remark { message, subject, place, at_joint: None, asked: None, help: None, value: None, bound: None }
+        Remark {
+            message,
+            subject,
+            place,
+            at_joint: None,
+            asked: None,
+            help: None,
+            value: None,
+            bound: None,
+            unit: None,
+        }
     }
 }

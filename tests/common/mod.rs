@@ -89,6 +89,7 @@ pub fn robot(motion: Motion, gear: GearModel) -> Robot {
         },
         ambient: 298.15,
         budget: Budget::default(),
+        prices: None,
         joints: vec![joint],
         cases: Vec::new(),
         driven: None,

@@ -3,6 +3,7 @@
 use super::limit::{Asked, Check, Demand};
 use crate::actuator::Load;
 use crate::actuator::candidate::{Candidate, End};
+use crate::actuator::parts::Whole;
 use crate::actuator::waveform::{Functional, WavePoint, Waveform};
 use crate::actuator::weakening::AlongD;
 use crate::numerics::laurent::Laurent;
@@ -24,6 +25,14 @@ impl Asked {
     pub fn raw_bound(&self) -> f64 {
         let raw = self.bound / self.factor;
         if self.squared { raw.powi(2).copysign(raw) } else { raw }
+    }
+
+    /// The parts of the actuator that it is a limit on.
+    pub fn parts(&self) -> Option<Whole> {
+        match self.demand {
+            Demand::Parts(whole) => Some(whole),
+            _ => None,
+        }
     }
 
     /// The demand in its natural unit for a value of the functional.
@@ -66,6 +75,7 @@ impl Asked {
         match self.demand {
             Demand::Fixed(value, sample) => (value, sample),
             Demand::Constant(value) | Demand::AverageTorque(value) => (value, None),
+            Demand::Parts(whole) => (whole.known, None),
             Demand::Polynomial(polynomial, sample) => (polynomial.at(ratio), sample),
             Demand::Samples(functional) => over(&candidate.load.waveform, functional),
             Demand::Bandwidth(functional) => match bandwidth(candidate, functional) {
@@ -154,7 +164,9 @@ impl Asked {
                 let load = self.load(candidate);
                 Some((load.mean_current_squared_cut(actuator, standing, ratio) * load.share_of_time, None))
             }
-            Demand::Fixed(..) | Demand::Constant(_) | Demand::AverageTorque(_) | Demand::Mass => None,
+            Demand::Fixed(..) | Demand::Constant(_) | Demand::Parts(_) | Demand::AverageTorque(_) | Demand::Mass => {
+                None
+            }
         }
     }
 

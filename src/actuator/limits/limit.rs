@@ -1,6 +1,7 @@
 //! What a limit is: what is demanded, what may be had, and what kind of set of ratios that leaves.
 
 use crate::actuator::candidate::{Candidate, End};
+use crate::actuator::parts::Whole;
 use crate::actuator::thermal_motion::TwoNode;
 use crate::actuator::waveform::Functional;
 use crate::numerics::laurent::Laurent;
@@ -39,6 +40,8 @@ pub enum Demand {
     Fixed(f64, Option<usize>),
     /// A number that depends on neither ratio nor motion.
     Constant(f64),
+    /// A number of the parts that the actuator is made of.
+    Parts(Whole),
     /// The average torque at the gear's output, ∛(mean(|ω||τ|³)/mean|ω|) \[N·m\].
     AverageTorque(f64),
     /// One polynomial in N.
@@ -194,7 +197,7 @@ pub enum Key {
 pub struct Limit {
     /// Name, also in JSON.
     pub name: &'static str,
-    /// Unit of demand and bound.
+    /// Unit of demand and bound; [`MONEY`] where it is the currency of the requirement.
     pub unit: &'static str,
     /// What is compared.
     pub formula: &'static str,
@@ -233,6 +236,14 @@ impl Limit {
         self.of == Of::QAxis
     }
 
+    /// The unit of demand and bound for a robot.
+    pub fn unit_for(&self, robot: &Robot) -> &'static str {
+        match (self.unit, &robot.prices) {
+            (MONEY, Some(prices)) => prices.currency.code(),
+            (unit, _) => unit,
+        }
+    }
+
     /// Whether a drive's current may be what it is of.
     pub fn is_of_drive(&self) -> bool {
         self.depends == Depends::Current && (self.key)("drive") == by_drive("drive")
@@ -269,6 +280,9 @@ pub(super) fn always(_: &Robot, _: &Joint) -> bool {
 pub(super) fn described(joint: &Joint, rating: Option<f64>) -> bool {
     rating.is_some() && !joint.ratio.is_catalog()
 }
+
+/// The unit of a limit on a price: the currency of `[prices]`.
+pub const MONEY: &str = "currency";
 
 pub(super) const NO_DURATIONS: &str = "the operating points have no durations";
 

@@ -20,7 +20,7 @@ mod transmission;
 
 pub use super::candidate::{ASSUMED, Candidate, hottest};
 pub use gear::{GEAR_LIFE, backdriving_torque};
-pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, Of, Remark, Verdict};
+pub use limit::{Asked, Check, Class, Demand, Depends, Judge, Key, Limit, MONEY, Of, Remark, Verdict};
 pub use module::allows_spring;
 pub use motor::DRIVE_CONTINUOUS_CURRENT;
 pub use needs::{ELECTRICAL, NEEDS, Need};

@@ -63,6 +63,20 @@ impl Candidate<'_> {
                 ),
             });
         }
+        for asked in asked.iter().filter(|asked| super::size::is_on_parts(asked.limit.name)) {
+            if self.assumes_ideal_gear() {
+                assumed.push((
+                    asked.limit.name,
+                    "the requirement describes no gear: only the motor counts, as if the gear had no size and no price",
+                ));
+            }
+            if !self.joint.motors.modules.is_empty() && !self.has_drive_inside() {
+                assumed.push((
+                    asked.limit.name,
+                    "drive not inside: no drive counts here, and one that is built into a module counts there",
+                ));
+            }
+        }
         if self.joint.motor_drag == MotorDrag::Counted && self.motor.lacks_speed_of_drag() {
             assumed.push((
                 "motor_drag",

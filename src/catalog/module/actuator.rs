@@ -13,7 +13,7 @@ use crate::catalog::gear::GearKind;
 use crate::catalog::module::constants::EfficiencyFrom;
 use crate::catalog::row::MotorRow;
 use crate::catalog::sheet::{Conventions, OwnConventions, Printed, Sheet};
-use crate::catalog::{Catalog, Gear, Motor, is_named};
+use crate::catalog::{Catalog, Gear, Motor, across, is_named};
 
 /// A number with a ± that is so large a share of it.
 fn known(value: Option<f64>, share: Option<f64>) -> Option<Printed> {
@@ -91,6 +91,10 @@ impl Module {
         };
         let inertia = self.constants().inertia.filter(|_| motor.rotor_inertia.is_none());
         let sheet = Sheet {
+            // What is bought and built in is the module, not the motor inside.
+            outer_diameter: self.across(),
+            length: own.length,
+            offer: own.offer.clone(),
             peak_torque: sheet.peak_torque.filter(|_| !says_peak),
             mass: if splits { sheet.mass } else { own.mass.or(sheet.mass) },
             peak_current: least(sheet.peak_current, peak),
@@ -188,8 +192,9 @@ impl Module {
                 back_emf_constant: known(back_emf_constant.filter(|_| !is_one), spread.back_emf_constant),
                 rotor_inertia: like(constants.inertia.map(|j| j / (ratio * ratio)), sheet.armature),
                 mass: sheet.mass,
-                outer_diameter: sheet.outer_diameter,
-                length: sheet.length.filter(|_| sheet.outer_diameter.is_some()),
+                outer_diameter: self.across(),
+                length: sheet.length,
+                offer: sheet.offer.clone(),
                 peak_current: in_convention(sheet.peak_current, self.refers.current),
                 no_load_current: match self.refers.no_load_current_is {
                     Some(NoLoadCurrent::Winding(is)) => in_convention(sheet.no_load_current, Some(is)),
@@ -259,6 +264,11 @@ impl Motor {
 }
 
 impl Module {
+    /// Its diameter across the output axis \[m\]: see [`across`].
+    pub fn across(&self) -> Option<Printed> {
+        across(self.sheet.outer_diameter, self.sheet.width, self.sheet.height)
+    }
+
     /// How its winding answers, from its overload table.
     fn response(&self) -> Option<Response> {
         self.sheet.rated_torque.and_then(|rated| Response::fit(rated.value, &self.overload))

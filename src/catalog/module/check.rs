@@ -3,20 +3,8 @@
 use super::{Module, Points, TorqueLoss};
 use crate::catalog::convention::Terminals;
 use crate::catalog::row::Side;
+pub use crate::catalog::wrong::Wrong;
 use crate::words::number;
-
-/// A mistake of a row.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Wrong {
-    /// The column that it stands in.
-    pub column: &'static str,
-    /// What is wrong.
-    pub message: String,
-    /// What to see there.
-    pub label: &'static str,
-    /// What to do.
-    pub help: &'static str,
-}
 
 /// By how much a curve may reach beyond the speed without load.
 const BEYOND_NO_LOAD: f64 = 1.05;
@@ -32,7 +20,7 @@ pub fn wrong(module: &Module) -> Vec<Wrong> {
             && low > high
         {
             let (label, help) = ("the two may be swapped", "look at the source");
-            found.push(Wrong { column, message: message.into(), label, help });
+            found.push(Wrong { column, message: message.into(), label, help: help.into() });
         }
     };
     let value = |p: Option<crate::catalog::Printed>| p.map(|p| p.value);
@@ -59,7 +47,7 @@ pub fn wrong(module: &Module) -> Vec<Wrong> {
             column: "backdrive_efficiency",
             message: "`backdrive_efficiency` is out of range".into(),
             label: "expected at most 1",
-            help: "it is that of the gear when the load drives",
+            help: "it is that of the gear when the load drives".into(),
         });
     }
     found
@@ -71,7 +59,7 @@ fn undeclared(module: &Module) -> Vec<Wrong> {
     let mut found = Vec::new();
     let mut need = |given: bool, said: bool, column: &'static str, message: String, help: &'static str| {
         if given && !said {
-            found.push(Wrong { column, message, label: "what does it refer to?", help });
+            found.push(Wrong { column, message, label: "what does it refer to?", help: help.into() });
         }
     };
     let without = |column: &str, of: &str| format!("`{column}` is given without `{of}`");
@@ -143,8 +131,6 @@ fn undeclared(module: &Module) -> Vec<Wrong> {
         ("peak_current", sheet.peak_current.is_some(), "current", refers.current.is_some()),
         ("rated_power", sheet.rated_power.is_some(), "rated_power_is", refers.rated_power_is.is_some()),
         ("no_load_current", sheet.no_load_current.is_some(), "no_load_current_is", refers.no_load_current_is.is_some()),
-        ("price", sheet.price.is_some(), "price_currency", !module.price_currency.is_empty()),
-        ("price", sheet.price.is_some(), "price_date", !module.price_date.is_empty()),
     ] {
         need(given, said, column, without(column, of), "give both, or leave the number out and say it in the note");
     }
@@ -163,7 +149,8 @@ fn curves(module: &Module) -> Vec<Wrong> {
     let no_load = module.sheet.no_load_speed.map(|p| p.value);
     let of = |column: &'static str, points: &Points, driving: bool| {
         let mut found = Vec::new();
-        let mut wrong = |message: String, label, help| found.push(Wrong { column, message, label, help });
+        let mut wrong =
+            |message: String, label, help: &str| found.push(Wrong { column, message, label, help: help.into() });
         let Some(first) = points.first() else { return found };
         if first[0] != 0.0 {
             wrong(format!("`{column}` does not begin at standstill"), "its first speed is not 0", "begin with 0:…");
@@ -214,7 +201,7 @@ fn tables(module: &Module) -> Vec<Wrong> {
                     number(time)
                 ),
                 label: "expected rising torques that are borne for less and less time",
-                help: "each pair is torque:time",
+                help: "each pair is torque:time".into(),
             });
         }
         found

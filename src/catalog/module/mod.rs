@@ -166,10 +166,6 @@ pub struct Module {
     pub overload: Points,
     /// The same at standstill.
     pub overload_stall: Points,
-    /// Currency of the price.
-    pub price_currency: String,
-    /// Day of the price.
-    pub price_date: String,
     /// The numbers.
     pub sheet: ModuleSheet,
     /// Where the numbers come from.
@@ -207,8 +203,6 @@ impl Default for Module {
             braking_curve: Points::new(),
             overload: Points::new(),
             overload_stall: Points::new(),
-            price_currency: String::new(),
-            price_date: String::new(),
             sheet: ModuleSheet::default(),
             source: String::new(),
             source_date: String::new(),

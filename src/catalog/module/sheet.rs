@@ -1,5 +1,6 @@
 //! The numbers of a module's row. [`MODULE_FIELDS`] is the one list of them.
 
+use crate::catalog::offer::{Offer, Sold};
 use crate::catalog::row::{Field, States};
 use crate::catalog::sheet::Printed;
 use crate::input::Range;
@@ -12,6 +13,8 @@ macro_rules! sheet {
         #[derive(Debug, Clone, Default, PartialEq)]
         pub struct ModuleSheet {
             $($(#[doc = $doc])* pub $name: Option<Printed>,)*
+            /// What it costs.
+            pub offer: Offer,
         }
 
         /// The numeric columns of a catalogue of modules.
@@ -26,7 +29,20 @@ macro_rules! sheet {
                 get: |sheet| sheet.$name,
                 set: |sheet, printed| sheet.$name = Some(printed),
             },)*
+            Field::PRICE,
+            Field::PRICE_QUANTITY,
+            Field::LEAD_TIME,
         ];
+
+        impl Sold for ModuleSheet {
+            fn offer(&self) -> &Offer {
+                &self.offer
+            }
+
+            fn offer_mut(&mut self) -> &mut Offer {
+                &mut self.offer
+            }
+        }
     };
 }
 
@@ -95,11 +111,11 @@ sheet! {
     mass: MASS, Positive;
     /// Outer diameter of a round one \[m\].
     outer_diameter: LENGTH, Positive;
-    /// Length along the output axis; of a box its depth as printed \[m\].
+    /// Length along the output axis, of a box its depth, as printed \[m\].
     length: LENGTH, Positive;
-    /// Width of a box \[m\].
+    /// Width of a box, across the output axis \[m\]; a limit on the diameter takes the diagonal of width and height.
     width: LENGTH, Positive;
-    /// Height of a box \[m\].
+    /// Height of a box, across the output axis \[m\].
     height: LENGTH, Positive;
     /// Thermal resistance from winding to housing \[K/W\].
     thermal_resistance_winding_housing: THERMAL_RESISTANCE, Positive;
@@ -113,10 +129,4 @@ sheet! {
     max_winding_temperature: TEMPERATURE, Positive;
     /// Winding temperature that the resistance refers to \[K\].
     reference_temperature: TEMPERATURE, Positive;
-    /// Price in `price_currency`.
-    price: RATIO, Positive;
-    /// Number of pieces that the price holds for.
-    price_quantity: RATIO, Positive;
-    /// Time until it is delivered \[s\].
-    lead_time: TIME, NonNegative;
 }

@@ -3,6 +3,7 @@
 use super::{Column, Field, Holds, Need, Row, Side, States, find, identity, listed};
 use crate::catalog::convention::word;
 use crate::catalog::gear::{ContinuousTorque, GEAR_FIELDS, Gear, GearKind, LifeQuantile};
+use crate::catalog::offer::Sold;
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::input::Stated;
 
@@ -31,6 +32,8 @@ impl Row for Gear {
             need: Need::May,
             holds: Holds::Count(|r| r.stages, |r, count| r.stages = Some(count)),
         },
+        identity!(price_currency),
+        identity!(price_date),
     ];
 
     const AFTER: &'static [Column<Gear>] = &[

@@ -20,15 +20,16 @@ pub use write::{csv_text, numbers_text, toml_text};
 #[cfg(feature = "report")]
 pub(crate) use write::{number_line, quoted, say};
 
+use super::offer::Sold;
 use super::sheet::{Printed, Sheet};
 use crate::input::csv::{Column as CsvColumn, Content};
 use crate::input::{Range, Stated, Words};
-use crate::units::Kind;
+use crate::units::{self, Kind};
 
 /// A kind of row and its columns. In files that the program writes the numbers stand between two groups of other columns.
 pub trait Row: Sized + 'static {
     /// What holds the numbers.
-    type Numbers: 'static;
+    type Numbers: Sold + 'static;
     /// The columns before the numbers.
     const BEFORE: &'static [Column<Self>];
     /// The columns behind them.
@@ -113,6 +114,45 @@ pub struct Field<S: 'static = Sheet> {
     pub get: fn(&S) -> Option<Printed>,
     /// Writes it.
     pub set: fn(&mut S, Printed),
+}
+
+/// The numbers of an offer: one declaration for every kind of row.
+impl<S: Sold> Field<S> {
+    /// Price.
+    pub const PRICE: Field<S> = Field {
+        name: "price",
+        tolerance: None,
+        about: "Of one, in `price_currency`.",
+        kind: &units::RATIO,
+        range: Range::Positive,
+        states: States::Nothing,
+        get: |s| s.offer().price.map(Printed::exact),
+        set: |s, printed| s.offer_mut().price = Some(printed.value),
+    };
+
+    /// How many have to be bought at once for that.
+    pub const PRICE_QUANTITY: Field<S> = Field {
+        name: "price_quantity",
+        tolerance: None,
+        about: "So many have to be bought at once for that price; 1 where it is blank.",
+        kind: &units::RATIO,
+        range: Range::AtLeastOne,
+        states: States::Nothing,
+        get: |s| s.offer().price_quantity.map(Printed::exact),
+        set: |s, printed| s.offer_mut().price_quantity = Some(printed.value),
+    };
+
+    /// Time until it is there.
+    pub const LEAD_TIME: Field<S> = Field {
+        name: "lead_time",
+        tolerance: None,
+        about: "Time until it is delivered.",
+        kind: &units::TIME,
+        range: Range::NonNegative,
+        states: States::Nothing,
+        get: |s| s.offer().lead_time.map(Printed::exact),
+        set: |s, printed| s.offer_mut().lead_time = Some(printed.value),
+    };
 }
 
 /// What a number may state of itself behind its unit.
@@ -216,7 +256,7 @@ pub fn choices<R: Row>(name: &str) -> &'static [&'static str] {
     }
 }
 
-/// The columns that every kind of row has: name and source.
+/// The columns that every kind of row has: name and source, and what its price refers to.
 macro_rules! identity {
     (id) => {
         Column {
@@ -240,6 +280,28 @@ macro_rules! identity {
             about: "what its maker calls it",
             need: Need::May,
             holds: Holds::Text(|r| r.model.clone(), |r, text| r.model = text),
+        }
+    };
+    (price_currency) => {
+        Column {
+            name: "price_currency",
+            about: "currency of `price`, a code of ISO 4217; needed with it",
+            need: Need::May,
+            holds: Holds::Text(
+                |r| r.numbers().offer().price_currency.clone(),
+                |r, text| r.numbers_mut().offer_mut().price_currency = text,
+            ),
+        }
+    };
+    (price_date) => {
+        Column {
+            name: "price_date",
+            about: "day of `price`, as 2026-11-01; needed with it",
+            need: Need::May,
+            holds: Holds::Text(
+                |r| r.numbers().offer().price_date.clone(),
+                |r, text| r.numbers_mut().offer_mut().price_date = text,
+            ),
         }
     };
     (source) => {

@@ -6,6 +6,7 @@ use crate::catalog::convention::{
 };
 use crate::catalog::gear::GearKind;
 use crate::catalog::module::{Drive, MODULE_FIELDS, Module, ModuleSheet, NoLoadCurrent, RatedPower, TorqueLoss};
+use crate::catalog::offer::Sold;
 use crate::catalog::row::Side;
 use crate::catalog::sheet::{Printed, SourceKind};
 use crate::input::{Range, Stated};
@@ -143,8 +144,8 @@ impl Row for Module {
         points!(overload, [TORQUE, TIME, Positive], "longest time of a constant torque, from ambient"),
         points!(overload_stall, [TORQUE, TIME, Positive], "the same at standstill"),
         text!(heat_sink, "the heat sink of the overload test"),
-        text!(price_currency, "currency of `price`; needed with it"),
-        text!(price_date, "day of `price`; needed with it"),
+        identity!(price_currency),
+        identity!(price_date),
     ];
 
     const AFTER: &'static [Column<Module>] = &[

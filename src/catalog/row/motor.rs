@@ -6,6 +6,7 @@ use crate::catalog::convention::{
     BackEmfConvention, Commutation, CurrentConvention, SpeedConstantConvention, Terminals, Winding, word,
 };
 use crate::catalog::motor::{Identity, Incomplete, Motor};
+use crate::catalog::offer::Sold;
 use crate::catalog::sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
 use crate::input::Stated;
 
@@ -314,6 +315,8 @@ impl Row for MotorRow {
             need: Need::May,
             holds: Holds::Count(|r| r.pole_pairs, |r, count| r.pole_pairs = Some(count)),
         },
+        identity!(price_currency),
+        identity!(price_date),
     ];
 
     const AFTER: &'static [Column<MotorRow>] = &[

@@ -5,9 +5,11 @@ use super::{Column, Field, Holds, MotorRow, Need, Row};
 use crate::catalog::convention::{Commutation, CurrentConvention};
 use crate::catalog::gear::{Gear, GearKind, GearRatings};
 use crate::catalog::module::Module;
-use crate::catalog::module::check::{self, Wrong};
+use crate::catalog::module::check;
 use crate::catalog::motor::{Incomplete, Motor};
+use crate::catalog::offer::{Offer, Sold};
 use crate::catalog::sheet::{Printed, SourceKind};
+use crate::catalog::wrong::Wrong;
 use crate::input::{Problem, key};
 
 /// Name and source, which are asked for first.
@@ -25,6 +27,14 @@ fn read<R: Row>(cells: &dyn Cells, row: &mut R, spared: &[&str]) {
         read_column(cells, column, row, spared);
     }
     numbers(cells, row, R::fields().iter());
+    refuse(cells, row.numbers().offer().wrong());
+}
+
+/// Notes mistakes of a row.
+fn refuse(cells: &dyn Cells, wrong: Vec<Wrong>) {
+    for Wrong { column, message, label, help } in wrong {
+        cells.note(Problem::at(cells.span(column), message, label).help(help));
+    }
 }
 
 /// Puts numbers that are there into a row.
@@ -203,9 +213,7 @@ pub fn module(cells: &dyn Cells) -> Option<Module> {
     if !cells.is_given("ratio") {
         cells.blank("ratio", Need::Must("9"), &[]);
     }
-    for Wrong { column, message, label, help } in check::wrong(&module) {
-        cells.note(Problem::at(cells.span(column), message, label).help(help));
-    }
+    refuse(cells, check::wrong(&module));
     (cells.noted() == before).then_some(module)
 }
 
@@ -283,6 +291,10 @@ impl Gear {
             efficiency: None,
             backdrive_efficiency: None,
             mass: None,
+            outer_diameter: None,
+            length: None,
+            width: None,
+            height: None,
             inertia: None,
             continuous_torque: None,
             peak_torque: None,
@@ -297,6 +309,7 @@ impl Gear {
             efficiency_speed: None,
             ratings: GearRatings::default(),
             fits: Vec::new(),
+            offer: Offer::default(),
             source: String::new(),
             source_kind: SourceKind::Datasheet,
             note: String::new(),

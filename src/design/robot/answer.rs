@@ -2,7 +2,7 @@
 
 use super::total::Total;
 use crate::actuator::limits::Remark;
-use crate::catalog::Motor;
+use crate::catalog::{Currency, Motor};
 use crate::design::answer::Design;
 use crate::design::options::Stopped;
 use crate::requirement::{Joint, Robot};
@@ -87,6 +87,41 @@ pub struct Combination<'a> {
     /// What carried actuators add to each joint's load: for constant torques per mass the torque \[N·m\], for
     /// others the mass \[kg\].
     pub carried: Vec<Vec<f64>>,
+}
+
+/// What all actuators of a robot cost together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bill {
+    /// The currency that it is counted in.
+    pub currency: Currency,
+    /// What is known of it: it is at least this.
+    pub at_least: f64,
+    /// Number of actuators of which all of the price is known.
+    pub known: u32,
+    /// Number of actuators.
+    pub of: u32,
+}
+
+impl Bill {
+    /// The sum, where every price is known.
+    pub fn total(&self) -> Option<f64> {
+        (self.known == self.of).then_some(self.at_least)
+    }
+}
+
+impl Combination<'_> {
+    /// What its actuators cost together; `None` where the requirement counts no prices.
+    pub fn bill(&self, robot: &Robot) -> Option<Bill> {
+        let currency = robot.prices.as_ref()?.currency;
+        let costs =
+            robot.joints.iter().zip(&self.joints).filter_map(|(j, d)| Some((j.count, d.evaluation.price?.whole)));
+        Some(costs.fold(Bill { currency, at_least: 0.0, known: 0, of: 0 }, |bill, (count, whole)| Bill {
+            at_least: bill.at_least + f64::from(count) * whole.known,
+            known: bill.known + if whole.missing.is_none() { count } else { 0 },
+            of: bill.of + count,
+            ..bill
+        }))
+    }
 }
 
 /// A supply that sags under all joints together. What some give back to the bus is not counted on.

@@ -28,7 +28,7 @@ use crate::design::Prepared;
 use crate::design::options::Stop;
 use crate::design::program::GAP_TOLERANCE;
 use crate::requirement::{Joint, Robot};
-pub use answer::{Apart, Change, Choice, Combination, NoChoice, Options, Proof, Sag, Wanting};
+pub use answer::{Apart, Bill, Change, Choice, Combination, NoChoice, Options, Proof, Sag, Wanting};
 use context::{Among, Context};
 pub(crate) use power::Draws;
 use search::{Answer, Found, Rules};

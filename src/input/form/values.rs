@@ -3,7 +3,7 @@
 use std::ops::Range as Span;
 
 use toml::Spanned;
-use toml::de::DeValue;
+use toml::de::{DeString, DeValue};
 
 use super::super::describe::Asked;
 use super::super::{Key, Problem, Range, Stated, Words};
@@ -272,6 +272,23 @@ impl Section<'_> {
                 named.push((Spanned::new(name.span(), name.get_ref().to_string()), number));
             }
         }
+        named.sort_by_key(|(name, _)| name.span().start);
+        named
+    }
+
+    /// Numbers without dimension under names of the user's own, with the place of each name.
+    pub fn named_numbers(&self, key: impl Into<Key>, range: Range) -> Vec<(Spanned<String>, f64)> {
+        let key = key.into();
+        let Some(value) = self.ask(&key, &Asked::NamedNumbers) else { return Vec::new() };
+        let Some(table) = value.get_ref().as_table() else {
+            self.wrong_type(value, key.name, "a table of names and numbers");
+            return Vec::new();
+        };
+        let number = |(name, item): (&Spanned<DeString>, &Spanned<DeValue>)| {
+            let number = self.read_number(item, name.get_ref(), range)?;
+            Some((Spanned::new(name.span(), name.get_ref().to_string()), number))
+        };
+        let mut named: Vec<(Spanned<String>, f64)> = table.iter().filter_map(number).collect();
         named.sort_by_key(|(name, _)| name.span().start);
         named
     }

@@ -112,6 +112,7 @@ pub fn row(bench: &Bench, outcomes: &[Outcome]) -> Row {
             taken.push((field.name, format!("row of {}", declared.map_or("", |m| m.id.as_str()))));
         }
     }
+    sheet.offer = declared.map(|motor| motor.sheet.offer.clone()).unwrap_or_default();
     let pole_pairs = known.pole_pairs.or(declared.and_then(|m| m.pole_pairs)).filter(|p| *p > 0);
     if pole_pairs.is_some() {
         let from = if known.pole_pairs.is_some() {

@@ -9,7 +9,7 @@ use crate::catalog::estimate::Estimate;
 use crate::catalog::row::{Convention, Field, Row, States};
 use crate::catalog::{
     Alternative, Catalog, Construction, ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor,
-    PeakTorqueOf, SourceKind,
+    Offer, PeakTorqueOf, Price, SourceKind,
 };
 use crate::report::audit::word as severity;
 use crate::report::number;
@@ -167,6 +167,23 @@ pub(super) fn titled(out: &mut String, title: &str) {
     out.push_str(&paragraph(title, 0, 2));
 }
 
+/// Price and lead time of a row.
+pub(super) fn price_line(out: &mut String, offer: &Offer) {
+    if let Some(price) = offer.price() {
+        line(out, "price", &priced(&price));
+    }
+    if let Some(time) = offer.lead_time {
+        line(out, "lead time", &with_unit(in_unit(time, "d"), "d"));
+    }
+}
+
+/// A price with its currency, its day, and how many have to be bought for it.
+pub(crate) fn priced(price: &Price) -> String {
+    let Price { value, currency, date, quantity } = price;
+    let each = if *quantity > 1.0 { format!(" each of {}", number(*quantity)) } else { String::new() };
+    format!("{} {currency}{each}, {date}", number(*value))
+}
+
 /// A label and a text.
 pub(super) fn line(out: &mut String, label: &str, text: &str) {
     if !text.is_empty() {
@@ -185,6 +202,7 @@ pub fn motor_text(card: &Card) -> String {
     line(&mut out, "motor", &format!("{}; {built}, {commutation}", name.trim()));
     line(&mut out, "source", &sourced(&motor.source, motor.source_kind));
     line(&mut out, "note", &motor.note);
+    price_line(&mut out, &motor.sheet.offer);
     line(
         &mut out,
         "peak torque",
@@ -214,10 +232,12 @@ pub fn motor_text(card: &Card) -> String {
     }
     titled(&mut out, &format!("In every convention (the row: {})", conventions_line(motor)));
     out.push_str(&conventions(card).text());
-    let rows = FIELDS.iter().filter(|f| matches!(f.states, States::Nothing)).filter_map(|field| {
-        let printed = (field.get)(&motor.sheet)?;
-        Some(number_row(field, printed.value, printed.tolerance))
-    });
+    let rows = FIELDS.iter().filter(|f| matches!(f.states, States::Nothing) && !PRICED.contains(&f.name)).filter_map(
+        |field| {
+            let printed = (field.get)(&motor.sheet)?;
+            Some(number_row(field, printed.value, printed.tolerance))
+        },
+    );
     let pairs =
         motor.pole_pairs.filter(|p| *p > 0).map(|p| vec!["pole_pairs".to_string(), p.to_string(), String::new()]);
     let rows: Vec<Vec<String>> = pairs.into_iter().chain(rows).collect();
@@ -284,6 +304,9 @@ pub fn elsewhere_text(alternatives: &[&Alternative]) -> String {
     out
 }
 
+/// Columns that the lines of price and lead time say.
+pub(super) const PRICED: &[&str] = &["price", "price_quantity", "lead_time"];
+
 pub(super) fn sourced(source: &str, kind: SourceKind) -> String {
     format!("{source} ({})", word(SourceKind::NAMES, &kind))
 }
@@ -327,6 +350,8 @@ pub fn gear_lacks(gear: &Gear) -> Vec<(&'static str, &'static str)> {
     let all = [
         (gear.efficiency.is_none(), "efficiency", "the gear cannot be chosen"),
         (gear.mass.is_none(), "mass", "a limit on mass cannot be judged"),
+        (gear.across().is_none(), "outer_diameter", "a limit on the diameter cannot be judged"),
+        (gear.length.is_none(), "length", "a limit on the axial length cannot be judged"),
         (gear.inertia.is_none(), "inertia", "it is left out; a limit on reflected inertia cannot be judged"),
         (gear.peak_torque.is_none(), "peak_torque", "its largest torque is not checked"),
         (gear.continuous_torque.is_none(), "continuous_torque", "its continuous torque is not checked"),
@@ -337,6 +362,8 @@ pub fn gear_lacks(gear: &Gear) -> Vec<(&'static str, &'static str)> {
         (gear.backlash.is_none(), "backlash", "a `max_backlash` cannot be judged"),
         (gear.stiffness.is_none(), "stiffness", "a `min_stiffness` cannot be judged"),
         (!starts, "starting_torque or backdriving_torque", "a `max_backdriving_torque` cannot be judged"),
+        (gear.offer.price.is_none(), "price (with price_currency and price_date)", "a limit on it cannot be judged"),
+        (gear.offer.lead_time.is_none(), "lead_time", "a limit on it cannot be judged"),
         (gear.fits.is_empty(), "fits", "whether it can be mounted on a motor is not known"),
     ];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, column, why)| (column, why)).collect()
@@ -351,11 +378,12 @@ pub fn gear_text(gear: &Gear) -> String {
     line(&mut out, "source", &sourced(&gear.source, gear.source_kind));
     line(&mut out, "fits", &gear.fits.join(", "));
     line(&mut out, "note", &gear.note);
+    price_line(&mut out, &gear.offer);
     titled(
         &mut out,
         "Numbers (torques, backlash and stiffness at the output; inertia, speed and torque without load at the input)",
     );
-    let rows = GEAR_FIELDS.iter().filter_map(|field| {
+    let rows = GEAR_FIELDS.iter().filter(|f| !PRICED.contains(&f.name)).filter_map(|field| {
         let printed = (field.get)(gear.numbers())?;
         Some(number_row(field, printed.value, printed.tolerance))
     });

@@ -107,6 +107,14 @@ pub const LACKS: &[Lack] = &[
         prevents: "a limit on it cannot be judged",
     },
     Lack {
+        name: "price and lead time",
+        columns: "price (with price_currency and price_date), lead_time",
+        is_lacking: |m| m.sheet.offer.price.is_none() || m.sheet.offer.lead_time.is_none(),
+        estimate: None,
+        limits: &["price", "lead_time"],
+        prevents: "limits on them cannot be judged",
+    },
+    Lack {
         name: "friction",
         columns: "no_load_current (with no_load_speed), or coulomb_friction and viscous_friction",
         is_lacking: |m| matches!(m.drag(), Drag::Unknown | Drag::Estimated { .. }),
@@ -187,6 +195,10 @@ mod tests {
         ("peak_current [A]", "20", &["peak current"]),
         ("outer_diameter [m]", "0.05", &["outer diameter"]),
         ("length [m]", "0.03", &["axial length"]),
+        ("price", "90", &["price and lead time"]),
+        ("price_currency", "EUR", &["price and lead time"]),
+        ("price_date", "2026-01-31", &["price and lead time"]),
+        ("lead_time [d]", "9", &["price and lead time"]),
         ("continuous_current [A]", "5", &["heat"]),
         ("coulomb_friction [N*m]", "0.001", &["friction"]),
         ("thermal_time_constant_winding [s]", "20", &["thermal time constants"]),
@@ -211,10 +223,10 @@ mod tests {
     /// Limits and needs of which nothing can be said.
     fn unknown(motor: &Motor) -> Result<Vec<&'static str>, String> {
         let robot = "name = \"x\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"40 A\"\n[budget]\nactuator_mass = \"9 kg\"\n[[joint]]\nname = \"j\"\n\
-             ratio = { min = 3, max = 20 }\ngear = { efficiency = 0.9, mass = \"1 kg\", starting_torque = \"0 N*m\" }\n\
+             ratio = { min = 3, max = 20 }\ngear = { efficiency = 0.9, mass = \"1 kg\", starting_torque = \"0 N*m\", outer_diameter = \"9 mm\", length = \"9 mm\", price = \"9 EUR\", lead_time = \"9 d\" }\n\
              points = [ { torque = \"1 N*m\", speed = \"1 rad/s\", duration = \"1 s\" } ]\n[joint.limits]\nactuator_mass = \"9 kg\"\n\
              outer_diameter = \"1 m\"\naxial_length = \"1 m\"\ntorque_bandwidth = { frequency = \"1 Hz\", amplitude = \"1 N*m\" }\n\
-             max_backdriving_torque = \"9 N*m\"\n";
+             max_backdriving_torque = \"9 N*m\"\nprice = \"999 EUR\"\nlead_time = \"99 d\"\n[prices]\ncurrency = \"EUR\"\ndate = \"2026-11-01\"\n";
         let robot =
             requirement::read_source(&Source::new("x.toml", robot).into()).unwrap_or_else(|e| panic!("{}", e[0]));
         let joint = &robot.joints[0];

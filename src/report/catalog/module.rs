@@ -1,6 +1,6 @@
 //! The card of a module.
 
-use super::card::{audit_text, line, number_row, numbers_table, sourced, titled};
+use super::card::{PRICED, audit_text, line, number_row, numbers_table, price_line, sourced, titled};
 use crate::catalog::Module;
 use crate::catalog::audit::Finding;
 use crate::catalog::module::{Depth, Drive, MODULE_FIELDS};
@@ -9,8 +9,20 @@ use crate::report::number;
 use crate::report::table::paragraph;
 
 /// Columns that the first lines of a card say.
-const SAID: &[&str] =
-    &["id", "manufacturer", "model", "drive", "source", "source_kind", "source_date", "note", "audit_accept", "kind"];
+const SAID: &[&str] = &[
+    "id",
+    "manufacturer",
+    "model",
+    "drive",
+    "source",
+    "source_kind",
+    "source_date",
+    "note",
+    "audit_accept",
+    "kind",
+    "price_currency",
+    "price_date",
+];
 
 /// What a module's row lacks and what that prevents.
 pub fn module_lacks(module: &Module) -> Vec<(&'static str, &'static str)> {
@@ -44,6 +56,10 @@ pub fn module_lacks(module: &Module) -> Vec<(&'static str, &'static str)> {
             "torques are without its own inertia; a limit on reflected inertia cannot be judged",
         ),
         (sheet.mass.is_none() && !inside, "mass", "a limit on mass cannot be judged"),
+        (module.across().is_none(), "outer_diameter, or width and height", "a limit on the diameter cannot be judged"),
+        (sheet.length.is_none(), "length", "a limit on the axial length cannot be judged"),
+        (sheet.offer.price.is_none(), "price (with price_currency and price_date)", "a limit on it cannot be judged"),
+        (sheet.offer.lead_time.is_none(), "lead_time", "a limit on it cannot be judged"),
         (module.overload.is_empty(), "overload", "more than the rated torque for a while is judged by its mean alone"),
     ];
     all.into_iter().filter(|(is, ..)| *is).map(|(_, column, why)| (column, why)).collect()
@@ -64,8 +80,9 @@ pub fn module_text(module: &Module, findings: &[Finding]) -> String {
     let source = [module.source.as_str(), module.source_date.as_str()].join(", ");
     line(&mut out, "source", &sourced(source.trim_end_matches(", "), module.source_kind));
     line(&mut out, "note", &module.note);
+    price_line(&mut out, &module.sheet.offer);
     titled(&mut out, "Numbers as printed (torques, speeds, backlash and stiffness at the output)");
-    let rows = MODULE_FIELDS.iter().filter_map(|field| {
+    let rows = MODULE_FIELDS.iter().filter(|f| !PRICED.contains(&f.name)).filter_map(|field| {
         let printed = (field.get)(module.numbers())?;
         Some(number_row(field, printed.value, printed.tolerance))
     });

@@ -123,7 +123,8 @@ fn findings(report: &Report, caption: &str, here: impl Fn(&Finding) -> bool) -> 
         let fix = finding.help.clone().or_else(|| rule(&applied.code).map(|r| r.fix.to_string()));
         let reason = finding.reason.as_ref().map_or_else(String::new, |why| format!(" (the rules file: {why})"));
         let value = |of: Option<f64>| of.filter(|v| v.is_finite()).map_or_else(String::new, number);
-        let unit = finding.value.or(finding.bound).map_or("", |_| unit_of(&finding.subject));
+        let unit =
+            finding.value.or(finding.bound).map_or("", |_| finding.unit.unwrap_or_else(|| unit_of(&finding.subject)));
         table.rows.push(Row {
             cells: vec![
                 finding.severity.name().into(),

@@ -284,7 +284,8 @@ fn candidates(result: &JointResult, names: &str) -> Table {
     if own_column {
         header.push(&goal);
     }
-    let figures = [true, false].map(columns::of_pages);
+    let currency = result.candidates.first().and_then(|design| design.evaluation.price).map(|cost| cost.currency);
+    let figures = [true, false].map(|at_once| columns::of_pages(at_once, currency));
     header.extend(figures[0].iter().map(String::as_str));
     header.extend(["tightest", ">margin [%]", "estimated", ">not checked", "proof"]);
     if !geared {

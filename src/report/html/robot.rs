@@ -46,7 +46,7 @@ fn capital(text: &str) -> String {
 }
 
 fn designs(choice: &Choice, best: &Combination) -> Table {
-    let figures: Vec<String> = columns::of_pages(true);
+    let figures: Vec<String> = columns::of_pages(true, None);
     let mut header = vec!["joint", ">×", "motor", "gear", ">N"];
     header.extend(figures.iter().map(String::as_str));
     header.extend(["tightest", ">margin [%]", "estimated", ">not checked"]);

@@ -91,7 +91,8 @@ fn designs(sweep: &JointSweep, order: Order) -> Table {
     header.extend(geared.then_some("gear"));
     header.extend([">N", "feasible"]);
     header.extend(own_column.then_some(goal.as_str()));
-    let figures = [true, false].map(columns::of_pages);
+    let currency = sweep.designs.first().and_then(|design| design.evaluation.price).map(|cost| cost.currency);
+    let figures = [true, false].map(|at_once| columns::of_pages(at_once, currency));
     header.extend(figures[0].iter().map(String::as_str));
     header.extend(["tightest", ">margin [%]", "because"]);
     let main = header.len();

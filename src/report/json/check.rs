@@ -264,7 +264,7 @@ fn finding<'a>(report: &'a Report, of: &'a rules::Finding) -> Finding<'a> {
         reason: of.reason.as_deref(),
         value: of.value.filter(|value| value.is_finite()),
         bound: of.bound.filter(|bound| bound.is_finite()),
-        unit: of.value.or(of.bound).map(|_| unit_of(&of.subject)),
+        unit: of.value.or(of.bound).map(|_| of.unit.unwrap_or_else(|| unit_of(&of.subject))),
         at: (&of.location).into(),
         asked_for_at: of.asked.as_ref().map(Location::from),
         allowed: of.allowed.is_some(),

@@ -13,6 +13,7 @@ use crate::actuator::fitted::Note;
 use crate::actuator::limits::Remark;
 use crate::actuator::losses;
 use crate::actuator::metrics::METRICS;
+use crate::actuator::parts::PartKind;
 use crate::catalog::convention::word;
 use crate::catalog::estimate::Estimate;
 use crate::catalog::{Construction, Motor};
@@ -49,6 +50,12 @@ pub struct Design<'a> {
     pub unknown_losses: Vec<&'static str>,
     #[serde(flatten)]
     figures: Figures<'a>,
+    /// Currency of `price` and `price_at_least`, where the requirement has `[prices]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub price_currency: Option<&'static str>,
+    /// Price of the parts of which it is known, where the requirement has `[prices]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub price_at_least: Option<f64>,
     /// Whether the winding has no steady temperature: the copper's resistance rises faster than heat flows off.
     pub thermal_runaway: bool,
     /// Margin of each limit, `1 − demand/limit`, by its name.
@@ -233,6 +240,12 @@ pub struct Limit<'a> {
     pub margin: Option<f64>,
     /// Whose limit it is.
     pub of: &'static str,
+    /// Of a limit on the parts of the actuator: the part whose number the demand is, where it is that of one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<&'static str>,
+    /// Of a limit on the parts of the actuator: whether a part is not known, so that the demand is at least this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_least: Option<bool>,
     /// The load case that has the largest demand, where the joint has several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<&'a str>,
@@ -494,6 +507,8 @@ pub fn limits<'a>(of: &[evaluate::Margin], joint: &'a Joint) -> Vec<Limit<'a>> {
         unit: m.unit,
         margin: finite(m.margin),
         of: m.owner,
+        part: m.parts.and_then(|parts| parts.part).map(PartKind::word),
+        at_least: m.parts.map(|parts| parts.missing.is_some()),
         case: m.sample.and_then(|k| case_of(joint, k)),
         sample: m.sample.and_then(|k| joint.motion.given_sample(k)),
         time_s: m.sample.and_then(|k| time_of(joint, k)),
@@ -568,6 +583,8 @@ impl<'a> Design<'a> {
             losses_w: e.losses.into(),
             unknown_losses: e.unknown_losses.iter().map(|part| part.words()).collect(),
             figures: Figures(facts),
+            price_currency: e.price.map(|cost| cost.currency.code()),
+            price_at_least: e.price.map(|cost| cost.whole.known),
             thermal_runaway: facts.winding_temperature.runs_away(),
             margins: margins(&e.margins),
             limits: limits(&e.margins, joint),

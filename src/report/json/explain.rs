@@ -92,6 +92,9 @@ pub struct Remedy {
     pub ratio: f64,
     /// Whose limit it is.
     pub of: &'static str,
+    /// Whether a part of the actuator is not known that counts for the limit: then more may be needed. Left out where all are known.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub at_least: bool,
 }
 
 impl From<&explain::Remedy> for Remedy {
@@ -103,6 +106,7 @@ impl From<&explain::Remedy> for Remedy {
             unit: of.unit,
             ratio: of.ratio,
             of: of.owner,
+            at_least: of.at_least,
         }
     }
 }

@@ -13,7 +13,7 @@ use super::{document, number_or_null};
 use crate::actuator::metrics::{METRICS, metric};
 use crate::actuator::step_response;
 use crate::catalog::audit::{self, audit_motor};
-use crate::catalog::{Catalog, Motor};
+use crate::catalog::{self, Catalog, Motor};
 use crate::report::audit::{broken, word};
 use crate::report::catalog::lacks::counts;
 use crate::report::columns::metric_key;
@@ -141,6 +141,14 @@ pub struct Side<'a> {
     pub rotor_inertia_kgm2: Option<f64>,
     /// Mass.
     pub mass_kg: Option<f64>,
+    /// Outer diameter; of a module that is a box the diagonal across its axis.
+    pub outer_diameter_m: Option<f64>,
+    /// Axial length.
+    pub length_m: Option<f64>,
+    /// Price as its row says it.
+    pub price: Option<Price>,
+    /// Time until it is delivered.
+    pub lead_time_s: Option<f64>,
     /// Metrics, SI.
     metrics: Metrics<'a>,
     /// What a massless gear without loss makes of it at the matched inertia.
@@ -157,6 +165,26 @@ pub struct Side<'a> {
     pub assumptions: &'a [&'static str],
     /// What the audit found.
     pub audit: Vec<AuditRemark>,
+}
+
+/// A price of a row.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Price {
+    /// Of one.
+    pub value: f64,
+    /// Its currency.
+    pub currency: &'static str,
+    /// Its day.
+    pub date: String,
+    /// So many have to be bought at once for it.
+    pub quantity: f64,
+}
+
+impl From<catalog::Price> for Price {
+    fn from(price: catalog::Price) -> Price {
+        let catalog::Price { value, currency, date, quantity } = price;
+        Price { value, currency: currency.code(), date: date.to_string(), quantity }
+    }
 }
 
 /// An actuator of the matched inertia.
@@ -214,6 +242,10 @@ pub fn compared(comparison: &Comparison) -> Value {
             back_emf_constant_vs_per_rad: finite(m.back_emf_constant),
             rotor_inertia_kgm2: m.rotor_inertia,
             mass_kg: m.mass,
+            outer_diameter_m: m.sheet.outer_diameter.map(|p| p.value),
+            length_m: m.sheet.length.map(|p| p.value),
+            price: m.sheet.offer.price().map(Price::from),
+            lead_time_s: m.sheet.offer.lead_time,
             metrics: Metrics(m),
             matched: comparison.matched[i].as_ref().map(|x| Matched {
                 ratio: x.ratio,

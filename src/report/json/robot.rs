@@ -105,6 +105,33 @@ pub struct PartsOfAll {
     pub left: usize,
 }
 
+/// What all actuators cost together.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Bill {
+    /// Currency of the sums.
+    pub currency: &'static str,
+    /// The sum; `null` where a price is not known.
+    pub total: Option<f64>,
+    /// The sum of what is known.
+    pub at_least: f64,
+    /// Number of actuators of which all of the price is known.
+    pub known_actuators: u32,
+    /// Number of actuators.
+    pub actuators: u32,
+}
+
+impl From<robot::Bill> for Bill {
+    fn from(bill: robot::Bill) -> Bill {
+        Bill {
+            currency: bill.currency.code(),
+            total: bill.total(),
+            at_least: bill.at_least,
+            known_actuators: bill.known,
+            actuators: bill.of,
+        }
+    }
+}
+
 /// A design for each joint.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Combination<'a> {
@@ -116,6 +143,9 @@ pub struct Combination<'a> {
     pub lower_bound: Option<f64>,
     /// Mass of all actuators.
     pub actuator_mass_kg: Option<f64>,
+    /// Price of all actuators, where the requirement has `[prices]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub price: Option<Bill>,
     /// Largest power of all joints together.
     pub peak_power_w: Option<f64>,
     /// The most that comes back to the bus from all joints together, less what others draw then; below zero where they always draw some.
@@ -279,6 +309,7 @@ impl<'a> Combination<'a> {
             objective: of.objective,
             lower_bound: Some(of.lower_bound).filter(|bound| bound.is_finite()),
             actuator_mass_kg: of.mass,
+            price: of.bill(robot).map(Bill::from),
             peak_power_w: Some(of.peak_power).filter(|power| power.is_finite()),
             most_returned_w: Some(of.most_returned).filter(|power| power.is_finite()),
             peak_power_of_cases_w: (!of.peak_power_by_case.is_empty())

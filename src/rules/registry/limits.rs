@@ -124,15 +124,15 @@ limits! { OF_LIMITS:
         example "A 720 g actuator at a knee that may have 550 g.",
         fix "A lighter motor or gear; `optimize --pareto loss,mass` shows what it costs.";
     "GW020" "outer-diameter" "outer_diameter",
-        "the motor's outer diameter stays within the joint's",
-        why "A motor that does not fit into the joint is no choice, however good it is.",
-        example "A motor of 96 mm in a knee whose tube has 85 mm.",
-        fix "A longer motor of less diameter, or a larger ratio with a smaller motor.";
+        "motor and gear, or a module, stay within the joint's outer diameter",
+        why "An actuator that does not fit into the joint is no choice, however good it is.",
+        example "A motor of 80 mm with a gear of 96 mm in a knee whose tube has 85 mm.",
+        fix "A longer motor of less diameter, a smaller gear, or a larger ratio with a smaller motor. Of a box the diagonal across the axis counts.";
     "GW021" "axial-length" "axial_length",
-        "the motor's axial length stays within the joint's",
+        "motor and gear together, or a module, stay within the joint's axial length",
         why "Width at a joint is what collides first: knees touch, arms cannot fold.",
-        example "A motor of 60 mm in a knee that is 50 mm wide.",
-        fix "A flat motor of more diameter, or a larger ratio with a smaller motor.";
+        example "A motor of 35 mm behind a gear of 40 mm in a knee that is 60 mm wide.",
+        fix "A flat motor of more diameter, a gear of fewer stages, or motor and gear side by side with a belt (arrangement = \"side_by_side\").";
     "GW022" "gear-average-torque" "gear_average_torque",
         "the average torque stays within the gear's average torque",
         why "It is the maker's own limit for a torque that changes: what wears a gear is the cube of the torque times the speed, so that moments under load at speed count and holding does not.",
@@ -192,6 +192,20 @@ limits! { OF_MORE_LIMITS:
         why "A battery behind its own resistance and long leads rises with what flows back into it; drives switch off or burst above their voltage, in a landing.",
         example "A landing that gives back 160 W through 1 ohm: a bus of 24 V is lifted to 29.5 V where drives bear 28 V.",
         fix "Shorter or thicker leads, a braking resistor, or drives for a higher voltage.";
+}
+
+// Of all parts together.
+limits! { OF_PARTS:
+    "GW037" "price" "price",
+        "motor and gear, or a module, cost no more than the joint may",
+        why "A price that is found out after the choice makes the choice again. Prices are those of the rows, at the rates and the day that the requirement states: neither is known to the program by itself.",
+        example "A motor of 240 EUR and a gear of 310 EUR at a knee that may cost 400 EUR.",
+        fix "Another motor or gear, a module, or a price for the number of pieces that is bought (`price_quantity`, `quantity` of [prices]).";
+    "GW038" "lead-time" "lead_time",
+        "every part is delivered in time",
+        why "The last part decides when the joint is built.",
+        example "A gear with 10 weeks of lead time for a prototype in 30 days.",
+        fix "A part that is on stock, or a later date.";
 }
 
 limits! { OF_MODULES:

@@ -21,6 +21,8 @@ const OTHERS: &[&Rule] = &[
     &limits::OF_MORE_LIMITS[0],
     &limits::OF_MORE_LIMITS[1],
     &limits::OF_MORE_LIMITS[2],
+    &limits::OF_PARTS[0],
+    &limits::OF_PARTS[1],
     &robot::MASS_BUDGET,
     &robot::DISTINCT_MOTORS,
     &rows::GEAR_FIT,

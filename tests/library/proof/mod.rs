@@ -13,6 +13,7 @@ mod losses;
 mod near_best;
 mod near_gears;
 mod optimality;
+mod parts;
 mod program_on_paper;
 mod properties;
 mod prune;

@@ -469,7 +469,7 @@ fn path_says_what_is_there_and_what_is_not() {
 fn robot(limits: &str) -> String {
     format!(
         "name = \"leg\"\n[bus]\nvoltage = \"48 V\"\ndrive_current = \"40 A\"\n[[joint]]\nname = \"knee\"\nratio = {{ min = 3, max = 30 }}\nmotor_drag = \"off\"\n\
-         gear = {{ efficiency = 0.9, mass = \"200 g\" }}\nobjective = \"loss\"\n\
+         gear = {{ efficiency = 0.9, mass = \"200 g\", outer_diameter = \"20 mm\", length = \"0 mm\" }}\nobjective = \"loss\"\n\
          points = [ {{ torque = \"3 N*m\", speed = \"6 rad/s\", duration = \"0.3 s\" }}, {{ torque = \"0 N*m\", speed = \"-3 rad/s\", duration = \"0.6 s\" }} ]\n\
          [joint.limits]\n{limits}\n"
     )

@@ -29,6 +29,11 @@ regeneration = "100 W"
 drive_continuous_current = "30 A"
 max_voltage = "48.5 V"
 
+[prices]
+currency = "EUR"
+rates = { CNY = 0.125 }
+date = "2026-11-01"
+
 [budget]
 actuator_mass = "6 kg"
 max_distinct_motors = 1
@@ -38,13 +43,15 @@ name = "knee"
 count = 2
 ratio = { min = 8, max = 9.5 }
 motor_drag = "off"
-gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque = "20 N*m", continuous_torque = "12 N*m", max_input_speed = "6000 rpm", momentary_peak_torque = "44 N*m", ratcheting_torque = "45 N*m", average_input_speed = "3000 rpm", continuous_torque_is = "rated_life", rated_life = "7000 h", rated_speed = "2000 rpm", life_quantile = "L10", starting_torque = "0 N*m", backlash = "1 arcmin", stiffness = "9000 N*m/rad" }
+gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque = "20 N*m", continuous_torque = "12 N*m", max_input_speed = "6000 rpm", momentary_peak_torque = "44 N*m", ratcheting_torque = "45 N*m", average_input_speed = "3000 rpm", continuous_torque_is = "rated_life", rated_life = "7000 h", rated_speed = "2000 rpm", life_quantile = "L10", starting_torque = "0 N*m", backlash = "1 arcmin", stiffness = "9000 N*m/rad", outer_diameter = "85 mm", length = "9 mm", price = "800 CNY", lead_time = "7 d" }
 motion = "knee.csv"
 transmission = { four_bar = { ground = ["0 mm", "250 mm"], crank = "50 mm", coupler = "250 mm", rocker = "50 mm" }, backlash = "0 arcmin", stiffness = "1e9 N*m/rad", peak_torque = "21 N*m", max_force = "2000 N", max_input_speed = "20 rad/s" }
 [joint.limits]
 actuator_mass = "0.6 kg"
 outer_diameter = "90 mm"
 axial_length = "40 mm"
+price = "300 EUR"
+lead_time = "30 d"
 reflected_inertia = "0.02 kg*m^2"
 torque_bandwidth = { frequency = "20 Hz", amplitude = "1 N*m" }
 winding_temperature = "110 degC"
@@ -110,6 +117,10 @@ const MOTOR: &[(&str, &str)] = &[
     ("mass [g]", "200"),
     ("outer_diameter [mm]", "80"),
     ("length [mm]", "30"),
+    ("price", "150"),
+    ("price_currency", "EUR"),
+    ("price_date", "2026-01-31"),
+    ("lead_time [d]", "14"),
     ("pole_pairs", "7"),
     ("continuous_current [A]", "12"),
     ("peak_current [A]", "40"),
@@ -254,6 +265,8 @@ fn breaking(code: &str) -> Case<'static> {
         "GW034" => robot(&[("\"30 A\"", "\"0.3 A\"")]),
         "GW035" => robot(&[("\"48.5 V\"", "\"4.05 V\""), ("\"48 V\"", "\"4 V\"")]),
         "GW036" => robot(&[("\"48.5 V\"", "\"48.5 V\"\ninternal_resistance = \"2000 ohm\"")]),
+        "GW037" => robot(&[("\"300 EUR\"", "\"200 EUR\"")]),
+        "GW038" => robot(&[("\"30 d\"", "\"10 d\"")]),
         "GW040" => robot(&[("\"6 kg\"", "\"0.5 kg\"")]),
         "GW041" => design(&[("name = \"hip\"\nmotor = \"alpha-1\"", "name = \"hip\"\nmotor = \"alpha-2\"")]),
         "GW043" => robot(&[("\"6 kg\"", "\"6 kg\"\npower = \"1 W\"")]),

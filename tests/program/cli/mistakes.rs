@@ -51,6 +51,9 @@ const GEARS: &str = "id,kind,ratio,stages,efficiency,mass [g],inertia [g*cm^2],c
 planetary-1,planetary,9,2,0.9,150,5,4,8,*,a sheet,datasheet
 ";
 
+/// Prices before the joint.
+const PRICES: &str = "[prices]\ncurrency = \"EUR\"\nrates = { CNY = 0.128 }\ndate = \"2026-11-01\"\n\n[[joint]]";
+
 /// In place of the joint's motion.
 const TWO_CASES: &str =
     "[[joint.case]]\nname = \"a\"\nmotion = \"knee.csv\"\n[[joint.case]]\nname = \"b\"\nmotion = \"knee.csv\"\n";
@@ -301,6 +304,34 @@ fn requirement_files() {
         ),
         ("unknown regeneration", &[("voltage = \"48 V\"", "voltage = \"48 V\"\nregeneration = \"maybe\"")]),
         ("stage ratio without mass", &[("mass = \"150 g\"", "stage_ratio = 5")]),
+        ("a price without prices", &[("safety = 1.2", "safety = 1.2\nprice = \"250 EUR\"")]),
+        (
+            "a price in a currency without a rate",
+            &[("[[joint]]", PRICES), ("safety = 1.2", "safety = 1.2\nprice = \"250 USD\"")],
+        ),
+        ("a price without its currency", &[("[[joint]]", PRICES), ("safety = 1.2", "safety = 1.2\nprice = \"250\"")]),
+        ("a price of a unit", &[("[[joint]]", PRICES), ("safety = 1.2", "safety = 1.2\nprice = \"250 kg\"")]),
+        ("a price of nothing", &[("[[joint]]", PRICES), ("safety = 1.2", "safety = 1.2\nprice = \"0 EUR\"")]),
+        ("a price that is a number", &[("[[joint]]", PRICES), ("safety = 1.2", "safety = 1.2\nprice = 250")]),
+        (
+            "prices with mistakes",
+            &[
+                ("[[joint]]", PRICES),
+                ("\"EUR\"", "\"eur\""),
+                ("CNY = 0.128", "CNY = 0, Usd = 0.9"),
+                ("2026-11-01", "01-11-2026"),
+                // Is not said to have no [prices].
+                ("safety = 1.2", "safety = 1.2\nprice = \"250 EUR\""),
+            ],
+        ),
+        ("a rate of the currency itself", &[("[[joint]]", PRICES), ("CNY = 0.128", "EUR = 1.1")]),
+        ("a day that is none", &[("[[joint]]", PRICES), ("2026-11-01", "2026-11-31")]),
+        ("prices without a day", &[("[[joint]]", PRICES), ("date = \"2026-11-01\"\n", "")]),
+        ("an arrangement without a length", &[("safety = 1.2", "safety = 1.2\narrangement = \"side_by_side\"")]),
+        (
+            "an unknown arrangement",
+            &[("safety = 1.2", "safety = 1.2\naxial_length = \"70 mm\"\narrangement = \"side-by-side\"")],
+        ),
         (
             "joint as a table",
             &[

@@ -22,6 +22,7 @@ mod json;
 mod kinds;
 mod mistakes;
 mod modules;
+mod parts;
 mod plain;
 mod plots;
 mod set;

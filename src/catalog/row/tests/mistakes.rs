@@ -42,6 +42,38 @@ fn a_column_states_its_own_convention() {
     assert_eq!(format!("{:?}", motors("a.toml", toml)[0]), format!("{motor:?}"));
 }
 
+/// What a price must say is the same for every kind of row, and is refused at its place.
+#[test]
+fn a_price_has_its_currency_and_its_day() {
+    let gear = |columns: &str, cells: &str| {
+        format!("id,kind,ratio,source,source_kind,{columns}\ng,planetary,9,x,derived,{cells}\n")
+    };
+    let module = |columns: &str, cells: &str| {
+        format!("id,drive,ratio,source,source_kind,{columns}\nm,built_in,9,x,derived,{cells}\n")
+    };
+    for table in [with, gear, module] {
+        for (columns, cells, message, marked) in [
+            ("price,price_date", "90,2026-01-31", "`price` is given without `price_currency`", "90"),
+            ("price,price_currency", "90,EUR", "`price` is given without `price_date`", "90"),
+            ("price,price_currency,price_date", "90,eur,2026-01-31", "`eur` is no currency", "eur"),
+            ("price,price_currency,price_date", "90,EUR,31.01.2026", "`31.01.2026` is no day", "31.01.2026"),
+            ("price_quantity", "10", "`price_quantity` is given without `price`", "10"),
+        ] {
+            let (said, help, at) = said(&table(columns, cells));
+            assert_eq!((said.as_str(), at.as_str()), (message, marked));
+            assert!(!help.is_empty());
+        }
+        let good = table("price,price_currency,price_date,price_quantity,lead_time [d]", "90,EUR,2026-01-31,10,14");
+        read("a.csv", &good).unwrap();
+    }
+    let motor = motors(
+        "a.csv",
+        &with("torque_constant [N*m/A],price,price_currency,price_date,lead_time [d]", "1,90,EUR,2026-01-31,14"),
+    );
+    let offer = &motor[0].sheet.offer;
+    assert_eq!((offer.price().unwrap().value, offer.lead_time), (90.0, Some(14.0 * 86_400.0)));
+}
+
 #[test]
 fn a_rewritten_convention_is_the_same_motor() {
     // The same machine, every number in another convention than the row's.

@@ -11,7 +11,7 @@ use crate::catalog::convention::{
 };
 use crate::catalog::row::{Field, MotorRow, Row, csv_text, toml_text};
 use crate::catalog::sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
-use crate::catalog::{ContinuousTorque, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor};
+use crate::catalog::{ContinuousTorque, Currency, GEAR_FIELDS, Gear, GearKind, LifeQuantile, Motor, Offer};
 use crate::input::Range;
 use crate::input::csv::Content;
 
@@ -42,6 +42,19 @@ fn number(range: Range) -> impl Strategy<Value = f64> {
             _ => size,
         }
     })
+}
+
+/// An offer as a row can have it: a price has its currency and its day.
+fn sold(offer: &mut Offer, (currency, day): (Currency, u8)) {
+    if offer.price.is_some() {
+        (offer.price_currency, offer.price_date) = (currency.to_string(), format!("2026-01-{day:02}"));
+    } else {
+        offer.price_quantity = None;
+    }
+}
+
+fn currency() -> impl Strategy<Value = (Currency, u8)> {
+    (select(&["EUR", "CNY", "USD"][..]).prop_map(|code| Currency::of(code).unwrap()), 1..32_u8)
 }
 
 /// Each number of a row, with or without ±.
@@ -93,6 +106,7 @@ prop_compose! {
         peak_torque_of in of(any_of(PeakTorqueOf::NAMES)),
         only_inside in text(), same_as in text(), conventions in conventions(), pole_pairs in of(1..u32::MAX),
         printed in numbers(FIELDS), resistance in number(Range::Positive), torque_constant in number(Range::Positive),
+        price in currency(),
     ) -> MotorRow {
         let mut sheet = Sheet::default();
         for (field, printed) in FIELDS.iter().zip(printed) {
@@ -100,6 +114,7 @@ prop_compose! {
                 (field.set)(&mut sheet, printed);
             }
         }
+        sold(&mut sheet.offer, price);
         sheet.resistance.get_or_insert(Printed::exact(resistance));
         sheet.torque_constant.get_or_insert(Printed::exact(torque_constant));
         // A peak that is less than what may last is refused; so far apart they are in order in all conventions.
@@ -134,7 +149,7 @@ prop_compose! {
         manufacturer in text(), model in text(), source in text(), note in text(), fits in listed(),
         source_kind in any_of(SourceKind::NAMES), kind in any_of(GearKind::NAMES), stages in of(1..u32::MAX),
         printed in numbers(GEAR_FIELDS), ratio in number(Range::Positive),
-        life_quantile in of(0..2_usize), continuous_torque_is in of(0..2_usize),
+        life_quantile in of(0..2_usize), continuous_torque_is in of(0..2_usize), price in currency(),
     ) -> Gear {
         let mut gear = Gear {
             manufacturer, model, note, fits, source_kind, kind, stages,
@@ -146,6 +161,7 @@ prop_compose! {
                 (field.set)(&mut gear, printed);
             }
         }
+        sold(&mut gear.offer, price);
         gear.ratio = ratio;
         gear.backdrive_efficiency = gear.backdrive_efficiency.map(|b| b.min(1.0));
         gear.peak_torque = gear.peak_torque.map(|peak| peak.max(gear.continuous_torque.unwrap_or(0.0)));

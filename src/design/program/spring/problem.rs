@@ -554,7 +554,7 @@ impl<'a> Problem<'a> {
                 Some(Row { form, bound })
             }
             // Neither ratio nor spring changes it.
-            Demand::Constant(_) | Demand::Mass => None,
+            Demand::Constant(_) | Demand::Parts(_) | Demand::Mass => None,
         }
     }
 
