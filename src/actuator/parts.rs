@@ -16,6 +16,8 @@ pub enum PartKind {
     Gear,
     /// Motor and gear, bought as one.
     Module,
+    /// What is between actuator and joint.
+    Transmission,
 }
 
 /// What of a part is not known.
@@ -34,6 +36,7 @@ impl PartKind {
             PartKind::Motor => "motor",
             PartKind::Gear => "gear",
             PartKind::Module => "module",
+            PartKind::Transmission => "transmission",
         }
     }
 
@@ -45,6 +48,7 @@ impl PartKind {
                     PartKind::Motor => concat!("the motor's ", $text),
                     PartKind::Gear => concat!("the gear's ", $text),
                     PartKind::Module => concat!("the module's ", $text),
+                    PartKind::Transmission => concat!("the transmission's ", $text),
                 }
             };
         }
@@ -157,7 +161,19 @@ impl Candidate<'_> {
             price: of_gear.or_else(|why| none.filter(|_| why == NoPrice::Blank).ok_or(why)),
             lead_time: self.gear.lead_time.or(none),
         };
-        [Some(motor), (!is_module).then_some(gear)].into_iter().flatten()
+        let transmission = self.joint.passed.as_deref().map(|passed| {
+            let numbers = passed.numbers;
+            // One coupling belongs to two actuators.
+            let each = passed.joints.len() as f64;
+            Part {
+                kind: PartKind::Transmission,
+                diameter: numbers.outer_diameter,
+                length: numbers.length,
+                price: numbers.price.map(|price| price / each).ok_or(NoPrice::Blank),
+                lead_time: numbers.lead_time,
+            }
+        });
+        [Some(motor), (!is_module).then_some(gear), transmission].into_iter().flatten()
     }
 
     /// The diameter of the largest part \[m\].

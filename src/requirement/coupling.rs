@@ -9,11 +9,13 @@ use toml::Spanned;
 use super::carried;
 use super::mechanism::Use;
 use super::motions::MotionReader;
+use super::prices::Money;
 use super::robot::Joint;
+use super::transmission::read_price;
 use crate::input::{Problem, Section, key};
 use crate::motion::Course;
 use crate::transmission::read::{Files, read_coupling};
-use crate::transmission::{Coupler, Coupling, Passed};
+use crate::transmission::{Coupler, Coupling, Numbers, Passed};
 
 /// What a coupling says.
 pub(super) struct Asked {
@@ -24,7 +26,7 @@ pub(super) struct Asked {
 }
 
 /// Reads the couplings.
-pub(super) fn read(root: &Section, reader: &mut MotionReader) -> Vec<Option<Asked>> {
+pub(super) fn read(root: &Section, money: &Money, reader: &mut MotionReader) -> Vec<Option<Asked>> {
     let about = "two joints that two equal actuators move together: differential, parallel ankle";
     let tables = root.sections(key("coupling", about));
     let one = |section: Section| {
@@ -44,6 +46,8 @@ pub(super) fn read(root: &Section, reader: &mut MotionReader) -> Vec<Option<Aske
             Ok(source)
         };
         let coupling = read_coupling(&section, &mut Files { open: &mut open, errors });
+        let price = read_price(&section, money);
+        let coupling = coupling.map(|read| Coupling { numbers: Numbers { price, ..read.numbers }, ..read });
         section.finish();
         Some(Asked { name: name?, joints: joints?, coupling, span })
     };

@@ -68,7 +68,7 @@ pub(super) fn read(
         (motions::read_motion(&section, joints, name.as_ref(), scale, reader), None)
     };
     let (motion, columns) = read.unzip();
-    let between = transmission::read_joint(&section, reader);
+    let between = transmission::read_joint(&section, money, reader);
     let (objective, balancing) = objective::read(&section).unzip();
     let limits = read_limits(&section, ambient, money, no_springs, motion.as_deref());
     let limits = Limits { mount_resistance: read_mount(&section), ..limits };

@@ -231,7 +231,7 @@ fn read_robot(root: &Section, no_springs: Option<&str>, motions: &mut MotionRead
         }
     }
     let told = cases::told(root);
-    let couplings = coupling::read(root, motions);
+    let couplings = coupling::read(root, &money, motions);
     if !complete {
         return None;
     }

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use super::limits::Limits;
 use super::motions::MotionReader;
-use crate::input::{Problem, Section, key};
+use super::prices::{self, Money};
+use crate::input::{Problem, Range, Section, key};
 use crate::motion::{CarriedColumn, Course, Motion};
 use crate::transmission::read::{Files, read};
-use crate::transmission::{Passed, SpringAt, Transmission};
+use crate::transmission::{Numbers, Passed, SpringAt, Transmission};
 
 /// Reads `transmission` of a joint; `None` where there is none, or one with mistakes, which are noted.
-pub(super) fn read_joint(section: &Section, reader: &mut MotionReader) -> Option<Transmission> {
+pub(super) fn read_joint(section: &Section, money: &Money, reader: &mut MotionReader) -> Option<Transmission> {
     let about = "what is between the actuator and the joint: one of `ratio`, `table`, `four_bar`, `lever`";
     let table = section.section(key("transmission", about).default("nothing"))?;
     let MotionReader { motions, errors, opened } = reader;
@@ -22,8 +23,15 @@ pub(super) fn read_joint(section: &Section, reader: &mut MotionReader) -> Option
         Ok(source)
     };
     let read = read(&table, &mut Files { open: &mut open, errors });
+    let price = read_price(&table, money);
     table.finish();
-    read
+    read.map(|read| Transmission { numbers: Numbers { price, ..read.numbers }, ..read })
+}
+
+/// Reads the price of a transmission, in the currency of the requirement.
+pub(super) fn read_price(section: &Section, money: &Money) -> Option<f64> {
+    let asked = key("price", "of the transmission; without it a limit on the price is not judged");
+    prices::read_amount(section, asked, Range::NonNegative, money)
 }
 
 /// The motion of the actuator, and what is passed to it; what does not go together is a mistake of the joint.

@@ -207,6 +207,14 @@ pub struct Numbers {
     pub backlash: Option<f64>,
     /// Stiffness of its own at the joint \[N·m/rad\].
     pub stiffness: Option<f64>,
+    /// Its size across the actuator's axis \[m\].
+    pub outer_diameter: Option<f64>,
+    /// What it adds to the actuator along its axis \[m\].
+    pub length: Option<f64>,
+    /// What it costs, in the currency of the requirement.
+    pub price: Option<f64>,
+    /// How long until it is delivered \[s\].
+    pub lead_time: Option<f64>,
 }
 
 impl Numbers {
@@ -223,6 +231,10 @@ impl Numbers {
         max_input_speed: None,
         backlash: None,
         stiffness: None,
+        outer_diameter: None,
+        length: None,
+        price: None,
+        lead_time: None,
     };
 
     /// Whether power is lost.

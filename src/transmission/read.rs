@@ -124,6 +124,22 @@ fn read_numbers(section: &Section, without_rods: &[&'static str], rods: &str) ->
         max_input_speed,
         backlash,
         stiffness,
+        outer_diameter: section.quantity(
+            key("outer_diameter", "across the actuator's axis; counts in the limit `outer_diameter`"),
+            &units::LENGTH,
+            Range::NonNegative,
+        ),
+        length: section.quantity(
+            key("length", "that it adds to the actuator along its axis; counts in the limit `axial_length`"),
+            &units::LENGTH,
+            Range::NonNegative,
+        ),
+        price: None,
+        lead_time: section.quantity(
+            key("lead_time", "counts in the limit `lead_time`"),
+            &units::TIME,
+            Range::NonNegative,
+        ),
     }
 }
 
