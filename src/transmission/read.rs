@@ -402,7 +402,7 @@ fn open<T>(
     match InputError::unless_empty(&source, problems) {
         Ok(()) => made,
         Err(error) => {
-            files.errors.push(kind::instead(error, &[FileKind::Table, FileKind::Empty]));
+            files.errors.push(kind::instead(error, &[FileKind::Table, FileKind::GearMap, FileKind::Empty]));
             None
         }
     }

@@ -50,8 +50,12 @@ fn angle(rod: &Rod, q: [f64; 2]) -> f64 {
         let tip = v(rod.axis_at) + turn(rod.axis, theta) * (v(rod.crank_pin) - v(rod.axis_at));
         (tip - pin).norm() - length
     };
-    let (mut a, mut b) = (-1.2, 1.2);
-    assert!(off(a) * off(b) < 0.0);
+    // From where the crank is at zero outwards.
+    let (mut a, mut b) = (0.0, 0.0);
+    while off(a) * off(b) >= 0.0 {
+        (a, b) = (a - 0.01, b + 0.01);
+        assert!(b < 1.5, "no angle closes the loop at {q:?}");
+    }
     for _ in 0..80 {
         let middle = 0.5 * (a + b);
         if off(middle) * off(a) > 0.0 { a = middle } else { b = middle }

@@ -327,11 +327,10 @@ fn the_best_ratio_behind_a_table_is_that_of_raw_samples() {
 #[test]
 fn a_transmission_of_one_ratio_is_part_of_the_gear() {
     let mut time: Vec<f64> = (0..100).map(|k| f64::from(k) * 0.01).collect();
-    let position: Vec<f64> =
-        time.iter().map(|t| if *t < 0.5 { 0.25 * (1.0 - (TAU * t / 0.5).cos()) } else { 0.0 }).collect();
+    let velocity: Vec<f64> = time.iter().map(|t| if *t < 0.5 { 3.0 * (TAU * t / 0.5).sin() } else { 0.0 }).collect();
     let torque = time.iter().map(|t| 4.0 + 3.0 * (TAU * t).sin()).collect();
     let motion = Motion::from_samples(
-        Samples { time: std::mem::take(&mut time), torque, position: Some(position), ..Samples::default() },
+        Samples { time: std::mem::take(&mut time), torque, velocity: Some(velocity), ..Samples::default() },
         Course::Periodic(1.0),
     );
     let of_gear = common::robot(motion.clone(), common::gear(0.8));

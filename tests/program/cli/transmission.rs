@@ -9,7 +9,7 @@ const ROBOT: &str = r#"name = "leg"
 voltage = "48 V"
 [[joint]]
 name = "knee"
-ratio = { min = 3, max = 30 }
+ratio = { min = 1, max = 60 }
 gear = { efficiency = 0.95, mass = "150 g" }
 motors = ["t-motor-ri50"]
 motion = "knee.csv"
@@ -23,14 +23,14 @@ const PAIR: &str = r#"name = "foot"
 voltage = "48 V"
 [[joint]]
 name = "pitch"
-ratio = { min = 3, max = 30 }
+ratio = { min = 1, max = 60 }
 gear = { efficiency = 0.95, mass = "150 g" }
 motors = ["t-motor-ri50"]
 motion = "knee.csv"
 objective = "loss"
 [[joint]]
 name = "roll"
-ratio = { min = 3, max = 30 }
+ratio = { min = 1, max = 60 }
 gear = { efficiency = 0.95, mass = "150 g" }
 motors = ["t-motor-ri50"]
 motion = "knee.csv"
@@ -176,7 +176,7 @@ fn every_mistake_in_a_coupling_has_its_place() {
         ("joints = [\"pitch\", \"roll\"]", "joints = [\"pitch\", \"rol\"]", "did you mean `roll`"),
         ("joints = [\"pitch\", \"roll\"]", "joints = [\"pitch\", \"pitch\"]", "twice"),
         (
-            "name = \"roll\"\nratio = { min = 3, max = 30 }",
+            "name = \"roll\"\nratio = { min = 1, max = 60 }",
             "name = \"roll\"\nratio = { min = 3, max = 20 }",
             "their `ratio` differs",
         ),
@@ -262,7 +262,7 @@ fn a_search_over_one_number_says_what_is_proved() {
         .output()
         .unwrap();
     let alone: serde_json::Value = serde_json::from_slice(&alone.stdout).unwrap();
-    assert_eq!(alone["joints"][0]["candidates"][0]["objective_value"].as_f64().unwrap(), objective);
+    assert_eq!(alone["joints"][0]["candidates"][0]["objective"].as_f64().unwrap(), objective);
     let text = unfolded(&String::from_utf8(run("joint.knee.transmission.ratio=0.5:6", &[]).stdout).unwrap());
     assert!(text.contains("not between the values"), "{text}");
     assert!(!text.contains("proved optimum"), "{text}");
