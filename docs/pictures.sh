@@ -15,6 +15,7 @@ draw motors.svg rank --mark t-motor-ri50 --mark t-motor-u8-lee
 draw design.svg explain t-motor-ri50@9 requirements/quadruped_mini_cheetah.toml --joint knee
 draw optimum.svg optimize requirements/exoskeleton_hip.toml
 draw front.svg optimize requirements/quadruped_mini_cheetah.toml --pareto loss,reflected_inertia
+draw fronts.svg optimize requirements/exoskeleton_hip.toml --pareto loss,mass,reflected_inertia
 draw sweep.svg sweep requirements/exoskeleton_hip.toml
 draw step.svg compare t-motor-ri50 t-motor-u8
 draw residual.svg identify requirements/bench/leg_actuator.toml

@@ -27,12 +27,12 @@ const TOP: usize = 5;
 /// Arguments of the command.
 #[derive(Debug, Args)]
 #[command(
-    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --why\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,reflected_inertia\n  gearwise optimize robot.toml --html robot.html\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
+    before_help = "Examples:\n  gearwise optimize requirements/quadruped_mini_cheetah.toml\n  gearwise optimize robot.toml --why\n  gearwise optimize robot.toml --top 20 --rejected\n  gearwise optimize robot.toml --pareto loss,mass,reflected_inertia\n  gearwise optimize robot.toml --html robot.html\n  gearwise optimize robot.toml --robust --catalog my_motors.csv\n  gearwise optimize robot.toml --robot --runner-ups 5\n  gearwise optimize robot.toml --write-design design.toml\n  gearwise optimize robot.toml --json | jq '.joints[].candidates[0].motor'"
 )]
 pub struct Arguments {
     /// Requirement file (TOML); `-` is standard input
     requirement: PathBuf,
-    /// How many motors of each joint its table shows: as `--full`, which shows 5
+    /// How many motors of each joint its table shows: as `--full`, which shows 5. Of a front of three or more quantities 10, with `--full` all
     #[arg(long, value_name = "N")]
     top: Option<usize>,
     /// Why each first choice: what binds, how its number comes about, how far the ratio may move, which gears are near
@@ -50,8 +50,8 @@ pub struct Arguments {
     /// Leave out motors whose rows do not say enough to check every limit
     #[arg(long)]
     only_checked: bool,
-    /// The front of two quantities instead, e.g. loss,reflected_inertia
-    #[arg(long, value_name = "A,B")]
+    /// The front of two or more quantities instead, e.g. loss,mass,reflected_inertia: designs of which none has less of one without more of another
+    #[arg(long, value_name = "A,B,...")]
     pareto: Option<String>,
     /// The best design over one number that is given in the requirement, between two values: as
     /// joint.knee.transmission.ratio=1:3 or joint.knee.transmission.four_bar.crank="20 mm:60 mm"
@@ -105,19 +105,30 @@ pub struct Arguments {
     output: Output,
 }
 
-/// Two different quantities, separated by a comma.
-fn quantities(names: &str) -> Result<[Quantity; 2], Failure> {
-    let all: Vec<&str> = Quantity::NAMES.iter().map(|(name, _)| *name).collect();
-    let parse = |name: &str| {
-        Quantity::NAMES.iter().find(|(n, _)| *n == name.trim()).map(|(_, q)| *q).ok_or_else(|| {
-            let help = nearest(name, all.iter().copied())
-                .map_or_else(|| format!("there are: {}", all.join(", ")), |n| format!("did you mean `{n}`?"));
-            Failure::Argument(format!("`--pareto`: `{}` is not a quantity; {help}", name.trim()))
-        })
-    };
-    match names.split(',').collect::<Vec<_>>()[..] {
-        [a, b] if a.trim() != b.trim() => Ok([parse(a)?, parse(b)?]),
-        _ => Err(Failure::Argument("`--pareto` takes two different quantities, e.g. loss,reflected_inertia".into())),
+/// Two or more different quantities, separated by commas.
+fn quantities(names: &str) -> Result<Vec<Quantity>, Failure> {
+    let wrong = |what: String| Err(Failure::Argument(format!("`--pareto {names}`: {what}")));
+    let all = || Quantity::NAMES.iter().map(|(name, _)| *name);
+    let mut quantities: Vec<Quantity> = Vec::new();
+    for (place, name) in names.split(',').map(str::trim).enumerate() {
+        let Some((_, quantity)) = Quantity::NAMES.iter().find(|(n, _)| *n == name) else {
+            let help = nearest(name, all()).map_or_else(
+                || format!("there are: {}", all().collect::<Vec<_>>().join(", ")),
+                |n| format!("did you mean `{n}`?"),
+            );
+            return wrong(match name {
+                "" => format!("name {} is empty; {help}", place + 1),
+                _ => format!("name {}, `{name}`, is not a quantity; {help}", place + 1),
+            });
+        };
+        if let Some(before) = quantities.iter().position(|q| q == quantity) {
+            return wrong(format!("names {} and {} are both `{name}`: give each quantity once", before + 1, place + 1));
+        }
+        quantities.push(*quantity);
+    }
+    match quantities.len() {
+        0 | 1 => wrong("a front takes two or more quantities, e.g. loss,mass,reflected_inertia".into()),
+        _ => Ok(quantities),
     }
 }
 
@@ -159,6 +170,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         return super::over::run(over, arguments.points as usize, requirement, set, catalog, *only_checked, output);
     }
     arguments.html.check()?;
+    let quantities = arguments.pareto.as_deref().map(quantities).transpose()?;
     super::check_plot(arguments.plot.as_ref())?;
     let no_springs = match (&arguments.pareto, arguments.robust) {
         (Some(_), _) => Some("`--pareto`"),
@@ -195,10 +207,10 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     if robot.is_coupled() && (arguments.pareto.is_some() || arguments.robust) {
         tell!("warning: each joint is taken by itself here: budgets and `torque_per_mass` are not looked at");
     }
-    if let Some(names) = &arguments.pareto {
+    if let Some(quantities) = &quantities {
         let points = arguments.points as usize;
         let options = Options { only_checked: arguments.only_checked, ..Options::default() };
-        let fronts = fronts(robot, catalog, quantities(names)?, points, options)?;
+        let fronts = fronts(robot, catalog, quantities, points, options)?;
         super::draw_plot(arguments.plot.as_ref(), || plot::pareto::figure(&fronts))?;
         arguments.html.write(
             call,
@@ -207,7 +219,13 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
         )?;
         let satisfied = fronts.iter().all(|f| !f.points.is_empty());
         let text = arguments.output.choose(
-            || super::told_set(robot) + &pareto::text(&fronts),
+            || {
+                super::told_set(robot)
+                    + &pareto::text(
+                        &fronts,
+                        if arguments.full { usize::MAX } else { arguments.top.unwrap_or(pareto::MOTORS) },
+                    )
+            },
             || json::pareto::json(robot, &fronts),
             || pareto::csv(&fronts),
         );

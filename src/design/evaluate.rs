@@ -372,6 +372,18 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// The copper loss or the loss as polynomials in the ratio \[W\], one at each end of the motor's drag, the larger of which counts at
+    /// each ratio; `None` where it is none.
+    pub(super) fn losses_at_ends(&self, quantity: Quantity) -> Option<Vec<Laurent>> {
+        let saturates = self.ends().any(|(actuator, _)| actuator.shortfall.saturates());
+        let of_end = |(actuator, means)| match quantity {
+            Quantity::CopperLoss => Some(self.copper_of(actuator, means, 1.0)),
+            Quantity::Loss if self.drawn().is_lossless() => Some(self.loss_of(actuator, means, 1.0)),
+            _ => None,
+        };
+        if saturates { None } else { self.ends().map(of_end).collect() }
+    }
+
     /// What the bus makes of power at the terminals.
     fn drawn(&self) -> Drawn {
         Drawn::new(&self.candidate.robot.bus)

@@ -219,7 +219,7 @@ fn is_below(row: &Laurent, bound: f64, a: f64, b: f64) -> bool {
 }
 
 /// Whether a polynomial is convex as a function of 1/N on an interval.
-fn is_convex_in_inverse(polynomial: &Laurent, a: f64, b: f64) -> bool {
+pub(super) fn is_convex_in_inverse(polynomial: &Laurent, a: f64, b: f64) -> bool {
     let p = |power: i32| polynomial[power];
     if [-2, 1, 2, 3, 4].into_iter().all(|power| p(power) >= 0.0) {
         return true;

@@ -212,6 +212,24 @@ impl<'a> RatioProgram<'a> {
         }
     }
 
+    /// Whether it is shown that the objective, a single quantity, falls to its least values and rises beyond them between two ratios, or
+    /// is one step after the other up: it is convex in N², or a mean that friction makes convex in 1/N alone. Whatever the limits are.
+    pub(in crate::design) fn is_valley(&self, from: f64, to: f64) -> bool {
+        let (prepared, Some(quantity)) = (self.prepared, self.objective.sole()) else { return false };
+        let has_odd_powers = prepared.candidate.has_odd_powers();
+        match quantity {
+            _ if self.is_evaluated() => false,
+            Quantity::Mass | Quantity::ReflectedInertia => true,
+            Quantity::Loss | Quantity::CopperLoss if has_odd_powers => {
+                let ends = prepared.losses_at_ends(quantity);
+                ends.is_some_and(|ends| ends.iter().all(|mean| line::is_convex_in_inverse(mean, from, to)))
+            }
+            Quantity::Loss | Quantity::CopperLoss | Quantity::PeakCurrent | Quantity::Energy | Quantity::PeakPower => {
+                !has_odd_powers
+            }
+        }
+    }
+
     /// Whether ratios have to be evaluated one by one.
     fn is_evaluated(&self) -> bool {
         self.prepared.candidate.is_evaluated()
@@ -383,7 +401,7 @@ impl<'a> RatioProgram<'a> {
     }
 
     /// Ratios of the range at which a further gear stage begins: there the mass steps up.
-    fn stage_ratios(&self, min: f64, max: f64) -> Vec<f64> {
+    pub(in crate::design) fn stage_ratios(&self, min: f64, max: f64) -> Vec<f64> {
         let Some((_, stage_ratio)) = self.prepared.candidate.gear.mass_per_stage else { return Vec::new() };
         let powers = std::iter::successors(Some(1.0), |n| Some(n * stage_ratio));
         powers.take_while(|n| *n < max).filter(|n| *n > min).collect()

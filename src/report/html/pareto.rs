@@ -1,18 +1,23 @@
-//! The page of the fronts of two quantities.
+//! The page of the fronts of quantities.
 
 use super::{Page, Part, Section, Table, Verdict};
 use crate::design::pareto::Front;
+use crate::report::pareto::{best_of, listed, motors, proofs};
 use crate::report::plot::{Figure, pareto as plot};
 use crate::report::{number, optional, point_ratio, unjudged};
-use crate::requirement::{Quantity, Robot};
+use crate::requirement::Robot;
 
 /// The page.
 pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
     let without: Vec<&str> = fronts.iter().filter(|f| f.points.is_empty()).map(|f| f.joint.name.as_str()).collect();
-    let quantities = fronts.first().map_or_else(String::new, |f| f.quantities.map(Quantity::name).join(" against "));
+    let quantities = fronts.first().map_or_else(String::new, |f| match f.quantities.as_slice() {
+        [a, b] => format!("{} against {}", a.name(), b.name()),
+        all => listed(all),
+    });
+    let another = if fronts.first().is_some_and(|f| f.quantities.len() > 2) { "another" } else { "the other" };
     let headline = match without.as_slice() {
         [] => format!(
-            "Every joint has a front of {quantities}: no point on it can be better in one without being worse in the other."
+            "Every joint has a front of {quantities}: no point on it can be better in one without being worse in {another}."
         ),
         _ => {
             let without = fronts.iter().filter(|f| f.points.is_empty());
@@ -41,29 +46,21 @@ pub fn page(robot: &Robot, fronts: &[Front]) -> Page {
     }
 }
 
-/// The two ends of each front.
+/// The ends of each front: the best point in each quantity.
 fn ends(fronts: &[Front]) -> Table {
-    let mut table = Table::new(
-        "The ends of each front",
-        &["joint", "best in", "motor", ">N", ">first quantity", ">second quantity", ">motors on the front"],
-    );
+    let mut headings: Vec<String> = ["joint", "best in", "motor", ">N"].map(String::from).into();
+    let quantities = fronts.first().map_or(&[][..], |front| &front.quantities);
+    headings.extend(quantities.iter().map(|q| format!(">{} [{}]", q.name(), q.unit())));
+    headings.push(">motors on the front".into());
+    let mut table = Table::new("The ends of each front", &headings);
     for front in fronts {
-        let mut motors: Vec<&str> = front.points.iter().map(|p| p.motor.id.as_str()).collect();
-        motors.sort_unstable();
-        motors.dedup();
-        let units = front.quantities.map(Quantity::unit);
-        let both = [(front.points.first(), 0), (front.points.last(), 1)];
-        for (point, which) in both.into_iter().filter_map(|(p, which)| Some((p?, which))) {
-            let shown = |k: usize| format!("{} {}", number(point.values[k]), units[k]);
-            let cells = vec![
-                front.joint.name.clone(),
-                front.quantities[which].name().into(),
-                point.motor.id.clone(),
-                point_ratio(point, front),
-                shown(0),
-                shown(1),
-                motors.len().to_string(),
-            ];
+        let on_front = motors(front).len();
+        for (k, quantity) in front.quantities.iter().enumerate() {
+            let Some(point) = best_of(front.points.iter(), k) else { continue };
+            let mut cells = vec![front.joint.name.clone(), quantity.name().into(), point.motor.id.clone()];
+            cells.push(point_ratio(point, front));
+            cells.extend(point.values.iter().map(|value| number(*value)));
+            cells.push(on_front.to_string());
             table.push(&point.motor.id, cells);
         }
     }
@@ -71,29 +68,22 @@ fn ends(fronts: &[Front]) -> Table {
 }
 
 fn section(front: &Front, figure: &Figure, k: usize) -> Section {
-    let [a, b] = front.quantities;
     let apart = unjudged::counted(front.unjudged.len());
     let points = front.points.len();
     let (motors, points) = (crate::words::counted(front.motors, "motor"), crate::words::counted(points, "point"));
     let text = format!("{motors} with a feasible design{apart}, {points} on the front.");
     let mut parts = vec![Part::Text(text)];
-    parts.extend(super::panel_of(figure, 0, k));
-    let header = [
-        "motor",
-        "gear",
-        ">N",
-        &format!(">{} [{}]", a.name(), a.unit()),
-        &format!(">{} [{}]", b.name(), b.unit()),
-        ">mass [kg]",
-        "proof",
-        ">not checked",
-    ];
+    parts.extend(plot::of_joint(figure, front, k).map(Part::Figure));
+    parts.extend(proofs(front).into_iter().map(Part::Text));
+    let mut header: Vec<String> = ["motor", "gear", ">N"].map(String::from).into();
+    header.extend(front.quantities.iter().map(|q| format!(">{} [{}]", q.name(), q.unit())));
+    header.extend([">mass [kg]", "proof", ">not checked"].map(String::from));
     let mut table = Table::new(format!("{}: points on the front", front.joint.name), &header);
     for p in &front.points {
         let proof = if p.certified { "exact" } else { "not certified" };
         let mut cells = vec![p.motor.id.clone(), p.gear.unwrap_or("").into()];
         cells.push(point_ratio(p, front));
-        cells.extend(p.values.map(number));
+        cells.extend(p.values.iter().map(|value| number(*value)));
         cells.extend([optional(p.evaluation.mass), proof.into(), p.unchecked.len().to_string()]);
         table.push(&p.motor.id, cells);
     }

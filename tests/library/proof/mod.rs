@@ -5,6 +5,7 @@ mod brute_force;
 mod cases;
 mod effects_in_design;
 mod extremes;
+mod fronts;
 mod gear_map;
 mod golden;
 mod heat_over_motion;

@@ -32,7 +32,7 @@ fn every_search_ends_where_it_is_stopped() {
     assert_eq!(optimize_with(&robot, &catalog, options).unwrap_err(), Stopped);
     assert_eq!(optimize_with(&robot, &catalog, Options { keep: Some(2), ..options }).unwrap_err(), Stopped);
     assert_eq!(sweep_with(&robot, &catalog, 5, options).unwrap_err(), Stopped);
-    assert_eq!(fronts(&robot, &catalog, [Quantity::CopperLoss, Quantity::Mass], 5, options).unwrap_err(), Stopped);
+    assert_eq!(fronts(&robot, &catalog, &[Quantity::CopperLoss, Quantity::Mass], 5, options).unwrap_err(), Stopped);
     assert_eq!(robust(&robot, &catalog, options).unwrap_err(), Stopped);
     let options = robot::Options { stop: &stop, ..robot::Options::default() };
     assert_eq!(choose(&robot, &catalog, options).unwrap_err(), NoChoice::Stopped);

@@ -124,7 +124,7 @@ fn page_about(names: &[String]) -> Page {
 #[test]
 fn every_command_has_a_page() {
     let quadruped = "requirements/quadruped_mini_cheetah.toml";
-    let cases: [(&[&str], &[&str]); 9] = [
+    let cases: [(&[&str], &[&str]); 10] = [
         (&["check", GOOD], &["What was asked", "The design passes", "69 rules", "GW110"]),
         (
             &["characterize", "requirements/bench/motor_on_bench.toml"],
@@ -140,6 +140,14 @@ fn every_command_has_a_page() {
         (&["sweep", quadruped, "--ratios", "9"], &["every design", "designs are feasible"]),
         (&["audit"], &["What was checked", "Findings"]),
         (&["optimize", quadruped, "--pareto", "loss,mass"], &["points on the front", "The ends of each front"]),
+        (
+            &["optimize", quadruped, "--pareto", "loss,mass,reflected_inertia"],
+            &[
+                "a front of loss, mass and reflected_inertia",
+                "The ends of each front",
+                "in a quantity that is not in the panel",
+            ],
+        ),
     ];
     for (arguments, expected) in cases {
         let page = page_of(arguments);

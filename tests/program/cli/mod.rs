@@ -12,6 +12,7 @@ mod check_model;
 mod colour;
 mod export;
 mod folder;
+mod fronts;
 mod gear_map;
 mod help;
 mod honest;

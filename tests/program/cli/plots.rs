@@ -272,7 +272,7 @@ proptest! {
     }
 }
 
-fn fronts_figure(catalog: &Catalog, quantities: [requirement::Quantity; 2]) -> Figure {
+fn fronts_figure(catalog: &Catalog, quantities: &[requirement::Quantity]) -> Figure {
     let robot = requirement::read(Path::new(CHEETAH)).unwrap();
     let fronts = gearwise::design::pareto::fronts(&robot, catalog, quantities, 33, Default::default()).unwrap();
     plot::pareto::figure(&fronts)
@@ -285,7 +285,7 @@ fn a_front_is_a_step_between_motors_and_a_curve_along_one() {
     use requirement::Quantity::{Loss, Mass, ReflectedInertia};
     let catalog = Catalog::builtin().unwrap();
     for (quantities, mixed) in [([Loss, Mass], false), ([Loss, ReflectedInertia], true)] {
-        let figure = fronts_figure(&catalog, quantities);
+        let figure = fronts_figure(&catalog, &quantities);
         let mut sloped = 0;
         for panel in figure.groups[0].panels.iter().filter(|p| !p.series.is_empty()) {
             let [line, motors @ ..] = panel.series.as_slice() else { panic!("a front") };
@@ -304,13 +304,67 @@ fn a_front_is_a_step_between_motors_and_a_curve_along_one() {
     }
 }
 
+/// Each pair of three quantities has its panel; what is large in it is the front of that pair, and nothing is drawn that is not on the
+/// front of all three. Each axis is the same wherever its quantity is.
+#[test]
+fn a_front_of_three_quantities_is_a_matrix_of_pairs() {
+    use requirement::Quantity::{Loss, Mass, ReflectedInertia};
+    let catalog = Catalog::builtin().unwrap();
+    let robot = requirement::read(Path::new(CHEETAH)).unwrap();
+    let quantities = [Loss, Mass, ReflectedInertia];
+    let fronts = gearwise::design::pareto::fronts(&robot, &catalog, &quantities, 33, Default::default()).unwrap();
+    let figure = plot::pareto::figure(&fronts);
+    assert_eq!((figure.columns, figure.groups.len()), (2, 2 * fronts.len()));
+    assert_eq!(figure.groups.iter().filter(|g| !g.caption.is_empty()).count(), 1);
+    for (k, front) in fronts.iter().enumerate() {
+        let groups = &figure.groups[2 * k..2 * k + 2];
+        let own = plot::pareto::of_joint(&figure, front, k).unwrap();
+        assert_eq!(own.groups, groups);
+        let panels: Vec<&Panel> = groups.iter().flat_map(|g| &g.panels).collect();
+        assert_eq!((panels.len(), groups[0].panels.len()), (3, 1));
+        assert!(groups[0].title.starts_with(&format!("{}: ", front.joint.name)));
+        for (panel, [a, b]) in panels.iter().zip([[0, 1], [0, 2], [1, 2]]) {
+            let label = |q: usize| quantities[q].name().replace('_', " ");
+            assert!(panel.x.label.starts_with(&label(a)) && panel.y.label.starts_with(&label(b)));
+            let all: Vec<(f64, f64)> = front.points.iter().map(|p| (p.values[a], p.values[b])).collect();
+            let shown = |large: bool| {
+                let of =
+                    move |s: &&Series| matches!(s.mark, Mark::Points(_)) == large && !matches!(s.mark, Mark::Thin(_));
+                panel.series.iter().filter(of).flat_map(|s| s.points.clone()).collect::<Vec<_>>()
+            };
+            let is_bettered = |p: &(f64, f64)| all.iter().any(|q| q != p && q.0 <= p.0 && q.1 <= p.1);
+            assert!(!shown(true).is_empty() && shown(true).iter().all(|p| all.contains(p) && !is_bettered(p)));
+            // Of two points in one place one is large.
+            assert!(shown(false).iter().all(|p| all.contains(p) && (is_bettered(p) || shown(true).contains(p))));
+        }
+        for (first, second) in
+            [(&panels[0].x, &panels[1].x), (&panels[1].y, &panels[2].y), (&panels[0].y, &panels[2].x)]
+        {
+            assert_eq!((&first.label, first.scale, first.range), (&second.label, second.scale, second.range));
+        }
+        // The legend has the motors with a look of their own, each once, and the others are said to be there.
+        let named: Vec<&str> = panels[0].series.iter().map(|s| s.name.as_str()).filter(|n| !n.is_empty()).collect();
+        let motors = gearwise::report::pareto::motors(front);
+        assert_eq!(named.iter().filter(|n| motors.contains(n)).count(), motors.len().min(6));
+        assert_eq!(named.contains(&"other motors"), motors.len() > 6);
+        for (q, _) in quantities.iter().enumerate() {
+            let best = gearwise::report::pareto::best_of(front.points.iter(), q).unwrap();
+            assert!(named.contains(&best.motor.id.as_str()), "{}", best.motor.id);
+        }
+        assert!(panels[1..].iter().all(|p| p.series.iter().all(|s| s.name.is_empty())));
+    }
+    let (svg, layout) = plot::svg_and_layout(&figure);
+    assert!(layout.frames.len() == 3 * fronts.len() && !svg.contains("NaN"));
+    nothing_collides(&layout);
+}
+
 #[test]
 fn a_mark_is_hollow_only_where_something_is_estimated() {
     use requirement::Quantity::{Loss, Mass};
     let plain = Catalog::builtin().unwrap();
     let estimated = gearwise::actuator::estimate::complete(Catalog::builtin().unwrap());
     for (catalog, any) in [(&plain, false), (&estimated, true)] {
-        let figure = fronts_figure(catalog, [Loss, Mass]);
+        let figure = fronts_figure(catalog, &[Loss, Mass]);
         let mut hollow = 0;
         for series in figure.groups[0].panels.iter().flat_map(|p| &p.series).filter(|s| !s.ids.is_empty()) {
             let motor = catalog.motor(&series.ids[0]).unwrap();
@@ -391,11 +445,12 @@ fn torque_is_in_newton_metres_everywhere() {
 #[test]
 fn every_command_draws_its_picture() {
     let folder = tempfile::tempdir().unwrap();
-    let commands: [&[&str]; 6] = [
+    let commands: [&[&str]; 7] = [
         &["rank", "--mark", "t-motor-ri50"],
         &["explain", "t-motor-ri50@9", CHEETAH, "--joint", "knee"],
         &["optimize", CHEETAH],
         &["optimize", CHEETAH, "--pareto", "loss,reflected_inertia"],
+        &["optimize", CHEETAH, "--pareto", "loss,copper_loss,mass,reflected_inertia,peak_current,energy,peak_power"],
         &["sweep", CHEETAH, "--ratios", "12"],
         &["compare", "t-motor-ri50", "t-motor-u8"],
     ];
