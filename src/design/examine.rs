@@ -112,7 +112,11 @@ fn examine_joint(robot: &Robot, choice: &Choice, mut joint: Joint) -> Result<Exa
         reversal_time: prepared.reversal_time(ratio),
         best,
         // A spring's torque follows the position, not the acceleration: the bare motion tells.
-        load_inertia: choice.design.load_inertia.or_else(|| apparent_inertia(&choice.joint.motion)),
+        load_inertia: choice.design.load_inertia.or_else(|| match choice.joint.own_motions().as_slice() {
+            [(_, motion)] => apparent_inertia(motion),
+            // Of two joints that two actuators move together there is no one inertia.
+            _ => None,
+        }),
         load_inertia_estimated: estimated,
         draws: draws(&prepared, ratio),
         unchecked,

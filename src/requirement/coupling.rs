@@ -155,14 +155,13 @@ fn couple(root: &Section, asked: Asked, joints: &mut Vec<Joint>, beside: &mut Be
         wrong(span, message, label, "coupled joints move together: give both motions at the same times");
         return None;
     }
-    if !matches!(coupling.coupler, Coupler::Matrix(_)) {
-        if let Some(joint) = [one, other].into_iter().find(|joint| !joint.motion.placed) {
-            let points = matches!(joint.motion.course, Course::Points(_));
-            let has = if points { "operating points have none" } else { "its motion does not say it" };
-            let message = format!("the coupling needs the position of `{}`, and {has}", joint.name);
-            wrong(span, message, label, "give a `motion` with a column `position`, or a `matrix` in the coupling");
-            return None;
-        }
+    let unplaced = [one, other].into_iter().find(|joint| !joint.motion.placed);
+    if let Some(joint) = unplaced.filter(|_| !matches!(coupling.coupler, Coupler::Matrix(_))) {
+        let points = matches!(joint.motion.course, Course::Points(_));
+        let has = if points { "operating points have none" } else { "its motion does not say it" };
+        let message = format!("the coupling needs the position of `{}`, and {has}", joint.name);
+        wrong(span, message, label, "give a `motion` with a column `position`, or a `matrix` in the coupling");
+        return None;
     }
     let passed = Passed::coupled(&coupling, [(&one.name, &one.motion), (&other.name, &other.motion)]);
     let (motion, passed) = match passed {

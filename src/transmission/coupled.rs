@@ -96,13 +96,17 @@ impl Both {
         let inverse = inverse(&self.at[k].jacobian);
         // τ_θ = J⁻ᵀ τ: the actuator's column of J⁻¹.
         let per = [inverse[0][actuator], inverse[1][actuator]];
-        let per = if per[0].abs() >= per[1].abs() { per[0] } else { per[1] };
+        let at = usize::from(per[1].abs() > per[0].abs());
         let joints = [0, 1].map(|j| passed.joints[j].1.instant(k));
+        let turning = self.at[k].turning(joints.map(|joint| joint.velocity));
+        // d(J⁻ᵀ)/dt = −J⁻ᵀ J̇ᵀ J⁻ᵀ.
+        let pulled: f64 = (0..2).map(|i| per[i] * (0..2).map(|a| turning[a][i] * inverse[at][a]).sum::<f64>()).sum();
+        let per = per[at];
         let speed: f64 = (0..2).map(|j| self.at[k].jacobian[actuator][j] * joints[j].velocity).sum();
         let load = self.torques[actuator][k] + per * torque;
         let factor = passed.numbers.factor(load, speed);
         // What does not come from the joints is the same with and without.
-        (factor * load, factor * per * rate)
+        (factor * load, factor * (per * rate - pulled * torque))
     }
 
     /// Force of each rod at each sample of the motion \[N\]; `None` where no rod says it.
@@ -153,11 +157,7 @@ fn change(coupling: &Coupling, joints: &[Instant; 2]) -> Result<Changed, Fault> 
     let q = joints.map(|instant| instant.position.unwrap_or(0.0));
     let speed = joints.map(|instant| instant.velocity);
     let at = coupler.at(q)?;
-    let moving = |at: &AtBoth| -> [[f64; 2]; 2] {
-        let of = |a: usize, i: usize| at.slopes[0][a][i] * speed[0] + at.slopes[1][a][i] * speed[1];
-        [[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]]
-    };
-    let turning = moving(&at);
+    let turning = at.turning(speed);
     // The rate of J̇: along the motion by a difference, and with the acceleration.
     let fast = speed[0].hypot(speed[1]);
     let mut bending = [[0.0; 2]; 2];
@@ -167,7 +167,7 @@ fn change(coupling: &Coupling, joints: &[Instant; 2]) -> Result<Changed, Fault> 
         // At the end of a table or of a way there is one side alone.
         let (after, before) = (side(1.0).unwrap_or(at), side(-1.0).unwrap_or(at));
         let apart = f64::from(u8::from(after != at) + u8::from(before != at)).max(1.0) * step;
-        let (after, before) = (moving(&after), moving(&before));
+        let (after, before) = (after.turning(speed), before.turning(speed));
         for a in 0..2 {
             for i in 0..2 {
                 let along = (after[a][i] - before[a][i]) / apart;

@@ -30,6 +30,14 @@ pub(super) struct AtBoth {
     pub(super) forces: Option<[f64; 2]>,
 }
 
+impl AtBoth {
+    /// J̇ where the joints have these speeds \[rad/s\].
+    pub(super) fn turning(&self, speed: [f64; 2]) -> [[f64; 2]; 2] {
+        let of = |a: usize, i: usize| self.slopes[0][a][i] * speed[0] + self.slopes[1][a][i] * speed[1];
+        [[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]]
+    }
+}
+
 impl Coupler {
     /// The coupling at a pair of angles \[rad\].
     pub(super) fn at(&self, q: [f64; 2]) -> Result<AtBoth, Fault> {
@@ -58,6 +66,9 @@ impl Coupler {
     }
 }
 
+/// ∂θ/∂q_i, ∂²θ/∂q_i∂q_j, and a rod's force per torque of its actuator \[1/m\].
+type OfRod = ([f64; 2], [[f64; 2]; 2], f64);
+
 /// A rod from an actuator's crank to the link that two joints move, where both joints are at zero and the crank is at zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rod {
@@ -85,8 +96,8 @@ impl Rod {
             && apart > 1e-9
     }
 
-    /// ∂θ/∂q_i, ∂²θ/∂q_i∂q_j, and the rod's force per torque of its actuator \[1/m\].
-    fn at(&self, q: [f64; 2], number: usize) -> Result<([f64; 2], [[f64; 2]; 2], f64), Fault> {
+    /// The crank's angle over those of the joints \[rad\].
+    fn at(&self, q: [f64; 2], number: usize) -> Result<OfRod, Fault> {
         let v = Vector3::from;
         let axis = v(self.axis).normalize();
         let arm = v(self.crank_pin) - v(self.axis_at);

@@ -71,7 +71,7 @@ fn walks(program: &RatioProgram, grid: &[f64], cheap: &[f64]) -> Vec<Walk> {
     let over = |first: usize, last: usize| (grid[first], grid[(last + 1).min(grid.len() - 1)]);
     let says = |l: &Limited, (a, b): (f64, f64)| match l.asked.demand {
         Demand::WindingPeak(node) if l.asked.bound > 0.0 => {
-            let (load, actuator, bound) = (l.asked.load(&l.candidate), l.candidate.end(l.asked.end), l.asked.bound);
+            let (load, actuator, bound) = (l.asked.load(l.candidate), l.candidate.end(l.asked.end), l.asked.bound);
             if load.winding_peak_stays_within(actuator, &node, (a, b), bound) {
                 Walk::Kept
             } else if load.winding_peak_is_beyond(actuator, &node, (a, b), bound * (1.0 + CLEARLY)) {

@@ -273,7 +273,7 @@ fn both_actuators_draw_power_at_the_same_time() {
     let catalog = Catalog::of(vec![motor()], Vec::new());
     let at_ratio = |mut robot: Robot, power: f64| {
         for joint in &mut robot.joints {
-            joint.ratio = RatioChoice::Listed { values: vec![9.0], step: None };
+            joint.ratio = RatioChoice::Listed { values: vec![9.0], step: None, teeth: None };
             joint.objective = Objective::single(Quantity::CopperLoss);
         }
         robot.budget.power = Some(power);

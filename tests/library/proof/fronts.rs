@@ -554,7 +554,8 @@ fn gears_and_listed_ratios_are_those_of_a_sweep() {
     let builtin = Catalog::builtin().unwrap();
     let gears = read(&common::repository("requirements/humanoid_hip_catalog_gears.toml")).unwrap();
     let mut listed = read(&common::repository("requirements/exoskeleton_hip.toml")).unwrap();
-    listed.joints[0].ratio = RatioChoice::Listed { values: vec![10.0, 16.0, 25.0, 40.0, 50.0], step: None };
+    listed.joints[0].ratio =
+        RatioChoice::Listed { values: vec![10.0, 16.0, 25.0, 40.0, 50.0], step: None, teeth: None };
     for robot in [gears, listed] {
         let quantities = [Quantity::Loss, Quantity::Mass, Quantity::ReflectedInertia, Quantity::PeakCurrent];
         let front = front_of(&robot, &builtin, &quantities);
