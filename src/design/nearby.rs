@@ -297,7 +297,7 @@ impl<'l> Look<'l> {
             ratio: at_ratio - self.design.optimum.objective,
             efficiency: by_loss - at_ratio,
             inertia: gear.inertia.map(|_| by_inertia - by_loss),
-            mass: counts_mass.then(|| whole - by_inertia),
+            mass: counts_mass.then_some(whole - by_inertia),
         })
     }
 }

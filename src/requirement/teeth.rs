@@ -370,8 +370,8 @@ fn read_teeth(table: Section) -> Option<Bounds> {
         wrong("planets", message, format!("expected 2 to {MOST_PLANETS}"), "three are usual");
     }
     let is_wrong = table.noted() > noted || table.has("planets") && planets.is_none();
-    let bounds = Bounds { sun: sun?, ring_max: ring_max?, planets: planets.unwrap_or(3) };
     table.finish();
+    let bounds = Bounds { sun: sun?, ring_max: ring_max?, planets: planets.unwrap_or(3) };
     (!is_wrong).then_some(bounds)
 }
 

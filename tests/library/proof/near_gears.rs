@@ -130,7 +130,7 @@ fn a_gear_near_by_is_the_pair_of_sweep_and_none_better_is_left_out() {
 #[test]
 fn parts_are_those_on_paper_and_add_up() {
     let look = |i: u64| {
-        let mut case = draw(i, i % 2 == 0);
+        let mut case = draw(i, i.is_multiple_of(2));
         case.robot.joints[0].limits.spring = None;
         let mut random = Pcg64::seed_from_u64(i);
         let mut within = |a: f64, b: f64| random.random_range(a..b);
@@ -154,7 +154,7 @@ fn parts_are_those_on_paper_and_add_up() {
                 continue;
             };
             let (n, own) = (near.gear.ratio, near.gear);
-            let mut other = draw(i, i % 2 == 0);
+            let mut other = draw(i, i.is_multiple_of(2));
             other.robot.joints[0].limits.spring = None;
             let mut steps = vec![design.optimum.objective, other.look(n).objective];
             let it = &mut other.robot.joints[0].gear;

@@ -121,6 +121,9 @@ fn requirements_are_documented() {
     );
     let joint =
         |lines: &str| format!("name = \"x\"\nbus = {{ voltage = \"1 V\" }}\n[[joint]]\nname = \"a\"\n{NO}\n{lines}\n");
+    let teeth = joint(&format!(
+        "ratio = {{ stages = [[3, 9]], teeth = {{ sun = [18, 20], ring_max = 90, {NO} }} }}\nmotion = \"x.csv\""
+    ));
     let gears = joint("gears = [\"planetary-*\"]\nmotion = \"x.csv\"");
     let driven = joint(&format!(
         "ratio = {{ min = 1, max = 2 }}\nmechanism_joint = \"b\"\nactuator_at = {{ {NO} }}\n[mechanism]\nmodel = \"a.urdf\"\n\
@@ -134,7 +137,7 @@ fn requirements_are_documented() {
         "name = \"x\"\nbus = {{ voltage = \"1 V\" }}\n[[joint]]\nname = \"a\"\nratio = {{ min = 1, max = 2 }}\n\
          points = [{{ torque = \"1 N*m\", speed = \"0 rad/s\" }}]\n[[case]]\nname = \"a\"\n{NO}\n"
     );
-    compare(REQUIREMENT, &[ask(&ratio), ask(&gears), ask(&driven), ask(&cases), ask(&together)]);
+    compare(REQUIREMENT, &[ask(&ratio), ask(&gears), ask(&driven), ask(&cases), ask(&together), ask(&teeth)]);
 }
 
 #[test]
