@@ -28,6 +28,9 @@ pub(super) struct Valley {
     pub steps: bool,
 }
 
+/// A point of a motor: its ratio and its values.
+pub(super) type Node = (f64, Vec<f64>);
+
 /// A motor whose efficient ratios are one interval, by its points.
 #[derive(Debug)]
 pub(super) struct Line<'a, 'p> {
@@ -35,8 +38,8 @@ pub(super) struct Line<'a, 'p> {
     pub mount: Mount<'a, 'p>,
     /// Its equations and limits.
     pub prepared: Prepared<'p>,
-    /// Its points, by their ratios: ratio and values.
-    pub nodes: Vec<(f64, Vec<f64>)>,
+    /// Its points, by their ratios.
+    pub nodes: Vec<Node>,
     /// Of each quantity what it is nowhere below on each piece between two points, and the piece where that is least.
     floors: Vec<(Vec<f64>, usize)>,
     /// Of each quantity the ratios at which it is least, and its least value.
@@ -45,14 +48,9 @@ pub(super) struct Line<'a, 'p> {
 
 impl<'a, 'p> Line<'a, 'p> {
     /// From at least two points in the order of their ratios.
-    pub fn new(
-        mount: Mount<'a, 'p>,
-        prepared: Prepared<'p>,
-        nodes: Vec<(f64, Vec<f64>)>,
-        valleys: Vec<Valley>,
-    ) -> Line<'a, 'p> {
+    pub fn new(mount: Mount<'a, 'p>, prepared: Prepared<'p>, nodes: Vec<Node>, valleys: Vec<Valley>) -> Line<'a, 'p> {
         let floors = |(k, valley): (usize, &Valley)| {
-            let at = |node: &(f64, Vec<f64>)| (node.0, node.1[k]);
+            let at = |node: &Node| (node.0, node.1[k]);
             let floors: Vec<f64> = nodes.windows(2).map(|ends| floor(valley, at(&ends[0]), at(&ends[1]))).collect();
             let least = (0..floors.len()).min_by(|a, b| floors[*a].total_cmp(&floors[*b])).unwrap_or(0);
             (floors, least)
@@ -131,7 +129,7 @@ impl<'a, 'p> Line<'a, 'p> {
     /// A ratio between two that nothing on the front betters.
     fn not_bettered(
         &self,
-        (a, b): (&(f64, Vec<f64>), &(f64, Vec<f64>)),
+        (a, b): (&Node, &Node),
         on_front: &[&[f64]],
         values: &impl Fn(f64) -> Vec<f64>,
         halvings: u32,
