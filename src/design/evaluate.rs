@@ -17,7 +17,8 @@ use crate::actuator::waveform::Functional;
 use crate::actuator::weakening::Weakening;
 use crate::actuator::{Actuator, Laurent, fitted};
 use crate::catalog::module::Inside;
-use crate::requirement::{Course, Objective, Quantity};
+use crate::motion::Case;
+use crate::requirement::{Course, Joint, Objective, Quantity};
 
 /// A margin below this is a violation: what rounding leaves of a limit that binds exactly.
 pub const FEASIBILITY_TOLERANCE: f64 = 1e-9;
@@ -88,6 +89,8 @@ pub struct Margin {
     pub margin: f64,
     /// The sample of the motion at which the demand is largest.
     pub sample: Option<usize>,
+    /// Of which of two actuators that move two joints it is, counted from zero; `None` where it is of both.
+    pub actuator: Option<usize>,
     /// Whose limit it is.
     pub owner: &'static str,
     /// The parts of the actuator that the demand is made of, where it is a limit on them.
@@ -95,6 +98,13 @@ pub struct Margin {
 }
 
 impl Margin {
+    /// The load case that it is in, or the actuator that it is of, where the joint has several.
+    pub fn case<'j>(&self, joint: &'j Joint) -> Option<&'j Case> {
+        let cases = joint.motion.cases.as_deref()?;
+        let of_actuator = || cases.list.get(self.actuator?).filter(|_| cases.together);
+        self.sample.and_then(|k| cases.of(k)).or_else(of_actuator)
+    }
+
     /// Of a limit that is asked of a candidate at a ratio, by its raw demand and the sample that makes it.
     pub(super) fn new(asked: &Asked, candidate: &Candidate, ratio: f64, (raw, sample): (f64, Option<usize>)) -> Margin {
         Margin {
@@ -104,6 +114,7 @@ impl Margin {
             bound: asked.bound,
             margin: asked.margin(candidate, ratio, raw),
             sample,
+            actuator: asked.actuator,
             owner: asked.owner,
             parts: asked.parts(),
         }
@@ -523,7 +534,8 @@ impl<'a> Prepared<'a> {
             };
             let margin = Margin::new(asked, candidate, ratio, (raw, sample));
             feasible &= margin.margin >= -FEASIBILITY_TOLERANCE;
-            let same = |m: &&mut Margin| asked.end == End::Other && m.limit == margin.limit;
+            let is_of = |m: &Margin| m.limit == margin.limit && m.actuator == margin.actuator;
+            let same = |m: &&mut Margin| asked.end == End::Other && is_of(m);
             match margins.iter_mut().find(same) {
                 // Of both ends of the drag the worse one.
                 Some(of_first) if (margin.margin, -margin.demand) < (of_first.margin, -of_first.demand) => {

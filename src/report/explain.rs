@@ -273,7 +273,8 @@ pub(super) fn limit_rows(margins: &[Margin], joint: &Joint) -> Vec<Vec<String>> 
     tightest_first(margins)
         .iter()
         .map(|m| {
-            let at = m.sample.map_or_else(String::new, |k| joint.motion.name_sample(k));
+            let case = || m.case(joint).map_or_else(String::new, |case| case.name.clone());
+            let at = m.sample.map_or_else(case, |k| joint.motion.name_sample(k));
             vec![
                 m.limit.into(),
                 // A cell: the word alone.

@@ -106,7 +106,7 @@ pub(super) fn beyond_reserve(margin: &Margin, joint: &Joint) -> String {
 
 /// The same with the load case that it is in, where the joint has several.
 pub(super) fn margin_at(margin: &Margin, joint: &Joint) -> String {
-    let case = margin.sample.and_then(|k| joint.motion.case_of(k));
+    let case = margin.case(joint);
     margin_text(margin)
         + &beyond_reserve(margin, joint)
         + &case.map_or_else(String::new, |case| format!(" ({})", case.name))

@@ -110,6 +110,11 @@ impl Candidate<'_> {
                 Check::Unknown(_) | Check::AtRatio(_) => false,
             };
             let apart = if of_both { 0 } else { self.load.actuators().len() };
+            let each = (0..apart).map(|k| limit.check(&self.of_actuator(Some(k))));
+            // What is the same for all of them (mass, inertia, a rating that nobody knows) is one limit.
+            let is_one = each.map(|check| what_is_asked(&check)).collect::<Vec<_>>().windows(2).all(|w| w[0] == w[1]);
+            let check = if is_one && apart > 0 { limit.check(&self.of_actuator(Some(0))) } else { check };
+            let apart = if is_one { 0 } else { apart };
             let whole = (apart == 0).then_some((limit, check));
             whole.into_iter().chain((0..apart).map(move |k| (limit, self.check_of(limit, k))))
         })
@@ -124,6 +129,17 @@ impl Candidate<'_> {
             }
             other => other,
         }
+    }
+}
+
+/// What a check compares, where it does; else why it does not.
+fn what_is_asked(check: &Check) -> Result<(Demand, f64), &'static str> {
+    match check {
+        Check::Asked(asked) => Ok((asked.demand, asked.bound)),
+        Check::Unknown(why) => Err(why),
+        Check::NotAsked => Err(""),
+        // Whoever asks it asks each actuator.
+        Check::AtRatio(_) => Err("at a ratio"),
     }
 }
 

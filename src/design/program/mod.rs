@@ -296,6 +296,12 @@ impl<'a> RatioProgram<'a> {
                 }
                 Demand::Polynomial(polynomial, sample) => {
                     let ratio = largest_ratio_by_monomial(&polynomial, asked.raw_bound());
+                    // What no ratio changes is too much by itself.
+                    if ratio == 0.0 && polynomial[0] > 0.0 {
+                        let least = asked.natural(polynomial.at(min)) / asked.bound;
+                        let bind = Bind::of(asked.limit.name, sample);
+                        return Err(Infeasible::Never { bind, least, allowed: asked.bound, ratio: min });
+                    }
                     (ratio, sample, 1.0 / (asked.factor * polynomial.slope(ratio)))
                 }
                 _ => continue,
@@ -460,8 +466,12 @@ fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
     }
 }
 
-/// The largest N with `c N^p ≤ bound` for a monomial with p of 1 to 4.
+/// The largest N with `c + d N^p ≤ bound` for p of 1 to 4; zero where there is none.
 pub(in crate::design) fn largest_ratio_by_monomial(polynomial: &Laurent, bound: f64) -> f64 {
-    let Some(power) = (1..=4).find(|power| polynomial[*power] > 0.0) else { return f64::INFINITY };
-    (bound / polynomial[power]).powf(1.0 / f64::from(power))
+    let left = bound - polynomial[0];
+    match (1..=4).find(|power| polynomial[*power] > 0.0) {
+        _ if left < 0.0 => 0.0,
+        None => f64::INFINITY,
+        Some(power) => (left / polynomial[power]).powf(1.0 / f64::from(power)),
+    }
 }

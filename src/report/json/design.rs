@@ -509,7 +509,7 @@ pub fn limits<'a>(of: &[evaluate::Margin], joint: &'a Joint) -> Vec<Limit<'a>> {
         of: m.owner,
         part: m.parts.and_then(|parts| parts.part).map(PartKind::word),
         at_least: m.parts.map(|parts| parts.missing.is_some()),
-        case: m.sample.and_then(|k| case_of(joint, k)),
+        case: m.case(joint).map(|case| case.name.as_str()),
         sample: m.sample.and_then(|k| joint.motion.given_sample(k)),
         time_s: m.sample.and_then(|k| time_of(joint, k)),
         at: m.sample.map(|k| joint.motion.name_sample(k).into()),

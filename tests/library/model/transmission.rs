@@ -411,6 +411,26 @@ fn limits_at_the_joint_by_hand() {
     near(demand("transmission_speed"), fastest, 1e-5, "speed of its input");
 }
 
+/// The inertia that no ratio changes counts in the largest ratio that the limit leaves, and may be too much by itself.
+#[test]
+fn a_limit_on_inertia_counts_what_no_ratio_changes() {
+    let motion = swing(0.2, 0.8);
+    let numbers = Numbers { inertia: 2e-3, joint_inertia: 3e-3, ..Numbers::IDEAL };
+    let of = |limit: f64| {
+        let mut robot = common::robot(motion.clone(), common::gear(1.0));
+        robot.joints[0].limits.reflected_inertia = Some(limit);
+        behind(&robot, &with(Way::Ratio(1.5), numbers), &motion)
+    };
+    let fixed = 1.5 * 1.5 * 2e-3 + 3e-3;
+    let free = solve(&motor(), &of(100.0)).unwrap().optimum.ratio;
+    // Half of the best ratio's own inertia beside what is fixed.
+    let own = 1.5 * 1.5 * free * free * 300e-7;
+    let bound = solve(&motor(), &of(fixed + 0.5 * own)).unwrap();
+    near(bound.optimum.ratio, free * 0.5_f64.sqrt(), 1e-9, "the largest ratio");
+    let text = format!("{:?}", solve(&motor(), &of(0.9 * fixed)).err().expect("no ratio does"));
+    assert!(text.contains("Never") && text.contains("reflected_inertia"), "{text}");
+}
+
 #[test]
 fn the_force_of_a_rod_is_the_torque_over_its_arm() {
     let lever = Lever { pivot: [0.0, 0.2], arm: 0.05, arm_zero: 0.0, lead: 0.005 };

@@ -45,7 +45,7 @@ ratio = { min = 8, max = 9.5 }
 motor_drag = "off"
 gear = { efficiency = 0.95, mass = "150 g", inertia = "2e-6 kg*m^2", peak_torque = "20 N*m", continuous_torque = "12 N*m", max_input_speed = "6000 rpm", momentary_peak_torque = "44 N*m", ratcheting_torque = "45 N*m", average_input_speed = "3000 rpm", continuous_torque_is = "rated_life", rated_life = "7000 h", rated_speed = "2000 rpm", life_quantile = "L10", starting_torque = "0 N*m", backlash = "1 arcmin", stiffness = "9000 N*m/rad", outer_diameter = "85 mm", length = "9 mm", price = "800 CNY", lead_time = "7 d" }
 motion = "knee.csv"
-transmission = { four_bar = { ground = ["0 mm", "250 mm"], crank = "50 mm", coupler = "250 mm", rocker = "50 mm" }, backlash = "0 arcmin", stiffness = "1e9 N*m/rad", peak_torque = "21 N*m", max_force = "2000 N", max_input_speed = "20 rad/s" }
+transmission = { four_bar = { ground = ["0 mm", "250 mm"], crank = "50 mm", coupler = "250 mm", rocker = "50 mm" }, backlash = "0 arcmin", stiffness = "1e9 N*m/rad", peak_torque = "21 N*m", max_force = "2000 N", max_input_speed = "20 rad/s", outer_diameter = "9 mm", length = "0 mm", price = "0 EUR", lead_time = "0 d" }
 [joint.limits]
 actuator_mass = "0.6 kg"
 outer_diameter = "90 mm"

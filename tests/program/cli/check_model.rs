@@ -551,7 +551,7 @@ fn wrong_input_is_refused_with_its_place() {
         (hardware.clone() + "voltage = \"48 N\"\n", "48 N"),
         (hardware.clone() + "ratio = 9\n", "a module has its gear inside"),
         (hardware.clone() + "transmission = { ratio = nan }\n", "ratio"),
-        (hardware.clone() + "transmission = { ratio = -2 }\n", "out of range"),
+        (hardware.clone() + "transmission = { ratio = 0 }\n", "0 is not a ratio"),
         (hardware.clone() + "[limits]\ntolerance = 5\n", "for 5 % write 0.05"),
         (hardware.clone() + &hardware, "named by two [[joint]]"),
         (hardware.replace("names = [\"*\"]\n", ""), "`names` of [[joint]] is missing"),
