@@ -4,8 +4,7 @@ use super::convention::has_words;
 use super::drag::Friction;
 use super::offer::{Offer, Sold};
 use super::row::{Field, Side, States};
-use super::sheet::{Printed, SourceKind};
-use super::size::across;
+use super::sheet::{Printed, SourceKind, across};
 use crate::input::Range;
 use crate::units;
 

@@ -28,7 +28,6 @@ pub mod rewound;
 pub mod row;
 mod said;
 mod sheet;
-mod size;
 mod wrong;
 
 use std::collections::HashMap;
@@ -47,8 +46,7 @@ pub use motor::{Identity, Incomplete, Motor, REFERENCE_TEMPERATURE, Wound};
 pub use offer::{Currency, Date, Offer, Price, Sold};
 pub use read::{VERSION, gear_columns, module_columns, motor_columns, read_gears, read_modules, read_motors};
 pub use row::Field;
-pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind};
-pub use size::across;
+pub use sheet::{Conventions, FIELDS, OwnConventions, Printed, Sheet, SourceKind, across};
 
 use crate::input::{InputError, InputFile, Problem, Source, sha256};
 

@@ -243,7 +243,9 @@ fn read_arrangement(section: &Section) -> Arrangement {
     let about = "one behind the other, whose lengths add up, or side by side, of which the longer one counts; for `axial_length`";
     let read = section.choice(key("arrangement", about).default("`coaxial`"), Arrangement::NAMES);
     if read.is_some() && !section.has("axial_length") {
-        section.missing("axial_length", "\"70 mm\"");
+        let message = "`arrangement` of [limits] is for `axial_length`, which is not asked for";
+        let problem = Problem::at(section.span_of("arrangement"), message, "nothing to act on");
+        section.note(problem.help("give axial_length = \"70 mm\" too, or remove it"));
     }
     read.unwrap_or_default()
 }

@@ -173,7 +173,7 @@ pub(super) fn read_amount(section: &Section, key: Key, range: Range, money: &Mon
         Err(help) => return wrong(format!("`{code}` is no currency"), "expected three capital letters", help),
     };
     if !range.contains(value) {
-        return wrong("it is out of range".into(), &format!("expected {}", range.expected()), example());
+        return wrong("the amount is out of range".into(), &format!("expected {}", range.expected()), example());
     }
     let Some(amount) = prices.convert(value, currency) else {
         let help = format!(

@@ -113,7 +113,7 @@ const NO: &str = "qqqqqqqqqqqqqqqqqq = 1";
 fn requirements_are_documented() {
     let ask = |text: &str| known(text, &["optimize", "file.toml"]);
     let ratio = format!(
-        "{NO}\nname = \"x\"\nbus = {{ voltage = \"1 V\", {NO} }}\n[ambient]\n{NO}\n[budget]\n{NO}\n\
+        "{NO}\nname = \"x\"\nbus = {{ voltage = \"1 V\", {NO} }}\n[ambient]\n{NO}\n[budget]\n{NO}\n[prices]\ncurrency = \"EUR\"\ndate = \"2026-11-01\"\n{NO}\n\
          [mechanism]\nmodel = \"a.urdf\"\ntrajectory = \"x.csv\"\npayload = {{ link = \"a\", mass = \"1 kg\", {NO} }}\n{NO}\n[[joint]]\n{NO}\nname = \"a\"\n\
          ratio = {{ min = 1, max = 2, {NO} }}\ngear = {{ {NO} }}\ndrive = {{ current = \"1 A\", {NO} }}\nobjective = {{ {NO} }}\n\
          reference = {{ {NO} }}\nscale = {{ {NO} }}\npoints = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\", {NO} }} ]\n[joint.limits]\n{NO}\n\

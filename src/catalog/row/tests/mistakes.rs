@@ -51,7 +51,9 @@ fn a_price_has_its_currency_and_its_day() {
     let module = |columns: &str, cells: &str| {
         format!("id,drive,ratio,source,source_kind,{columns}\nm,built_in,9,x,derived,{cells}\n")
     };
-    for table in [with, gear, module] {
+    let motor =
+        |columns: &str, cells: &str| with(&format!("torque_constant [N*m/A],{columns}"), &format!("1,{cells}"));
+    for table in [motor, gear, module] {
         for (columns, cells, message, marked) in [
             ("price,price_date", "90,2026-01-31", "`price` is given without `price_currency`", "90"),
             ("price,price_currency", "90,EUR", "`price` is given without `price_date`", "90"),
@@ -66,11 +68,11 @@ fn a_price_has_its_currency_and_its_day() {
         let good = table("price,price_currency,price_date,price_quantity,lead_time [d]", "90,EUR,2026-01-31,10,14");
         read("a.csv", &good).unwrap();
     }
-    let motor = motors(
+    let motors = motors(
         "a.csv",
         &with("torque_constant [N*m/A],price,price_currency,price_date,lead_time [d]", "1,90,EUR,2026-01-31,14"),
     );
-    let offer = &motor[0].sheet.offer;
+    let offer = &motors[0].sheet.offer;
     assert_eq!((offer.price().unwrap().value, offer.lead_time), (90.0, Some(14.0 * 86_400.0)));
 }
 
