@@ -196,6 +196,10 @@ fn finish(arguments: &Arguments, origin: &Origin, joints: &[Exported]) -> Result
     let format = FORMATS.iter().find(|f| Some(f.name) == arguments.to.as_deref());
     let text = match (&arguments.into, format) {
         (Some(model), _) => {
+            if let Some(joint) = joints.iter().find(|joint| joint.simulated.is_before_the_joint) {
+                let why = "its transmission goes with the angle, or couples two joints: the numbers are those of the actuator, not of a joint of the model; use `--to`";
+                return Err(Failure::Argument(format!("`--into`: `{}`: {why}", joint.joint)));
+            }
             let names = names(&arguments.map, joints)?;
             let shown = model.display();
             let old = Source::read(model).map_err(|e| vec![e])?;

@@ -5,6 +5,7 @@
 
 use super::answer::{Design, JointResult};
 use super::program::Certificate;
+use crate::requirement::Quantity;
 
 /// What was found at one value of the number.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +25,8 @@ pub struct Found {
     pub count: u32,
     /// The first choice; `None` where there is none.
     pub choice: Option<Chosen>,
+    /// What all transmissions of the joint lose themselves \[W\], where the objective is the loss and their efficiency is given.
+    pub between: f64,
 }
 
 /// A first choice.
@@ -51,19 +54,27 @@ impl Found {
             objective: design.optimum.objective,
             certificate: design.optimum.certificate.clone(),
         };
+        let is_loss = result.joint.objective.sole() == Some(Quantity::Loss);
         Found {
             joint: result.joint.name.clone(),
             count: result.joint.count,
             choice: result.candidates.first().map(chosen),
+            between: result
+                .joint
+                .passed
+                .as_deref()
+                .filter(|passed| is_loss && passed.numbers.says_loss)
+                .map_or(0.0, |passed| passed.loss * f64::from(result.joint.count) / passed.joints.len() as f64),
         }
     }
 }
 
 impl Looked {
-    /// The sum of the joints' objectives, each as often as there are actuators; `None` where a joint has no choice.
+    /// The sum of the joints' objectives, each as often as there are actuators, with what transmissions lose where that is the loss; `None`
+    /// where a joint has no choice.
     pub fn total(&self) -> Option<f64> {
         let found = self.found.as_ref().ok()?;
-        found.iter().map(|f| Some(f64::from(f.count) * f.choice.as_ref()?.objective)).sum()
+        found.iter().map(|f| Some(f64::from(f.count) * f.choice.as_ref()?.objective + f.between)).sum()
     }
 
     /// Whether every choice at this value is certified.
@@ -136,7 +147,7 @@ mod tests {
             objective,
             certificate: Certificate::NotCertified("a test".into()),
         });
-        Looked { value, found: Ok(vec![Found { joint: "j".into(), count: 2, choice }]) }
+        Looked { value, found: Ok(vec![Found { joint: "j".into(), count: 2, choice, between: 0.0 }]) }
     }
 
     #[test]

@@ -52,6 +52,8 @@ pub struct SimulatedJoint {
     pub torque_constant: Option<f64>,
     /// Gear efficiencies when the motor drives, η, and when the load drives, η_b; `None` for a module whose row does not say them.
     pub efficiencies: Option<(f64, f64)>,
+    /// Whether the numbers are those of the actuator before a transmission, because at the joint they go with the angle.
+    pub is_before_the_joint: bool,
     /// What has no place at a simulator's joint.
     pub left_out: Vec<LeftOut>,
 }
@@ -81,6 +83,7 @@ impl SimulatedJoint {
             efficiencies: inside(candidate)
                 .is_none_or(|inside| inside.gear_loss.is_some())
                 .then_some((candidate.gear.efficiency, candidate.gear.backdrive_efficiency)),
+            is_before_the_joint: false,
             left_out: Vec::new(),
         };
         joint.speed_at_motor_torque =
@@ -114,9 +117,9 @@ impl SimulatedJoint {
             }
         }
         unknown.into_iter().for_each(|(name, why)| joint.leave_out(name, why));
+        joint.pass_on(candidate);
         joint.leave_out_the_gear(candidate);
         joint.leave_out_the_drive(candidate);
-        joint.pass_on(candidate);
         joint
     }
 
@@ -125,7 +128,8 @@ impl SimulatedJoint {
     fn pass_on(&mut self, candidate: &Candidate) {
         let Some(passed) = candidate.joint.passed.as_deref() else { return };
         let number = crate::words::number;
-        let Some((_, Some(r))) = passed.ratio().map(|(range, constant)| (range, constant.map(f64::abs))) else {
+        let Some((_, Some(signed))) = passed.ratio() else {
+            self.is_before_the_joint = true;
             let range = match passed.ratio() {
                 Some((range, _)) => {
                     format!("torque at the joint is r times, speed 1/r times, armature r² times, with r = {} to {} over the motion", number(range.least.0), number(range.most.0))
@@ -137,6 +141,10 @@ impl SimulatedJoint {
             );
             return self.leave_out(format!("transmission ({})", passed.word), why);
         };
+        let r = signed.abs();
+        if signed < 0.0 {
+            self.leave_out("direction", format!("r = {}: the joint turns against the actuator", number(signed)));
+        }
         let at_joint = |bound: Bound| Bound { value: bound.value / r, ..bound };
         self.armature = self.armature.map(|own| passed.inertia_at_joint(own));
         self.damping = self.damping.map(|b| b * r * r);
@@ -144,9 +152,13 @@ impl SimulatedJoint {
         self.speed = at_joint(self.speed);
         self.speed_at_motor_torque = self.speed_at_motor_torque.map(|speed| speed / r);
         self.ratio *= r;
+        // What turns with the transmission counts as if it were the gear's: N r squared times both is the armature.
+        let squared = self.ratio * self.ratio;
+        self.inertias = self.inertias.zip(self.armature).map(|((rotor, _), all)| (rotor, all / squared - rotor));
         if let Some(most) = passed.numbers.max_input_speed.map(|most| most / r).filter(|most| *most < self.speed.value)
         {
             self.speed = Bound { value: most, owner: "transmission" };
+            self.speed_at_motor_torque = self.speed_at_motor_torque.map(|speed| speed.min(most));
         }
         if let Some(most) = passed.numbers.peak_torque.map(|most| most / self.ratio)
             && self.motor_torque.is_none_or(|torque| most < torque.value)

@@ -33,12 +33,17 @@ pub fn text(asked: &Asked, all: &[Looked]) -> String {
         Some(found) => {
             let at_end = [all.first(), all.last()].into_iter().flatten().any(|end| end.value == found.value);
             let end = if at_end { ", the end of the range: a wider range may have less" } else { "" };
+            let lost = found.found.iter().flatten().map(|of| of.between).sum::<f64>();
+            let with = match lost > 0.0 {
+                true => format!(", {} W of it in the transmission", number(lost)),
+                false => String::new(),
+            };
             let proved = match found.is_proved() {
                 true => "Proved at that value, not between the values",
                 false => "Not proved: a ratio at that value is not certified",
             };
             format!(
-                "{} = {}: least {name} of the {} values looked at, {} {unit}{end}. {proved}.",
+                "{} = {}: least {name} of the {} values looked at, {} {unit} over all actuators{with}{end}. {proved}.",
                 asked.key,
                 asked.value(found),
                 all.len(),

@@ -84,7 +84,8 @@ impl<'a> ModelFacts<'a> {
 
     fn find_same_limits(&self) -> Vec<(usize, usize)> {
         fn key<'a>(joint: &ModelJoint<'a>) -> Option<(&'a Hardware, f64, f64)> {
-            let hardware = joint.hardware.filter(|_| joint.coupling.is_none())?;
+            // Where r goes with the angle no one torque and speed belong together.
+            let hardware = joint.hardware.filter(|hardware| joint.coupling.is_none() && !hardware.varies)?;
             let (effort, velocity) = (joint.get(Quantity::Effort)?.value, joint.get(Quantity::Velocity)?.value);
             Some((hardware, effort, velocity)).filter(|_| effort > 0.0 && velocity > 0.0)
         }

@@ -58,7 +58,7 @@ impl Passed {
         let determinants = at.iter().map(|at| determinant(&at.jacobian));
         let determinant = Range::of(determinants.clone().map(f64::abs));
         let signs = [f64::signum, |d: f64| -d.signum()].map(|sign| determinants.clone().all(|d| sign(d) > 0.0));
-        if determinant.least.0 < SINGULAR * determinant.most.0 || !(signs[0] || signs[1]) {
+        if determinant.least.0 <= SINGULAR * determinant.most.0 || !(signs[0] || signs[1]) {
             let k = determinant.least.1;
             return Err(Fault::SingularAt([0, 1].map(|j| before[j].position.as_ref().map_or(0.0, |q| q[k]))));
         }
@@ -73,7 +73,8 @@ impl Passed {
                 (numbers.factor(torques[a][k], behind[a].velocity[k]) - 1.0) * power
             })
         });
-        let loss = loss.sum();
+        // Nothing lost is zero, not less than it.
+        let loss = loss.sum::<f64>() + 0.0;
         let levers = levers(&at);
         let joints = joints.iter().map(|(name, _)| name.to_string()).zip(before.map(Into::into)).collect();
         let ways = Ways::Two(Both { at, torques, determinant });
@@ -157,6 +158,11 @@ fn change(coupling: &Coupling, joints: &[Instant; 2]) -> Result<Changed, Fault> 
     let q = joints.map(|instant| instant.position.unwrap_or(0.0));
     let speed = joints.map(|instant| instant.velocity);
     let at = coupler.at(q)?;
+    // The sine of the angle between the directions of both actuators.
+    let lengths = at.jacobian.map(|row| row[0].hypot(row[1]));
+    if determinant(&at.jacobian).abs() <= SINGULAR * lengths[0] * lengths[1] {
+        return Err(Fault::SingularAt(q));
+    }
     let turning = at.turning(speed);
     // The rate of J̇: along the motion by a difference, and with the acceleration.
     let fast = speed[0].hypot(speed[1]);

@@ -169,6 +169,8 @@ impl Passed {
             let torque = before.torque[k] + numbers.joint_inertia * before.acceleration[k];
             (numbers.factor(torque, before.velocity[k]) - 1.0) * torque * before.velocity[k]
         });
+        // Nothing lost is zero, not less than it.
+        let loss = loss + 0.0;
         let ratio = Range::of(at.iter().map(|at| at.ratio.abs()));
         let (least, most) = (ratio.least.0, ratio.most.0);
         let levers = Levers {

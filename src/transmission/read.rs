@@ -292,6 +292,11 @@ pub(crate) fn read_coupling(section: &Section, files: &mut Files) -> Option<Coup
             None => default,
         }
     });
+    for axis in ["first_axis", "second_axis"].into_iter().filter(|axis| section.has(*axis) && !section.has("rods")) {
+        let message = format!("`{axis}` says nothing without `rods`");
+        let problem = Problem::at(section.span_of(axis), message, "a matrix or a table has the axes in it");
+        section.note(problem.help("remove it"));
+    }
     let rods: Vec<Option<Rod>> = rods.into_iter().map(|rod| read_rod(rod, joints)).collect();
     let numbers = read_numbers(section, &["matrix", "table"], "`rods`");
     let given: Vec<&'static str> = COUPLERS.into_iter().filter(|way| section.has(*way)).collect();

@@ -75,6 +75,9 @@ fn at_joint(c: &Candidate, largest: (f64, usize), bound: f64) -> Prepared {
         Some(spring) if spring.at == SpringAt::Joint => {
             Prepared::Unknown("the torque that a spring at the joint takes from the transmission is not judged")
         }
+        _ if !c.joint.carries.is_empty() => {
+            Prepared::Unknown("the torque that carried actuators add to the transmission is not judged")
+        }
         _ => plain(fixed(c, largest), c.joint.limits.safety, bound, "transmission"),
     }
 }

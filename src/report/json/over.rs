@@ -31,7 +31,7 @@ pub struct Answer<'a> {
 pub struct At<'a> {
     /// The value.
     pub value: f64,
-    /// The objective summed over all actuators; `null` where a joint has no choice.
+    /// The objective summed over all actuators, of a loss with what the transmissions lose; `null` where a joint has no choice.
     pub objective: Option<f64>,
     /// Why the requirement cannot be at this value.
     #[serde(skip_serializing_if = "Option::is_none")]

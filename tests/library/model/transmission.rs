@@ -475,6 +475,27 @@ fn what_a_transmission_does_not_say_is_not_judged() {
     assert_eq!(optimize(&behind(&robot, &said, &motion), &catalog).joints[0].candidates.len(), 1);
 }
 
+/// What carried actuators add to the torque through a transmission is not looked at: its limit is not judged, and not kept.
+#[test]
+fn a_transmission_that_carries_actuators_is_not_said_to_bear_it() {
+    let motion = swing(0.2, 0.8);
+    let numbers = Numbers { peak_torque: Some(1000.0), ..Numbers::IDEAL };
+    let mut robot = behind(&common::robot(motion.clone(), common::gear(1.0)), &with(Way::Ratio(2.0), numbers), &motion);
+    let samples = robot.joints[0].motion.len();
+    let found = |robot: &Robot| {
+        let found = common::evaluate(robot, &motor(), 9.0);
+        found.margins.iter().any(|m| m.limit == "transmission_torque")
+    };
+    assert!(found(&robot));
+    robot.joints[0].carries = vec![gearwise::requirement::Carried {
+        joint: 0,
+        torque_per_mass: vec![1.0; samples],
+        rate: vec![0.0; samples],
+        constant: true,
+    }];
+    assert!(!found(&robot));
+}
+
 /// The torque of the bandwidth limit arrives over r, with the loss of its direction.
 #[test]
 fn a_superposed_torque_is_passed_on() {

@@ -677,3 +677,27 @@ fn speeds_at_more_voltage_have_an_upper_end() {
     assert_eq!(found(26.5, 10.0), ["GW403"]);
     assert_eq!(found(1146.0, 10.0), ["GW403"]);
 }
+
+/// A joint whose r goes with the angle is judged by itself, whatever its neighbour carries.
+#[test]
+fn what_is_too_fast_behind_a_lever_is_found_next_to_a_joint_of_the_same_limits() {
+    let hardware = of_all("ankle").replace("names = [\"*\"]", "names = [\"a\"]")
+        + &of_all("ankle").replace("names = [\"*\"]", "names = [\"b\"]")
+        + "transmission = { lever = { pivot = [\"0 mm\", \"180 mm\"], arm = \"50 mm\", lead = \"5 mm\" }, range = [\"-0.5 rad\", \"0.5 rad\"] }\n";
+    let at = folder(&hardware, &[]);
+    let limits = "effort=\"50\" velocity=\"37\"";
+    fs::write(at.path().join("m.urdf"), urdf(&[("a", limits), ("b", limits)])).unwrap();
+    let ran = run(&at, &["m.urdf"]);
+    assert!(ran.out.contains("GW403") && ran.status == 1, "{}{}", ran.out, ran.err);
+    let other = at.path().join("hardware.toml");
+    let upside_down = hardware.replace("[\"-0.5 rad\", \"0.5 rad\"]", "[\"0.5 rad\", \"-0.5 rad\"]");
+    for (text, said) in [
+        (upside_down, "upside down"),
+        (hardware.replace(", range = [\"-0.5 rad\", \"0.5 rad\"]", ""), "range"),
+        (hardware.replace("\"0.5 rad\"]", "\"1.8 rad\"]"), "no torque reaches"),
+    ] {
+        fs::write(&other, text).unwrap();
+        let ran = run(&at, &["m.urdf"]);
+        assert!(ran.status == 2 && ran.err.contains(said), "{said}: {}{}", ran.out, ran.err);
+    }
+}

@@ -74,6 +74,13 @@ fn write(folder: &Path, robot: &str) {
     fs::write(folder.join("both.csv"), both).unwrap();
     fs::write(folder.join("apart.csv"), both.replace("0.5, 2, 2.0", "0.5, 2, 2.5")).unwrap();
     fs::write(folder.join("unsorted.csv"), table.replace("0.1, 1.9", "-0.4, 1.9")).unwrap();
+    for (name, entry) in [("ones.csv", 1), ("zeros.csv", 0)] {
+        let mut grid = String::from("position_1 [rad],position_2 [rad],j11,j12,j21,j22\n");
+        for (a, b) in (0..16).map(|k| (k / 4, k % 4)) {
+            grid += &format!("{},{},{entry},{entry},{entry},{entry}\n", a as f64 - 1.5, b as f64 - 1.5);
+        }
+        fs::write(folder.join(name), grid).unwrap();
+    }
     fs::write(folder.join("nan.csv"), table.replace("1.9", "NaN")).unwrap();
 }
 
@@ -165,6 +172,9 @@ fn every_mistake_in_a_coupling_has_its_place() {
         ("rods = []", "two rods"),
         ("rods = [ { axis_at = [\"0 mm\", \"0 mm\", \"0 mm\"] } ]", "crank_pin"),
         ("matrix = [[1, 1], [1, -1]]\nefficency = 0.9", "did you mean `efficiency`"),
+        ("matrix = [[1, 1], [1, -1]]\nfirst_axis = [1, 0, 0]", "says nothing without `rods`"),
+        ("table = \"ones.csv\"", "same direction"),
+        ("table = \"zeros.csv\"", "same direction"),
     ] {
         let text = mistake(&pair(coupling));
         assert!(text.contains(says), "{coupling}: {text}");

@@ -26,9 +26,6 @@ fn same_limits(facts: &ModelFacts) -> Vec<ModelRemark> {
         let (joint, twin) = (&facts.joints[k], &facts.joints[other]);
         let (hardware, of_twin) = (joint.hardware?, twin.hardware?);
         let (effort, velocity) = (joint.get(Quantity::Effort)?, joint.get(Quantity::Velocity)?);
-        if hardware.varies || of_twin.varies {
-            return None;
-        }
         let turns = hardware.transmission / of_twin.transmission;
         // What the row says counts before what the other joint carries.
         let right_effort = hardware.peak.as_ref().map_or(effort.value * turns, |fact| fact.value);
