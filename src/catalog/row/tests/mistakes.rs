@@ -51,8 +51,7 @@ fn a_price_has_its_currency_and_its_day() {
     let module = |columns: &str, cells: &str| {
         format!("id,drive,ratio,source,source_kind,{columns}\nm,built_in,9,x,derived,{cells}\n")
     };
-    let motor =
-        |columns: &str, cells: &str| with(&format!("torque_constant [N*m/A],{columns}"), &format!("1,{cells}"));
+    let motor = |columns: &str, cells: &str| with(&format!("torque_constant [N*m/A],{columns}"), &format!("1,{cells}"));
     for table in [motor, gear, module] {
         for (columns, cells, message, marked) in [
             ("price,price_date", "90,2026-01-31", "`price` is given without `price_currency`", "90"),
