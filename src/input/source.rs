@@ -256,7 +256,8 @@ impl Problem {
             Some(near) => self.help(format!("did you mean `{near}`?")),
             None => {
                 let names: Vec<&str> = names.into_iter().collect();
-                let shown = names.len().min(40);
+                // A list that is a little longer is shown whole.
+                let shown = if names.len() <= 50 { names.len() } else { 40 };
                 let more =
                     if names.len() > shown { format!(", and {} more", names.len() - shown) } else { String::new() };
                 self.help(format!("valid here: {}{more}", names[..shown].join(", ")))

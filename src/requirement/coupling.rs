@@ -32,7 +32,7 @@ pub(super) fn read(root: &Section, money: &Money, reader: &mut MotionReader) -> 
     let one = |section: Section| {
         let span = section.span();
         let name = section.required_text(key("name", "of the two as one"), "\"ankle\"");
-        let about = "names of the two joints; what they say beside their motions has to be the same";
+        let about = "names of the two joints; what they say next to their motions has to be the same";
         if !section.has("joints") {
             section.missing("joints", "[\"ankle_pitch\", \"ankle_roll\"]");
         }

@@ -1,7 +1,9 @@
 //! The motions of two joints as the two actuators have them that drive both.
 
+use super::both::{Both, determinant, inverse};
 use super::coupler::AtBoth;
-use super::passed::{Range, Via};
+use super::passed::Via;
+use super::range::Range;
 use super::{Coupling, Fault, Levers, Passed, Ways};
 use crate::motion::{self, Instant, Motion};
 
@@ -9,16 +11,6 @@ use crate::motion::{self, Instant, Motion};
 const SINGULAR: f64 = 1e-3;
 /// Step along the motion over which the rate of J is looked at \[rad\].
 const STEP: f64 = 1e-4;
-
-/// A coupling at each sample.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Both {
-    at: Vec<AtBoth>,
-    /// Torques of each actuator that come from the joints \[N·m\].
-    torques: [Vec<f64>; 2],
-    /// Smallest and largest |det J|.
-    pub determinant: Range,
-}
 
 impl Passed {
     /// The motions of two joints of one time base \[rad, N·m\] through a coupling: one motion with that of both actuators as its parts, and
@@ -89,44 +81,6 @@ impl Passed {
         };
         Ok((Motion::together(behind), passed))
     }
-}
-
-impl Both {
-    pub(super) fn with_more(&self, passed: &Passed, k: usize, torque: f64, rate: f64) -> (f64, f64) {
-        let (actuator, k) = (k / self.at.len(), k % self.at.len());
-        let inverse = inverse(&self.at[k].jacobian);
-        // τ_θ = J⁻ᵀ τ: the actuator's column of J⁻¹.
-        let per = [inverse[0][actuator], inverse[1][actuator]];
-        let at = usize::from(per[1].abs() > per[0].abs());
-        let joints = [0, 1].map(|j| passed.joints[j].1.instant(k));
-        let turning = self.at[k].turning(joints.map(|joint| joint.velocity));
-        // d(J⁻ᵀ)/dt = −J⁻ᵀ J̇ᵀ J⁻ᵀ.
-        let pulled: f64 = (0..2).map(|i| per[i] * (0..2).map(|a| turning[a][i] * inverse[at][a]).sum::<f64>()).sum();
-        let per = per[at];
-        let speed: f64 = (0..2).map(|j| self.at[k].jacobian[actuator][j] * joints[j].velocity).sum();
-        let load = self.torques[actuator][k] + per * torque;
-        let factor = passed.numbers.factor(load, speed);
-        // What does not come from the joints is the same with and without.
-        (factor * load, factor * (per * rate - pulled * torque))
-    }
-
-    /// Force of each rod at each sample of the motion \[N\]; `None` where no rod says it.
-    pub(super) fn forces(&self) -> Option<Vec<f64>> {
-        let of = |a: usize| {
-            let force = |(k, at): (usize, &AtBoth)| Some(self.torques[a][k].abs() * at.forces?[a]);
-            self.at.iter().enumerate().map(force).collect::<Option<Vec<f64>>>()
-        };
-        Some([of(0)?, of(1)?].concat())
-    }
-}
-
-fn determinant(j: &[[f64; 2]; 2]) -> f64 {
-    j[0][0] * j[1][1] - j[0][1] * j[1][0]
-}
-
-fn inverse(j: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    let d = determinant(j);
-    [[j[1][1] / d, -j[0][1] / d], [-j[1][0] / d, j[0][0] / d]]
 }
 
 /// The worst over the motion, over both actuators and both joints.

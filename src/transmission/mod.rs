@@ -4,18 +4,22 @@
 //! the actuator before a ratio is looked for: θ̇ = r q̇, θ̈ = r q̈ + r' q̇², torque over r. Whatever comes after sees a motion, so that limits,
 //! program and certificate stay as they are.
 
+mod both;
 mod coupled;
 mod coupler;
 mod four_bar;
 mod lever;
 mod passed;
+mod range;
 pub(crate) mod read;
 mod table;
 
+pub use both::Both;
 pub use coupler::{Coupler, JacobianTable, Rod};
 pub use four_bar::{Branch, FourBar};
 pub use lever::Lever;
-pub use passed::{Levers, Passed, Range, SpringAt, Via, Ways};
+pub use passed::{Levers, Passed, SpringAt, Via, Ways};
+pub use range::Range;
 pub use table::Table;
 
 /// A transmission at one angle of the joint.

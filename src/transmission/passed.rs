@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::coupled::Both;
+use super::both::Both;
+use super::range::Range;
 use super::{At, Coupler, Coupling, Fault, Numbers, Transmission, Way};
 use crate::motion::{self, Instant, Motion};
 
@@ -19,25 +20,6 @@ pub enum SpringAt {
 impl SpringAt {
     /// Names, as a requirement has them.
     pub const NAMES: &[(&str, SpringAt)] = &[("joint", SpringAt::Joint), ("actuator", SpringAt::Actuator)];
-}
-
-/// A smallest and a largest value, each with the sample that has it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
-    /// The smallest.
-    pub least: (f64, usize),
-    /// The largest.
-    pub most: (f64, usize),
-}
-
-impl Range {
-    pub(super) fn of(values: impl Iterator<Item = f64>) -> Range {
-        let start = Range { least: (f64::INFINITY, 0), most: (f64::NEG_INFINITY, 0) };
-        values.enumerate().fold(start, |range, (k, value)| Range {
-            least: if value < range.least.0 { (value, k) } else { range.least },
-            most: if value > range.most.0 { (value, k) } else { range.most },
-        })
-    }
 }
 
 /// What one of something on one side is on the other, at its worst over the motion.
@@ -219,7 +201,7 @@ impl Passed {
                 let passed = pass(&self.numbers, &at[k], &more);
                 (passed.torque, passed.torque_rate)
             }
-            Ways::Two(both) => both.with_more(self, k, torque, rate),
+            Ways::Two(both) => both.with_more(&self.joints, &self.numbers, k, torque, rate),
         }
     }
 

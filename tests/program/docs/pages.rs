@@ -117,7 +117,8 @@ fn requirements_are_documented() {
          [mechanism]\nmodel = \"a.urdf\"\ntrajectory = \"x.csv\"\npayload = {{ link = \"a\", mass = \"1 kg\", {NO} }}\n{NO}\n[[joint]]\n{NO}\nname = \"a\"\n\
          ratio = {{ min = 1, max = 2, {NO} }}\ngear = {{ {NO} }}\ndrive = {{ current = \"1 A\", {NO} }}\nobjective = {{ {NO} }}\n\
          reference = {{ {NO} }}\nscale = {{ {NO} }}\npoints = [ {{ torque = \"1 N*m\", speed = \"0 rad/s\", {NO} }} ]\n[joint.limits]\n{NO}\n\
-         torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\", {NO} }}\nspring = {{ {NO} }}\nreserve = {{ {NO} }}\n[joint.mount]\nthermal_resistance_housing_ambient = \"1 K/W\"\n{NO}\n"
+         torque_bandwidth = {{ frequency = \"1 Hz\", amplitude = \"1 N*m\", {NO} }}\nspring = {{ {NO} }}\nreserve = {{ {NO} }}\n[joint.mount]\nthermal_resistance_housing_ambient = \"1 K/W\"\n{NO}\n\
+         [joint.transmission]\n{NO}\nfour_bar = {{ {NO} }}\nlever = {{ {NO} }}\n[[coupling]]\n{NO}\nrods = [{{ {NO} }}]\n"
     );
     let joint =
         |lines: &str| format!("name = \"x\"\nbus = {{ voltage = \"1 V\" }}\n[[joint]]\nname = \"a\"\n{NO}\n{lines}\n");
@@ -171,7 +172,7 @@ fn rules_files_are_documented() {
 #[test]
 fn files_of_hardware_are_documented() {
     let text = format!(
-        "{NO}\n[[joint]]\nnames = [\"a\"]\nmodule = \"robstride-rs04\"\n{NO}\ntransmission = {{ ratio = 2, {NO} }}\n\
+        "{NO}\n[[joint]]\nnames = [\"a\"]\nmodule = \"robstride-rs04\"\n{NO}\ntransmission = {{ four_bar = {{ {NO} }}, lever = {{ {NO} }}, {NO} }}\n\
          [[coupling]]\njoints = [\"a\", \"b\"]\nmatrix = [[1, 0], [0, 1]]\n{NO}\n[limits]\n{NO}\n"
     );
     compare(HARDWARE, &[known(&text, &["check-model", "a.urdf", "--against", "file.toml"])]);
