@@ -371,17 +371,16 @@ fn read_rod(section: Section, joints: [[f64; 3]; 2]) -> Option<Rod> {
             None
         }
     };
-    let span = section.span();
-    let rod = Rod { axis_at: axis_at?, axis: axis?, crank_pin: crank_pin?, link_pin: link_pin?, joints };
-    if !rod.is_sound() {
+    let complete = axis_at.zip(axis).zip(crank_pin.zip(link_pin));
+    let rod =
+        complete.map(|((axis_at, axis), (crank_pin, link_pin))| Rod { axis_at, axis, crank_pin, link_pin, joints });
+    if rod.is_some_and(|rod| !rod.is_sound()) {
         let message = "the rod has no lever: a length or a direction is zero";
         let help = "the crank's pin is off its axis, rod and axes have a length, and the joints' axes are not parallel";
-        section.note(Problem::at(span, message, "nothing can turn here").help(help));
-        section.finish();
-        return None;
+        section.note(Problem::at(section.span(), message, "nothing can turn here").help(help));
     }
     section.finish();
-    Some(rod)
+    rod.filter(Rod::is_sound)
 }
 
 /// Opens a file that `table` names, and reads it; what is wrong in it is its own report.
