@@ -8,7 +8,7 @@
 //! interval, because a larger one weighs more there. Where none of this is shown points lie on a grid.
 //!
 //! The front over all motors is what of these curves is not dominated. It is given at points of each curve, the ends included, and what
-//! lies [between](between) the points of a motor whose curve is shown is looked at too.
+//! lies between the points of a motor whose curve is shown is looked at too.
 
 mod between;
 mod dominance;

@@ -37,6 +37,7 @@ fn commands() -> Vec<(Vec<&'static str>, &'static str)> {
         (vec!["optimize", "requirements/ankle_prosthesis_parallel_spring.toml", "--only-top", "2"], "optimize"),
         (vec!["optimize", "requirements/humanoid_hip_catalog_gears.toml"], "optimize"),
         (vec!["optimize", CHEETAH, "--pareto", "loss,mass", "--points", "3"], "optimize --pareto"),
+        (vec!["optimize", CHEETAH, "--pareto", "loss,mass,peak_power", "--points", "3"], "optimize --pareto"),
         (vec!["optimize", "requirements/exoskeleton_hip.toml", "--robust"], "optimize --robust"),
         (vec!["sweep", CHEETAH, "--ratios", "3"], "sweep"),
         (vec!["explain", "t-motor-ri50", CHEETAH, "--joint", "knee"], "explain"),
