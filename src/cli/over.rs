@@ -10,6 +10,7 @@ use crate::input::Source;
 use crate::report::json;
 use crate::report::over::{self, Asked};
 use crate::requirement::{Balancing, Settings};
+use crate::units;
 
 /// A range as it is written: `KEY=LOW:HIGH`.
 struct Over {
@@ -28,17 +29,8 @@ impl Over {
         let (key, range) = text.split_once('=').ok_or_else(|| wrong("there is no `=`"))?;
         let (low, high) = range.split_once(':').ok_or_else(|| wrong("there is no `:` between two values"))?;
         let number = |text: &str| {
-            let text = text.trim().trim_matches('"').trim().to_string();
-            let end = text
-                .char_indices()
-                .find(|(k, c)| {
-                    let exponent = (*c == 'e' || *c == 'E')
-                        && text[k + 1..].starts_with(|n: char| n.is_ascii_digit() || n == '-' || n == '+');
-                    !(c.is_ascii_digit() || ".+-".contains(*c) || exponent)
-                })
-                .map_or(text.len(), |(k, _)| k);
-            let (value, unit) = text.split_at(end);
-            value.parse::<f64>().ok().filter(|v| v.is_finite()).map(|v| (v, unit.trim().to_string()))
+            let (value, unit) = units::apart(text.trim().trim_matches('"'));
+            Some((units::number_value(value).ok()?, unit.to_string()))
         };
         let ((low, of_low), (high, unit)) =
             number(low).zip(number(high)).ok_or_else(|| wrong("a value is not a number with a unit"))?;

@@ -3,12 +3,16 @@
 //! The one idea: the number is set, and the inner choice is made with its certificate; a grid first, then golden sections between the
 //! neighbours of the best. What is proved is proved at each number that was looked at, and nothing between them.
 
-use super::answer::{Design, JointResult};
+use std::cell::RefCell;
+
+use super::answer::JointResult;
 use super::program::Certificate;
+use super::remake::Chosen;
+use crate::numerics::line_search::golden_section;
 use crate::requirement::Quantity;
 
 /// What was found at one value of the number.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Looked {
     /// The value, in the unit of the range.
     pub value: f64,
@@ -17,7 +21,7 @@ pub struct Looked {
 }
 
 /// What was chosen for a joint.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Found {
     /// The joint.
     pub joint: String,
@@ -29,36 +33,14 @@ pub struct Found {
     pub between: f64,
 }
 
-/// A first choice.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Chosen {
-    /// Id of the motor.
-    pub motor: String,
-    /// Id of the gear, where it is one of the catalogue.
-    pub gear: Option<String>,
-    /// N.
-    pub ratio: f64,
-    /// The objective.
-    pub objective: f64,
-    /// Whether the ratio is certified.
-    pub certificate: Certificate,
-}
-
 impl Found {
     /// Of a result.
     pub fn new(result: &JointResult) -> Found {
-        let chosen = |design: &Design| Chosen {
-            motor: design.motor.id.clone(),
-            gear: design.gear.map(ToString::to_string),
-            ratio: design.optimum.ratio,
-            objective: design.optimum.objective,
-            certificate: design.optimum.certificate.clone(),
-        };
         let is_loss = result.joint.objective.sole() == Some(Quantity::Loss);
         Found {
             joint: result.joint.name.clone(),
             count: result.joint.count,
-            choice: result.candidates.first().map(chosen),
+            choice: result.candidates.first().map(Chosen::new),
             between: result
                 .joint
                 .passed
@@ -95,35 +77,38 @@ const SECTIONS: usize = 12;
 pub fn search<E>(
     (low, high): (f64, f64),
     points: usize,
-    mut look: impl FnMut(f64) -> Result<Looked, E>,
+    look: impl FnMut(f64) -> Result<Looked, E>,
 ) -> Result<Vec<Looked>, E> {
     let points = points.max(2);
     let at = |k: usize| low + (high - low) * k as f64 / (points - 1) as f64;
-    let mut all = (0..points).map(|k| look(at(k))).collect::<Result<Vec<_>, E>>()?;
-    let value = |looked: &Looked| looked.total().unwrap_or(f64::INFINITY);
-    let best = (0..points).min_by(|a, b| value(&all[*a]).total_cmp(&value(&all[*b]))).unwrap_or(0);
-    if value(&all[best]).is_infinite() {
-        return Ok(all);
-    }
-    let (mut a, mut b) = (at(best.saturating_sub(1)), at((best + 1).min(points - 1)));
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let inner = |a: f64, b: f64| [b - golden * (b - a), a + golden * (b - a)];
-    let [x, y] = inner(a, b);
-    let (mut left, mut right) = (look(x)?, look(y)?);
-    for _ in 0..SECTIONS {
-        if value(&left) <= value(&right) {
-            b = right.value;
-            all.push(right);
-            right = left;
-            left = look(inner(a, b)[0])?;
-        } else {
-            a = left.value;
-            all.push(left);
-            left = right;
-            right = look(inner(a, b)[1])?;
+    // What was looked at, and what stopped it.
+    let seen = RefCell::new((Vec::new(), None, look));
+    let value = |at: f64| {
+        let (all, failed, look) = &mut *seen.borrow_mut();
+        if failed.is_some() {
+            return f64::INFINITY;
         }
+        match look(at) {
+            Ok(looked) => {
+                let total = looked.total().unwrap_or(f64::INFINITY);
+                all.push(looked);
+                total
+            }
+            Err(error) => {
+                *failed = Some(error);
+                f64::INFINITY
+            }
+        }
+    };
+    let grid: Vec<f64> = (0..points).map(|k| value(at(k))).collect();
+    let best = (0..points).min_by(|a, b| grid[*a].total_cmp(&grid[*b])).unwrap_or(0);
+    if grid[best].is_finite() {
+        golden_section(&value, at(best.saturating_sub(1)), at((best + 1).min(points - 1)), SECTIONS);
     }
-    all.extend([left, right]);
+    let (mut all, failed, _) = seen.into_inner();
+    if let Some(error) = failed {
+        return Err(error);
+    }
     all.sort_by(|a, b| a.value.total_cmp(&b.value));
     all.dedup_by(|b, a| a.value == b.value);
     Ok(all)
@@ -138,12 +123,16 @@ pub fn best(all: &[Looked]) -> Option<&Looked> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::design::program::Bind;
 
     fn looked(value: f64, objective: Option<f64>) -> Looked {
         let choice = objective.map(|objective| Chosen {
             motor: "m".into(),
             gear: None,
             ratio: 1.0,
+            window: (1.0, 1.0),
+            binds: (Bind::of("ratio_min", None), Bind::of("ratio_max", None)),
+            margins: Vec::new(),
             objective,
             certificate: Certificate::NotCertified("a test".into()),
         });

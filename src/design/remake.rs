@@ -91,7 +91,7 @@ pub struct Regret {
 }
 
 impl Chosen {
-    fn new(design: &Design) -> Chosen {
+    pub(super) fn new(design: &Design) -> Chosen {
         let window = design.optimum.window();
         Chosen {
             motor: design.motor.id.clone(),

@@ -128,10 +128,10 @@ impl SimulatedJoint {
     fn pass_on(&mut self, candidate: &Candidate) {
         let Some(passed) = candidate.joint.passed.as_deref() else { return };
         let number = crate::words::number;
-        let Some((_, Some(signed))) = passed.ratio() else {
+        let Some(signed) = passed.constant() else {
             self.is_before_the_joint = true;
             let range = match passed.ratio() {
-                Some((range, _)) => {
+                Some(range) => {
                     format!("torque at the joint is r times, speed 1/r times, armature r² times, with r = {} to {} over the motion", number(range.least.0), number(range.most.0))
                 }
                 None => "two actuators move two joints: at the joints torque is Jᵀ, armature Jᵀ J times that of the actuators".into(),
@@ -139,7 +139,7 @@ impl SimulatedJoint {
             let why = format!(
                 "the numbers written are those of the actuator before it; {range}; a model needs the links themselves"
             );
-            return self.leave_out(format!("transmission ({})", passed.word), why);
+            return self.leave_out(format!("transmission ({})", passed.word()), why);
         };
         let r = signed.abs();
         if signed < 0.0 {

@@ -253,9 +253,6 @@ fn mount(section: &Section, files: &mut Files) -> Option<Mount> {
     Some(Mount { names, which, transmission, voltage, drive_current, efficiency, span: section.span() })
 }
 
-/// Looks over a joint's range.
-const LOOKS: usize = 2000;
-
 /// How many turns of the actuator make one of the joint, over its range where that matters.
 fn turns(section: &Section, files: &mut Files) -> Option<Turns> {
     let about = "with what is no `ratio`: the joint's range, over which r is looked at";
@@ -269,16 +266,15 @@ fn turns(section: &Section, files: &mut Files) -> Option<Turns> {
     }
     let [low, high] = range?;
     let way = way.around(0.5 * (low + high));
-    if let Err(fault) = way.check(low, high) {
-        let problem = Problem::at(section.span_of("range"), fault.to_string(), "in this range");
-        section
-            .note(problem.help("compare the range with the transmission's: their zero, their unit, their direction"));
-        return None;
+    match way.ratios(low, high) {
+        Ok([least, most]) => Some(Turns { least, most }),
+        Err(fault) => {
+            let problem = Problem::at(section.span_of("range"), fault.to_string(), "in this range");
+            let help = "compare the range with the transmission's: their zero, their unit, their direction";
+            section.note(problem.help(help));
+            None
+        }
     }
-    let at = |k: usize| way.at(low + (high - low) * k as f64 / LOOKS as f64).map(|at| at.ratio.abs());
-    let all = (0..=LOOKS).map(at).collect::<Result<Vec<f64>, _>>().ok()?;
-    let of = |best: fn(f64, f64) -> f64| all.iter().copied().reduce(best);
-    Some(Turns { least: of(f64::min)?, most: of(f64::max)? })
 }
 
 fn coupling(section: &Section) -> Option<Coupling> {

@@ -276,6 +276,13 @@ pub struct InputError {
 }
 
 impl InputError {
+    /// What is wrong with a file, told where another one names it.
+    pub fn where_named(self, what: &str, name: &str, span: Range<usize>) -> Problem {
+        let first = self.problems.into_iter().next();
+        let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
+        Problem { help, ..Problem::at(span, format!("{what} `{name}`: {message}"), "named here") }
+    }
+
     /// `Err` with the problems if there are any, ordered by their place.
     ///
     /// # Errors

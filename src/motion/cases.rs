@@ -277,7 +277,12 @@ impl Motion {
 
     /// Largest load torque \[N·m\] and speed \[rad/s\] of one of its cases.
     pub fn peaks(&self, case: &Case) -> (f64, f64) {
-        let most = |of: &[f64]| of[case.samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        self.peaks_in(case.samples.clone())
+    }
+
+    /// Largest load torque \[N·m\] and speed \[rad/s\] of some of its samples.
+    pub fn peaks_in(&self, samples: Range<usize>) -> (f64, f64) {
+        let most = |of: &[f64]| of[samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         (most(&self.torque), most(&self.velocity))
     }
 

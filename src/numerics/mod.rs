@@ -1,5 +1,6 @@
 //! Searches, fits and interpolants that know nothing of robots.
 
+pub(crate) mod cubic;
 pub mod grid;
 pub mod laurent;
 pub mod least_squares;

@@ -1,10 +1,8 @@
 //! What is said of a joint's motion: its load cases, and whether it may be larger between its samples than at any of them.
 
-use std::ops::Range;
-
 use super::number;
 use crate::motion::{Case, Cases, Often};
-use crate::requirement::{Between, Course, Joint, Motion};
+use crate::requirement::{Between, Course, Joint, Peaks};
 use crate::transmission::Ways;
 
 /// For people, each a sentence without its full stop: the cases, the sequence in which heat is followed, and what is not
@@ -28,13 +26,15 @@ pub(super) fn warnings(joint: &Joint) -> Vec<String> {
 fn transmission(joint: &Joint) -> Option<String> {
     let passed = joint.passed.as_deref()?;
     let range = match &passed.ways {
-        Ways::One { constant: Some(ratio), .. } => format!("r = {}", number(*ratio)),
-        Ways::One { ratio, .. } => format!(
-            "r = {} to {}, least at {}",
-            number(ratio.least.0),
-            number(ratio.most.0),
-            passed.motion().name_sample(ratio.least.1)
-        ),
+        Ways::One { ratio, .. } => match passed.constant() {
+            Some(ratio) => format!("r = {}", number(ratio)),
+            None => format!(
+                "r = {} to {}, least at {}",
+                number(ratio.least.0),
+                number(ratio.most.0),
+                passed.motion().name_sample(ratio.least.1)
+            ),
+        },
         Ways::Two(both) => format!(
             "two equal actuators move both joints; det J = {} to {}, least at {}",
             number(both.determinant.least.0),
@@ -42,20 +42,14 @@ fn transmission(joint: &Joint) -> Option<String> {
             passed.motion().name_sample(both.determinant.least.1)
         ),
     };
-    let peak = |motion: &Motion, samples: Range<usize>| {
-        let most = |of: &[f64]| number(of[samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs())));
-        format!("{} N·m and {} rad/s", most(&motion.torque), most(&motion.velocity))
+    let peak = |Peaks { of, torque, speed }: &Peaks, alone: &str| {
+        let of = if of.is_empty() { alone } else { of };
+        format!("{} N·m and {} rad/s at {of}", number(*torque), number(*speed))
     };
-    let joints = passed.joints.iter().map(|(name, motion)| {
-        let name = if name.is_empty() { "the joint" } else { name };
-        format!("{} at {name}", peak(motion, 0..motion.len()))
-    });
-    let of_actuator = |(samples, name): (Range<usize>, String)| format!("{} at {name}", peak(&joint.motion, samples));
-    let actuators = match joint.motion.cases.as_deref().filter(|cases| cases.together) {
-        Some(both) => both.list.iter().map(|case| (case.samples.clone(), case.name.clone())).collect(),
-        None => vec![(0..joint.motion.len(), "the actuator".to_string())],
-    };
-    let peaks = joints.chain(actuators.into_iter().map(of_actuator)).collect::<Vec<_>>().join(", ");
+    let [joints, actuators] = joint.peaks();
+    let joints = joints.iter().map(|peaks| peak(peaks, "the joint"));
+    let actuators = actuators.iter().map(|peaks| peak(peaks, "the actuator"));
+    let peaks = joints.chain(actuators).collect::<Vec<_>>().join(", ");
     let loss = match passed.numbers.says_loss {
         true => format!("it loses {} W, which are not in the loss below", number(passed.loss)),
         false => "its loss is not known: no `efficiency` is given".into(),
@@ -63,7 +57,7 @@ fn transmission(joint: &Joint) -> Option<String> {
     Some(format!(
         "Transmission ({}): {range}; at most {peaks}. Torques, speeds and gear ratios below are those of the actuator; inertia \
          is that at the joint; {loss}",
-        passed.word
+        passed.word()
     ))
 }
 

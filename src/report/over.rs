@@ -3,7 +3,8 @@
 use super::said::proof;
 use super::table::{Column, Table, paragraph};
 use super::{csv_number, csv_text, number};
-use crate::design::over::{Chosen, Found, Looked, best};
+use crate::design::over::{Found, Looked, best};
+use crate::design::remake::Chosen;
 
 /// What was searched over, and what for.
 #[derive(Debug, Clone)]

@@ -11,7 +11,6 @@ use super::robot::{Carried, Joint};
 use super::transmission::passed_on;
 use crate::input::{Key, Problem, Range, Section, key};
 use crate::motion::CarriedColumn;
-use crate::transmission::Ways;
 use crate::units;
 
 /// What a joint says it carries.
@@ -87,7 +86,7 @@ pub(super) fn resolve(
                 (What::Constant(value), Some(passed)) => {
                     let per = (0..samples).map(|k| passed_on(passed, k, value, 0.0));
                     let (values, rates) = per.unzip();
-                    (values, rates, matches!(passed.ways, Ways::One { constant: Some(_), .. }))
+                    (values, rates, passed.constant().is_some())
                 }
                 (What::Constant(value), None) => (vec![value; samples], vec![0.0; samples], true),
                 (What::Course(values, rates), _) => (values, rates, false),

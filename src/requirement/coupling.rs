@@ -14,7 +14,7 @@ use super::robot::Joint;
 use super::transmission::read_price;
 use crate::input::{Problem, Section, key};
 use crate::motion::Course;
-use crate::transmission::read::{Files, read_coupling};
+use crate::transmission::read::read_coupling;
 use crate::transmission::{Coupler, Coupling, Numbers, Passed};
 
 /// What a coupling says.
@@ -37,15 +37,7 @@ pub(super) fn read(root: &Section, money: &Money, reader: &mut MotionReader) -> 
             section.missing("joints", "[\"ankle_pitch\", \"ankle_roll\"]");
         }
         let joints = section.texts(key("joints", about).required());
-        let MotionReader { motions, errors, opened } = &mut *reader;
-        let mut open = |path: &std::path::Path| {
-            let source = motions.open(path)?;
-            if !opened.iter().any(|s| s.name() == source.name()) {
-                opened.push(source.clone());
-            }
-            Ok(source)
-        };
-        let coupling = read_coupling(&section, &mut Files { open: &mut open, errors });
+        let coupling = reader.with_files(|files| read_coupling(&section, files));
         let price = read_price(&section, money);
         let coupling = coupling.map(|read| Coupling { numbers: Numbers { price, ..read.numbers }, ..read });
         section.finish();

@@ -336,11 +336,7 @@ fn open(root: &Section, folder: &Path, file: &str, span: Span<usize>, what: &str
     match Source::read(&folder.join(file)) {
         Ok(source) => Some(source),
         Err(error) => {
-            let first = error.problems.into_iter().next();
-            let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
-            let mut problem = Problem::at(span, format!("{what} `{file}`: {message}"), "named here");
-            problem.help = help;
-            root.note(problem);
+            root.note(error.where_named(what, file, span));
             None
         }
     }

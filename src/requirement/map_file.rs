@@ -53,12 +53,7 @@ pub(super) fn read(section: &Section, motions: &mut MotionReader) -> Option<Read
     let source = match motions.open(&section.source().folder().join(file.get_ref())) {
         Ok(source) => source,
         Err(error) => {
-            let first = error.problems.into_iter().next();
-            let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
-            let mut problem =
-                Problem::at(file.span(), format!("gear map `{}`: {message}", file.get_ref()), "named here");
-            problem.help = help;
-            section.note(problem);
+            section.note(error.where_named("gear map", file.get_ref(), file.span()));
             return None;
         }
     };

@@ -173,11 +173,7 @@ fn open<T>(
     match motions.open(&section.source().folder().join(Path::new(name.get_ref()))) {
         Ok(source) => read(&source).map_err(|e| motions.errors.push(e)).ok(),
         Err(error) => {
-            let first = error.problems.into_iter().next();
-            let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
-            let mut problem = Problem::at(name.span(), format!("{what} `{}`: {message}", name.get_ref()), "named here");
-            problem.help = help;
-            section.note(problem);
+            section.note(error.where_named(what, name.get_ref(), name.span()));
             None
         }
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::input::{InputError, Key, Problem, Range, Section, Source, key};
 use crate::motion::{self, CarriedColumn, Motion, Point};
+use crate::transmission::read::Files;
 use crate::units;
 
 /// Where motions come from: [`FromDisk`], or a store that has read them before.
@@ -69,12 +70,23 @@ impl<'m> MotionReader<'m> {
     }
 
     pub(super) fn open(&mut self, path: &Path) -> Result<Arc<Source>, InputError> {
-        let source = self.motions.open(path)?;
-        if !self.opened.iter().any(|s| s.name() == source.name()) {
-            self.opened.push(source.clone());
-        }
-        Ok(source)
+        open(self.motions, &mut self.opened, path)
     }
+
+    /// What reads a transmission, with the files that it may name.
+    pub(super) fn with_files<T>(&mut self, read: impl FnOnce(&mut Files) -> T) -> T {
+        let MotionReader { motions, errors, opened } = self;
+        read(&mut Files { open: &mut |path| open(*motions, opened, path), errors })
+    }
+}
+
+/// Opens a file and keeps it in mind.
+fn open(motions: &mut dyn Motions, opened: &mut Vec<Arc<Source>>, path: &Path) -> Result<Arc<Source>, InputError> {
+    let source = motions.open(path)?;
+    if !opened.iter().any(|s| s.name() == source.name()) {
+        opened.push(source.clone());
+    }
+    Ok(source)
 }
 
 /// From one start of a motion to the next.
@@ -141,12 +153,7 @@ pub(super) fn read_motion(
                     motions.motions.motion(&source, periodic, period, &others).map_err(|e| motions.errors.push(e)).ok()
                 }
                 Err(error) => {
-                    let first = error.problems.into_iter().next();
-                    let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
-                    let mut problem =
-                        Problem::at(file.span(), format!("motion `{}`: {message}", file.get_ref()), "named here");
-                    problem.help = help;
-                    section.note(problem);
+                    section.note(error.where_named("motion", file.get_ref(), file.span()));
                     None
                 }
             }

@@ -151,6 +151,17 @@ pub struct Joint {
     pub carries: Vec<Carried>,
 }
 
+/// Largest torque and speed on one side of a transmission.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peaks<'j> {
+    /// Whose, where there are two.
+    pub of: &'j str,
+    /// \[N·m\]
+    pub torque: f64,
+    /// \[rad/s\]
+    pub speed: f64,
+}
+
 /// How a spring parallel to an actuator pulls at it: with k (q − q_0)/r at each sample, r = 1 where nothing is between.
 #[derive(Debug, Clone, Copy)]
 pub struct Pull<'j> {
@@ -297,6 +308,20 @@ impl Joint {
             None => vec![("", &self.motion)],
             Some(passed) => passed.joints.iter().map(|(name, motion)| (name.as_str(), motion.as_ref())).collect(),
         }
+    }
+
+    /// What is largest at each joint that a transmission moves, and at each of its actuators; both empty where nothing is between.
+    pub fn peaks(&self) -> [Vec<Peaks<'_>>; 2] {
+        if self.passed.is_none() {
+            return Default::default();
+        }
+        let peaks = |of, (torque, speed)| Peaks { of, torque, speed };
+        let joints = self.own_motions().into_iter().map(|(of, motion)| peaks(of, motion.peaks_in(0..motion.len())));
+        let actuators = match self.motion.cases.as_deref().filter(|cases| cases.together) {
+            Some(both) => both.list.iter().map(|case| peaks(case.name.as_str(), self.motion.peaks(case))).collect(),
+            None => vec![peaks("", self.motion.peaks_in(0..self.motion.len()))],
+        };
+        [joints.collect(), actuators]
     }
 
     /// How a parallel spring of the joint pulls at its actuator; `None` where the motion says no position.

@@ -256,7 +256,8 @@ pub(super) fn read(table: &Section, stages: Option<Vec<[f64; 2]>>, teeth: Option
     let wrong = |key: &'static str, message: String, label: &str, help: &str| {
         table.note(Problem::at(table.span_of(key), message, label).help(help.to_string()));
     };
-    if let Some(other) = ["min", "max", "step", "values"].into_iter().find(|other| table.has(*other)) {
+    let other = ["min", "max", "step", "values"].into_iter().find(|other| table.has(*other));
+    if let Some(other) = other {
         let message = format!("`stages` and `teeth` say the ratios: they have no `{other}`");
         wrong(other, message, "not with `stages`", "remove it; each stage has its own [least, most]");
     }
@@ -281,7 +282,7 @@ pub(super) fn read(table: &Section, stages: Option<Vec<[f64; 2]>>, teeth: Option
         }
     }
     let Bounds { sun, ring_max, planets } = teeth?;
-    if ["min", "max", "step", "values"].into_iter().any(|other| table.has(other)) {
+    if other.is_some() {
         return None;
     }
     match trains(&stages, sun, ring_max, planets) {

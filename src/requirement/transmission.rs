@@ -7,22 +7,14 @@ use super::motions::MotionReader;
 use super::prices::{self, Money};
 use crate::input::{Problem, Range, Section, key};
 use crate::motion::{CarriedColumn, Course, Motion};
-use crate::transmission::read::{Files, read};
+use crate::transmission::read::read;
 use crate::transmission::{Numbers, Passed, SpringAt, Transmission};
 
 /// Reads `transmission` of a joint; `None` where there is none, or one with mistakes, which are noted.
 pub(super) fn read_joint(section: &Section, money: &Money, reader: &mut MotionReader) -> Option<Transmission> {
     let about = "what is between the actuator and the joint: one of `ratio`, `table`, `four_bar`, `lever`";
     let table = section.section(key("transmission", about).default("nothing"))?;
-    let MotionReader { motions, errors, opened } = reader;
-    let mut open = |path: &std::path::Path| {
-        let source = motions.open(path)?;
-        if !opened.iter().any(|s| s.name() == source.name()) {
-            opened.push(source.clone());
-        }
-        Ok(source)
-    };
-    let read = read(&table, &mut Files { open: &mut open, errors });
+    let read = reader.with_files(|files| read(&table, files));
     let price = read_price(&table, money);
     table.finish();
     read.map(|read| Transmission { numbers: Numbers { price, ..read.numbers }, ..read })

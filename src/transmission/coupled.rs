@@ -70,15 +70,7 @@ impl Passed {
         let levers = levers(&at);
         let joints = joints.iter().map(|(name, _)| name.to_string()).zip(before.map(Into::into)).collect();
         let ways = Ways::Two(Both { at, torques, determinant });
-        let passed = Passed {
-            via: Via::Two(coupling.coupler.clone()),
-            word: coupling.coupler.word(),
-            numbers,
-            joints,
-            ways,
-            levers,
-            loss,
-        };
+        let passed = Passed { via: Via::Two(coupling.coupler.clone()), numbers, joints, ways, levers, loss };
         Ok((Motion::together(behind), passed))
     }
 }

@@ -149,13 +149,13 @@ impl Way {
         }
     }
 
-    /// Whether all angles between two \[rad\] can be reached, with a ratio of one sign.
+    /// The smallest and the largest |r| over all angles between two \[rad\], which can be reached with a ratio of one sign.
     ///
     /// # Errors
     /// The first angle of a fine grid at which that is not so.
-    pub fn check(&self, low: f64, high: f64) -> Result<(), Fault> {
+    pub fn ratios(&self, low: f64, high: f64) -> Result<[f64; 2], Fault> {
         const LOOKS: usize = 2000;
-        let mut sign = 0.0;
+        let (mut sign, mut ends) = (0.0, [f64::INFINITY, 0.0_f64]);
         for k in 0..=LOOKS {
             let q = low + (high - low) * k as f64 / LOOKS as f64;
             let at = self.at(q)?;
@@ -163,8 +163,9 @@ impl Way {
                 return Err(Fault::Reverses(q));
             }
             sign = at.ratio.signum();
+            ends = [ends[0].min(at.ratio.abs()), ends[1].max(at.ratio.abs())];
         }
-        Ok(())
+        Ok(ends)
     }
 }
 

@@ -46,8 +46,6 @@ pub enum Ways {
         at: Vec<At>,
         /// Smallest and largest |r|.
         ratio: Range,
-        /// Its ratio, where that is the same at every angle.
-        constant: Option<f64>,
     },
     /// Two actuators drive two joints.
     Two(Both),
@@ -67,8 +65,6 @@ pub enum Via {
 pub struct Passed {
     /// What is between: other motions can be put through it.
     pub via: Via,
-    /// What it is, in a word or a few.
-    pub word: &'static str,
     /// What it loses, weighs and bears.
     pub numbers: Numbers,
     /// The motions of the joints that it moves \[rad, N·m\], with their names where there are two, at the samples of each actuator;
@@ -119,7 +115,7 @@ impl Passed {
                 let [low, high] = ends(&position[samples]);
                 // Nothing lies between operating points.
                 if !matches!(course, motion::Course::Points(_)) {
-                    transmission.way.check(low, high)?;
+                    transmission.way.ratios(low, high)?;
                 }
             }
             // From case to case the sign may not change either.
@@ -162,10 +158,9 @@ impl Passed {
             stiffness: least * least,
             backdriving: most,
         };
-        let (word, constant) = (way.word(), way.constant());
-        let ways = Ways::One { at, ratio, constant };
+        let ways = Ways::One { at, ratio };
         let joints = vec![(String::new(), before.into())];
-        Ok((behind, Passed { via: Via::One(way), word, numbers, joints, ways, levers, loss }))
+        Ok((behind, Passed { via: Via::One(way), numbers, joints, ways, levers, loss }))
     }
 
     /// The motion of the joint, or of the first of two.
@@ -173,11 +168,27 @@ impl Passed {
         &self.joints[0].1
     }
 
-    /// Smallest and largest |r|, and r where it is the same at every angle; `None` of two joints.
-    pub fn ratio(&self) -> Option<(Range, Option<f64>)> {
+    /// What it is, in a word or a few.
+    pub fn word(&self) -> &'static str {
+        match &self.via {
+            Via::One(way) => way.word(),
+            Via::Two(coupler) => coupler.word(),
+        }
+    }
+
+    /// Smallest and largest |r|; `None` of two joints.
+    pub fn ratio(&self) -> Option<Range> {
         match &self.ways {
-            Ways::One { ratio, constant, .. } => Some((*ratio, *constant)),
+            Ways::One { ratio, .. } => Some(*ratio),
             Ways::Two(_) => None,
+        }
+    }
+
+    /// r, where it is the same at every angle.
+    pub fn constant(&self) -> Option<f64> {
+        match &self.via {
+            Via::One(way) => way.constant(),
+            Via::Two(_) => None,
         }
     }
 

@@ -20,8 +20,6 @@ pub(crate) struct Files<'f> {
     pub(crate) errors: &'f mut Vec<InputError>,
 }
 
-const WAYS: [&str; 4] = ["ratio", "table", "four_bar", "lever"];
-
 const RATIO: Key = key(
     "ratio",
     "turns of the actuator for one of the joint, dθ/dq: belt, chain, bevel gear; negative where it reverses",
@@ -37,39 +35,51 @@ pub(crate) fn read_way(section: &Section, files: &mut Files) -> Option<Way> {
     let lever = section
         .section(key("lever", "screw or linear actuator on a lever of the joint").or("ratio"))
         .map(|inner| read_lever(inner));
-    let given: Vec<&'static str> = WAYS.into_iter().filter(|way| section.has(*way)).collect();
+    let example = "1.9  # or table = \"knee.csv\", four_bar = { … }, lever = { … }";
+    match one_of(section, "a transmission", &["ratio", "table", "four_bar", "lever"], example)? {
+        "ratio" => {
+            let ratio = ratio?;
+            if !(1e-6..=1e6).contains(&ratio.abs()) {
+                let message = format!("{ratio} is not a ratio");
+                let label = "expected a number that is not zero";
+                let problem = Problem::at(section.span_of("ratio"), message, label);
+                section.note(problem.help("1 is no reduction; a negative one reverses"));
+                return None;
+            }
+            Some(Way::Ratio(ratio))
+        }
+        "table" => table.map(Way::Table),
+        "four_bar" => four_bar.flatten().map(Way::FourBar),
+        _ => lever.flatten().map(Way::Lever),
+    }
+}
+
+/// Which one of several keys is there; `None` where it is none or more, which is noted.
+fn one_of(section: &Section, what: &str, keys: &[&'static str], example: &str) -> Option<&'static str> {
+    let given: Vec<&'static str> = keys.iter().copied().filter(|key| section.has(*key)).collect();
     match given.as_slice() {
         [] => {
-            section.missing("ratio", "1.9  # or table = \"knee.csv\", four_bar = { … }, lever = { … }");
+            section.missing(keys[0], example);
             None
         }
-        [_] => {
-            let ratio = ratio.filter(|r| {
-                let sensible = (1e-6..=1e6).contains(&r.abs());
-                if !sensible {
-                    let problem = Problem::at(
-                        section.span_of("ratio"),
-                        format!("{r} is not a ratio"),
-                        "expected a number that is not zero",
-                    );
-                    section.note(problem.help("1 is no reduction; a negative one reverses"));
-                }
-                sensible
-            });
-            let ways = [
-                ratio.map(Way::Ratio),
-                table.map(Way::Table),
-                four_bar.flatten().map(Way::FourBar),
-                lever.flatten().map(Way::Lever),
-            ];
-            ways.into_iter().flatten().next()
-        }
+        [one] => Some(one),
         [first, second, ..] => {
-            let message = format!("a transmission has `{first}` or `{second}`, not both");
+            let message = format!("{what} has `{first}` or `{second}`, not both");
             section.note(Problem::at(section.span_of(second), message, "a second one").help("remove one of the two"));
             None
         }
     }
+}
+
+/// A direction, where the key is there.
+fn direction(section: &Section, asked: Key) -> Option<[f64; 3]> {
+    let read = section.number_list(asked, Range::Any)?;
+    let direction = <[f64; 3]>::try_from(read).ok();
+    if direction.is_none() {
+        let message = format!("`{}` is not a direction [x, y, z]", asked.name());
+        section.note(Problem::at(section.span_of(asked.name()), message, "expected three numbers"));
+    }
+    direction
 }
 
 /// Reads a transmission.
@@ -266,8 +276,6 @@ fn read_rows(source: &Arc<Source>, problems: &mut Vec<Problem>) -> Option<Table>
     Some(made)
 }
 
-const COUPLERS: [&str; 3] = ["matrix", "table", "rods"];
-
 /// Reads a coupling of two joints, but for its name and theirs.
 pub(crate) fn read_coupling(section: &Section, files: &mut Files) -> Option<Coupling> {
     let matrix = section.matrix(key("matrix", "θ = M q: a row for each actuator, a column for each joint").or("table"));
@@ -278,36 +286,24 @@ pub(crate) fn read_coupling(section: &Section, files: &mut Files) -> Option<Coup
     let rods: Vec<Section> = section.sections(
         key("rods", "a rod from each actuator's crank to the moved link, where all angles are zero").or("matrix"),
     );
-    let joints = [("first_axis", [0.0, 1.0, 0.0]), ("second_axis", [1.0, 0.0, 0.0])].map(|(name, default)| {
-        let about = "with `rods`: direction of a joint's axis where both joints are at zero; the second moves with the first joint";
-        let default_text = if name == "first_axis" { "[0, 1, 0]" } else { "[1, 0, 0]" };
-        let read = section.number_list(key(name, about).default(default_text), Range::Any);
-        match read.as_deref() {
-            Some([x, y, z]) => [*x, *y, *z],
-            Some(_) => {
-                let problem = Problem::at(section.span_of(name), format!("`{name}` is not a direction [x, y, z]"), "expected three numbers");
-                section.note(problem);
-                default
-            }
-            None => default,
-        }
-    });
+    let about =
+        "with `rods`: direction of a joint's axis where both joints are at zero; the second moves with the first joint";
+    let [first, second] = [("first_axis", "[0, 1, 0]"), ("second_axis", "[1, 0, 0]")]
+        .map(|(name, default)| key(name, about).default(default));
+    let axes =
+        [direction(section, first).unwrap_or([0.0, 1.0, 0.0]), direction(section, second).unwrap_or([1.0, 0.0, 0.0])];
     for axis in ["first_axis", "second_axis"].into_iter().filter(|axis| section.has(*axis) && !section.has("rods")) {
         let message = format!("`{axis}` says nothing without `rods`");
         let problem = Problem::at(section.span_of(axis), message, "a matrix or a table has the axes in it");
         section.note(problem.help("remove it"));
     }
-    let rods: Vec<Option<Rod>> = rods.into_iter().map(|rod| read_rod(rod, joints)).collect();
+    let rods: Vec<Option<Rod>> = rods.into_iter().map(|rod| read_rod(rod, axes)).collect();
     let numbers = read_numbers(section, &["matrix", "table"], "`rods`");
-    let given: Vec<&'static str> = COUPLERS.into_iter().filter(|way| section.has(*way)).collect();
-    let coupler = match given.as_slice() {
-        [] => {
-            section.missing("matrix", "[[1, 1], [1, -1]]  # or table = \"ankle.csv\", rods = [ { … }, { … } ]");
-            None
-        }
-        ["matrix"] => matrix.and_then(|rows| {
-            let two = |row: &Vec<f64>| <[f64; 2]>::try_from(row.as_slice()).ok();
-            let rows = rows.iter().map(two).collect::<Option<Vec<_>>>();
+    let example = "[[1, 1], [1, -1]]  # or table = \"ankle.csv\", rods = [ { … }, { … } ]";
+    let coupler = match one_of(section, "a coupling", &["matrix", "table", "rods"], example)? {
+        "matrix" => {
+            let two = |row: Vec<f64>| <[f64; 2]>::try_from(row).ok();
+            let rows = matrix?.into_iter().map(two).collect::<Option<Vec<_>>>();
             let read = rows.and_then(|rows| <[[f64; 2]; 2]>::try_from(rows).ok());
             let sound = read.filter(|m| {
                 let size = m.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -328,9 +324,9 @@ pub(crate) fn read_coupling(section: &Section, files: &mut Files) -> Option<Coup
                     ));
             }
             sound.map(Coupler::Matrix)
-        }),
-        ["table"] => table.map(Coupler::Table),
-        ["rods"] => {
+        }
+        "table" => table.map(Coupler::Table),
+        _ => {
             if rods.len() != 2 {
                 let message = format!("a coupling has two rods, not {}", rods.len());
                 section.note(Problem::at(section.span_of("rods"), message, "two joints, two actuators"));
@@ -338,12 +334,6 @@ pub(crate) fn read_coupling(section: &Section, files: &mut Files) -> Option<Coup
             let read = rods.into_iter().collect::<Option<Vec<Rod>>>();
             read.and_then(|rods| <[Rod; 2]>::try_from(rods).ok()).map(|rods| Coupler::Rods(rods.into()))
         }
-        [first, second, ..] => {
-            let message = format!("a coupling has `{first}` or `{second}`, not both");
-            section.note(Problem::at(section.span_of(second), message, "a second one").help("remove one of the two"));
-            None
-        }
-        [_] => None,
     };
     Some(Coupling { coupler: coupler?, numbers })
 }
@@ -358,22 +348,10 @@ fn read_rod(section: Section, joints: [[f64; 3]; 2]) -> Option<Rod> {
     let axis_at = point("axis_at", "a point of the crank's axis, as seen from where the joints' axes meet");
     let crank_pin = point("crank_pin", "the rod's pin on the crank");
     let link_pin = point("link_pin", "the rod's pin on the moved link");
-    let axis = section.number_list(key("axis", "direction of the crank's axis").default("[0, 1, 0]"), Range::Any);
-    let axis = match axis.as_deref() {
-        None => Some([0.0, 1.0, 0.0]),
-        Some([x, y, z]) => Some([*x, *y, *z]),
-        Some(_) => {
-            section.note(Problem::at(
-                section.span_of("axis"),
-                "`axis` is not a direction [x, y, z]",
-                "expected three numbers",
-            ));
-            None
-        }
-    };
-    let complete = axis_at.zip(axis).zip(crank_pin.zip(link_pin));
-    let rod =
-        complete.map(|((axis_at, axis), (crank_pin, link_pin))| Rod { axis_at, axis, crank_pin, link_pin, joints });
+    let axis = direction(&section, key("axis", "direction of the crank's axis").default("[0, 1, 0]"));
+    let axis = axis.unwrap_or([0.0, 1.0, 0.0]);
+    let complete = axis_at.zip(crank_pin.zip(link_pin));
+    let rod = complete.map(|(axis_at, (crank_pin, link_pin))| Rod { axis_at, axis, crank_pin, link_pin, joints });
     if rod.is_some_and(|rod| !rod.is_sound()) {
         let message = "the rod has no lever: a length or a direction is zero";
         let help = "the crank's pin is off its axis, rod and axes have a length, and the joints' axes are not parallel";
@@ -390,17 +368,9 @@ fn open<T>(
     files: &mut Files,
     read: impl FnOnce(&Arc<Source>, &mut Vec<Problem>) -> Option<T>,
 ) -> Option<T> {
-    let source = match (files.open)(&section.source().folder().join(file.get_ref())) {
-        Ok(source) => source,
-        Err(error) => {
-            let first = error.problems.into_iter().next();
-            let (message, help) = first.map_or((String::new(), None), |p| (p.message, p.help));
-            let mut problem = Problem::at(file.span(), format!("table `{}`: {message}", file.get_ref()), "named here");
-            problem.help = help;
-            section.note(problem);
-            return None;
-        }
-    };
+    let opened = (files.open)(&section.source().folder().join(file.get_ref()));
+    let named = |error: InputError| section.note(error.where_named("table", file.get_ref(), file.span()));
+    let source = opened.map_err(named).ok()?;
     let mut problems = Vec::new();
     let made = read(&source, &mut problems);
     match InputError::unless_empty(&source, problems) {

@@ -3,6 +3,7 @@
 //! The ratio is the cubic spline through its rows; the actuator's angle is its integral.
 
 use super::{At, Fault};
+use crate::numerics::cubic::Cubic;
 use crate::numerics::spline;
 
 /// A ratio over the joint's angle.
@@ -10,8 +11,8 @@ use crate::numerics::spline;
 pub struct Table {
     /// Angles of the joint \[rad\], rising.
     position: Vec<f64>,
-    ratio: Vec<f64>,
-    slope: Vec<f64>,
+    /// The ratio from each row to the next.
+    pieces: Vec<Cubic>,
     /// Angles of the actuator \[rad\].
     angle: Vec<f64>,
 }
@@ -30,13 +31,14 @@ impl Table {
     pub fn new(position: Vec<f64>, ratio: Vec<f64>, first: f64) -> Table {
         assert!(position.len() >= Table::LEAST && position.len() == ratio.len(), "rows of one length");
         let slope = spline::open(&position, &ratio).first;
-        let mut angle = vec![first];
+        let (mut angle, mut pieces) = (vec![first], Vec::new());
         for k in 1..position.len() {
             let h = position[k] - position[k - 1];
-            let way = h * (0.5 * (ratio[k - 1] + ratio[k]) + h / 12.0 * (slope[k - 1] - slope[k]));
-            angle.push(angle[k - 1] + way);
+            let piece = Cubic::between(h, [ratio[k - 1], slope[k - 1]], [ratio[k], slope[k]]);
+            angle.push(angle[k - 1] + piece.integral(h));
+            pieces.push(piece);
         }
-        Table { position, ratio, slope, angle }
+        Table { position, pieces, angle }
     }
 
     /// From angles of the joint and of the actuator \[rad\].
@@ -61,17 +63,14 @@ impl Table {
         if !(q >= low - slack && q <= high + slack) {
             return Err(Fault::Outside(q, [low, high]));
         }
-        let last = self.position.len() - 2;
+        let last = self.pieces.len() - 1;
         let k = self.position.partition_point(|p| *p <= q).saturating_sub(1).min(last);
-        let (h, s) = (self.position[k + 1] - self.position[k], q - self.position[k]);
-        let (y0, y1, d0, d1) = (self.ratio[k], self.ratio[k + 1], self.slope[k], self.slope[k + 1]);
-        let secant = (y1 - y0) / h;
-        let (c2, c3) = ((3.0 * secant - 2.0 * d0 - d1) / h, (d0 + d1 - 2.0 * secant) / (h * h));
+        let (piece, s) = (&self.pieces[k], q - self.position[k]);
         Ok(At {
-            angle: self.angle[k] + s * (y0 + s * (d0 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0))),
-            ratio: y0 + s * (d0 + s * (c2 + s * c3)),
-            slope: d0 + s * (2.0 * c2 + s * 3.0 * c3),
-            bend: 2.0 * c2 + 6.0 * c3 * s,
+            angle: self.angle[k] + piece.integral(s),
+            ratio: piece.at(s),
+            slope: piece.slope(s),
+            bend: piece.bend(s),
             arm: None,
         })
     }

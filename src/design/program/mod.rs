@@ -295,7 +295,7 @@ impl<'a> RatioProgram<'a> {
                     (ratio, None, 0.0)
                 }
                 Demand::Polynomial(polynomial, sample) => {
-                    let ratio = largest_ratio_by_monomial(&polynomial, asked.raw_bound());
+                    let ratio = largest_ratio_within(&polynomial, asked.raw_bound());
                     // What no ratio changes is too much by itself.
                     if ratio == 0.0 && polynomial[0] > 0.0 {
                         let least = asked.natural(polynomial.at(min)) / asked.bound;
@@ -467,7 +467,7 @@ fn largest_ratio_by_mass(candidate: &Candidate, asked: &Asked) -> f64 {
 }
 
 /// The largest N with `c + d N^p ≤ bound` for p of 1 to 4; zero where there is none.
-pub(in crate::design) fn largest_ratio_by_monomial(polynomial: &Laurent, bound: f64) -> f64 {
+pub(in crate::design) fn largest_ratio_within(polynomial: &Laurent, bound: f64) -> f64 {
     let left = bound - polynomial[0];
     match (1..=4).find(|power| polynomial[*power] > 0.0) {
         _ if left < 0.0 => 0.0,

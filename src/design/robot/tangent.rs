@@ -18,7 +18,7 @@ use crate::actuator::waveform::{Functional, WavePoint};
 use crate::actuator::{Actuator, Laurent};
 use crate::design::Prepared;
 use crate::design::mount::Mount;
-use crate::design::program::{Peak, RatioProgram, largest_ratio_by_monomial, minimise, value};
+use crate::design::program::{Peak, RatioProgram, largest_ratio_within, minimise, value};
 use crate::requirement::{Objective, Quantity};
 
 /// A bound that is nearer than this to a value is as good as it.
@@ -502,7 +502,7 @@ fn upper_end(asked: &Asked) -> Option<f64> {
         Demand::Polynomial(polynomial, _)
             if asked.limit.class == Class::UpperBound && asked.limit.name != GEAR_LIFE =>
         {
-            Some(largest_ratio_by_monomial(&polynomial, asked.raw_bound()) * (1.0 + KEPT))
+            Some(largest_ratio_within(&polynomial, asked.raw_bound()) * (1.0 + KEPT))
         }
         _ => None,
     }

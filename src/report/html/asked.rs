@@ -113,11 +113,11 @@ fn table(joints: &[&Joint]) -> Table {
 
 /// The ratio of what is between actuator and joint, behind that of the gear.
 fn through(joint: &Joint) -> String {
-    match joint.passed.as_deref().map(|passed| (passed.ratio(), passed.word)) {
-        None => String::new(),
-        Some((Some((_, Some(ratio))), _)) => format!(", then {}", number(ratio)),
-        Some((Some((range, None)), _)) => format!(", then {} to {}", number(range.least.0), number(range.most.0)),
-        Some((None, word)) => format!(", then a {word}"),
+    let Some(passed) = joint.passed.as_deref() else { return String::new() };
+    match (passed.constant(), passed.ratio()) {
+        (Some(ratio), _) => format!(", then {}", number(ratio)),
+        (None, Some(range)) => format!(", then {} to {}", number(range.least.0), number(range.most.0)),
+        (None, None) => format!(", then a {}", passed.word()),
     }
 }
 

@@ -75,15 +75,16 @@ pub struct Peaks<'a> {
 impl<'a> Transmission<'a> {
     fn new(joint: &'a requirement::Joint) -> Option<Transmission<'a>> {
         let passed = joint.passed.as_deref()?;
-        let peaks = |of: &'a str, motion: &requirement::Motion, samples: std::ops::Range<usize>| {
-            let most = |of: &[f64]| of[samples.clone()].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-            Peaks { of, peak_torque_nm: most(&motion.torque), peak_speed_rad_s: most(&motion.velocity) }
+        let peaks = |all: Vec<requirement::Peaks<'a>>| {
+            let of =
+                |p: requirement::Peaks<'a>| Peaks { of: p.of, peak_torque_nm: p.torque, peak_speed_rad_s: p.speed };
+            all.into_iter().map(of).collect()
         };
-        let ratio = passed.ratio().map(|(range, _)| range);
+        let [joints, actuators] = joint.peaks();
+        let ratio = passed.ratio();
         let angle = |k: usize| passed.motion().position.as_ref().map(|q| q[k]);
-        let both = joint.motion.cases.as_deref().filter(|cases| cases.together);
         Some(Transmission {
-            kind: passed.word,
+            kind: passed.word(),
             least_ratio: ratio.map(|range| range.least.0),
             least_ratio_at_rad: ratio.and_then(|range| angle(range.least.1)),
             largest_ratio: ratio.map(|range| range.most.0),
@@ -91,11 +92,8 @@ impl<'a> Transmission<'a> {
                 Ways::Two(both) => Some(both.determinant.least.0),
                 Ways::One { .. } => None,
             },
-            joints: passed.joints.iter().map(|(name, motion)| peaks(name, motion, 0..motion.len())).collect(),
-            actuators: match both {
-                Some(both) => both.list.iter().map(|c| peaks(&c.name, &joint.motion, c.samples.clone())).collect(),
-                None => vec![peaks("", &joint.motion, 0..joint.motion.len())],
-            },
+            joints: peaks(joints),
+            actuators: peaks(actuators),
             loss_w: passed.numbers.says_loss.then_some(passed.loss),
             mass_kg: passed.numbers.mass,
         })

@@ -69,14 +69,17 @@ pub fn json(asked: &Asked, all: &[Looked]) -> Value {
         joints: looked.found.as_ref().map_or_else(
             |_| Vec::new(),
             |found| {
-                let of = found.iter().map(|f| OfJoint {
-                    joint: &f.joint,
-                    count: f.count,
-                    motor: f.choice.as_ref().map(|c| c.motor.as_str()),
-                    gear: f.choice.as_ref().and_then(|c| c.gear.as_deref()),
-                    ratio: f.choice.as_ref().map(|c| c.ratio),
-                    objective: f.choice.as_ref().map(|c| c.objective),
-                    proof: f.choice.as_ref().map(|c| proof(&c.certificate)),
+                let of = found.iter().map(|f| {
+                    let chosen = f.choice.as_ref();
+                    OfJoint {
+                        joint: &f.joint,
+                        count: f.count,
+                        motor: chosen.map(|c| c.motor.as_str()),
+                        gear: chosen.and_then(|c| c.gear.as_deref()),
+                        ratio: chosen.map(|c| c.ratio),
+                        objective: chosen.map(|c| c.objective),
+                        proof: chosen.map(|c| proof(&c.certificate)),
+                    }
                 });
                 of.collect()
             },

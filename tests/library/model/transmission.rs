@@ -40,6 +40,17 @@ fn four_bar(rng: &mut Pcg64) -> FourBar {
     FourBar { coupler: (pin[0] - tip[0]).hypot(pin[1] - tip[1]), ..linkage }.on(0.0)
 }
 
+/// A parallelogram along its ground.
+const PARALLELOGRAM: FourBar = FourBar {
+    ground: [0.0, 0.25],
+    crank: 0.05,
+    coupler: 0.25,
+    rocker: 0.05,
+    rocker_zero: 0.0,
+    branch: Branch::Open,
+    side: f64::NAN,
+};
+
 fn lever(rng: &mut Pcg64) -> Lever {
     let mut within = |a: f64, b: f64| rng.random_range(a..b);
     Lever {
@@ -92,16 +103,7 @@ fn ratio_and_its_derivatives_are_those_of_the_angle() {
 #[test]
 fn linkages_that_follow_on_paper() {
     // A parallelogram turns as its joint does.
-    let parallelogram = FourBar {
-        ground: [0.0, 0.25],
-        crank: 0.05,
-        coupler: 0.25,
-        rocker: 0.05,
-        rocker_zero: 0.0,
-        branch: Branch::Open,
-        side: f64::NAN,
-    }
-    .on(0.0);
+    let parallelogram = PARALLELOGRAM.on(0.0);
     for q in [-1.0, 0.0, 0.4, 1.2_f64] {
         let at = Way::FourBar(parallelogram).at(q).unwrap();
         near(at.angle, q, 1e-12, "angle");
@@ -127,16 +129,8 @@ fn each_dead_point_is_named_with_its_angle() {
         Fault::Open(q) | Fault::CrankInLine(q) | Fault::NoArm(q) | Fault::Reverses(q) | Fault::Outside(q, _) => *q,
         of_two => panic!("{of_two}"),
     };
-    let checked = |way: Way, low: f64, high: f64| way.check(low, high).unwrap_err();
-    let linkage = FourBar {
-        ground: [0.0, 0.25],
-        crank: 0.05,
-        coupler: 0.25,
-        rocker: 0.05,
-        rocker_zero: 0.0,
-        branch: Branch::Open,
-        side: f64::NAN,
-    };
+    let checked = |way: Way, low: f64, high: f64| way.ratios(low, high).unwrap_err();
+    let linkage = PARALLELOGRAM;
     // A parallelogram is in line with its ground at a right angle.
     let fault = checked(Way::FourBar(linkage.on(0.0)), 0.0, 2.0);
     assert!(matches!(fault, Fault::CrankInLine(_)), "{fault:?}");
@@ -383,8 +377,8 @@ fn limits_at_the_joint_by_hand() {
     let q = passed.motion().position.clone().unwrap();
     let [low, high] = [f64::min, f64::max].map(|f| q.iter().copied().reduce(f).unwrap());
     let (least, most) = (1.9 + 0.5 * low.sin(), 1.9 + 0.5 * high.sin());
-    near(passed.ratio().unwrap().0.least.0, least, 1e-5, "least ratio");
-    near(passed.ratio().unwrap().0.most.0, most, 1e-5, "largest ratio");
+    near(passed.ratio().unwrap().least.0, least, 1e-5, "least ratio");
+    near(passed.ratio().unwrap().most.0, most, 1e-5, "largest ratio");
     let motor = common::motor(&[
         ("resistance [ohm]", "0.2"),
         ("torque_constant [N*m/A]", "0.08"),

@@ -2,51 +2,18 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
-const ROBOT: &str = r#"name = "leg"
-[bus]
-voltage = "48 V"
-[[joint]]
-name = "knee"
-ratio = { min = 1, max = 60 }
-gear = { efficiency = 0.95, mass = "150 g" }
-motors = ["t-motor-ri50"]
-motion = "knee.csv"
-objective = "loss"
-[joint.transmission]
-TRANSMISSION
-"#;
+use super::folder::{Ran, run};
 
-const PAIR: &str = r#"name = "foot"
-[bus]
-voltage = "48 V"
-[[joint]]
-name = "pitch"
-ratio = { min = 1, max = 60 }
-gear = { efficiency = 0.95, mass = "150 g" }
-motors = ["t-motor-ri50"]
-motion = "knee.csv"
-objective = "loss"
-[[joint]]
-name = "roll"
-ratio = { min = 1, max = 60 }
-gear = { efficiency = 0.95, mass = "150 g" }
-motors = ["t-motor-ri50"]
-motion = "knee.csv"
-scale = { torque = 0.5 }
-objective = "loss"
-[[coupling]]
-name = "ankle"
-joints = ["pitch", "roll"]
-COUPLING
-"#;
-
-fn gearwise() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gearwise"));
-    command.env_remove("COLUMNS").env_remove("GEARWISE_CATALOG");
-    command
+/// A joint by its name, with more of it below.
+fn joint(name: &str, more: &str) -> String {
+    format!(
+        "[[joint]]\nname = \"{name}\"\nratio = {{ min = 1, max = 60 }}\ngear = {{ efficiency = 0.95, mass = \"150 g\" }}\n\
+         motors = [\"t-motor-ri50\"]\nmotion = \"knee.csv\"\nobjective = \"loss\"\n{more}\n"
+    )
 }
+
+const HEAD: &str = "name = \"leg\"\n[bus]\nvoltage = \"48 V\"\n";
 
 /// Text without its line breaks.
 fn unfolded(text: &str) -> String {
@@ -84,29 +51,33 @@ fn write(folder: &Path, robot: &str) {
     fs::write(folder.join("nan.csv"), table.replace("1.9", "NaN")).unwrap();
 }
 
-/// The text of stderr of a requirement that is wrong.
-fn mistake(robot: &str) -> String {
+/// What the program does with a requirement.
+fn optimized(robot: &str, more: &[&str]) -> Ran {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), robot);
-    let output = gearwise().current_dir(folder.path()).args(["optimize", "robot.toml"]).output().unwrap();
-    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
-    String::from_utf8(output.stderr).unwrap()
+    run(&folder, &[&["optimize", "robot.toml"], more].concat())
 }
 
-fn answer(robot: &str) -> serde_json::Value {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), robot);
-    let output = gearwise().current_dir(folder.path()).args(["optimize", "robot.toml", "--json"]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+/// The text of stderr of a requirement that is wrong.
+fn mistake(robot: &str) -> String {
+    let ran = optimized(robot, &[]);
+    assert_eq!(ran.status, 2, "{}", ran.out);
+    ran.err
+}
+
+fn answer(robot: &str, more: &[&str]) -> serde_json::Value {
+    let ran = optimized(robot, &[more, &["--json"]].concat());
+    assert_eq!(ran.status, 0, "{}", ran.err);
+    serde_json::from_str(&ran.out).unwrap()
 }
 
 fn with(transmission: &str) -> String {
-    ROBOT.replace("TRANSMISSION", transmission)
+    HEAD.to_string() + &joint("knee", &format!("[joint.transmission]\n{transmission}"))
 }
 
 fn pair(coupling: &str) -> String {
-    PAIR.replace("COUPLING", coupling)
+    let joints = joint("pitch", "") + &joint("roll", "scale = { torque = 0.5 }");
+    format!("{HEAD}{joints}[[coupling]]\nname = \"ankle\"\njoints = [\"pitch\", \"roll\"]\n{coupling}\n")
 }
 
 #[test]
@@ -202,9 +173,9 @@ fn every_mistake_in_a_coupling_has_its_place() {
 
 #[test]
 fn what_a_transmission_makes_of_a_joint_is_said() {
-    let plain = answer(&with("ratio = 1"));
-    let belt = answer(&with("ratio = 2\nefficiency = 0.9\nmass = \"100 g\""));
-    let table = answer(&with("table = \"both.csv\""));
+    let plain = answer(&with("ratio = 1"), &[]);
+    let belt = answer(&with("ratio = 2\nefficiency = 0.9\nmass = \"100 g\""), &[]);
+    let table = answer(&with("table = \"both.csv\""), &[]);
     let of = |json: &serde_json::Value, key: &str| json["joints"][0]["candidates"][0][key].as_f64().unwrap();
     let transmission = &belt["joints"][0]["transmission"];
     assert_eq!(transmission["kind"], "ratio");
@@ -213,18 +184,15 @@ fn what_a_transmission_makes_of_a_joint_is_said() {
     assert!(table["joints"][0]["transmission"]["loss_w"].is_null(), "no efficiency is given: its loss is not known");
     assert!((of(&belt, "mass_kg") - of(&plain, "mass_kg") - 0.1).abs() < 1e-9);
     // A table of one ratio is that ratio.
-    let two = answer(&with("ratio = 2"));
+    let two = answer(&with("ratio = 2"), &[]);
     assert!((of(&table, "ratio") / of(&two, "ratio") - 1.0).abs() < 1e-6);
     assert!((of(&two, "ratio") * 2.0 / of(&plain, "ratio") - 1.0).abs() < 1e-2, "N r");
     // In words, and what is not known is not said to be nothing.
-    let folder = tempfile::tempdir().unwrap();
     for (robot, says, not) in [
         (with("ratio = 2\nefficiency = 0.9"), "it loses", "is not known"),
         (with("ratio = 2"), "its loss is not known", "it loses"),
     ] {
-        write(folder.path(), &robot);
-        let output = gearwise().current_dir(folder.path()).args(["optimize", "robot.toml", "--full"]).output().unwrap();
-        let text = unfolded(&String::from_utf8(output.stdout).unwrap());
+        let text = unfolded(&optimized(&robot, &["--full"]).out);
         assert!(text.contains("Transmission (ratio): r = 2") && text.contains(says), "{text}");
         let line = text.split("Transmission (ratio)").nth(1).unwrap().split(". Torques").nth(1).unwrap();
         let line = &line[..line.len().min(200)];
@@ -234,7 +202,7 @@ fn what_a_transmission_makes_of_a_joint_is_said() {
 
 #[test]
 fn a_coupling_is_one_joint_of_two_actuators() {
-    let json = answer(&pair("matrix = [[1, 1], [1, -1]]"));
+    let json = answer(&pair("matrix = [[1, 1], [1, -1]]"), &[]);
     let joint = &json["joints"][0];
     assert_eq!((joint["joint"].as_str(), joint["count"].as_u64()), (Some("ankle"), Some(2)));
     assert_eq!(json["joints"].as_array().unwrap().len(), 1);
@@ -248,16 +216,10 @@ fn a_coupling_is_one_joint_of_two_actuators() {
 
 #[test]
 fn a_search_over_one_number_says_what_is_proved() {
-    let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &with("ratio = 2\nefficiency = 0.97\ninertia = \"1e-3 kg*m^2\""));
-    let run = |over: &str, more: &[&str]| {
-        let mut call = gearwise();
-        call.current_dir(folder.path()).args(["optimize", "robot.toml", "--search", over, "--points", "5"]).args(more);
-        call.output().unwrap()
-    };
-    let output = run("joint.knee.transmission.ratio=0.5:6", &["--json"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let robot = with("ratio = 2\nefficiency = 0.97\ninertia = \"1e-3 kg*m^2\"");
+    let over = |range: &str, more: &[&str]| optimized(&robot, &[&["--search", range, "--points", "5"], more].concat());
+    let whole = "joint.knee.transmission.ratio=0.5:6";
+    let json = answer(&robot, &["--search", whole, "--points", "5"]);
     let values = json["values"].as_array().unwrap();
     let at = |v: &serde_json::Value| (v["value"].as_f64().unwrap(), v["objective"].as_f64().unwrap());
     let least = values.iter().map(at).fold((0.0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a });
@@ -267,26 +229,20 @@ fn a_search_over_one_number_says_what_is_proved() {
     let value = at(&values[0]).0;
     let objective = values[0]["joints"][0]["objective"].as_f64().unwrap();
     let set = format!("joint.knee.transmission.ratio={value}");
-    let alone = gearwise()
-        .current_dir(folder.path())
-        .args(["optimize", "robot.toml", "--json", "--set", &set])
-        .output()
-        .unwrap();
-    let alone: serde_json::Value = serde_json::from_slice(&alone.stdout).unwrap();
+    let alone = answer(&robot, &["--set", &set]);
     assert_eq!(alone["joints"][0]["candidates"][0]["objective"].as_f64().unwrap(), objective);
-    let text = unfolded(&String::from_utf8(run("joint.knee.transmission.ratio=0.5:6", &[]).stdout).unwrap());
+    let text = unfolded(&over(whole, &[]).out);
     assert!(text.contains("not between the values"), "{text}");
     assert!(!text.contains("proved optimum"), "{text}");
-    for (over, says) in [
+    for (range, says) in [
         ("joint.knee.transmission.ratio", "there is no `=`"),
         ("joint.knee.transmission.ratio=2", "no `:`"),
         ("joint.knee.transmission.ratio=3:1", "upside down"),
         ("joint.knee.transmission.ratio=a:b", "not a number"),
         ("joint.knee.transmission.ratoi=1:3", "ratoi"),
     ] {
-        let output = run(over, &[]);
-        assert_eq!(output.status.code(), Some(2), "{over}");
-        let text = String::from_utf8(output.stderr).unwrap();
-        assert!(text.contains(says), "{over}: {text}");
+        let ran = over(range, &[]);
+        assert_eq!(ran.status, 2, "{range}");
+        assert!(ran.err.contains(says), "{range}: {}", ran.err);
     }
 }
