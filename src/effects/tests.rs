@@ -105,7 +105,16 @@ const OTHER_MEANINGS: [(&str, &[&str]); 5] = [
         ],
     ),
     ("gravity", &["mechanism/", "requirement/", "pages/formats.rs"]),
-    ("backlash", &["catalog/gear.rs", "pages/formats.rs", "report/catalog/card.rs", "requirement/gear.rs"]),
+    (
+        "backlash",
+        &[
+            "catalog/gear.rs",
+            "pages/formats.rs",
+            "report/catalog/card.rs",
+            "requirement/gear.rs",
+            "transmission/read.rs",
+        ],
+    ),
 ];
 
 /// Every place of a source file's code, without its tests, where a text is the name of an effect.
