@@ -1,4 +1,4 @@
-//! Lists the catalogue files that are built into the program: every `catalogs/*/*.csv`.
+//! Lists the catalogue files that are built into the program: every `catalogs/*/*.csv`, and families of gears.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -7,12 +7,14 @@ use std::{env, fs};
 fn main() {
     let root = env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");
     let mut files = Vec::new();
-    for kind in ["alternatives", "gears", "modules", "motors"] {
+    let kinds = ["alternatives", "gear_families", "gears", "modules", "motors"];
+    for kind in kinds {
+        let extension = if kind == "gear_families" { "toml" } else { "csv" };
         let folder = Path::new(&root).join("catalogs").join(kind);
         println!("cargo::rerun-if-changed={}", folder.display());
         let entries = fs::read_dir(&folder).expect("the catalogue folders exist");
         for path in entries.map(|e| e.expect("readable").path()) {
-            if path.extension().is_some_and(|e| e == "csv") {
+            if path.extension().is_some_and(|e| e == extension) {
                 let name = path.file_name().expect("a file").to_string_lossy().into_owned();
                 files.push((format!("catalogs/{kind}/{name}"), path));
             }

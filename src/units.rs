@@ -114,6 +114,8 @@ kinds! {
     RESISTANCE_SLOPE = "resistance slope", [1, 2, -3, -2, -1], Exactly(0.0), "ohm/K", "2 mohm/K";
     /// Force \[N\], of a linear axis.
     FORCE = "force", [1, 1, -2, 0, 0], Exactly(0.0), "N", "30 N";
+    /// Mechanical stress \[Pa\].
+    STRESS = "stress", [1, -1, -2, 0, 0], Exactly(0.0), "Pa", "70 MPa";
     /// Speed along a line \[m/s\].
     LINEAR_SPEED = "linear speed", [0, 1, -1, 0, 0], Exactly(0.0), "m/s", "0.2 m/s";
     /// Acceleration along a line \[m/s²\].
@@ -405,6 +407,7 @@ const PREFIXED: &[Symbol] = &[
     ("H", 1.0, [1, 2, -2, -2, 0], 0),
     ("Wb", 1.0, [1, 2, -2, -1, 0], 0),
     ("Hz", 1.0, [0, 0, -1, 0, 0], 0),
+    ("Pa", 1.0, [1, -1, -2, 0, 0], 0),
     ("rad", 1.0, [0, 0, 0, 0, 0], 1),
     ("rpm", std::f64::consts::TAU / 60.0, [0, 0, -1, 0, 0], 1),
 ];
@@ -432,7 +435,7 @@ const PLAIN: &[Symbol] = &[
 const SUGGESTIONS: &[&str] = &[
     "N*m", "mN*m", "rad/s", "rpm", "deg/s", "rad/s^2", "g*cm^2", "kg*m^2", "kg*cm^2", "ohm", "mohm", "mH", "uH", "V",
     "A", "W", "kg", "g", "mm", "s", "ms", "Hz", "degC", "K", "K/W", "rpm/V", "N*m/A", "mN*m/A", "V*s/rad", "N*m/rad",
-    "deg", "rad",
+    "deg", "rad", "MPa",
 ];
 
 fn symbol(name: &str) -> Option<Unit> {

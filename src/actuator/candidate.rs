@@ -82,6 +82,12 @@ impl<'a> Candidate<'a> {
         std::iter::once(&self.actuator).chain(&self.other)
     }
 
+    /// Whether its gear is one that somebody published, and not one that the requirement describes: what is not said of it is not
+    /// known.
+    pub fn gear_is_published(&self) -> bool {
+        self.catalog_gear.is_some() || self.joint.family_map().is_some()
+    }
+
     /// Coulomb friction or a constant torque: what makes odd powers of N.
     pub fn has_odd_powers(&self) -> bool {
         self.ends().any(Actuator::has_odd_powers)

@@ -204,6 +204,11 @@ fn tables(source: &Arc<Source>) -> Result<[Option<Sheet>; 3], InputError> {
         let help = "name the file with `--also`, or put it into the folder `alternatives` of your catalogue";
         return Err(InputError { source: source.clone(), problems: vec![problem.help(help)] });
     }
+    if let Some(family) = rows.families.first() {
+        let problem = Problem::whole(format!("`{}` is a gear family, which is no row of a table", family.name));
+        let help = "name the file with `--also`, or put it into the folder `gear_families` of your catalogue";
+        return Err(InputError { source: source.clone(), problems: vec![problem.help(help)] });
+    }
     let motors: Vec<MotorRow> = rows.motors.iter().map(MotorRow::of).collect();
     let some = [!rows.motors.is_empty(), !rows.gears.is_empty(), !rows.modules.is_empty()];
     if is_toml {

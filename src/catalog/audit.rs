@@ -91,7 +91,7 @@ pub fn audit(catalog: &Catalog) -> Vec<Finding> {
         audit_motor(motor).into_iter().chain(beside).collect::<Vec<_>>()
     };
     let motors = catalog.motors.iter().flat_map(of_row);
-    let gears = catalog.gears.iter().flat_map(audit_gear);
+    let gears = catalog.all_gears().flat_map(audit_gear);
     let of_module = |module| audit_module(module, &catalog.modules, &catalog.motors, &catalog.alternatives);
     let modules = catalog.modules.iter().flat_map(of_module);
     motors.chain(gears).chain(modules).collect()

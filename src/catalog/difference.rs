@@ -2,7 +2,7 @@
 
 use super::filter::text_of;
 use super::row::{MotorRow, Row};
-use super::{Catalog, Printed};
+use super::{Catalog, Gear, Printed};
 use crate::input::Stated;
 use crate::units::Kind;
 
@@ -62,7 +62,8 @@ const SAME: f64 = 1e-12;
 pub fn difference(before: &Catalog, after: &Catalog) -> Vec<Difference> {
     let rows = |catalog: &Catalog| -> Vec<MotorRow> { catalog.motors.iter().map(MotorRow::of).collect() };
     let motors = between("motor", &rows(before), &rows(after), |row| &row.id);
-    let gears = between("gear", &before.gears, &after.gears, |row| &row.id);
+    let all = |catalog: &Catalog| -> Vec<Gear> { catalog.all_gears().cloned().collect() };
+    let gears = between("gear", &all(before), &all(after), |row| &row.id);
     let modules = between("module", &before.modules, &after.modules, |row| &row.id);
     motors.into_iter().chain(gears).chain(modules).collect()
 }

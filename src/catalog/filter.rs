@@ -5,7 +5,7 @@
 
 use super::gear::matches_pattern;
 use super::row::{Column, Convention, Field, Holds, MotorRow, Row, States, column_of};
-use super::{Catalog, Gear, Module, Motor};
+use super::{Catalog, Family, Gear, Module, Motor};
 use crate::input::Words;
 use crate::units::{self, RATIO};
 use crate::words::nearest;
@@ -128,6 +128,7 @@ impl Filter {
             RowKind::Motor => self.motors.is_some(),
             RowKind::Gear => self.gears.is_some(),
             RowKind::Module => self.modules.is_some(),
+            RowKind::Family => false,
         }
     }
 
@@ -263,12 +264,14 @@ pub enum RowKind {
     Gear,
     /// A module.
     Module,
+    /// A family of gears, which has no columns to filter by.
+    Family,
 }
 
 impl RowKind {
     /// Every kind with its word.
     pub const NAMES: &[(&str, RowKind)] =
-        &[("motor", RowKind::Motor), ("gear", RowKind::Gear), ("module", RowKind::Module)];
+        &[("motor", RowKind::Motor), ("gear", RowKind::Gear), ("module", RowKind::Module), ("gear family", RowKind::Family)];
 }
 
 /// Which kinds of row are asked for; none in particular for all.
@@ -283,6 +286,8 @@ pub struct Found<'c> {
     pub gears: Vec<&'c Gear>,
     /// Modules.
     pub modules: Vec<&'c Module>,
+    /// Families of gears.
+    pub families: Vec<&'c Family>,
     /// Rows that would be there if numbers of theirs that are not known allowed it.
     pub unknown: usize,
     /// Of each filter of which some row does not know the value: its column, and in how many rows.
@@ -318,8 +323,9 @@ pub fn select<'c>(catalog: &'c Catalog, kinds: Kinds, filters: &[Filter]) -> Fou
         let all = catalog.modules.iter();
         modules.extend(all.filter(|m| keep(filters.iter().map(|f| f.of_module(m)).collect())));
     }
+    let all = catalog.families.iter().filter(|_| is(RowKind::Family) && filters.is_empty());
     unknown_by.retain(|(_, count)| *count > 0);
-    Found { motors, gears, modules, unknown, unknown_by }
+    Found { motors, gears, modules, families: all.collect(), unknown, unknown_by }
 }
 
 /// What a search compares: letters and digits alone.
@@ -338,6 +344,7 @@ pub fn search<'c>(catalog: &'c Catalog, text: &str) -> Found<'c> {
         motors: catalog.motors.iter().filter(|m| has([&m.id, &m.model, &m.manufacturer])).collect(),
         gears: catalog.gears.iter().filter(|g| has([&g.id, &g.model, &g.manufacturer])).collect(),
         modules: catalog.modules.iter().filter(|m| has([&m.id, &m.model, &m.manufacturer])).collect(),
+        families: catalog.families.iter().filter(|f| has([&f.name, &f.gear.note, &f.gear.manufacturer])).collect(),
         unknown: 0,
         unknown_by: Vec::new(),
     }
@@ -348,8 +355,9 @@ pub fn like<'c>(catalog: &'c Catalog, text: &str) -> Vec<&'c str> {
     let motors = catalog.motors.iter().flat_map(|m| [&m.id, &m.model, &m.manufacturer]);
     let gears = catalog.gears.iter().flat_map(|g| [&g.id, &g.model, &g.manufacturer]);
     let modules = catalog.modules.iter().flat_map(|m| [&m.id, &m.model, &m.manufacturer]);
+    let families = catalog.families.iter().map(|f| &f.name);
     let mut names: Vec<&str> =
-        motors.chain(gears).chain(modules).map(String::as_str).filter(|n| !n.is_empty()).collect();
+        motors.chain(gears).chain(modules).chain(families).map(String::as_str).filter(|n| !n.is_empty()).collect();
     names.sort_unstable();
     names.dedup();
     let mut found = Vec::new();

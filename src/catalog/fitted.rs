@@ -85,7 +85,7 @@ static EFFECT_TOLERANCES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| {
 /// Whether a file is that of a fitted actuator: by its name.
 pub(crate) fn is_fitted_file(source: &Source) -> bool {
     let toml = || {
-        let kinds = [FileKind::Fitted, FileKind::Motors, FileKind::Gears];
+        let kinds = [FileKind::Fitted, FileKind::Motors, FileKind::Gears, FileKind::Family];
         // A table has no such keys.
         kind::recognise(source).is_some_and(|(kind, shown)| kinds.contains(&kind) && shown.starts_with("keys"))
     };

@@ -155,6 +155,8 @@ pub struct Gear {
     pub manufacturer: String,
     /// What its maker calls it.
     pub model: String,
+    /// The family that it is a point of; empty for a gear that can be bought.
+    pub family: String,
     /// How it reduces.
     pub kind: GearKind,
     /// Reduction, N.

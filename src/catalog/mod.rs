@@ -13,6 +13,7 @@ pub mod difference;
 pub mod drag;
 pub mod estimate;
 pub mod filter;
+pub mod family;
 mod finding;
 mod fit;
 pub mod fitted;
@@ -34,6 +35,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use family::Family;
 pub use about::{About, Construction, PeakTorqueOf};
 pub use alternative::Alternative;
 pub use fitted::{Fit, Provenance, read_fitted};
@@ -59,6 +61,8 @@ pub struct Catalog {
     pub motors: Vec<Motor>,
     /// The gears.
     pub gears: Vec<Gear>,
+    /// Families of gears, whose points are no gears that one can buy: a joint names the families that it may have.
+    pub families: Vec<Family>,
     /// The modules.
     pub modules: Vec<Module>,
     /// What other sources say of numbers of rows, by id and column.
@@ -112,7 +116,7 @@ impl Catalog {
         BUILTIN.iter().map(|(name, text)| Arc::new(Source::new(*name, *text))).collect()
     }
 
-    /// Reads files and the `*.csv` files in folders (one level, and `motors`, `gears` below). The words `builtin` and `user`
+    /// Reads files and the `*.csv` files in folders (one level, and `motors`, `gears`… below; of `gear_families` the `*.toml`). The words `builtin` and `user`
     /// are the built-in catalogue and the user's own ([`user_catalog`]); a file of such a name is `./builtin`.
     ///
     /// # Errors
@@ -148,12 +152,12 @@ impl Catalog {
             }
             let path = &if path.as_os_str() == USER_WORD { user_catalog() } else { path.clone() };
             if path.is_dir() {
-                let found = csv_files(path);
+                let found = catalog_files(path);
                 if found.is_empty() {
                     let source = Arc::new(Source::new(path.display().to_string(), ""));
                     errors.push(InputError {
                         source,
-                        problems: vec![Problem::whole("there is no .csv file in this folder")],
+                        problems: vec![Problem::whole("there is no .csv file, and no gear family, in this folder")],
                     });
                 }
                 files.extend(found);
@@ -181,6 +185,7 @@ impl Catalog {
         let mut written = Vec::new();
         let mut motor_homes: HashMap<String, String> = HashMap::new();
         let mut gear_homes: HashMap<String, String> = HashMap::new();
+        let mut family_homes: HashMap<String, String> = HashMap::new();
         for source in &sources {
             let mut twice = |homes: &mut HashMap<String, String>, id: &str| {
                 if let Some(first) = homes.insert(id.to_string(), source.name().to_string()) {
@@ -197,10 +202,14 @@ impl Catalog {
                 Ok(rows) => {
                     rows.motors.iter().for_each(|m| twice(&mut motor_homes, &m.id));
                     rows.gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));
+                    let points = rows.families.iter().flat_map(|family| &family.points);
+                    points.for_each(|point| twice(&mut gear_homes, &point.id));
+                    rows.families.iter().for_each(|family| twice(&mut family_homes, &family.name));
                     // A module stands beside motors in answers.
                     rows.modules.iter().for_each(|m| twice(&mut motor_homes, &m.id));
                     catalog.motors.extend(rows.motors);
                     catalog.gears.extend(rows.gears);
+                    catalog.families.extend(rows.families);
                     catalog.modules.extend(rows.modules);
                     written.push((source.clone(), rows.alternatives));
                 }
@@ -221,6 +230,7 @@ impl Catalog {
         }
         catalog.motors.sort_by(|a, b| a.id.cmp(&b.id));
         catalog.gears.sort_by(|a, b| a.id.cmp(&b.id));
+        catalog.families.sort_by(|a, b| a.name.cmp(&b.name));
         catalog.modules.sort_by(|a, b| a.id.cmp(&b.id));
         catalog.origin = Origin::Files(sources);
         Ok(catalog)
@@ -244,7 +254,7 @@ impl Catalog {
     pub fn gear_of<'c>(&'c self, motor: &'c Motor, id: &str) -> Option<&'c Gear> {
         match motor.inside.as_deref() {
             Some(inside) => Some(&inside.gear),
-            None => self.gears.iter().find(|gear| gear.id == id),
+            None => self.gear(id),
         }
     }
 
@@ -338,16 +348,17 @@ fn wrong_insides(source: &Arc<Source>, catalog: &Catalog) -> Option<InputError> 
     (!problems.is_empty()).then(|| InputError { source: source.clone(), problems })
 }
 
-fn csv_files(folder: &Path) -> Vec<PathBuf> {
-    let list = |folder: &Path| -> Vec<PathBuf> {
+fn catalog_files(folder: &Path) -> Vec<PathBuf> {
+    let list = |folder: &Path, extension: &str| -> Vec<PathBuf> {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
         entries
             .map(|e| e.path())
-            .filter(|p| p.is_file() && p.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")))
+            .filter(|p| p.is_file() && p.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)))
             .collect()
     };
-    let mut files = list(folder);
-    files.extend(read::KINDS.iter().flat_map(|kind| list(&folder.join(kind.folder))));
+    let mut files = list(folder, "csv");
+    files.extend(read::KINDS.iter().flat_map(|kind| list(&folder.join(kind.folder), "csv")));
+    files.extend(list(&folder.join(family::FOLDER), "toml"));
     files.sort();
     files
 }

@@ -7,6 +7,7 @@ use std::ops::Range as Span;
 use std::sync::Arc;
 
 use super::alternative::written;
+use super::family::{self, Family};
 use super::fitted;
 use super::gear::Gear;
 use super::module::Module;
@@ -24,6 +25,7 @@ pub const VERSION: u32 = 1;
 pub(super) struct Rows {
     pub(super) motors: Vec<Motor>,
     pub(super) gears: Vec<Gear>,
+    pub(super) families: Vec<Family>,
     pub(super) modules: Vec<Module>,
     pub(super) alternatives: Vec<written::Written>,
 }
@@ -134,12 +136,13 @@ pub fn read_modules(source: &Arc<Source>) -> Result<Vec<Module>, InputError> {
     read_table(source, &MODULES).map(|rows| rows.modules)
 }
 
-/// Reads the rows of one file: a table of CSV, or of TOML a fitted actuator or lists of rows, `[[motor]]` and `[[gear]]`.
+/// Reads the rows of one file: a table of CSV, or of TOML a fitted actuator, a family of gears, or lists of rows, `[[motor]]`
+/// and `[[gear]]`.
 ///
 /// # Errors
 /// Every mistake of the file.
 pub(super) fn read_rows(source: &Arc<Source>) -> Result<Rows, InputError> {
-    const WANTED: [Of; 5] = [Of::Motors, Of::Gears, Of::Fitted, Of::Table, Of::Empty];
+    const WANTED: [Of; 6] = [Of::Motors, Of::Gears, Of::Fitted, Of::Family, Of::Table, Of::Empty];
     rows_of(source).map_err(|error| kind::instead(error, &WANTED))
 }
 
@@ -151,6 +154,9 @@ fn rows_of(source: &Arc<Source>) -> Result<Rows, InputError> {
     Form::read(source, |root| {
         if KINDS.iter().any(|kind| root.holds(kind.table) && root.is_list(kind.table)) {
             return Some(read_lists(root));
+        }
+        if root.holds(family::POINTS) {
+            return family::read(root).map(|family| Rows { families: vec![family], ..Rows::default() });
         }
         let motor = fitted::read_choice(root)?;
         Some(Rows { motors: vec![motor], ..Rows::default() })

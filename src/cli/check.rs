@@ -169,6 +169,7 @@ impl Inputs {
             design.motor_ids(),
             arguments.catalog.complete(),
         );
+        design.robot = crate::design::families::settle(design.robot, &catalog).map_err(Failure::Argument)?;
         design.robot = super::balanced(&design.robot, &catalog, false)?;
         let rules = match arguments.rules.as_ref().or(design.rules.as_ref()).or(design.robot.rules.as_ref()) {
             Some(path) => read(path).map_err(|e| vec![e])?,

@@ -50,8 +50,8 @@ pub fn design<'c>(text: &str, joint: &Joint, catalog: &'c Catalog) -> Result<Cho
         }
         Some((name, Err(_))) if motor.inside.as_deref().is_some_and(|inside| inside.gear.id == name) => {}
         Some((name, Err(_))) => {
-            let ids = catalog.gears.iter().map(|g| g.id.as_str());
-            let found = catalog.gears.iter().find(|g| g.id == name);
+            let ids = catalog.all_gears().map(|g| g.id.as_str());
+            let found = catalog.gear(name);
             let help = nearest(name, ids).map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
             gear = Some(found.ok_or_else(|| {
                 Failure::Argument(format!("`{name}` is neither a ratio nor a gear of the catalogue{help}"))

@@ -42,7 +42,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let robot = arguments.set.read(&arguments.requirement, None)?;
     let named = std::iter::once(super::chosen::id(&arguments.design));
     let catalog = super::with_named(&robot, arguments.catalog.rows()?, named, arguments.catalog.complete());
-    super::check_patterns(&robot, &catalog)?;
+    let robot = super::settled(robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog, false)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;

@@ -67,7 +67,7 @@ fn one_motor(arguments: &Arguments, path: &Path) -> Result<Done, Failure> {
         std::iter::once(super::chosen::id(&arguments.design)),
         arguments.catalog.complete(),
     );
-    super::check_patterns(&robot, &catalog)?;
+    let robot = super::settled(robot, &catalog)?;
     let robot = super::balanced(&robot, &catalog, false)?;
     let joint = super::chosen::joint(&robot, arguments.joint.as_deref())?;
     let Chosen { motor, gear, ratio } = super::chosen::design(&arguments.design, joint, &catalog)?;
@@ -91,7 +91,7 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
             arguments.design
         )));
     }
-    let design = DesignFile::read_set(&Source::argument(path).map_err(|e| vec![e])?, &settings)?;
+    let mut design = DesignFile::read_set(&Source::argument(path).map_err(|e| vec![e])?, &settings)?;
     let named = arguments.catalog.paths();
     let paths = if named.is_empty() { &design.catalog } else { &named };
     let catalog = super::with_named(
@@ -100,6 +100,7 @@ fn design_file(arguments: &Arguments) -> Result<Done, Failure> {
         design.motor_ids(),
         arguments.catalog.complete(),
     );
+    design.robot = crate::design::families::settle(design.robot, &catalog).map_err(Failure::Argument)?;
     let choices = design.choices(&catalog).map_err(|e| vec![e])?;
     let only = match &arguments.joint {
         Some(name) => Some(super::chosen::joint(&design.robot, Some(name))?),

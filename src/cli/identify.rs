@@ -74,13 +74,15 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
             let why = "`--requirement`: a range of `turns` is not combined with a fitted motor, which has those of its log; give a list, as in turns = [1, 0.5]";
             return Err(Failure::Argument(why.into()));
         }
-        Some(robot) => Some(super::balanced(&robot, &complete(bench.catalog.clone().free(false)), false)?),
+        Some(robot) => {
+            let robot = super::settled(robot, &bench.catalog)?;
+            Some(super::balanced(&robot, &complete(bench.catalog.clone().free(false)), false)?)
+        }
         None => None,
     };
     let remade = match &robot {
         None => None,
         Some(robot) => {
-            super::check_patterns(robot, &bench.catalog)?;
             let (Some(declared), Some(Fitted::Motor(motor))) = (&bench.declared.motor, &actuator) else {
                 let why = "`--requirement`: a linear axis has no motor of the catalogue to choose again";
                 return Err(Failure::Argument(why.into()));

@@ -346,9 +346,9 @@ fn with_named<'i>(
     catalog.with_turns(&robot.listed_turns()).with_named(ids, allow)
 }
 
-/// Every pattern of a robot must name a motor or gear of the catalogue.
-fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), Failure> {
-    crate::design::check_patterns(robot, catalog).map_err(Failure::Argument)
+/// The robot made ready for the catalogue, every pattern of which names a motor, a gear or a family of it.
+fn settled(robot: Robot, catalog: &Catalog) -> Result<Robot, Failure> {
+    crate::design::families::settled(robot, catalog).map_err(Failure::Argument)
 }
 
 /// A picture's file name must be one before any work is done.

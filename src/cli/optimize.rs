@@ -193,8 +193,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     if arguments.alternatives.is_some() {
         take_alternatives(&mut catalog);
     }
-    super::check_patterns(&robot, &catalog)?;
-    let plain = robot;
+    let plain = super::settled(robot, &catalog)?;
     let writes = arguments.write_design.is_some();
     let mut ruled = Ruled::new(plain.clone(), arguments.rules.as_deref(), writes, arguments.no_rules)?;
     ruled.robot = super::balanced(&ruled.robot, &catalog, arguments.only_checked)?;

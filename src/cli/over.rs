@@ -77,7 +77,7 @@ pub(super) fn run(
         return Err(Failure::Argument(message.into()));
     }
     let rows = catalog.for_robot(&plain)?;
-    super::check_patterns(&plain, &rows)?;
+    let plain = super::settled(plain, &rows)?;
     let change = |value: f64| Settings::of_arguments(&[over.setting(value)]).map_err(Failure::Argument);
     let mut wrong = None;
     let look = |value: f64| -> Result<Looked, Failure> {
@@ -90,6 +90,7 @@ pub(super) fn run(
                 return Ok(Looked { value, found: Err(why) });
             }
         };
+        let robot = super::settled(robot, &rows)?;
         let result = optimize_with(&robot, &rows, Options { only_checked, ..Options::default() })?;
         Ok(Looked { value, found: Ok(result.joints.iter().map(Found::new).collect()) })
     };

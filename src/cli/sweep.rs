@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
     let order = order(&super::metric_name(&arguments.sort, arguments.mass_weight)?)?;
     let robot = arguments.set.read(&arguments.requirement, Some("`sweep`"))?;
     let catalog = arguments.catalog.for_robot(&robot)?;
-    super::check_patterns(&robot, &catalog)?;
+    let robot = super::settled(robot, &catalog)?;
     let mut robot = super::balanced(&robot, &catalog, false)?;
     let catalog = &*super::wound(&mut robot, &catalog, false)?;
     let geared = |joint: &Joint| matches!(joint.ratio, RatioChoice::Catalog { .. });

@@ -7,6 +7,7 @@ use super::Failure;
 use crate::catalog::Catalog;
 use crate::design::answer::{Design, Reason, Rejected, RobotResult};
 use crate::design::buildable::built;
+use crate::design::families::settle;
 use crate::design::evaluate::FEASIBILITY_TOLERANCE;
 use crate::design::mount::{JointDemand, Site};
 use crate::design::optimize::optimize_with;
@@ -306,6 +307,7 @@ fn broken(
         format!("the design that was made cannot be read: {}", said.join("; "))
     };
     let mut design = DesignFile::read_source(&source).map_err(failed)?;
+    design.robot = settle(design.robot, catalog)?;
     take_objectives(&mut design.robot, robot);
     let report = check(&design, catalog, rules, None, &path_of(path)).map_err(failed)?;
     let bounds = |code: &str| match RULES.iter().find(|rule| rule.code == code) {

@@ -10,7 +10,7 @@ use super::answer::{Design, Refused};
 use super::best::best_design;
 use super::mount::{JointDemand, Site};
 use crate::catalog::{Catalog, Motor};
-use crate::requirement::{Joint, RatioChoice, Robot, Stage, Train, stages as stages_of};
+use crate::requirement::{FamilyPlace, Joint, RatioChoice, Robot, Stage, Train, stages as stages_of};
 
 /// Planets of a stage.
 const PLANETS: u32 = 3;
@@ -119,7 +119,16 @@ pub fn built<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Desig
         Some(_) => (min, max),
         None => (design.optimum.window().min, design.optimum.window().max),
     };
-    let trains = trains(optimal, window, joint.gear.mass_per_stage.map(|(_, largest)| largest))
+    // A family has gears of its own: at its points they are there, and between them no teeth are said.
+    let family = joint.family_map();
+    if family.is_some_and(|map| matches!(map.place(optimal), Some(FamilyPlace::At(_)))) {
+        return None;
+    }
+    let trains = match family {
+        Some(_) => Vec::new(),
+        None => trains(optimal, window, joint.gear.mass_per_stage.map(|(_, largest)| largest)),
+    };
+    let trains = trains
         .into_iter()
         .take(TRIES)
         .map(|train| (train.ratio(), Some(train)));

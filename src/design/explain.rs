@@ -13,7 +13,7 @@ use super::{Evaluation, Prepared, Unusable};
 use crate::actuator::candidate::End;
 use crate::actuator::limits::{Asked, Candidate, Remark};
 use crate::actuator::thermal::Winding;
-use crate::catalog::{Gear, Motor, matches_pattern};
+use crate::catalog::{Gear, Motor};
 use crate::numerics::line_search::{FULLY, golden_section};
 use crate::requirement::{Joint, RatioChoice, Robot};
 
@@ -111,9 +111,8 @@ impl Explanation<'_> {
             // A module is allowed as a whole, or it is no candidate.
             _ if self.motor.inside.is_some() => None,
             (_, Some(gear)) if gear.fits(self.motor.row_id()) == Some(false) => Some(Forbidden::DoesNotFit),
-            (RatioChoice::Catalog { patterns, .. }, Some(gear)) => {
-                let is_named = patterns.iter().any(|pattern| matches_pattern(pattern, &gear.id));
-                (!is_named).then_some(Forbidden::Gear)
+            (RatioChoice::Catalog { patterns, from, .. }, Some(gear)) => {
+                (!from.has(patterns, gear)).then_some(Forbidden::Gear)
             }
             (RatioChoice::Continuous { min, max }, None) => {
                 (!self.joint.ratio.allows(ratio)).then_some(Forbidden::Ratio(*min, *max))

@@ -13,6 +13,7 @@ pub mod buildable;
 pub mod evaluate;
 pub mod examine;
 pub mod explain;
+pub mod families;
 pub mod figures;
 pub mod flatness;
 pub mod judge;
@@ -47,7 +48,7 @@ pub use options::Options;
 pub use sweep::sweep;
 
 use crate::catalog::{Catalog, matches_pattern};
-use crate::requirement::{Filter, RatioChoice, Robot};
+use crate::requirement::{Filter, GearsFrom, RatioChoice, Robot};
 
 /// Every pattern of a robot must name a motor or a gear of the catalogue.
 ///
@@ -78,7 +79,11 @@ pub fn check_patterns(robot: &Robot, catalog: &Catalog) -> Result<(), String> {
                 return Err(format!("joint `{}`: no module of the catalogue matches `{pattern}`; {help}", joint.name));
             }
         }
-        let RatioChoice::Catalog { patterns, .. } = &joint.ratio else { continue };
+        let RatioChoice::Catalog { patterns, from, .. } = &joint.ratio else { continue };
+        if *from != GearsFrom::Gears {
+            families::check(joint, patterns, catalog)?;
+            continue;
+        }
         for pattern in patterns {
             if catalog.gears.iter().any(|g| matches_pattern(pattern, &g.id)) {
                 continue;

@@ -74,6 +74,9 @@ impl<'a: 'l, 'l> Mount<'a, 'l> {
         if !joint.motors.allows(motor) {
             return Err(Unusable::NotAllowed);
         }
+        if catalog_gear.is_none() && !joint.motors.is_made_for(motor) {
+            return Err(Unusable::NoGearFits);
+        }
         let rotor = match motor.inside.as_deref() {
             // Of a module that does not say it, torques are looked at without it, which is said.
             Some(inside) if !inside.says_inertia => 0.0,
@@ -191,9 +194,7 @@ impl<'a> JointDemand<'a> {
     pub fn among(joint: &Joint, catalog: &'a Catalog, loads: Option<&Loads>) -> JointDemand<'a> {
         let gears = match &joint.ratio {
             RatioChoice::Continuous { .. } | RatioChoice::Listed { .. } => Vec::new(),
-            RatioChoice::Catalog { patterns, .. } => {
-                catalog.gears.iter().filter(|g| patterns.iter().any(|p| matches_pattern(p, &g.id))).collect()
-            }
+            RatioChoice::Catalog { patterns, from, .. } => from.of(patterns, catalog),
         };
         let own = |gear| covered_inertia(joint, gear).map(|inertia| load_covering(joint, Some(inertia)));
         let mut by_pattern: BTreeMap<&str, Vec<usize>> = BTreeMap::new();

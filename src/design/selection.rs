@@ -150,8 +150,7 @@ impl<'a, T> Selection<'a, T> {
                     design: None,
                 }));
             }
-            let nothing = if motor.rotor_inertia.is_none() { Unusable::RotorInertia } else { Unusable::NoGearFits };
-            let (gear, reason) = why.unwrap_or((None, Reason::Unusable(nothing)));
+            let (gear, reason) = why.unwrap_or((None, Reason::Unusable(Unusable::NoGearFits)));
             Refused::rejected(Rejected { motor, gear, reason })
         })
     }

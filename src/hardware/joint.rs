@@ -97,9 +97,9 @@ pub fn of(mount: &Mount, catalog: &Catalog) -> Result<Hardware, Problem> {
             let (gear, ratio) = match reduction {
                 Reduction::Ratio(ratio) => (None, *ratio),
                 Reduction::Gear(id, span) => {
-                    let found = catalog.gears.iter().find(|g| g.id == *id);
+                    let found = catalog.gear(id);
                     let gear = found.ok_or_else(|| {
-                        unknown("gear", id, span, catalog.gears.iter().map(|g| g.id.as_str()).collect())
+                        unknown("gear", id, span, catalog.all_gears().map(|g| g.id.as_str()).collect())
                     })?;
                     (Some(gear), gear.ratio)
                 }

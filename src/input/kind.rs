@@ -28,6 +28,8 @@ pub enum FileKind {
     Motors,
     /// Rows of gears.
     Gears,
+    /// A family of gears, each a point of it.
+    Family,
     /// The gears of a family over the ratio.
     GearMap,
     /// Torque and speed of a joint over time.
@@ -63,6 +65,7 @@ impl FileKind {
             FileKind::Fitted => "a fitted actuator",
             FileKind::Motors => "a catalogue of motors",
             FileKind::Gears => "a catalogue of gears",
+            FileKind::Family => "a gear family",
             FileKind::GearMap => "a gear map",
             FileKind::Motion => "a motion",
             FileKind::OverTime => "a table over time",
@@ -97,6 +100,7 @@ impl FileKind {
             FileKind::Lock => "`gearwise check` finds it next to the design",
             FileKind::Fitted => "`--also` takes it in place of a row, or `actuator = ` of a joint in a design",
             FileKind::Motors | FileKind::Gears => "`--also` and `--catalog` take a catalogue",
+            FileKind::Family => "`--also` and `--catalog` take it, and a joint of a requirement names it: `family = `",
             FileKind::Motion => "a joint of a requirement names it: `motion = `",
             FileKind::GearMap => "the gear of a joint in a requirement names it: `map = `",
             FileKind::Description => "`gearwise torques` takes it, or `[mechanism]` in a requirement",
@@ -196,6 +200,7 @@ fn toml(source: &Source) -> Option<(FileKind, String)> {
         (FileKind::Rules, list("allow"), &["allow"]),
         (FileKind::Motors, list("motor"), &["motor"]),
         (FileKind::Gears, list("gear"), &["gear"]),
+        (FileKind::Family, list("point"), &["point"]),
         (FileKind::Fitted, has("motor"), &["motor"]),
         (FileKind::Fitted, has("axis"), &["axis"]),
     ];
@@ -248,6 +253,7 @@ mod tests {
             ("kind = 'free'\nactuator = { ratio = 3 }\n[[log]]\nfile = 'a.csv'", FileKind::Bench),
             ("version = 1\nrobot = 'r'\ndesign = 'd.toml'", FileKind::Lock),
             ("[motor]\nid = 'a'", FileKind::Fitted),
+            ("name = 'a'\n[[point]]\nratio = 4", FileKind::Family),
             ("time [s], torque [N*m], velocity [rad/s]\n0,1,2", FileKind::Motion),
             ("# who\n\nid,kind,ratio\n", FileKind::Gears),
             ("id,terminals,torque_constant [N*m/A]\n", FileKind::Motors),

@@ -98,7 +98,7 @@ fn rows(of: &JointResult, outlook: Option<&Outlook>) -> Vec<Row> {
     let first = of.candidates.first().map(|design| {
         let e = &design.evaluation;
         let mut details = vec![said(design, of.joint)];
-        details.extend(super::teeth::of_ratio(of.joint, design.optimum.ratio).filter(|_| design.gear.is_none()));
+        details.extend(super::said::gear_of_ratio(of.joint, design.optimum.ratio).filter(|_| design.gear.is_none()));
         details.extend(outlook.and_then(|o| o.own_bound.as_ref()).map(|bound| own_bound(bound, of.joint)));
         let objective = number(design.optimum.objective);
         let cells = [design.motor.id.clone(), design_ratio(design), objective, number(e.loss), optional(e.mass)];

@@ -120,12 +120,13 @@ pub fn toml(written: &Written) -> String {
             super::with_unit(value, objective.unit()),
             crate::words::counted(joint.candidates.len(), "motor")
         ));
-        if design.gear.is_none() {
+        let gear = design.gear.or_else(|| super::family::point(joint.joint, ratio));
+        if gear.is_none() {
             let [from, to] = range_inwards(window.min, window.max);
             out.push_str(&format!("; feasible from {from} to {to}"));
         }
         out.push_str(&format!("\n[[joint]]\nname = {}\nmotor = {}\n", text(&joint.joint.name), text(&design.motor.id)));
-        match design.gear {
+        match gear {
             Some(gear) => out.push_str(&format!("gear = {}\n", text(gear))),
             None => {
                 let built = built_text(built.as_ref(), joint.joint, ratio);

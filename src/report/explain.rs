@@ -60,7 +60,7 @@ pub fn text(story: &Explanation) -> String {
     if !unknown.is_empty() {
         out.push_str(&paragraph(&format!("not known, since its row has no constants: {}", unknown.join(", ")), 2, 4));
     }
-    if let Some(line) = super::teeth::of_ratio(joint, e.ratio).filter(|_| story.gear.is_none()) {
+    if let Some(line) = super::said::gear_of_ratio(joint, e.ratio).filter(|_| story.gear.is_none()) {
         out.push_str(&format!("\n{}", paragraph(&capitalised(&line), 0, 2)));
     }
     if !ratings_alone {

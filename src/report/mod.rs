@@ -14,6 +14,7 @@ pub mod design_file;
 mod estimated;
 pub mod explain;
 pub mod export;
+mod family;
 pub mod fitted;
 pub mod forward;
 pub mod html;

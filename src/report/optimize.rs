@@ -85,7 +85,10 @@ pub(super) fn ratio_text(joint: &Joint) -> String {
 
 fn ratio_of_motors(joint: &Joint) -> String {
     match &joint.ratio {
-        RatioChoice::Continuous { min, max } => format!("ratio {} to {}", number(*min), number(*max)),
+        RatioChoice::Continuous { min, max } => {
+            let between = joint.family_map().map(|map| format!(", at and between the points of {}", map.family()));
+            format!("ratio {} to {}{}", number(*min), number(*max), between.unwrap_or_default())
+        }
         RatioChoice::Listed { teeth: Some(teeth), .. } => super::teeth::ratios(teeth),
         RatioChoice::Listed { values, step: Some(step), .. } => {
             let ends = (values.first().copied().unwrap_or(f64::NAN), values.last().copied().unwrap_or(f64::NAN));
@@ -94,7 +97,7 @@ fn ratio_of_motors(joint: &Joint) -> String {
         RatioChoice::Listed { values, step: None, .. } => {
             format!("ratio {}", values.iter().map(|n| n.to_string()).collect::<Vec<_>>().join(", "))
         }
-        RatioChoice::Catalog { patterns, .. } => format!("gears {}", patterns.join(", ")),
+        RatioChoice::Catalog { patterns, from, .. } => format!("{} {}", from.word(), patterns.join(", ")),
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn text(result: &JointResult, outlook: Option<&Outlook>) -> String {
     let [what, sure] = how(design, joint);
     say(&what);
     say(&sure);
-    if let Some(line) = teeth::of_ratio(joint, design.optimum.ratio) {
+    if let Some(line) = super::said::gear_of_ratio(joint, design.optimum.ratio) {
         say(&line);
     }
     say(&losses::sentence(&design.evaluation));

@@ -36,6 +36,11 @@ pub(super) fn joint_notes(joint: &Joint, short: bool) -> Vec<String> {
     notes
 }
 
+/// The gear of a ratio, where the ratios of a joint are those of teeth or of a family.
+pub(crate) fn gear_of_ratio(joint: &Joint, ratio: f64) -> Option<String> {
+    super::teeth::of_ratio(joint, ratio).or_else(|| super::family::of_ratio(joint, ratio))
+}
+
 /// What is shown to people.
 #[derive(Debug, Clone, Copy)]
 pub struct Shown {

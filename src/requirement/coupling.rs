@@ -107,6 +107,7 @@ fn couple(root: &Section, asked: Asked, joints: &mut Vec<Joint>, beside: &mut Be
         let not = match () {
             () if joint.passed.is_some() => Some("has a `transmission` or a coupling of its own"),
             () if joint.gear_map.is_some() => Some("has a gear with a `map`"),
+            () if joint.ratio.is_between() => Some("has ratios `between` the points of a family"),
             () if joint.limits.spring.is_some() => Some("has a `spring`"),
             () if !joint.phases.is_empty() => Some("has `phases`"),
             () if joint.motion.cases.is_some() => Some("has load cases"),

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::gear::RatioChoice;
 use super::robot::{Joint, Robot};
 use super::set::{SET, Settings};
-use crate::catalog::{Catalog, Gear, Motor, is_word, matches_pattern, place, read_fitted};
+use crate::catalog::{Catalog, Gear, Motor, is_word, place, read_fitted};
 use crate::input::kind::{self, FileKind};
 use crate::input::{Description, Form, InputError, Key, Problem, Range, Section, Source, key, limits};
 use crate::units;
@@ -187,9 +187,9 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
         }
         Reduction::Ratio(ratio) => Some(*ratio),
         Reduction::Gear(id) => {
-            gear = catalog.gears.iter().find(|g| &g.id == id);
+            gear = catalog.gear(id);
             if gear.is_none() {
-                let near = nearest(id, catalog.gears.iter().map(|g| g.id.as_str()));
+                let near = nearest(id, catalog.all_gears().map(|g| g.id.as_str()));
                 problems.push(at(format!("there is no gear `{id}`"), "not in the catalogue".into()).help(
                     near.map_or_else(
                         || "ids begin with the kind, as in planetary-*, strain-wave-*".to_string(),
@@ -211,10 +211,10 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
                 format!("gear `{}` has a ratio of {}, which the requirement does not list", gear.id, number(ratio)),
                 format!("joint `{}` asks for {}", joint.name, nearest_of(values, ratio)),
             )),
-            RatioChoice::Catalog { patterns, .. } if !patterns.iter().any(|p| matches_pattern(p, &gear.id)) => {
+            RatioChoice::Catalog { patterns, from, .. } if !from.has(patterns, gear) => {
                 problems.push(at(
                     format!("the requirement does not allow the gear `{}`", gear.id),
-                    format!("joint `{}` allows {}", joint.name, patterns.join(", ")),
+                    format!("joint `{}` allows {} {}", joint.name, from.word(), patterns.join(", ")),
                 ));
             }
             _ => {}
@@ -429,11 +429,13 @@ fn read_reduction(section: &Section, joint: Option<&Joint>) -> Option<Reduction>
         (true, false) => {
             let ratio = section.number("ratio", Range::Positive)?;
             match joint.map(|j| &j.ratio) {
-                Some(RatioChoice::Catalog { patterns, .. }) => {
+                // Between the points of a family any ratio may be chosen, once the catalogue is read.
+                Some(RatioChoice::Catalog { from, .. }) if from.is_between() => {}
+                Some(RatioChoice::Catalog { patterns, from, .. }) => {
                     let message = "the requirement takes the gears of this joint from the catalogue";
                     section.note(
                         Problem::at(section.span_of("ratio"), message, "expected `gear`")
-                            .help(format!("write gear = \"…\" with one that matches {}", patterns.join(", "))),
+                            .help(format!("write gear = \"…\" with one of the {} {}", from.word(), patterns.join(", "))),
                     );
                     return None;
                 }

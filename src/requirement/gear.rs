@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::prices::{self, Money};
 use super::teeth::{self, MOST_LISTED, SAME, Teeth, Toothed};
 use crate::catalog::drag::Friction;
-use crate::catalog::{ContinuousTorque, GearRatings, LifeQuantile, no_load_friction};
+use crate::catalog::{Catalog, ContinuousTorque, Gear, GearRatings, LifeQuantile, matches_pattern, no_load_friction};
 use crate::input::{Problem, Range, Section, key};
 use crate::units;
 
@@ -28,10 +28,12 @@ pub enum RatioChoice {
         /// Where they are those of planetary stages, the teeth.
         teeth: Option<Arc<Teeth>>,
     },
-    /// The gears of the catalogue whose id matches one of the patterns.
+    /// Gears of the catalogue.
     Catalog {
-        /// The patterns, `*` for any run of characters.
+        /// Patterns of their ids, or of the names of their families; `*` for any run of characters.
         patterns: Vec<String>,
+        /// Which of the two.
+        from: GearsFrom,
         /// What a gear's efficiency acts on.
         efficiency_covers: EfficiencyCovers,
     },
@@ -81,6 +83,11 @@ impl RatioChoice {
         matches!(self, RatioChoice::Catalog { .. })
     }
 
+    /// Whether ratios between the points of a family may be chosen, which only the catalogue knows.
+    pub fn is_between(&self) -> bool {
+        matches!(self, RatioChoice::Catalog { from, .. } if from.is_between())
+    }
+
     /// The ratio that one was printed from in four digits, where the ratios are those of teeth; else the ratio itself.
     pub fn as_printed(&self, ratio: f64) -> f64 {
         let away = |n: &f64| (n / ratio - 1.0).abs();
@@ -96,6 +103,49 @@ impl RatioChoice {
             RatioChoice::Listed { values, .. } => values.iter().any(same),
             RatioChoice::Catalog { .. } => true,
         }
+    }
+}
+
+/// Where the gears of a joint are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GearsFrom {
+    /// Among the gears that can be bought.
+    Gears,
+    /// Among the points of families.
+    Families {
+        /// Whether a ratio between two points may be chosen, too. The catalogue knows the points: with it such a joint becomes one
+        /// of a free ratio (`design::families`).
+        between: bool,
+    },
+}
+
+impl GearsFrom {
+    /// The key that names them.
+    pub fn word(self) -> &'static str {
+        match self {
+            GearsFrom::Gears => "gears",
+            GearsFrom::Families { .. } => "family",
+        }
+    }
+
+    /// Whether ratios between the points of a family may be chosen.
+    pub fn is_between(self) -> bool {
+        self == GearsFrom::Families { between: true }
+    }
+
+    /// Whether a gear is one that patterns name.
+    pub fn has(self, patterns: &[String], gear: &Gear) -> bool {
+        let name = match (self, gear.family.is_empty()) {
+            (GearsFrom::Gears, true) => &gear.id,
+            (GearsFrom::Families { .. }, false) => &gear.family,
+            _ => return false,
+        };
+        patterns.iter().any(|p| matches_pattern(p, name))
+    }
+
+    /// The gears that patterns name, in the order of the catalogue.
+    pub fn of<'c>(self, patterns: &[String], catalog: &'c Catalog) -> Vec<&'c Gear> {
+        catalog.all_gears().filter(|gear| self.has(patterns, gear)).collect()
     }
 }
 
@@ -222,45 +272,54 @@ pub fn backdrive_efficiency(efficiency: f64) -> f64 {
     2.0 - 1.0 / efficiency
 }
 
-/// Reads `ratio` or `gears` of a joint.
+/// The keys of which a joint has one: where its ratio comes from.
+pub(super) const RATIO_KEYS: [&str; 3] = ["ratio", "gears", "family"];
+
+/// Reads `ratio`, `gears` or `family` of a joint.
 pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
-    match (section.has("ratio"), section.has("gears")) {
-        (true, true) => {
-            section.note(Problem::at(
-                section.span_of("gears"),
-                "a joint has `ratio` or `gears`, not both",
-                "remove one of the two",
-            ));
-            None
+    let given: Vec<&'static str> = RATIO_KEYS.into_iter().filter(|key| section.has(*key)).collect();
+    let [only] = given[..] else {
+        match given[..] {
+            [first, second, ..] => {
+                let message = format!("a joint has `{first}` or `{second}`, not both");
+                section.note(Problem::at(section.span_of(second), message, "remove one of the two"));
+            }
+            _ => section.missing("ratio", "{ min = 3, max = 30 }"),
         }
-        (false, false) => {
-            section.missing("ratio", "{ min = 3, max = 30 }");
-            None
+        return None;
+    };
+    let patterns = |asked| {
+        let texts = section.texts(key(only, asked).value("list of patterns").or("ratio"))?;
+        Some(texts.into_iter().map(|p| p.into_inner()).collect())
+    };
+    let (patterns, from) = match only {
+        "gears" => {
+            (patterns("gears of the catalogue by id, `*` for any run of characters")?, GearsFrom::Gears)
         }
-        (false, true) => {
-            let patterns = section.texts(
-                key("gears", "gears of the catalogue by id, `*` for any run of characters")
-                    .value("list of patterns")
-                    .or("ratio"),
-            )?;
-            Some(RatioChoice::Catalog {
-                patterns: patterns.into_iter().map(|p| p.into_inner()).collect(),
-                efficiency_covers: section
-                    .choice(
-                        key("efficiency_covers", "what the efficiency of these gears is counted for").default("`load`"),
-                        EfficiencyCovers::NAMES,
-                    )
-                    .unwrap_or(EfficiencyCovers::Load),
-            })
+        "family" => {
+            let about = "families of gears by name, `*` for any run of characters: each of their points is a gear";
+            let patterns = patterns(about)?;
+            let about = "whether a ratio between two points of the family may be chosen, where the gear is interpolated; one family \
+                         then";
+            let between = section.boolean(key("between", about).default("false")).unwrap_or(false);
+            (patterns, GearsFrom::Families { between })
         }
-        (true, false) => {
+        _ => {
             let about = "the ratios that may be chosen: any between two, a grid, or a list";
             let table = section.section(key("ratio", about).or("gears"))?;
             let read = read_ratios(&table);
             table.finish();
-            read
+            return read;
         }
+    };
+    let covers = key("efficiency_covers", "what the efficiency of these gears is counted for").default("`load`");
+    let efficiency_covers = section.choice(covers, EfficiencyCovers::NAMES).unwrap_or(EfficiencyCovers::Load);
+    if from.is_between() && efficiency_covers == EfficiencyCovers::LoadAndGear {
+        let message = "`efficiency_covers = \"load_and_gear\"` is not for ratios between the points of a family";
+        let problem = Problem::at(section.span_of("efficiency_covers"), message, "with `between`");
+        section.note(problem.help("which way power flows through the gear then depends on the ratio; leave one of the two out"));
     }
+    Some(RatioChoice::Catalog { patterns, from, efficiency_covers })
 }
 
 /// Reads `{ min, max }`, `{ min, max, step }`, `{ values }` or `{ stages, teeth }`.

@@ -40,6 +40,8 @@ pub struct GearPiece {
     rows: [MapRow; 2],
     /// Whether it begins with a jump: its first ratio is not its own.
     after_jump: bool,
+    /// Whether it ends with one: its last ratio is not its own.
+    before_jump: bool,
 }
 
 /// A number of a piece as `constant + per_power · N^p`.
@@ -78,9 +80,9 @@ impl GearPiece {
         if self.after_jump { self.rows[0].ratio.next_up() } else { self.rows[0].ratio }
     }
 
-    /// Its last ratio.
+    /// Its last ratio; one that is its own, as the first.
     pub fn to(&self) -> f64 {
-        self.rows[1].ratio
+        if self.before_jump { self.rows[1].ratio.next_down() } else { self.rows[1].ratio }
     }
 
     fn both(&self, of: impl Fn(&MapRow) -> Option<f64>) -> Option<[f64; 2]> {
@@ -143,6 +145,28 @@ impl GearPiece {
 #[derive(Debug, Clone, PartialEq)]
 pub struct GearMap {
     pieces: Vec<GearPiece>,
+    /// The gears that it goes through, where it is that of a named family.
+    points: Vec<FamilyPoint>,
+    /// The name of that family.
+    family: String,
+}
+
+/// A gear that a map goes through.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FamilyPoint {
+    /// Its ratio.
+    pub ratio: f64,
+    /// Its id.
+    pub id: String,
+}
+
+/// Where a ratio lies in a named family.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FamilyPlace<'m> {
+    /// At one of its points.
+    At(&'m FamilyPoint),
+    /// Between two.
+    Between(&'m FamilyPoint, &'m FamilyPoint),
 }
 
 impl GearMap {
@@ -158,8 +182,55 @@ impl GearMap {
         }
         let pieces = (0..=last)
             .filter(|k| !is_jump(*k))
-            .map(|k| GearPiece { rows: [rows[k], rows[k + 1]], after_jump: k > 0 && is_jump(k - 1) });
-        Some(GearMap { pieces: pieces.collect() })
+            .map(|k| GearPiece {
+                rows: [rows[k], rows[k + 1]],
+                after_jump: k > 0 && is_jump(k - 1),
+                before_jump: false,
+            });
+        Some(GearMap { pieces: pieces.collect(), points: Vec::new(), family: String::new() })
+    }
+
+    /// Of the points of a named family, by rising ratio: at each ratio of a point it is that gear. Between two the efficiencies are
+    /// those of the worse of both, and all else is interpolated as between any two rows. `None` of less than two points.
+    pub fn of_points(family: &str, points: &[(MapRow, String)]) -> Option<GearMap> {
+        let itself = |row: MapRow| GearPiece { rows: [row, row], after_jump: false, before_jump: false };
+        let worse = |[a, b]: [Option<f64>; 2], of: fn(f64, f64) -> f64| Some(of(a?, b?));
+        let between = |a: MapRow, b: MapRow| {
+            let driving = worse([a.driving, b.driving], f64::max);
+            let braking = worse([a.braking, b.braking], f64::min);
+            let rows = [a, b].map(|row| MapRow { driving, braking, ..row });
+            GearPiece { rows, after_jump: true, before_jump: true }
+        };
+        let rises = points.windows(2).all(|pair| pair[0].0.ratio < pair[1].0.ratio);
+        if points.len() < 2 || !rises {
+            return None;
+        }
+        let mut pieces = vec![itself(points[0].0)];
+        for pair in points.windows(2) {
+            pieces.extend([between(pair[0].0, pair[1].0), itself(pair[1].0)]);
+        }
+        let points = points.iter().map(|(row, id)| FamilyPoint { ratio: row.ratio, id: id.clone() }).collect();
+        Some(GearMap { pieces, points, family: family.into() })
+    }
+
+    /// Where a ratio lies among the points of a named family; `None` where it is none, or beyond its ends.
+    pub fn place(&self, ratio: f64) -> Option<FamilyPlace<'_>> {
+        let same = |point: &FamilyPoint| (ratio / point.ratio - 1.0).abs() <= ROUNDING;
+        if let Some(point) = self.points.iter().find(|point| same(point)) {
+            return Some(FamilyPlace::At(point));
+        }
+        let above = self.points.iter().position(|point| ratio < point.ratio)?;
+        Some(FamilyPlace::Between(self.points.get(above.checked_sub(1)?)?, &self.points[above]))
+    }
+
+    /// The name of its family; empty where it has none.
+    pub fn family(&self) -> &str {
+        &self.family
+    }
+
+    /// Whether it is that of a named family.
+    pub fn is_named(&self) -> bool {
+        !self.points.is_empty()
     }
 
     /// The pieces, from the smallest ratio to the largest.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::carried::{self, Asked};
-use super::gear::{EfficiencyCovers, GearModel, RatioChoice};
+use super::gear::{EfficiencyCovers, GearModel, GearsFrom, RatioChoice};
 use super::limits::{self, Limits};
 use super::mechanism::{self, Model, Use};
 use super::motions::{self, MotionReader};
@@ -28,21 +28,30 @@ pub(super) fn read(
     let name = section.required_text(key("name", "name of the joint"), "\"knee\"").map(|t| t.into_inner());
     let count = section.count(key("count", "how many joints like this").default("1")).unwrap_or(1);
     let ratio = match is_for_modules_alone(&section) {
-        true => Some(RatioChoice::Catalog { patterns: Vec::new(), efficiency_covers: EfficiencyCovers::Load }),
+        true => Some(RatioChoice::Catalog {
+            patterns: Vec::new(),
+            from: GearsFrom::Gears,
+            efficiency_covers: EfficiencyCovers::Load,
+        }),
         false => gear::read_ratio(&section),
     };
     let (gear, map) = match section
         .section(key("gear", "the gear that goes with a continuous ratio").default("an ideal one"))
     {
         Some(gear) => {
-            if matches!(ratio, Some(RatioChoice::Catalog { .. })) {
-                let (message, label, help) = match is_for_modules_alone(&section) {
-                    true => (
+            if let Some(RatioChoice::Catalog { from, .. }) = ratio {
+                let (message, label, help) = match (is_for_modules_alone(&section), from) {
+                    (_, GearsFrom::Families { .. }) => (
+                        "`gear` describes the gear of a continuous ratio, but `family` names gears that have their numbers",
+                        "not used with `family`",
+                        "remove one of the two",
+                    ),
+                    (true, _) => (
                         "`gear` describes the gear of a continuous ratio, and this joint has modules alone",
                         "a module has its own gear",
                         "remove it; or give a `ratio` too, for motors next to the modules",
                     ),
-                    false => (
+                    (false, _) => (
                         "`gear` describes the gear of a continuous ratio, but `gears` takes them from the catalogue",
                         "not used with `gears`",
                         "remove one of the two",
@@ -74,6 +83,9 @@ pub(super) fn read(
     let limits = Limits { mount_resistance: read_mount(&section), ..limits };
     if let Some(map) = &map {
         map_file::check(&section, map, ratio.as_ref(), &limits);
+    }
+    if ratio.as_ref().is_some_and(RatioChoice::is_between) {
+        map_file::check_between(&section, &limits);
     }
     let noted = section.noted();
     let (motion, columns, passed) = match (&between, motion) {
@@ -141,15 +153,16 @@ pub(super) fn read(
         excluded: names("motors that may not be chosen, by id or maker", "exclude"),
         turns: turns::read(&section),
         modules: names(
-            "modules that may be chosen, by id or maker, `*` for any run of characters; next to motors where the joint has `ratio` or `gears`, else alone",
+            "modules that may be chosen, by id or maker, `*` for any run of characters; next to motors where the joint has `ratio`, `gears` or `family`, else alone",
             "modules",
         ),
         only_modules: is_for_modules_alone(&section),
+        made_for: Vec::new(),
     };
     if motors.only_modules && !motors.allowed.is_empty() {
         let message = "`motors` names motors, and this joint has modules alone";
         let problem = Problem::at(section.span_of("motors"), message, "motors need a ratio");
-        section.note(problem.help("give `ratio` or `gears` for them too, or remove `motors`"));
+        section.note(problem.help("give `ratio`, `gears` or `family` for them too, or remove `motors`"));
     }
     let phases = read_phases(&section, count, motion.as_deref());
     if let (Some(objective), Some(motion)) = (&objective, &motion) {
@@ -180,7 +193,7 @@ pub(super) fn read(
 
 /// Whether a joint names modules and neither a ratio nor gears for motors.
 fn is_for_modules_alone(section: &Section) -> bool {
-    section.has("modules") && !section.has("ratio") && !section.has("gears")
+    section.has("modules") && !gear::RATIO_KEYS.into_iter().any(|key| section.has(key))
 }
 
 /// Energy per cycle needs a cycle.

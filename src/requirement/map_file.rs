@@ -263,6 +263,21 @@ pub(super) fn check(section: &Section, read: &Read, ratio: Option<&RatioChoice>,
     }
 }
 
+/// The same of ratios between the points of a family: what the points say is known with the catalogue, so that nothing goes with
+/// them that would not go with all they may say.
+pub(super) fn check_between(section: &Section, limits: &Limits) {
+    let with = [
+        ("spring", limits.spring.is_some()),
+        ("life", limits.life.is_some()),
+        ("max_backdriving_torque", limits.max_backdriving_torque.is_some()),
+    ];
+    for (name, _) in with.into_iter().filter(|(_, is)| *is) {
+        let message = format!("`between` and `{name}` of [joint.limits] do not go together");
+        let problem = Problem::at(section.span_of("between"), message, "ratios between the points of a family");
+        section.note(problem.help(format!("leave `between` out: the points are gears, and `{name}` goes with them; or remove it")));
+    }
+}
+
 /// The gear of a joint with a map: that at the smallest ratio which may be chosen.
 pub(super) fn gear(base: &GearModel, map: &GearMap, ratio: Option<&RatioChoice>) -> GearModel {
     let says_loss = base.says_loss || map.says(|row| row.driving) || map.says(|row| row.no_load_torque);
@@ -274,18 +289,26 @@ pub(super) fn gear(base: &GearModel, map: &GearMap, ratio: Option<&RatioChoice>)
 /// carry. `places` are those of the joints.
 pub(super) fn check_robot(root: &Section, joints: &[Joint], places: &[std::ops::Range<usize>], budget: Budget) {
     for (k, (joint, place)) in joints.iter().zip(places).enumerate() {
-        let Some(map) = &joint.gear_map else { continue };
+        let between = joint.ratio.is_between();
+        let (word, has_mass) = match &joint.gear_map {
+            Some(map) => ("a gear `map`", map.says(|row| row.mass)),
+            None if between => ("ratios `between` the points of a family", true),
+            None => continue,
+        };
         let is_carried = joints.iter().any(|other| other.carries.iter().any(|carried| carried.joint == k));
         let what = match () {
             () if !joint.carries.is_empty() => "carries other actuators",
             () if is_carried => "is carried by another joint",
             () if budget.power.is_some() || budget.current.is_some() => "shares a budget of power or current",
             () if budget.regeneration.is_some() => "shares a budget of what comes back",
-            () if budget.actuator_mass.is_some() && map.says(|row| row.mass) => "shares a budget of mass",
+            () if budget.actuator_mass.is_some() && has_mass => "shares a budget of mass",
             () => continue,
         };
-        let message = format!("joint `{}` has a gear `map` and {what}: the two are not combined", joint.name);
-        let help = "give the gear's numbers as keys of [joint.gear], or choose this joint in a requirement of its own";
+        let message = format!("joint `{}` has {word} and {what}: the two are not combined", joint.name);
+        let help = match between {
+            true => "leave `between` out, or choose this joint in a requirement of its own",
+            false => "give the gear's numbers as keys of [joint.gear], or choose this joint in a requirement of its own",
+        };
         root.note(Problem::at(place.clone(), message, "this joint").help(help));
     }
 }

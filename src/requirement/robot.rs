@@ -199,6 +199,8 @@ pub struct Filter {
     pub modules: Vec<String>,
     /// Whether modules alone may be chosen.
     pub only_modules: bool,
+    /// Patterns of the motors that the joint's family of gears is made for; empty for all.
+    pub made_for: Vec<String>,
 }
 
 impl Filter {
@@ -212,6 +214,11 @@ impl Filter {
             && self.turns.allow(motor)
             && (self.allowed.is_empty() || self.allowed.iter().any(is))
             && !self.excluded.iter().any(is)
+    }
+
+    /// Whether the joint's family of gears is made for a motor.
+    pub fn is_made_for(&self, motor: &Motor) -> bool {
+        self.made_for.is_empty() || self.made_for.iter().any(|pattern| matches_pattern(pattern, motor.row_id()))
     }
 
     /// Whether a module may be chosen.
@@ -262,6 +269,16 @@ impl Robot {
 }
 
 impl Joint {
+    /// The gear map of a named family, where the ratio lies between its points or at one of them.
+    pub fn family_map(&self) -> Option<&GearMap> {
+        self.gear_map.as_deref().filter(|map| map.is_named())
+    }
+
+    /// Whether its gears are ones that somebody published, and not one that the requirement describes.
+    pub fn has_published_gears(&self) -> bool {
+        self.ratio.is_catalog() || self.family_map().is_some()
+    }
+
     /// The same with a spring of a stiffness \[N·m/rad\] and a rest angle \[rad\] taking its part of the load; `None` where
     /// the motion says no position.
     pub fn with_spring(&self, stiffness: f64, rest_angle: f64) -> Option<Joint> {

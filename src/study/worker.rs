@@ -249,10 +249,14 @@ impl Worker<'_> {
             let errors = [InputError { source, problems: vec![Problem::whole(message)] }];
             broken(name.to_string(), Broken::of(&errors))
         };
-        if let Err(message) = crate::design::check_patterns(&read, self.catalog).and_then(|()| self.can_be_asked(&read))
-        {
+        if let Err(message) = self.can_be_asked(&read) {
             return Ok(refused(&read.name, message));
         }
+        let name = read.name.clone();
+        let read = match crate::design::families::settled(read, self.catalog) {
+            Ok(read) => read,
+            Err(message) => return Ok(refused(&name, message)),
+        };
         let turns = read.listed_turns();
         let wound = (!turns.is_empty() || read.modules().next().is_some()).then(|| {
             let complete = if self.settings.estimates { completed_module } else { |module| module };

@@ -46,7 +46,7 @@ pub(super) const LIMITS: &[Limit] = &[
                 let (torque, sample) = c.load.peak_torque;
                 plain(Demand::Fixed(torque, Some(sample)), c.joint.limits.safety, bound, "gear")
             }
-            None if c.catalog_gear.is_some() => Prepared::Unknown("the gear's peak torque is not known"),
+            None if c.gear_is_published() => Prepared::Unknown("the gear's peak torque is not known"),
             None => Prepared::NotAsked,
         },
     },
@@ -65,7 +65,7 @@ pub(super) const LIMITS: &[Limit] = &[
             _ if c.gear.ratings.average_replaces_continuous() => Prepared::NotAsked,
             Some(_) if !c.load.has_durations => Prepared::Unknown(NO_DURATIONS),
             Some(bound) => plain(Demand::Fixed(c.load.rms_torque, None), 1.0, bound, "gear"),
-            None if c.catalog_gear.is_some() => Prepared::Unknown("the gear's continuous torque is not known"),
+            None if c.gear_is_published() => Prepared::Unknown("the gear's continuous torque is not known"),
             None => Prepared::NotAsked,
         },
     },

@@ -278,7 +278,7 @@ pub(super) fn always(_: &Robot, _: &Joint) -> bool {
 
 /// A rating of the gear that the requirement describes, not of one from the catalogue.
 pub(super) fn described(joint: &Joint, rating: Option<f64>) -> bool {
-    rating.is_some() && !joint.ratio.is_catalog()
+    rating.is_some() && !joint.has_published_gears()
 }
 
 /// The unit of a limit on a price: the currency of `[prices]`.

@@ -241,7 +241,10 @@ pub const NEEDS: &[Need] = &[
         stated: |_, joint| joint.limits.reflected_inertia.is_some(),
         key: |owner| (owner == "requirement").then_some(Key::Joint(&["limits", "reflected_inertia"])),
         missing: |c| {
-            let unknown = c.catalog_gear.is_some_and(|gear| gear.inertia.is_none());
+            let unknown = match (c.catalog_gear, c.joint.family_map()) {
+                (Some(gear), _) => gear.inertia.is_none(),
+                (None, map) => map.is_some_and(|map| !map.says(|row| row.inertia)),
+            };
             unknown.then_some("the gear's inertia is not known: it is left out")
         },
         at_ratio: |_| None,

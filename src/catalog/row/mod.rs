@@ -14,7 +14,7 @@ mod write;
 pub use alias::{ALIASES, aliases_of, column_of};
 pub(super) use cells::{Cells, CsvCells, TomlCells};
 pub use motor::{Convention, MotorRow};
-pub(super) use read::{check_gear, gear, module, motor, numbers};
+pub(super) use read::{check_gear, gear, module, motor, numbers, point};
 pub(crate) use write::text;
 pub use write::{csv_text, numbers_text, toml_text};
 #[cfg(feature = "report")]
@@ -341,7 +341,7 @@ pub(super) fn find<T: Copy>(names: &[(&'static str, T)], word: &str) -> Option<T
 }
 
 /// A text that is a list: separated by blanks or `;`.
-fn listed(text: &str) -> Vec<String> {
+pub(super) fn listed(text: &str) -> Vec<String> {
     text.split([';', ' ']).filter(|s| !s.is_empty()).map(str::to_string).collect()
 }
 

@@ -204,6 +204,18 @@ pub fn gear(cells: &dyn Cells) -> Option<Gear> {
     (cells.noted() == before).then_some(gear)
 }
 
+/// Reads a point of a family of gears into `blank`, which has what the family says for all: the columns in `of_family`.
+pub fn point(cells: &dyn Cells, blank: Gear, of_family: &[&str]) -> Option<Gear> {
+    let before = cells.noted();
+    let mut gear = blank;
+    read(cells, &mut gear, of_family);
+    if !cells.is_given("ratio") {
+        cells.blank("ratio", Need::Must("9"), &[]);
+    }
+    check_gear(cells, &gear);
+    (cells.noted() == before).then_some(gear)
+}
+
 /// Reads the row of a module.
 pub fn module(cells: &dyn Cells) -> Option<Module> {
     let before = cells.noted();
@@ -285,6 +297,7 @@ impl Gear {
             id: String::new(),
             manufacturer: String::new(),
             model: String::new(),
+            family: String::new(),
             kind: GearKind::Direct,
             ratio: f64::NAN,
             stages: None,

@@ -16,7 +16,7 @@ use crate::report::json;
                    `--csv` writes a catalogue file."
 )]
 pub struct Arguments {
-    /// `motors`, `gears` or `modules`, all without it; then filters that a row has to keep
+    /// `motors`, `gears`, `modules` or `families`, all without it; then filters that a row has to keep
     #[arg(value_name = "FILTER")]
     filters: Vec<String>,
     #[command(flatten)]
@@ -30,8 +30,13 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         Some((first, rest)) if matches!(first.as_str(), "motors" | "motor") => (Some(RowKind::Motor), rest),
         Some((first, rest)) if matches!(first.as_str(), "gears" | "gear") => (Some(RowKind::Gear), rest),
         Some((first, rest)) if matches!(first.as_str(), "modules" | "module") => (Some(RowKind::Module), rest),
+        Some((first, rest)) if matches!(first.as_str(), "families" | "family") => (Some(RowKind::Family), rest),
         _ => (None, arguments.filters.as_slice()),
     };
+    if let (Some(RowKind::Family), Some(filter)) = (kinds, filters.first()) {
+        let why = format!("the filter `{filter}`: gear families have no columns; `gearwise catalog show NAME` lists the points of one");
+        return Err(Failure::Argument(why));
+    }
     let filters: Vec<Filter> =
         filters.iter().map(|text| Filter::read(text)).collect::<Result<_, _>>().map_err(Failure::Argument)?;
     let having = |filter: &Filter| {

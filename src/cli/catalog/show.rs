@@ -5,6 +5,7 @@ use crate::catalog::filter::search;
 use crate::catalog::module::audit::audit_module;
 use crate::catalog::{Alternative, Catalog};
 use crate::report::catalog::card::{self, Card};
+use crate::report::catalog::family;
 use crate::report::catalog::module::module_text;
 use crate::report::{json, json_text};
 use crate::words::nearest;
@@ -15,7 +16,7 @@ use crate::words::nearest;
     before_help = "Examples:\n  gearwise catalog show t-motor-u8-lee\n  gearwise catalog show my-motor --catalog user\n  gearwise catalog show t-motor-ri50 --json"
 )]
 pub struct Arguments {
-    /// Id of a motor, a gear or a module
+    /// Id of a motor, a gear or a module, or the name of a gear family
     id: String,
     #[command(flatten)]
     which: Which,
@@ -28,7 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
     let catalog = arguments.which.read()?;
     let id = arguments.id.as_str();
     let motor = catalog.motors.iter().find(|m| m.id == id);
-    let gear = catalog.gears.iter().find(|g| g.id == id);
+    let gear = catalog.gear(id);
     let elsewhere: Vec<&Alternative> = catalog.alternatives_of(id).collect();
     let mut texts = Vec::new();
     if let Some(motor) = motor {
@@ -52,6 +53,12 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
             false => module_text(module, &findings) + &card::elsewhere_text(&elsewhere),
         });
     }
+    if let Some(family) = catalog.families.iter().find(|f| f.name == id).filter(|_| texts.is_empty()) {
+        texts.push(match arguments.json {
+            true => json_text(&json::catalog::family_shown(family)),
+            false => family::text(family),
+        });
+    }
     if texts.is_empty() {
         return Err(unknown(&catalog, id));
     }
@@ -63,12 +70,14 @@ fn unknown(catalog: &Catalog, id: &str) -> Failure {
     let found = search(catalog, id);
     let modules = found.modules.iter().map(|m| m.id.as_str());
     let gears = found.gears.iter().map(|g| g.id.as_str());
-    let has = found.motors.iter().map(|m| m.id.as_str()).chain(gears).chain(modules);
+    let families = found.families.iter().map(|f| f.name.as_str());
+    let has = found.motors.iter().map(|m| m.id.as_str()).chain(gears).chain(modules).chain(families);
     let mut near: Vec<&str> = has.take(3).collect();
     if near.is_empty() {
-        let gears = catalog.gears.iter().map(|g| g.id.as_str());
+        let gears = catalog.all_gears().map(|g| g.id.as_str());
         let modules = catalog.modules.iter().map(|m| m.id.as_str());
-        let all = catalog.motors.iter().map(|m| m.id.as_str()).chain(gears).chain(modules);
+        let families = catalog.families.iter().map(|f| f.name.as_str());
+        let all = catalog.motors.iter().map(|m| m.id.as_str()).chain(gears).chain(modules).chain(families);
         near.extend(nearest(id, all));
     }
     let names: Vec<String> = near.iter().map(|n| format!("`{n}`")).collect();
@@ -76,5 +85,5 @@ fn unknown(catalog: &Catalog, id: &str) -> Failure {
         true => "`gearwise catalog list` shows them all".to_string(),
         false => format!("did you mean {}?", names.join(" or ")),
     };
-    Failure::Argument(format!("there is no motor, gear or module `{id}` in the catalogue; {help}"))
+    Failure::Argument(format!("there is no motor, gear, module or gear family `{id}` in the catalogue; {help}"))
 }

@@ -311,7 +311,7 @@ impl<'a> Context<'a> {
     fn loaded(&self, items: &[&Item<'a>], coordinates: &[Vec<f64>]) -> Vec<Loaded> {
         let mount = |(j, item): (usize, &&Item)| {
             let joint = carry::loaded(&self.robot.joints[j], &coordinates[j]);
-            let gear = item.design.gear.and_then(|id| self.catalog.gears.iter().find(|g| g.id == id));
+            let gear = item.design.gear.and_then(|id| self.catalog.gear(id));
             let joint = sprung(&joint, item).unwrap_or(joint);
             let load = load_through(&joint, gear);
             Loaded { joint, load }
@@ -321,7 +321,7 @@ impl<'a> Context<'a> {
 
     fn mount<'m>(&'m self, loaded: &'m Loaded, item: &Item<'a>) -> Mount<'m, 'm> {
         let motor = &self.catalog.motors[item.motor];
-        let gear = item.design.gear.and_then(|id| self.catalog.gears.iter().find(|g| g.id == id));
+        let gear = item.design.gear.and_then(|id| self.catalog.gear(id));
         Mount::new(self.robot, &loaded.joint, &loaded.load, motor).with_gear(gear)
     }
 
@@ -798,7 +798,7 @@ fn priced(
     weights: &[(usize, f64)],
 ) -> f64 {
     let motor = &catalog.motors[item.motor];
-    let gear = item.design.gear.and_then(|id| catalog.gears.iter().find(|g| g.id == id));
+    let gear = item.design.gear.and_then(|id| catalog.gear(id));
     let sprung = sprung(joint, item);
     let joint = sprung.as_ref().unwrap_or(joint);
     let own = (sprung.is_some() || gear.is_some_and(|gear| covered_inertia(joint, gear).is_some()))

@@ -55,7 +55,8 @@ impl<'c> Listing<'c> {
 
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
-        self.found.motors.is_empty() && self.found.gears.is_empty() && self.found.modules.is_empty()
+        let Found { motors, gears, modules, families, .. } = &self.found;
+        motors.is_empty() && gears.is_empty() && modules.is_empty() && families.is_empty()
     }
 }
 
@@ -104,9 +105,23 @@ pub fn text(listing: &Listing) -> String {
         let frame = "Torques and speeds at the output; `–` is unknown, not zero. What a row has constants for can be followed in currents, losses and voltages; of the others ratings alone.";
         out.push_str(&paragraph(frame, 0, 2));
     }
+    if !found.families.is_empty() {
+        if out.ends_with('\n') {
+            out.push('\n');
+        }
+        out.push_str(&super::family::table(&found.families).text());
+        out.push('\n');
+        let frame = "A family's points are gears that a joint takes with `family`, not with `gears`; `gearwise catalog show` lists them.";
+        out.push_str(&paragraph(frame, 0, 2));
+    }
     let counts = [("motor", found.motors.len()), ("gear", found.gears.len()), ("module", found.modules.len())];
     let asked = |(kind, _): &&(&str, usize)| listing.kinds.is_none_or(|asked| word(RowKind::NAMES, &asked) == *kind);
-    let counts: Vec<String> = counts.iter().filter(asked).map(|(kind, count)| counted(*count, kind)).collect();
+    let mut counts: Vec<String> = counts.iter().filter(asked).map(|(kind, count)| counted(*count, kind)).collect();
+    match found.families.len() {
+        0 if listing.kinds != Some(RowKind::Family) => {}
+        1 => counts.push("1 gear family".into()),
+        n => counts.push(format!("{n} gear families")),
+    }
     let count = match counts.split_last() {
         Some((last, before)) if !before.is_empty() => format!("{} and {last}", before.join(", ")),
         _ => counts.concat(),
@@ -252,6 +267,9 @@ pub(crate) fn says(module: &Module) -> &'static str {
 /// In words, where there are rows of several kinds: a file has rows of one.
 pub fn csv(listing: &Listing) -> Result<String, String> {
     let found = &listing.found;
+    if listing.kinds == Some(RowKind::Family) {
+        return Err("a gear family is no table: its file is TOML, and `--json` has all of it".into());
+    }
     let kinds = [found.motors.is_empty(), found.gears.is_empty(), found.modules.is_empty()];
     if kinds.iter().filter(|none| !**none).count() > 1 {
         let why = "a catalogue file has rows of one kind: add `motors`, `gears` or `modules` before the filters";

@@ -2,6 +2,7 @@
 
 pub mod card;
 pub mod diff;
+pub mod family;
 pub mod lacks;
 pub mod list;
 pub mod module;

@@ -14,7 +14,7 @@ use crate::report::optimize::{
 use crate::report::outlook::{heading, near_gear_cells, no_gear};
 use crate::report::plot::design as plot;
 use crate::report::reason::reason_text;
-use crate::report::teeth::of_ratio;
+use crate::report::said::gear_of_ratio;
 use crate::report::{columns, different_motors, number, optional, spring};
 use crate::requirement::{Joint, RatioChoice};
 
@@ -187,7 +187,7 @@ fn section(result: &JointResult, outlook: Option<&Outlook>, names: &str, figure:
     parts.extend(candidates(result, names).part());
     parts.extend(losses(result, names));
     if let Some(first) = result.candidates.first() {
-        let teeth = of_ratio(joint, first.optimum.ratio).filter(|_| first.gear.is_none());
+        let teeth = gear_of_ratio(joint, first.optimum.ratio).filter(|_| first.gear.is_none());
         parts.extend(teeth.map(|line| Part::Text(format!("{}: {line}.", choice_text(first)))));
         let name = format!("{names}: limits of the first choice, {}", choice_text(first));
         let limits = Table::of(name, &limit_columns()).rows(limit_rows(&first.evaluation.margins, joint));

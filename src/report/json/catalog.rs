@@ -11,7 +11,7 @@ use crate::catalog::audit::Finding;
 use crate::catalog::convention::{Winding, word};
 use crate::catalog::difference::{Became, Cell, Change, Difference};
 use crate::catalog::row::{Holds, MotorRow, Row as CatalogRow};
-use crate::catalog::{Alternative, Gear, Module, Motor, SourceKind};
+use crate::catalog::{Alternative, Family, Gear, GearKind, Module, Motor, SourceKind};
 use crate::report::catalog::card::{Card, gear_lacks};
 use crate::report::catalog::diff::counts;
 use crate::report::catalog::list::Listing;
@@ -29,6 +29,8 @@ pub struct Listed<'a> {
     pub gears: Vec<Row>,
     /// Modules.
     pub modules: Vec<Row>,
+    /// Families of gears.
+    pub families: Vec<FamilyRow<'a>>,
     /// Rows that are not here because a number is not known that a filter asks for.
     pub unknown_rows: usize,
     /// Of each filter of which some row does not know the value.
@@ -150,6 +152,7 @@ fn listing<'a>(of: &'a Listing) -> Listed<'a> {
         motors: of.found.motors.iter().map(|m| Row::of_motor(m)).collect(),
         gears: of.found.gears.iter().map(|g| Row::of(*g)).collect(),
         modules: of.found.modules.iter().map(|m| Row::of(*m)).collect(),
+        families: of.found.families.iter().map(|family| FamilyRow::of(family)).collect(),
         unknown_rows: of.found.unknown,
         unknown: unknown.collect(),
         near: of.near.clone(),
@@ -166,13 +169,76 @@ pub fn searched(of: &Listing) -> Value {
     document("catalog search", listing(of))
 }
 
+/// A family of gears.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct FamilyRow<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// How its gears reduce.
+    pub kind: &'static str,
+    /// Number of their stages.
+    pub stages: Option<u32>,
+    /// Patterns of the motors that it is made for; empty for any.
+    pub made_for: &'a [String],
+    /// What its teeth are made of.
+    pub material: &'a str,
+    /// The largest stress in a tooth that all points are made for.
+    pub stress_limit_pa: Option<f64>,
+    /// Where the numbers come from.
+    pub source: &'a str,
+    /// What kind of source that is.
+    pub source_kind: &'static str,
+    /// What its reader should know.
+    pub note: &'a str,
+    /// Its gears by rising ratio, without the motor's part of mass and length.
+    pub points: Vec<Row>,
+}
+
+impl<'a> FamilyRow<'a> {
+    fn of(family: &'a Family) -> FamilyRow<'a> {
+        let gear = &family.gear;
+        FamilyRow {
+            name: &family.name,
+            kind: word(GearKind::NAMES, &gear.kind),
+            stages: gear.stages,
+            made_for: &gear.fits,
+            material: &family.material,
+            stress_limit_pa: family.stress_limit,
+            source: &gear.source,
+            source_kind: word(SourceKind::NAMES, &gear.source_kind),
+            note: &gear.note,
+            points: family.points.iter().map(Row::of).collect(),
+        }
+    }
+}
+
+/// A family of gears.
+pub fn family_shown(family: &Family) -> Value {
+    let shown = Shown {
+        kind: "gear family",
+        row: Row { id: family.name.clone(), texts: Vec::new(), numbers: Vec::new(), pairs: Vec::new() },
+        family: Some(FamilyRow::of(family)),
+        conventions: Vec::new(),
+        heat: None,
+        lacks: Vec::new(),
+        same_motor: Vec::new(),
+        assumptions: Vec::new(),
+        audit: Vec::new(),
+        alternatives: Vec::new(),
+    };
+    document("catalog show", shown)
+}
+
 /// What `catalog show` prints.
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Shown<'a> {
-    /// `motor`, `gear` or `module`.
+    /// `motor`, `gear`, `module` or `gear family`.
     pub kind: &'static str,
-    /// The row.
+    /// The row; of a family its name alone.
     pub row: Row,
+    /// The family, where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub family: Option<FamilyRow<'a>>,
     /// Numbers in every convention that they have.
     pub conventions: Vec<InConvention>,
     /// How heat can be judged: `known`, `estimated` or `unknown`; `null` of a gear.
@@ -257,6 +323,7 @@ pub fn motor_shown(card: &Card, elsewhere: &[&Alternative]) -> Value {
     let shown = Shown {
         kind: "motor",
         row: Row::of_motor(card.motor),
+        family: None,
         conventions: conventions.collect(),
         heat: Some(card.heat.word()),
         lacks: lacks.collect(),
@@ -275,6 +342,7 @@ pub fn gear_shown(gear: &Gear, elsewhere: &[&Alternative]) -> Value {
     let shown = Shown {
         kind: "gear",
         row: Row::of(gear),
+        family: None,
         conventions: Vec::new(),
         heat: None,
         lacks,
@@ -292,6 +360,7 @@ pub fn module_shown(module: &Module, audit: &[Finding], elsewhere: &[&Alternativ
     let shown = Shown {
         kind: "module",
         row: Row::of(module),
+        family: None,
         conventions: Vec::new(),
         heat: None,
         lacks: lacks.collect(),

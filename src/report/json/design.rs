@@ -23,7 +23,7 @@ use crate::design::figures::{FIGURES, Facts};
 use crate::design::program;
 use crate::report::columns::metric_key;
 use crate::report::{optimize, unjudged};
-use crate::requirement::Joint;
+use crate::requirement::{FamilyPlace, Joint};
 
 /// A motor with its ratio or gear at a joint.
 #[derive(Debug, Serialize, JsonSchema)]
@@ -37,6 +37,9 @@ pub struct Design<'a> {
     /// Teeth of a gear of this ratio, where the requirement lists the stages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub teeth: Option<Teeth>,
+    /// Where the ratio lies among the points of its gear family, where it may lie between them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub family: Option<Family<'a>>,
     /// Whether every limit that could be checked is kept.
     pub feasible: bool,
     /// Objective; `null` where a number that it needs is not known.
@@ -156,6 +159,27 @@ pub struct Bind<'a> {
     pub at: Option<String>,
     /// Why what lies beyond cannot be judged; `null` where it exceeds the limit.
     pub unjudged: Option<&'a str>,
+}
+
+/// Where a ratio lies among the points of a gear family.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Family<'a> {
+    /// Name of the family.
+    pub name: &'a str,
+    /// The point that the ratio is at, or the two that it lies between: nobody published that gear.
+    pub points: Vec<&'a str>,
+}
+
+impl<'a> Family<'a> {
+    /// Of a ratio at a joint; `None` where its gear is of no family, or a row of the catalogue.
+    pub fn new(joint: &'a Joint, ratio: f64) -> Option<Family<'a>> {
+        let map = joint.family_map()?;
+        let points = match map.place(ratio)? {
+            FamilyPlace::At(point) => vec![point.id.as_str()],
+            FamilyPlace::Between(below, above) => vec![below.id.as_str(), above.id.as_str()],
+        };
+        Some(Family { name: map.family(), points })
+    }
 }
 
 /// The planetary gear with the fewest teeth that has a ratio.
@@ -577,6 +601,7 @@ impl<'a> Design<'a> {
             gear: facts.gear,
             ratio: e.ratio,
             teeth: Teeth::new(joint, e.ratio).filter(|_| facts.gear.is_none()),
+            family: Family::new(joint, e.ratio).filter(|_| facts.gear.is_none()),
             feasible: e.feasible,
             objective: facts.objective,
             objective_unit: joint.objective.unit(),

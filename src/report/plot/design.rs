@@ -94,7 +94,7 @@ fn group(robot: &Robot, result: &JointResult, catalog: &Catalog, names: &str) ->
         let empty = Panel { x: "".into(), empty: format!("no motor {which} is feasible"), ..Panel::default() };
         return Group { title: names.into(), panels: vec![empty], ..Group::default() };
     };
-    let gear = first.gear.and_then(|id| catalog.gears.iter().find(|g| g.id == id));
+    let gear = first.gear.and_then(|id| catalog.gear(id));
     let ratio = first.optimum.ratio;
     let diagram = with_prepared(robot, &own_joint(result.joint, first), first.motor, gear, |prepared| {
         torque_speed::panel(prepared, ratio, format!("first choice: {}", name(first.motor, first.gear, ratio)))

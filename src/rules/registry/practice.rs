@@ -145,7 +145,7 @@ pub(super) const GEAR_RATING_UNKNOWN: Rule = Rule {
 
 fn gear_rating(facts: &JointFacts) -> Vec<Remark> {
     let joint = facts.choice.joint;
-    let described = !joint.ratio.is_catalog() && facts.choice.gear.is_none();
+    let described = !joint.has_published_gears() && facts.choice.gear.is_none();
     let ideal = joint.gear.efficiency == 1.0 && joint.gear.mass == Some(0.0) && joint.gear.inertia == 0.0;
     if !described || ideal || joint.gear.peak_torque.is_some() {
         return Vec::new();

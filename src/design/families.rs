@@ -1,0 +1,171 @@
+//! Families of gears at a joint: which a requirement may name, and ratios between their points.
+//!
+//! The one idea: a point of a family is a gear and needs nothing here. Where ratios between the points may be chosen, the
+//! family becomes the gear map of the joint and its ratio free, so that all behind sees an ordinary joint. That takes the
+//! catalogue, and is done once, when requirement and catalogue are read.
+
+use std::sync::Arc;
+
+use super::mount::gear_model;
+use crate::catalog::family::{Covers, Family};
+use crate::catalog::{Catalog, GEAR_FIELDS, Gear};
+use crate::requirement::{Arrangement, Filter, GearMap, GearModel, GearsFrom, Joint, MapRow, RatioChoice, Robot};
+use crate::words::nearest;
+
+/// The columns that are interpolated between two points: all say them, or none.
+const INTERPOLATED: &[&str] = &[
+    "ratio",
+    "mass",
+    "inertia",
+    "efficiency",
+    "backdrive_efficiency",
+    "no_load_torque",
+    "peak_torque",
+    "continuous_torque",
+    "max_input_speed",
+];
+
+/// The columns that hold between two points where all points say the same, and are not known where they do not.
+const SHARED: &[&str] = &["outer_diameter", "length", "width", "height", "backlash", "stiffness", "price", "price_quantity", "lead_time"];
+
+/// A robot whose joints are ready for a catalogue: every pattern names a row, and a joint with ratios between the points of a family
+/// has them as its gear map.
+///
+/// # Errors
+/// In words: a pattern that names nothing, families that do not go together, points that cannot be interpolated.
+pub fn settled(robot: Robot, catalog: &Catalog) -> Result<Robot, String> {
+    super::check_patterns(&robot, catalog)?;
+    settle(robot, catalog)
+}
+
+/// As [`settled`], of a robot whose patterns need not name a row: that of a design.
+///
+/// # Errors
+/// As of [`settled`].
+pub fn settle(robot: Robot, catalog: &Catalog) -> Result<Robot, String> {
+    let joints = robot.joints.into_iter().map(|joint| with_map(joint, catalog)).collect::<Result<_, _>>()?;
+    Ok(Robot { joints, ..robot })
+}
+
+/// That the families which a joint names exist, go together and are made for a motor of the joint.
+pub(super) fn check(joint: &Joint, patterns: &[String], catalog: &Catalog) -> Result<(), String> {
+    let wrong = |why: String| Err(format!("joint `{}`: {why}", joint.name));
+    for pattern in patterns {
+        if catalog.families_of(std::slice::from_ref(pattern)).next().is_some() {
+            continue;
+        }
+        let names = catalog.families.iter().map(|family| family.name.as_str());
+        let help = match nearest(pattern, names) {
+            _ if catalog.families.is_empty() => "it has no families at all; `--also` adds a file".to_string(),
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "`gearwise catalog list families` lists them".to_string(),
+        };
+        return wrong(format!("no gear family of the catalogue matches `{pattern}`; {help}"));
+    }
+    let named: Vec<&Family> = catalog.families_of(patterns).collect();
+    let Some((first, others)) = named.split_first() else { return wrong("`family` names none".into()) };
+    if let Some(other) = others.iter().find(|other| other.stress_limit != first.stress_limit) {
+        return wrong(format!(
+            "the families `{}` ({}) and `{}` ({}) are made for two stress limits: their masses do not compare; name those of one",
+            first.name,
+            first.stress(),
+            other.name,
+            other.stress()
+        ));
+    }
+    if joint.limits.axial_length.is_some() && joint.limits.arrangement == Arrangement::SideBySide
+        && let Some(family) = named.iter().find(|family| family.length_covers == Covers::Actuator)
+    {
+        return wrong(format!(
+            "the lengths of `{}` are those of motor and gear one behind the other, and `arrangement` says side by side",
+            family.name
+        ));
+    }
+    let may_be = |motor: &&crate::catalog::Motor| joint.motors.allows(motor) && motor.inside.is_none();
+    let is_for = |family: &Family| {
+        let fits = |motor: &crate::catalog::Motor| family.gear.fits(motor.row_id()) != Some(false);
+        catalog.motors.iter().chain(&catalog.aside).filter(may_be).any(fits)
+    };
+    if let Some(family) = named.iter().find(|family| !is_for(family)) {
+        let of = family.gear.fits.join(", ");
+        return wrong(format!("`{}` is made for {of}, and none of the joint's motors is that", family.name));
+    }
+    Ok(())
+}
+
+/// A joint with ratios between the points of a family: with the family as its gear map. Any other as it is.
+fn with_map(joint: Joint, catalog: &Catalog) -> Result<Joint, String> {
+    let RatioChoice::Catalog { patterns, from: GearsFrom::Families { between: true }, .. } = &joint.ratio else {
+        return Ok(joint);
+    };
+    let wrong = |why: String| Err(format!("joint `{}`: {why}", joint.name));
+    let named: Vec<&Family> = catalog.families_of(patterns).collect();
+    let [family] = named[..] else {
+        let names: Vec<&str> = named.iter().map(|family| family.name.as_str()).collect();
+        let names = if names.is_empty() { "none".into() } else { names.join(", ") };
+        return wrong(format!("`between = true` takes one family; {} names {names}", patterns.join(", ")));
+    };
+    let (map, base) = match map(family) {
+        Ok(made) => made,
+        Err(why) => return wrong(format!("no ratios between the points of `{}`: {why}", family.name)),
+    };
+    let (min, max) = map.range();
+    let motors = Filter { made_for: family.gear.fits.clone(), ..joint.motors.clone() };
+    let gear = GearModel { says_loss: true, ..map.gear(&base, min) };
+    let ratio = RatioChoice::Continuous { min, max };
+    Ok(Joint { ratio, gear, gear_map: Some(Arc::new(map)), motors, ..joint })
+}
+
+/// The gear map through the points of a family, and what none of its columns says.
+fn map(family: &Family) -> Result<(GearMap, GearModel), String> {
+    for field in GEAR_FIELDS {
+        let of = |point: &Gear| (field.get)(point).map(|printed| printed.value);
+        let says = family.points.iter().filter(|point| of(point).is_some()).count();
+        let known = INTERPOLATED.contains(&field.name);
+        if says > 0 && !known && !SHARED.contains(&field.name) {
+            return Err(format!("`{}` is not interpolated", field.name));
+        }
+        if known && says > 0 && says < family.points.len() {
+            return Err(format!("`{}` is known of {says} of {} points alone", field.name, family.points.len()));
+        }
+    }
+    let models: Option<Vec<GearModel>> = family.points.iter().map(gear_model).collect();
+    let models = models.ok_or("the efficiency of its points is not known")?;
+    let rows: Vec<(MapRow, String)> = family.points.iter().zip(&models).map(|(point, model)| (row(point, model), point.id.clone())).collect();
+    let map = GearMap::of_points(&family.name, &rows).ok_or("it has one point alone")?;
+    Ok((map, shared(&models)))
+}
+
+/// A point as a row of the map: what it does not say, the map does not either.
+fn row(point: &Gear, model: &GearModel) -> MapRow {
+    MapRow {
+        ratio: point.ratio,
+        mass: point.mass,
+        inertia: point.inertia,
+        driving: Some(1.0 / model.efficiency),
+        braking: Some(model.backdrive_efficiency),
+        no_load_torque: point.no_load_torque.map(|_| model.no_load.coulomb),
+        peak_torque: point.peak_torque,
+        continuous_torque: point.continuous_torque,
+        max_input_speed: point.max_input_speed,
+    }
+}
+
+/// What all points say alike; what they do not is not known.
+fn shared(models: &[GearModel]) -> GearModel {
+    let alike = |of: fn(&GearModel) -> Option<f64>| {
+        let first = models.first().and_then(of);
+        first.filter(|_| models.iter().all(|model| of(model) == first))
+    };
+    GearModel {
+        outer_diameter: alike(|model| model.outer_diameter),
+        length: alike(|model| model.length),
+        backlash: alike(|model| model.backlash),
+        stiffness: alike(|model| model.stiffness),
+        lead_time: alike(|model| model.lead_time),
+        price: None,
+        mass: None,
+        says_loss: true,
+        ..GearModel::IDEAL
+    }
+}
