@@ -10,7 +10,7 @@ use super::Catalog;
 use super::gear::{Gear, GearKind, matches_pattern};
 use super::row::{self, TomlCells};
 use super::sheet::SourceKind;
-use crate::input::{Problem, Range, Section, key};
+use crate::input::{Description, Form, Problem, Range, Section, key};
 use crate::units;
 use crate::words::{counted, number};
 
@@ -98,11 +98,17 @@ struct Own {
     length_covers: Covers,
 }
 
+/// What the reader asks for, but for the columns of a gear in the points, which have a list of their own.
+pub fn describe() -> Description {
+    Form::describe("", read)
+}
+
 /// Reads a family; `None` where it has mistakes, which are noted.
 pub(super) fn read(root: &Section) -> Option<Family> {
     let before = root.noted();
     let text = |name: &'static str, about: &'static str| root.text(key(name, about)).map(toml::Spanned::into_inner);
-    let name = root.required_text(key("name", "of the family; the ids of its points begin with it"), "\"compact-u8-sspg\"");
+    let name =
+        root.required_text(key("name", "of the family; the ids of its points begin with it"), "\"compact-u8-sspg\"");
     let kind = root.choice(key("kind", "how its gears reduce").required(), GearKind::NAMES);
     let motor = root.text(
         key("motor", "the motor that it is made for: an id or a pattern, several by blanks").default("any motor"),
@@ -111,16 +117,31 @@ pub(super) fn read(root: &Section) -> Option<Family> {
     let material = text("material", "of the teeth");
     let stress_limit =
         root.quantity(key("stress_limit", "in a tooth, that all points are made for"), &units::STRESS, Range::Positive);
-    let quantity = |name: &'static str, about: &'static str, kind| root.quantity(key(name, about), kind, Range::Positive);
+    let quantity =
+        |name: &'static str, about: &'static str, kind| root.quantity(key(name, about), kind, Range::Positive);
     let own = Own {
         mass_covers: root
-            .choice(key("mass_covers", "what the mass of the points is of").default("required with `mass`"), Covers::NAMES)
+            .choice(
+                key("mass_covers", "what the mass of the points is of").default("required with `mass`"),
+                Covers::NAMES,
+            )
             .unwrap_or(Covers::Gear),
-        motor_mass: quantity("motor_mass", "of the motor in the points; with `mass_covers = \"actuator\"`", &units::MASS),
+        motor_mass: quantity(
+            "motor_mass",
+            "of the motor in the points; with `mass_covers = \"actuator\"`",
+            &units::MASS,
+        ),
         length_covers: root
-            .choice(key("length_covers", "what the length of the points is of").default("required with `length`"), Covers::NAMES)
+            .choice(
+                key("length_covers", "what the length of the points is of").default("required with `length`"),
+                Covers::NAMES,
+            )
             .unwrap_or(Covers::Gear),
-        motor_length: quantity("motor_length", "of the motor in the points; with `length_covers = \"actuator\"`", &units::LENGTH),
+        motor_length: quantity(
+            "motor_length",
+            "of the motor in the points; with `length_covers = \"actuator\"`",
+            &units::LENGTH,
+        ),
     };
     check_covers(root, "mass_covers", own.mass_covers, ("motor_mass", "\"240 g\""), own.motor_mass);
     check_covers(root, "length_covers", own.length_covers, ("motor_length", "\"26.5 mm\""), own.motor_length);
@@ -128,6 +149,11 @@ pub(super) fn read(root: &Section) -> Option<Family> {
     let source = root.required_text(key("source", "where the numbers come from"), "\"arXiv 2510.07197\"");
     let source_kind = root.choice(key("source_kind", "what kind of source that is").required(), SourceKind::NAMES);
     let note = text("note", "what its reader should know").unwrap_or_default();
+    for (is, example) in [("kind", "\"planetary\""), ("source_kind", "\"derived\"")] {
+        if !root.has(is) {
+            root.missing(is, example);
+        }
+    }
     if let Some(name) = &name {
         check_name(root, name.get_ref(), name.span());
     }
@@ -156,11 +182,18 @@ pub(super) fn read(root: &Section) -> Option<Family> {
 }
 
 /// That the motor's part of a number is known where the number has it in it, and is not said where it has not.
-fn check_covers(root: &Section, covers: &'static str, is: Covers, (part, example): (&'static str, &str), value: Option<f64>) {
+fn check_covers(
+    root: &Section,
+    covers: &'static str,
+    is: Covers,
+    (part, example): (&'static str, &str),
+    value: Option<f64>,
+) {
     match (is, root.has(part)) {
         (Covers::Actuator, false) => root.missing(part, example),
         (Covers::Gear, true) if value.is_some() => {
-            let message = format!("`{part}` is that of a motor in the points, and `{covers}` does not say that one is in it");
+            let message =
+                format!("`{part}` is that of a motor in the points, and `{covers}` does not say that one is in it");
             let problem = Problem::at(root.span_of(part), message, "taken off nothing");
             root.note(problem.help(format!("write {covers} = \"actuator\", or remove `{part}`")));
         }
@@ -186,13 +219,15 @@ fn read_points(root: &Section, name: &str, gear: Option<&Gear>, own: &Own) -> Ve
     let mut points: Vec<(Gear, Span<usize>)> = Vec::new();
     for section in sections {
         let stress = section.quantity(
-            key("stress_limit", "of this point; refused where it is not that of the family").default("that of the family"),
+            key("stress_limit", "of this point; refused where it is not that of the family")
+                .default("that of the family"),
             &units::STRESS,
             Range::Positive,
         );
         check_stress(&section, root, stress);
-        for column in OF_FAMILY.iter().filter(|column| section.has(**column)) {
-            let problem = Problem::at(section.span_of(column), format!("a point has no `{column}`"), "the family has it");
+        for column in OF_FAMILY.iter().filter(|column| section.holds(column)) {
+            let problem =
+                Problem::at(section.span_of(column), format!("a point has no `{column}`"), "the family has it");
             section.note(problem.help(format!("write `{column}` above the points, or make another family")));
         }
         let read = row::point(&TomlCells(&section), gear.cloned().unwrap_or_else(Gear::blank), OF_FAMILY);

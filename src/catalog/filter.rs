@@ -270,8 +270,12 @@ pub enum RowKind {
 
 impl RowKind {
     /// Every kind with its word.
-    pub const NAMES: &[(&str, RowKind)] =
-        &[("motor", RowKind::Motor), ("gear", RowKind::Gear), ("module", RowKind::Module), ("gear family", RowKind::Family)];
+    pub const NAMES: &[(&str, RowKind)] = &[
+        ("motor", RowKind::Motor),
+        ("gear", RowKind::Gear),
+        ("module", RowKind::Module),
+        ("gear family", RowKind::Family),
+    ];
 }
 
 /// Which kinds of row are asked for; none in particular for all.

@@ -12,8 +12,8 @@ pub mod convention;
 pub mod difference;
 pub mod drag;
 pub mod estimate;
-pub mod filter;
 pub mod family;
+pub mod filter;
 mod finding;
 mod fit;
 pub mod fitted;
@@ -35,9 +35,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use family::Family;
 pub use about::{About, Construction, PeakTorqueOf};
 pub use alternative::Alternative;
+pub use family::Family;
 pub use fitted::{Fit, Provenance, read_fitted};
 pub use gear::{
     ContinuousTorque, GEAR_FIELDS, Gear, GearField, GearKind, GearRatings, LifeQuantile, Rated, is_named,

@@ -128,10 +128,7 @@ pub fn built<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Desig
         Some(_) => Vec::new(),
         None => trains(optimal, window, joint.gear.mass_per_stage.map(|(_, largest)| largest)),
     };
-    let trains = trains
-        .into_iter()
-        .take(TRIES)
-        .map(|train| (train.ratio(), Some(train)));
+    let trains = trains.into_iter().take(TRIES).map(|train| (train.ratio(), Some(train)));
     let rounded = rounded(optimal, window).into_iter().map(|ratio| (ratio, None));
     trains.chain(rounded).find_map(|(ratio, train)| {
         let design = at_ratio(robot, joint, catalog, design.motor, ratio)?;

@@ -26,7 +26,8 @@ const INTERPOLATED: &[&str] = &[
 ];
 
 /// The columns that hold between two points where all points say the same, and are not known where they do not.
-const SHARED: &[&str] = &["outer_diameter", "length", "width", "height", "backlash", "stiffness", "price", "price_quantity", "lead_time"];
+const SHARED: &[&str] =
+    &["outer_diameter", "length", "width", "height", "backlash", "stiffness", "price", "price_quantity", "lead_time"];
 
 /// A robot whose joints are ready for a catalogue: every pattern names a row, and a joint with ratios between the points of a family
 /// has them as its gear map.
@@ -73,7 +74,8 @@ pub(super) fn check(joint: &Joint, patterns: &[String], catalog: &Catalog) -> Re
             other.stress()
         ));
     }
-    if joint.limits.axial_length.is_some() && joint.limits.arrangement == Arrangement::SideBySide
+    if joint.limits.axial_length.is_some()
+        && joint.limits.arrangement == Arrangement::SideBySide
         && let Some(family) = named.iter().find(|family| family.length_covers == Covers::Actuator)
     {
         return wrong(format!(
@@ -131,7 +133,8 @@ fn map(family: &Family) -> Result<(GearMap, GearModel), String> {
     }
     let models: Option<Vec<GearModel>> = family.points.iter().map(gear_model).collect();
     let models = models.ok_or("the efficiency of its points is not known")?;
-    let rows: Vec<(MapRow, String)> = family.points.iter().zip(&models).map(|(point, model)| (row(point, model), point.id.clone())).collect();
+    let rows: Vec<(MapRow, String)> =
+        family.points.iter().zip(&models).map(|(point, model)| (row(point, model), point.id.clone())).collect();
     let map = GearMap::of_points(&family.name, &rows).ok_or("it has one point alone")?;
     Ok((map, shared(&models)))
 }

@@ -17,7 +17,7 @@ use super::mount::{Mount, load_through};
 use crate::actuator::fitted::gear_with_fit;
 use crate::actuator::limits::Remark;
 use crate::catalog::{Catalog, Gear, Motor};
-use crate::requirement::{EfficiencyCovers, GearModel, GearsFrom, Joint, Quantity, RatioChoice, Robot};
+use crate::requirement::{EfficiencyCovers, GearModel, Joint, Quantity, RatioChoice, Robot};
 
 /// How many gears are named.
 pub const NAMED: usize = 3;
@@ -206,11 +206,7 @@ struct Look<'l> {
 
 impl<'l> Look<'l> {
     fn new(robot: &'l Robot, joint: &'l Joint, motor: &'l Motor, design: &'l Design<'l>) -> Look<'l> {
-        let ratio = RatioChoice::Catalog {
-            patterns: Vec::new(),
-            from: GearsFrom::Gears,
-            efficiency_covers: EfficiencyCovers::Load,
-        };
+        let ratio = RatioChoice::gears(Vec::new(), EfficiencyCovers::Load);
         let geared = Joint { ratio, gear: GearModel::IDEAL, gear_map: None, ..joint.clone() };
         Look { robot, joint, geared, motor, design }
     }

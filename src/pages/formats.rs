@@ -6,7 +6,7 @@ use crate::catalog::convention::{
     BLOCK, BackEmfConvention, Commutation, CurrentConvention, Modulation, SpeedConstantConvention, Terminals, Winding,
 };
 use crate::catalog::row::{MotorRow, about, aliases_of, choices};
-use crate::catalog::{Gear, Module, VERSION, fitted, gear_columns, module_columns, motor_columns};
+use crate::catalog::{Gear, Module, VERSION, family, fitted, gear_columns, module_columns, motor_columns};
 use crate::effects::EFFECTS;
 use crate::input::TableAsked;
 use crate::input::csv::{Column, Content};
@@ -37,6 +37,11 @@ pub fn formats() -> Vec<Format> {
         format(REQUIREMENT, "What a robot needs: for `optimize`, `sweep`, `explain`.", requirement::describe().tables),
         format(FITTED, "Written by `identify --write`; use it wherever a catalogue file may be used.", of_fitted),
         format(
+            FAMILY,
+            "Gears of one kind by one rule, each a point: a joint takes them with `family`; `--also` reads the file.",
+            family::describe().tables,
+        ),
+        format(
             DESIGN,
             "What was chosen: for `check` and `export`; `optimize --write-design` makes one.",
             design_file::describe().tables,
@@ -56,6 +61,8 @@ pub fn formats() -> Vec<Format> {
 pub const REQUIREMENT: &str = "Requirement (TOML)";
 /// Fitted actuators.
 pub const FITTED: &str = "Fitted actuator (TOML)";
+/// Families of gears.
+pub const FAMILY: &str = "Gear family (TOML)";
 /// Design files.
 pub const DESIGN: &str = "Design (TOML)";
 /// Rules files.
@@ -95,6 +102,10 @@ fn after(title: &str) -> String {
                 names.join(", ")
             )
         }
+        FAMILY => "\nKeys of `[[point]]` are the columns of a gear catalogue, but for those that the family says (id, manufacturer, model, \
+                   kind, stages, fits, source, source_kind); `ratio` must be there. The id of a point is the name of the family and the \
+                   ratio. `stress_limit` of a point has to be that of the family.\n"
+            .into(),
         STUDY => "\nA key of `[grid]` is a path into the requirement with its values: `bus.voltage = [\"24 V\", \"48 V\"]`, \
                   `joint.knee.gear.efficiency`, `joint.*.ratio.max` for all joints, or a range \
                   `{ from = \"24 V\", to = \"48 V\", steps = 5 }`. `scale.torque` and `scale.speed` multiply the motions.\n"

@@ -45,8 +45,13 @@ pub fn text(catalog: &Catalog, findings: &[Finding]) -> String {
     }
     let accepted = findings.iter().filter(|f| f.accepted && f.severity == Severity::Error).count();
     let notes = findings.iter().filter(|f| f.severity == Severity::Note).count();
+    let points: usize = catalog.families.iter().map(|family| family.points.len()).sum();
+    let families = match points {
+        0 => String::new(),
+        _ => format!(", {} of gear families", crate::words::counted(points, "point")),
+    };
     let line = format!(
-        "{}, {} and {}, {}: {}, {accepted} explained by the row's note, {}",
+        "{}, {} and {}{families}, {}: {}, {accepted} explained by the row's note, {}",
         crate::words::counted(catalog.motors.len(), "motor"),
         crate::words::counted(catalog.gears.len(), "gear"),
         crate::words::counted(catalog.modules.len(), "module"),

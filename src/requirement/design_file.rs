@@ -185,7 +185,15 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
             gear = built_in;
             gear.map(|g| g.ratio)
         }
-        Reduction::Ratio(ratio) => Some(*ratio),
+        // Where the ratios are those between the points of a family, they are known with the catalogue.
+        Reduction::Ratio(ratio) => {
+            let range = joint.family_map().and(joint.ratio.range()).filter(|_| !joint.ratio.allows(*ratio));
+            if let Some((min, max)) = range {
+                let (message, label) = outside(*ratio, min, max);
+                problems.push(at(message, label));
+            }
+            Some(*ratio)
+        }
         Reduction::Gear(id) => {
             gear = catalog.gear(id);
             if gear.is_none() {
@@ -203,6 +211,14 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
     if let (Some(gear), Some(ratio)) = (gear, ratio) {
         match &joint.ratio {
             _ if built_in.is_some() => {}
+            _ if joint.family_map().is_some_and(|map| map.family() != gear.family) => problems.push(at(
+                format!("the requirement does not allow the gear `{}`", gear.id),
+                format!(
+                    "joint `{}` allows the family {}",
+                    joint.name,
+                    joint.family_map().map_or("", |map| map.family())
+                ),
+            )),
             RatioChoice::Continuous { min, max } if !joint.ratio.allows(ratio) => problems.push(at(
                 format!("gear `{}` has a ratio of {}, outside the requirement's range", gear.id, number(ratio)),
                 format!("joint `{}` asks for {} to {}", joint.name, number(*min), number(*max)),
@@ -230,6 +246,12 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
         (Some(motor), Some(ratio)) if problems.is_empty() => Ok(Choice { design, joint, motor, gear, ratio }),
         _ => Err(problems),
     }
+}
+
+/// That a ratio is none of those between two.
+fn outside(ratio: f64, min: f64, max: f64) -> (String, String) {
+    let message = format!("a ratio of {} is outside the requirement's range", number(ratio));
+    (message, format!("expected {} to {}", number(min), number(max)))
 }
 
 /// What a ratio that is written may differ from that of a module.
@@ -433,15 +455,15 @@ fn read_reduction(section: &Section, joint: Option<&Joint>) -> Option<Reduction>
                 Some(RatioChoice::Catalog { from, .. }) if from.is_between() => {}
                 Some(RatioChoice::Catalog { patterns, from, .. }) => {
                     let message = "the requirement takes the gears of this joint from the catalogue";
-                    section.note(
-                        Problem::at(section.span_of("ratio"), message, "expected `gear`")
-                            .help(format!("write gear = \"…\" with one of the {} {}", from.word(), patterns.join(", "))),
-                    );
+                    section.note(Problem::at(section.span_of("ratio"), message, "expected `gear`").help(format!(
+                        "write gear = \"…\" with one of the {} {}",
+                        from.word(),
+                        patterns.join(", ")
+                    )));
                     return None;
                 }
                 Some(choice @ RatioChoice::Continuous { min, max }) if !choice.allows(ratio) => {
-                    let message = format!("a ratio of {} is outside the requirement's range", number(ratio));
-                    let label = format!("expected {} to {}", number(*min), number(*max));
+                    let (message, label) = outside(ratio, *min, *max);
                     section.note(Problem::at(section.span_of("ratio"), message, label));
                     return None;
                 }

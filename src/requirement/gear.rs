@@ -43,6 +43,11 @@ pub enum RatioChoice {
 const PRINTED: f64 = 5e-4;
 
 impl RatioChoice {
+    /// The gears that can be bought whose id matches one of the patterns.
+    pub fn gears(patterns: Vec<String>, efficiency_covers: EfficiencyCovers) -> RatioChoice {
+        RatioChoice::Catalog { patterns, from: GearsFrom::Gears, efficiency_covers }
+    }
+
     /// The smallest and the largest ratio; `None` where gears of the catalogue have them.
     pub fn range(&self) -> Option<(f64, f64)> {
         match self {
@@ -293,9 +298,7 @@ pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
         Some(texts.into_iter().map(|p| p.into_inner()).collect())
     };
     let (patterns, from) = match only {
-        "gears" => {
-            (patterns("gears of the catalogue by id, `*` for any run of characters")?, GearsFrom::Gears)
-        }
+        "gears" => (patterns("gears of the catalogue by id, `*` for any run of characters")?, GearsFrom::Gears),
         "family" => {
             let about = "families of gears by name, `*` for any run of characters: each of their points is a gear";
             let patterns = patterns(about)?;
@@ -306,7 +309,7 @@ pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
         }
         _ => {
             let about = "the ratios that may be chosen: any between two, a grid, or a list";
-            let table = section.section(key("ratio", about).or("gears"))?;
+            let table = section.section(key("ratio", about).or("gears` or `family"))?;
             let read = read_ratios(&table);
             table.finish();
             return read;
@@ -317,7 +320,9 @@ pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
     if from.is_between() && efficiency_covers == EfficiencyCovers::LoadAndGear {
         let message = "`efficiency_covers = \"load_and_gear\"` is not for ratios between the points of a family";
         let problem = Problem::at(section.span_of("efficiency_covers"), message, "with `between`");
-        section.note(problem.help("which way power flows through the gear then depends on the ratio; leave one of the two out"));
+        section.note(
+            problem.help("which way power flows through the gear then depends on the ratio; leave one of the two out"),
+        );
     }
     Some(RatioChoice::Catalog { patterns, from, efficiency_covers })
 }

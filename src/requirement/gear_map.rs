@@ -180,13 +180,11 @@ impl GearMap {
         if !in_order || double || is_jump(0) || is_jump(last) {
             return None;
         }
-        let pieces = (0..=last)
-            .filter(|k| !is_jump(*k))
-            .map(|k| GearPiece {
-                rows: [rows[k], rows[k + 1]],
-                after_jump: k > 0 && is_jump(k - 1),
-                before_jump: false,
-            });
+        let pieces = (0..=last).filter(|k| !is_jump(*k)).map(|k| GearPiece {
+            rows: [rows[k], rows[k + 1]],
+            after_jump: k > 0 && is_jump(k - 1),
+            before_jump: false,
+        });
         Some(GearMap { pieces: pieces.collect(), points: Vec::new(), family: String::new() })
     }
 

@@ -28,11 +28,7 @@ pub(super) fn read(
     let name = section.required_text(key("name", "name of the joint"), "\"knee\"").map(|t| t.into_inner());
     let count = section.count(key("count", "how many joints like this").default("1")).unwrap_or(1);
     let ratio = match is_for_modules_alone(&section) {
-        true => Some(RatioChoice::Catalog {
-            patterns: Vec::new(),
-            from: GearsFrom::Gears,
-            efficiency_covers: EfficiencyCovers::Load,
-        }),
+        true => Some(RatioChoice::gears(Vec::new(), EfficiencyCovers::Load)),
         false => gear::read_ratio(&section),
     };
     let (gear, map) = match section

@@ -274,7 +274,10 @@ pub(super) fn check_between(section: &Section, limits: &Limits) {
     for (name, _) in with.into_iter().filter(|(_, is)| *is) {
         let message = format!("`between` and `{name}` of [joint.limits] do not go together");
         let problem = Problem::at(section.span_of("between"), message, "ratios between the points of a family");
-        section.note(problem.help(format!("leave `between` out: the points are gears, and `{name}` goes with them; or remove it")));
+        section.note(
+            problem
+                .help(format!("leave `between` out: the points are gears, and `{name}` goes with them; or remove it")),
+        );
     }
 }
 
@@ -307,7 +310,9 @@ pub(super) fn check_robot(root: &Section, joints: &[Joint], places: &[std::ops::
         let message = format!("joint `{}` has {word} and {what}: the two are not combined", joint.name);
         let help = match between {
             true => "leave `between` out, or choose this joint in a requirement of its own",
-            false => "give the gear's numbers as keys of [joint.gear], or choose this joint in a requirement of its own",
+            false => {
+                "give the gear's numbers as keys of [joint.gear], or choose this joint in a requirement of its own"
+            }
         };
         root.note(Problem::at(place.clone(), message, "this joint").help(help));
     }

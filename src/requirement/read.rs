@@ -76,6 +76,9 @@ gears = []
 points = [{}]
 objective = ''
 [[joint]]
+family = ['a']
+between = true
+[[joint]]
 mechanism_joint = 'a'
 actuator_at = {}
 [[joint]]

@@ -30,6 +30,8 @@ pub struct Case {
     pub shares: Vec<[f64; 2]>,
     /// Rows of a family of gears, where the joint has one: the gear goes with the ratio.
     pub family: Vec<MapRow>,
+    /// Whether these rows are the points of a named family: between two the efficiencies are those of the worse.
+    pub named: bool,
 }
 
 /// What a ratio comes to: the quantities in the order of their type; limits with name, demand and, where
@@ -75,7 +77,7 @@ impl Case {
                 rippled.push(Point { torque: p.torque + amplitude * cos, torque_rate, ..*p });
             }
         }
-        Case { motor, robot, raw, rippled, shares, family: Vec::new() }
+        Case { motor, robot, raw, rippled, shares, family: Vec::new(), named: false }
     }
 
     /// The joint's gear at a ratio, from the two rows about it: numbers of the load, of mass and of limits go with the square
@@ -85,7 +87,20 @@ impl Case {
         let Some(k) = (1..rows.len()).find(|k| n <= rows[*k].ratio && rows[*k].ratio > rows[k - 1].ratio) else {
             return gear;
         };
-        let (a, b) = (&rows[k - 1], &rows[k]);
+        let (mut a, mut b) = (rows[k - 1], rows[k]);
+        let point = rows.iter().find(|row| self.named && row.ratio == n);
+        if self.named {
+            let worse = |a: Option<f64>, b: Option<f64>, of: fn(f64, f64) -> f64| Some(of(a?, b?));
+            a.driving = worse(a.driving, b.driving, f64::max);
+            a.braking = worse(a.braking, b.braking, f64::min);
+            (b.driving, b.braking) = (a.driving, a.braking);
+        }
+        // At a point both ends are that point; of the numbers of two equal ends any share of the way is the number.
+        if let Some(point) = point {
+            let there = |row: &MapRow| MapRow { ratio: row.ratio, ..*point };
+            (a, b) = (there(&a), there(&b));
+        }
+        let (a, b) = (&a, &b);
         let along = |power: f64, of: fn(&MapRow) -> Option<f64>| {
             let way = (n.powf(power) - a.ratio.powf(power)) / (b.ratio.powf(power) - a.ratio.powf(power));
             Some(of(a)? + (of(b)? - of(a)?) * way)
@@ -685,7 +700,7 @@ impl Scan {
         grid.extend([min, max]);
         let stages = case.robot.joints[0].gear.mass_per_stage.map(|(_, ratio)| (0..30).map(move |k| ratio.powi(k)));
         grid.extend(stages.into_iter().flatten().filter(|n| (min..max).contains(n)));
-        let rows = case.family.iter().flat_map(|row| [row.ratio, row.ratio.next_up()]);
+        let rows = case.family.iter().flat_map(|row| [row.ratio.next_down(), row.ratio, row.ratio.next_up()]);
         grid.extend(rows.filter(|n| (min..max).contains(n)));
         grid.sort_by(f64::total_cmp);
         // A feasible ratio may hide between infeasible ones, and the other way round.

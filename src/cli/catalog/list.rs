@@ -34,7 +34,9 @@ pub fn run(arguments: &Arguments) -> Result<Done, Failure> {
         _ => (None, arguments.filters.as_slice()),
     };
     if let (Some(RowKind::Family), Some(filter)) = (kinds, filters.first()) {
-        let why = format!("the filter `{filter}`: gear families have no columns; `gearwise catalog show NAME` lists the points of one");
+        let why = format!(
+            "the filter `{filter}`: gear families have no columns; `gearwise catalog show NAME` lists the points of one"
+        );
         return Err(Failure::Argument(why));
     }
     let filters: Vec<Filter> =

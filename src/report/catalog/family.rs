@@ -83,6 +83,9 @@ pub fn text(family: &Family) -> String {
     });
     out.push_str(&Table::new(columns).indented(2).also_in("`--json`").rows(rows).text());
     out.push('\n');
-    let ask = format!("A joint takes them with `family = [\"{}\"]`; `between = true` allows ratios between them.", family.name);
+    let ask = format!(
+        "A joint takes them with `family = [\"{}\"]`; `between = true` allows ratios between them.",
+        family.name
+    );
     out + &crate::report::table::paragraph(&ask, 0, 2)
 }

@@ -111,7 +111,7 @@ pub fn text(listing: &Listing) -> String {
         }
         out.push_str(&super::family::table(&found.families).text());
         out.push('\n');
-        let frame = "A family's points are gears that a joint takes with `family`, not with `gears`; `gearwise catalog show` lists them.";
+        let frame = "Mass is that of the gear, without the motor. A family's points are gears that a joint takes with `family`, not with `gears`; `gearwise catalog show` lists them.";
         out.push_str(&paragraph(frame, 0, 2));
     }
     let counts = [("motor", found.motors.len()), ("gear", found.gears.len()), ("module", found.modules.len())];

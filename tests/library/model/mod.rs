@@ -2,6 +2,7 @@
 
 mod audit;
 mod coupling;
+mod families;
 mod gear_limits;
 mod model_on_paper;
 mod module_audit;

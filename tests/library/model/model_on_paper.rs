@@ -480,7 +480,7 @@ fn what_was_fitted_is_said_with_how_it_enters() {
     assert!(!how(&all, "coulomb_friction").contains(';'));
     assert!(how(&said(&joint, None), "torque_constant_temperature").contains("no highest temperature is known"));
     // Gears of the catalogue are other gears than that of the bench.
-    joint.ratio = RatioChoice::Catalog { patterns: vec!["*".into()], efficiency_covers: EfficiencyCovers::Load };
+    joint.ratio = RatioChoice::gears(vec!["*".into()], EfficiencyCovers::Load);
     let listed = said(&joint, Some(400.0));
     for name in ["load_dependent_friction", "gear_ripple"] {
         assert!(how(&listed, name).contains("belongs to the gear that was on the bench"));

@@ -61,7 +61,7 @@ fn robot(seed: u64, size: f64, speed: f64) -> Robot {
     let motion = Motion::from_samples(samples, Course::Periodic(period));
     let mut robot = common::robot(motion, GearModel::IDEAL);
     let joint = &mut robot.joints[0];
-    joint.ratio = RatioChoice::Catalog { patterns: Vec::new(), efficiency_covers: EfficiencyCovers::Load };
+    joint.ratio = RatioChoice::gears(Vec::new(), EfficiencyCovers::Load);
     joint.motors.modules = vec!["*".into()];
     joint.motors.only_modules = true;
     robot
@@ -87,8 +87,7 @@ fn a_module_of_known_insides_is_the_pair_to_the_last_bit() {
     for seed in 0..40 {
         let inside = robot(seed, 8.0, 6.0);
         let mut pair = inside.clone();
-        pair.joints[0].ratio =
-            RatioChoice::Catalog { patterns: vec!["*".into()], efficiency_covers: EfficiencyCovers::Load };
+        pair.joints[0].ratio = RatioChoice::gears(vec!["*".into()], EfficiencyCovers::Load);
         pair.joints[0].motors = Filter::default();
         let (one, other) = (optimize(&inside, &with), optimize(&pair, &plain));
         let (a, b) = (&one.joints[0].candidates, &other.joints[0].candidates);

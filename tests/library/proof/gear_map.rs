@@ -83,6 +83,33 @@ pub fn mapped(case: Case, i: u64) -> Case {
     Case { family: rows, ..Case::new(motor, robot, raw) }
 }
 
+/// A joint with a random named family in place of its gear.
+fn named(case: Case, i: u64) -> Case {
+    let mut rows = family(&case, i);
+    rows.dedup_by(|a, b| a.ratio == b.ratio);
+    let inertia = case.robot.joints[0].gear.inertia;
+    // What a published gear does not say is not known: of what limits ask, all is said.
+    rows.iter_mut().for_each(|row| row.inertia = row.inertia.or(Some(inertia)));
+    let points: Vec<(MapRow, String)> = rows.iter().enumerate().map(|(k, row)| (*row, format!("point-{k}"))).collect();
+    let map = GearMap::of_points("random", &points).expect("a family");
+    let Case { motor, mut robot, raw, .. } = case;
+    let joint = &mut robot.joints[0];
+    let RatioChoice::Continuous { min, .. } = joint.ratio else { unreachable!() };
+    joint.gear = map.gear(&joint.gear, min);
+    joint.gear_map = Some(Arc::new(map));
+    Case { family: rows, named: true, ..Case::new(motor, robot, raw) }
+}
+
+#[test]
+fn named_families_agree_with_a_scan_of_the_raw_waveforms() {
+    run(cases(680_000, 240), false, 12, |i| named(draw(i, true), i * 4 + 1));
+}
+
+#[test]
+fn named_families_with_friction_agree_with_a_scan_of_the_raw_waveforms() {
+    run(cases(700_000, 120), false, 9, |i| named(dragged(i), i));
+}
+
 #[test]
 fn families_without_friction_agree_with_a_scan_of_the_raw_waveforms() {
     run(cases(600_000, 320), false, 16, |i| mapped(draw(i, true), i * 4 + 1));

@@ -30,7 +30,7 @@ fn geared(robot: &Robot, gears: &[Gear]) -> Robot {
     let patterns: Vec<String> = gears.iter().map(|gear| gear.id.clone()).collect();
     let mut robot = robot.clone();
     for joint in &mut robot.joints {
-        joint.ratio = RatioChoice::Catalog { patterns: patterns.clone(), efficiency_covers: EfficiencyCovers::Load };
+        joint.ratio = RatioChoice::gears(patterns.clone(), EfficiencyCovers::Load);
     }
     robot
 }

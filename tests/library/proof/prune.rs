@@ -146,8 +146,7 @@ fn draw(seed: u64) -> Robot {
     let low = within(1.0, 10.0);
     joint.ratio = RatioChoice::Continuous { min: low, max: low * within(2.0, 20.0) };
     if within(0.0, 1.0) < 0.2 {
-        joint.ratio =
-            RatioChoice::Catalog { patterns: vec!["planetary-*".into()], efficiency_covers: EfficiencyCovers::Load };
+        joint.ratio = RatioChoice::gears(vec!["planetary-*".into()], EfficiencyCovers::Load);
     }
     joint.gear.inertia = within(0.0, 1e-5);
     if within(0.0, 1.0) < 0.3 {

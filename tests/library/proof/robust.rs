@@ -398,8 +398,7 @@ fn a_gear_of_the_catalogue_is_chosen_for_the_worst_motor() {
     );
     let mut robot = common::robot(common::hold(9.0, 2.0, 5.0), GearModel::IDEAL);
     robot.bus.voltage = 36.0;
-    robot.joints[0].ratio =
-        RatioChoice::Catalog { patterns: vec!["planetary-*".into()], efficiency_covers: EfficiencyCovers::Load };
+    robot.joints[0].ratio = RatioChoice::gears(vec!["planetary-*".into()], EfficiencyCovers::Load);
     let catalog = Catalog::of(vec![motor], gears);
     let joint = &robust(&robot, &catalog, Options::default()).unwrap()[0];
     let design = &joint.designs[0];

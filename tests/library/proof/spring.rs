@@ -582,7 +582,7 @@ fn every_gear_has_its_own_spring() {
         case.robot.bus.voltage = 1e4;
         let joint = &mut case.robot.joints[0];
         joint.objective = Objective::single(Quantity::CopperLoss);
-        joint.ratio = RatioChoice::Catalog { patterns: vec!["g*".into()], efficiency_covers: covers };
+        joint.ratio = RatioChoice::gears(vec!["g*".into()], covers);
         let catalog = Catalog::of(vec![case.motor.clone()], gears.clone());
         let result = optimize(&case.robot, &catalog);
         let design = result.joints[0].designs().next().expect("a gear will do");

@@ -488,8 +488,7 @@ fn draw(index: u64) -> Case {
         }
         if geared {
             joint.gear = GearModel::IDEAL;
-            joint.ratio =
-                RatioChoice::Catalog { patterns: vec!["*".into()], efficiency_covers: EfficiencyCovers::Load };
+            joint.ratio = RatioChoice::gears(vec!["*".into()], EfficiencyCovers::Load);
         }
         if chance(0.4) {
             joint.phases = (0..joint.count).map(|_| below(12.0) as f64 / 12.0).collect();

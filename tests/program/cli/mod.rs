@@ -11,6 +11,7 @@ mod check_input;
 mod check_model;
 mod colour;
 mod export;
+mod families;
 mod folder;
 mod fronts;
 mod gear_map;

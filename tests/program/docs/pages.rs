@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
 use gearwise::input::TableAsked;
-use gearwise::pages::formats::{BENCH, DESIGN, FITTED, HARDWARE, REQUIREMENT, RULES, STUDY, formats};
+use gearwise::pages::formats::{BENCH, DESIGN, FAMILY, FITTED, HARDWARE, REQUIREMENT, RULES, STUDY, formats};
 
 use crate::common::repository;
 
@@ -126,6 +126,7 @@ fn requirements_are_documented() {
         "ratio = {{ stages = [[3, 9]], teeth = {{ sun = [18, 20], ring_max = 90, {NO} }} }}\nmotion = \"x.csv\""
     ));
     let gears = joint("gears = [\"planetary-*\"]\nmotion = \"x.csv\"");
+    let family = joint("family = [\"compact-*\"]\nmotion = \"x.csv\"");
     let driven = joint(&format!(
         "ratio = {{ min = 1, max = 2 }}\nmechanism_joint = \"b\"\nactuator_at = {{ {NO} }}\n[mechanism]\nmodel = \"a.urdf\"\n\
          trajectory = \"x.csv\""
@@ -138,7 +139,10 @@ fn requirements_are_documented() {
         "name = \"x\"\nbus = {{ voltage = \"1 V\" }}\n[[joint]]\nname = \"a\"\nratio = {{ min = 1, max = 2 }}\n\
          points = [{{ torque = \"1 N*m\", speed = \"0 rad/s\" }}]\n[[case]]\nname = \"a\"\n{NO}\n"
     );
-    compare(REQUIREMENT, &[ask(&ratio), ask(&gears), ask(&driven), ask(&cases), ask(&together), ask(&teeth)]);
+    compare(
+        REQUIREMENT,
+        &[ask(&ratio), ask(&gears), ask(&family), ask(&driven), ask(&cases), ask(&together), ask(&teeth)],
+    );
 }
 
 #[test]
@@ -149,6 +153,14 @@ fn fitted_actuators_are_documented() {
          torque_constant = \"1 N*m/A\"\n[gear]\n{NO}\n[covariance]\n{NO}\n[[provenance]]\nlog = \"x\"\n{NO}\n"
     );
     compare(FITTED, &[ask(&row), ask(&format!("gearwise = \"0\"\n[axis]\n{NO}\n"))]);
+}
+
+#[test]
+fn gear_families_are_documented() {
+    let text = format!(
+        "{NO}\nname = \"a\"\nkind = \"planetary\"\nsource = \"x\"\nsource_kind = \"derived\"\n[[point]]\nratio = 4\n"
+    );
+    compare(FAMILY, &[known(&text, &["audit", "file.toml"])]);
 }
 
 #[test]

@@ -66,8 +66,7 @@ fn every_feasible_pair_of_cords_with_its_loss() {
     let mut robot = robot(Motion::from_points(&points), GearModel::IDEAL);
     robot.bus.voltage = 24.0;
     robot.bus.drive_current = Some(80.0);
-    robot.joints[0].ratio =
-        RatioChoice::Catalog { patterns: vec!["*".into()], efficiency_covers: EfficiencyCovers::LoadAndGear };
+    robot.joints[0].ratio = RatioChoice::gears(vec!["*".into()], EfficiencyCovers::LoadAndGear);
     let swept = sweep(&robot, &catalog, 1);
     let ours: BTreeMap<(String, String), f64> = swept[0]
         .designs
@@ -193,8 +192,7 @@ fn the_least_energy_of_cords_with_a_spring_and_regeneration() {
         let joint = &mut robot.joints[0];
         joint.objective = Objective::single(Quantity::Energy);
         joint.limits.actuator_mass = Some(4.0);
-        joint.ratio =
-            RatioChoice::Catalog { patterns: vec!["*".into()], efficiency_covers: EfficiencyCovers::LoadAndGear };
+        joint.ratio = RatioChoice::gears(vec!["*".into()], EfficiencyCovers::LoadAndGear);
         let mut sprung = robot.clone();
         sprung.joints[0].motion = motion.with_spring(stiffness, offset / stiffness).unwrap().into();
         let swept = sweep(&sprung, &catalog, 1);
@@ -263,7 +261,7 @@ fn ranking(catalog: &Catalog, motions: &[Motion; 2], on: Defaults) -> Ranking {
     // The database says no highest temperature: 125 degC, a usual class of insulation.
     robot.joints[0].limits.winding_temperature = on.heat.then_some(398.15);
     let covers = if on.gear_inertia_apart { EfficiencyCovers::Load } else { EfficiencyCovers::LoadAndGear };
-    robot.joints[0].ratio = RatioChoice::Catalog { patterns: vec!["*".into()], efficiency_covers: covers };
+    robot.joints[0].ratio = RatioChoice::gears(vec!["*".into()], covers);
     let later = ["tm-ak-60-6", "tm-ak-80-6", "tm-u8-kv100"];
     let swept = sweep(&robot, &catalog, 1);
     let (mut feasible, mut fails) = (Vec::new(), BTreeMap::new());
