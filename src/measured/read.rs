@@ -181,7 +181,7 @@ const EXCLUDE: Key =
 /// Every table that the reader looks into.
 const SKELETON: &str = "
 actuator = {}
-columns = { time = {}, velocity = {}, current = {}, duty = {} }
+columns = { time = {}, position = {}, velocity = {}, current = {}, duty = {} }
 load = {}
 controller = {}
 terminals = {}
@@ -281,7 +281,10 @@ fn read_controller(section: &Section) -> Option<Controller> {
 }
 
 fn read_plan(section: Section, common: &Common, known: bool) -> Option<Plan> {
-    let file = section.required_text(key("file", "CSV next to this file").value("file"), "\"run1.csv\"");
+    let file = section.required_text(
+        key("file", "next to this file: CSV, `.parquet`, `.npz` or `.mcap`").value("file"),
+        "\"run1.csv\"",
+    );
     let usage = if section.has(USE) { section.choice(USE, USES) } else { Some(Use::Fit) };
     let kind = if section.has(OWN_KIND) { section.choice(OWN_KIND, BenchKind::NAMES) } else { common.kind };
     if kind.is_none() && !section.has("kind") && common.kind.is_none() {
@@ -454,7 +457,11 @@ fn lacking(
     let time = (table || has(Target::Time), "`time`");
     let drive = (
         any(&[Current]) || (!linear && any(&[Voltage, Duty])),
-        if linear { "`force`, or the column that `force_gain` is for" } else { "`current`, `voltage` or `duty`" },
+        if linear {
+            "`force`, or the column that `force_gain` is for"
+        } else {
+            "`current` (or `torque_demand`, `torque_estimate`), `voltage` or `duty`"
+        },
     );
     let motion = (any(&[MotorPosition, MotorVelocity, OutputPosition, OutputVelocity]), "`velocity` or `position`");
     let current = (any(&[Current]), "`current`");

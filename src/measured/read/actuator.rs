@@ -36,6 +36,8 @@ pub struct Frame {
     pub commutation: Commutation,
     /// The convention of the motor's row; `None` where there is no row, and the columns must say theirs.
     pub current: Option<CurrentConvention>,
+    /// The declared torque constant, power invariant on the q axis \[N·m/A\]; `None` without a row.
+    pub torque_constant: Option<f64>,
     /// The row is looked for: a convention that is not said is not assumed, and a table needs no time.
     pub characterize: bool,
 }
@@ -49,6 +51,7 @@ impl Frame {
             ratio: 1.0,
             commutation: Commutation::Brushed,
             current: Some(CurrentConvention::QAxis),
+            torque_constant: None,
             characterize: false,
         }
     }
@@ -243,6 +246,7 @@ fn read_rotary(section: &Section, catalog: Option<&Catalog>, purpose: Purpose) -
         ratio,
         commutation: motor.map_or(frame.commutation, |m| m.conventions.commutation),
         current: motor.map(|m| m.conventions.current),
+        torque_constant: motor.map(|m| m.torque_constant),
         characterize: matches!(purpose, Purpose::Characterize(_)),
         ..frame
     };

@@ -81,6 +81,8 @@ enum Quantity {
     Velocity,
     Acceleration,
     Torque,
+    TorqueDemand,
+    TorqueEstimate,
     Force,
     Duty,
     Supply,
@@ -104,6 +106,8 @@ const KEYS: &[(&str, Quantity, Option<Side>)] = &[
     ("output_velocity", Quantity::Velocity, Some(Side::Output)),
     ("acceleration", Quantity::Acceleration, None),
     ("torque", Quantity::Torque, None),
+    ("torque_demand", Quantity::TorqueDemand, None),
+    ("torque_estimate", Quantity::TorqueEstimate, None),
     ("force", Quantity::Force, None),
     ("duty", Quantity::Duty, None),
     ("supply", Quantity::Supply, None),
@@ -129,8 +133,8 @@ impl Quantity {
             Quantity::Velocity => &units::SPEED,
             Quantity::Acceleration if linear => &units::LINEAR_ACCELERATION,
             Quantity::Acceleration => &units::ACCELERATION,
-            Quantity::Torque if linear => &units::FORCE,
-            Quantity::Torque => &units::TORQUE,
+            Quantity::Torque | Quantity::TorqueDemand | Quantity::TorqueEstimate if linear => &units::FORCE,
+            Quantity::Torque | Quantity::TorqueDemand | Quantity::TorqueEstimate => &units::TORQUE,
             Quantity::Force => &units::FORCE,
             Quantity::Duty => &units::RATIO,
             Quantity::WindingTemperature | Quantity::HousingTemperature => &units::TEMPERATURE,
@@ -147,6 +151,12 @@ impl Quantity {
             Quantity::Velocity => "speed; its `side` is in the key, or said",
             Quantity::Acceleration => "acceleration; with `side`",
             Quantity::Torque => "torque sensor; with `side`",
+            Quantity::TorqueDemand => {
+                "torque that was demanded of the drive; taken as its current by the declared torque constant; with `side`"
+            }
+            Quantity::TorqueEstimate => {
+                "torque that the drive says it makes, likewise: `effort` of a robot without torque sensors"
+            }
             Quantity::Force => "force sensor of a linear axis",
             Quantity::Duty => "duty cycle, −1 to 1",
             Quantity::Supply => "bus voltage",
@@ -161,7 +171,13 @@ impl Quantity {
     fn has_side(self) -> bool {
         matches!(
             self,
-            Quantity::Position | Quantity::Velocity | Quantity::Acceleration | Quantity::Torque | Quantity::Goal
+            Quantity::Position
+                | Quantity::Velocity
+                | Quantity::Acceleration
+                | Quantity::Torque
+                | Quantity::TorqueDemand
+                | Quantity::TorqueEstimate
+                | Quantity::Goal
         )
     }
 }
@@ -233,6 +249,11 @@ fn read_column(
             "expected a number other than 0",
         ));
     }
+    let shift = if matches!(quantity, Quantity::Position | Quantity::Goal) {
+        section.quantity(about("offset", OFFSET).default("none"), kind, Range::Any).unwrap_or(0.0)
+    } else {
+        0.0
+    };
     let bits = section.count(about("bits", "width of a counter that wraps"));
     if bits.is_some_and(|b| !(2..=32).contains(&b)) {
         section.note(Problem::at(
@@ -290,7 +311,7 @@ fn read_column(
         name,
         span,
         gain,
-        offset: zero * sign * factor,
+        offset: (zero * sign + shift) * factor,
         bits,
         convention,
         difference,
@@ -302,6 +323,8 @@ fn read_column(
     })
 }
 
+const OFFSET: &str = "of an angle: added to it after `sign` and `scale`, on its own side of the gear; at angle zero a pendulum hangs down";
+
 const ESTIMATED: &str = "whether it is the driver's own estimate, made of its current, and no sensor's";
 
 const HELD: &str = "whether a row's value holds until the next row, as a digital drive holds a command: a current or force that was \
@@ -310,20 +333,17 @@ const HELD: &str = "whether a row's value holds until the next row, as a digital
 const UNIT: Key = about("unit", "of the cells").value("unit");
 
 /// Whether a row's value holds until the next, of what drives the machine. A digital drive holds what it is told: a duty
-/// cycle and a goal. A current or force is what an instrument read of something that goes on between the rows; where it
+/// cycle, a torque and a goal. A current or force is what an instrument read of something that goes on between the rows; where it
 /// is a command, the file has to say so.
 fn read_held(section: &Section, quantity: Quantity, target: Option<Target>) -> bool {
     let drives = |t| matches!(t, Target::Channel(Channel::Duty | Channel::Goal | Channel::Current));
+    let told = matches!(quantity, Quantity::Duty | Quantity::Goal | Quantity::TorqueDemand);
     let said = if target.is_none_or(drives) {
-        section.boolean(about("held", HELD).default(if matches!(quantity, Quantity::Duty | Quantity::Goal) {
-            "true"
-        } else {
-            "false"
-        }))
+        section.boolean(about("held", HELD).default(if told { "true" } else { "false" }))
     } else {
         None
     };
-    said.unwrap_or(matches!(quantity, Quantity::Duty | Quantity::Goal))
+    said.unwrap_or(told)
 }
 
 /// What drives the other machine may be a current, a torque, a voltage or a duty cycle: only its course counts.
@@ -412,6 +432,23 @@ fn place(
         Quantity::Acceleration => moved(Channel::OutputAcceleration, 1.0 / frame.ratio),
         Quantity::Goal => moved(Channel::Goal, 1.0 / frame.ratio),
         Quantity::Torque => moved(Channel::Torque, frame.ratio),
+        Quantity::TorqueDemand | Quantity::TorqueEstimate => {
+            let Some(torque_constant) = frame.torque_constant else {
+                section.note(
+                    Problem::at(
+                        section.span(),
+                        format!("`{key}` needs the torque constant of the motor's row"),
+                        "this motor has no row",
+                    )
+                    .help("log its `current`"),
+                );
+                return None;
+            };
+            remarks.push(Remark::OfTorque(key));
+            // What drives do: no loss of the gear is in it.
+            let per_ampere = if motor { torque_constant } else { torque_constant * frame.ratio };
+            Some((Target::Channel(Channel::Current), 1.0 / per_ampere))
+        }
         Quantity::Force => {
             section.note(
                 Problem::at(section.span(), "only a linear axis has a column `force`", "this actuator turns")
@@ -453,6 +490,13 @@ fn place_linear(
                     "its force per ampere is not known",
                 )
                 .help("for example actuator = { mass = \"95 kg\", force_gain = \"12 N/A\" }"),
+            );
+            return None;
+        }
+        Quantity::TorqueDemand | Quantity::TorqueEstimate => {
+            section.note(
+                Problem::at(section.span(), format!("a linear axis has no `{key}`"), "its drive makes a force")
+                    .help("what drives it is the column `force`, or the one that `force_gain` is for"),
             );
             return None;
         }

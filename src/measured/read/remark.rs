@@ -11,12 +11,21 @@ pub enum Remark {
     NoSide(&'static str),
     /// A current names no convention: it is taken as this one.
     CurrentConvention(&'static str),
+    /// A torque of the drive is taken as a current by the declared torque constant.
+    OfTorque(&'static str),
     /// A voltage names no convention.
     VoltageConvention,
     /// So many rows have a repeated time.
     Repeated(usize),
     /// So many rows have no time.
     Timeless(usize),
+    /// A column of a recording is of another topic than the time.
+    Latest {
+        /// The channel's key.
+        key: &'static str,
+        /// How old the oldest of its values is where it is used \[µs\].
+        microseconds: u64,
+    },
     /// A column has no number in any of its cells.
     Empty {
         /// The channel's key.
@@ -49,7 +58,14 @@ impl fmt::Display for Remark {
             Remark::CurrentConvention(word) => {
                 write!(f, "`current` names no convention and is taken as that of the motor's row, {word}")
             }
+            Remark::OfTorque(key) => {
+                write!(f, "`{key}` is taken as the current that makes it by the declared torque constant")
+            }
             Remark::VoltageConvention => f.write_str("`voltage` names no convention and is taken on the q axis"),
+            Remark::Latest { key, microseconds } => {
+                let age = crate::words::number(*microseconds as f64 / 1e6);
+                write!(f, "`{key}` is of another topic than `time`: each row has its latest value, at most {age} s old")
+            }
             Remark::Repeated(count) => rows(f, *count, "with a repeated time"),
             Remark::Timeless(count) => rows(f, *count, "without time"),
             Remark::Empty { key, cells } => {

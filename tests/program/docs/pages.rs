@@ -204,6 +204,7 @@ fn benches_are_documented() {
     let rotary = format!(
         "{NO}\nkind = \"dynamometer\"\nactuator = {{ motor = \"t-motor-ri50\", ratio = 7.5, {NO} }}\n[columns]\n{NO}\n\
          time = {{ name = \"t\", unit = \"s\", {NO} }}\nvelocity = {{ name = \"w\", unit = \"rpm\", {NO} }}\n\
+         position = {{ name = \"p\", unit = \"rad\", {NO} }}\n\
          duty = {{ name = \"d\", {NO} }}\ncurrent = {{ name = \"a\", unit = \"A\", {NO} }}\n[load]\n{NO}\n[terminals]\n{NO}\n\
          [rotor]\nmass = \"1 kg\"\nradius = \"1 m\"\n{NO}\n{}",
         log(NO)
