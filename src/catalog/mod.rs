@@ -157,7 +157,9 @@ impl Catalog {
                     let source = Arc::new(Source::new(path.display().to_string(), ""));
                     errors.push(InputError {
                         source,
-                        problems: vec![Problem::whole("there is no .csv file, and no gear family, in this folder")],
+                        problems: vec![Problem::whole(
+                            "there is no .csv file in this folder, nor a gear family in its folder `gear_families`",
+                        )],
                     });
                 }
                 files.extend(found);
