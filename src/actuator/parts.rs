@@ -145,7 +145,8 @@ impl Candidate<'_> {
         let motor = Part {
             kind: if is_module { PartKind::Module } else { PartKind::Motor },
             diameter: sheet.outer_diameter.map(|p| p.value),
-            length: sheet.length.map(|p| p.value),
+            // What a family says of the motor that it is made for fills what the motor's row lacks.
+            length: sheet.length.map(|p| p.value).or_else(|| self.catalog_gear.and_then(|gear| gear.motor_length)),
             price: price(&sheet.offer),
             lead_time: sheet.offer.lead_time,
         };

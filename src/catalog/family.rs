@@ -17,8 +17,16 @@ use crate::words::number;
 /// The folder that files of families stand in.
 pub(super) const FOLDER: &str = "gear_families";
 
+/// Whether a table of TOML is that of a family: it has points, or says what kind of gears they would be.
+pub(super) fn is_family(root: &Section) -> bool {
+    root.holds(POINTS) || root.holds("kind") && !root.is_table("motor")
+}
+
 /// The key of the list of points.
-pub(super) const POINTS: &str = "point";
+const POINTS: &str = "point";
+
+/// Most points of a family.
+const MOST_POINTS: usize = 200;
 
 /// Two ratios that differ by less than this share of themselves are one.
 const SAME: f64 = 1e-6;
@@ -222,6 +230,12 @@ fn read_points(root: &Section, name: &str, gear: Option<&Gear>, parts: &[Part; 2
         root.missing(POINTS, "a table [[point]] for each gear");
     }
     let mut points: Vec<(Gear, Span<usize>)> = Vec::new();
+    if let Some(extra) = sections.get(MOST_POINTS) {
+        let message = format!("the family has {} points", sections.len());
+        root.note(Problem::at(extra.span(), message, format!("at most {MOST_POINTS}")));
+        return Vec::new();
+    }
+    let mut missing = [false; 2];
     for section in sections {
         let stress = section.quantity(
             key("stress_limit", "of this point; refused where it is not that of the family")
@@ -236,16 +250,20 @@ fn read_points(root: &Section, name: &str, gear: Option<&Gear>, parts: &[Part; 2
             section.note(problem.help(format!("write `{column}` above the points, or make another family")));
         }
         let read = row::point(&TomlCells(&section), gear.cloned().unwrap_or_else(Gear::blank), OF_FAMILY);
-        for part in parts.iter().filter(|part| section.has(part.column) && !root.has(part.covers_key)) {
-            root.missing(part.covers_key, "\"gear\"  # or \"actuator\", where the motor is in it");
+        for (part, is_missing) in parts.iter().zip(&mut missing) {
+            *is_missing |= section.has(part.column) && !root.has(part.covers_key);
         }
         if let Some(point) = read {
             let [mass, length] = parts;
             let (mass, length) =
                 (mass.without_motor(point.mass, &section), length.without_motor(point.length, &section));
-            points.push((Gear { mass, length, ..point }, section.span()));
+            let motor_length = parts[1].motor;
+            points.push((Gear { mass, length, motor_length, ..point }, section.span()));
         }
         section.finish();
+    }
+    for (part, _) in parts.iter().zip(missing).filter(|(_, is)| *is) {
+        root.missing(part.covers_key, "\"gear\"  # or \"actuator\", where the motor is in it");
     }
     if root.noted() > before {
         return Vec::new();

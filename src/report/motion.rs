@@ -51,7 +51,7 @@ fn transmission(joint: &Joint) -> Option<String> {
     let actuators = actuators.iter().map(|peaks| peak(peaks, "the actuator"));
     let peaks = joints.chain(actuators).collect::<Vec<_>>().join(", ");
     let loss = match passed.numbers.says_loss {
-        true => format!("it loses {} W, which are not in the loss told here", number(passed.loss)),
+        true => format!("it loses {} W, which are not in the loss shown here", number(passed.loss)),
         false => "its loss is not known: no `efficiency` is given".into(),
     };
     Some(format!(
