@@ -95,7 +95,7 @@ pub(super) fn part_title(part: &Part) -> String {
             (Shape::Order, Some(order)) => format!("{} of order {}", fitted.effect.title(), number(*order)),
             _ => fitted.effect.title(),
         },
-        Part::Friction => "friction of the row".into(),
+        Part::Friction => "the measured friction".into(),
         Part::Gear => "the gear's numbers".into(),
         Part::Numbers => "the row's numbers".into(),
     }
@@ -123,7 +123,7 @@ fn shares_text(one: &Remade, width: usize) -> String {
         Err(_) => vec![part_title(&share.part), "none".into(), String::new(), String::new(), String::new()],
     };
     let rows = one.shares.iter().map(row).chain([cells("nothing (as fitted)".into(), after)]);
-    let heading = "What each part of what was fitted moves: the fitted motor without it, chosen again. Parts that act together need not add up.";
+    let heading = "What each part of what was fitted moves: the fitted motor without it, chosen again. Without the measured friction the row's drag counts. Parts that act together need not add up.";
     let table = Table::new(columns).indented(2).also_in("`--json`").rows(rows);
     format!("{}{}", paragraph_at(heading, 2, 4, width), table.text_at(width))
 }

@@ -16,7 +16,7 @@ use crate::effects::FittedEffect;
 pub enum Part {
     /// An effect; of several orders one.
     Effect(FittedEffect),
-    /// Friction that the row does not declare.
+    /// Friction as it was measured; without it the drag of the declared row counts, all of it as Coulomb friction.
     Friction,
     /// What was found of the gear.
     Gear,
@@ -55,7 +55,10 @@ fn parts(declared: Option<&Motor>, fitted: &Motor) -> Vec<(Part, Motor)> {
     if let Some(declared) = declared {
         let friction = |motor: &Motor| (motor.coulomb_friction, motor.viscous_friction);
         if friction(fitted) != friction(declared) {
-            let (coulomb_friction, viscous_friction) = friction(declared);
+            // Beside effects no drag by a no-load current counts: it is put in as what it may be at most.
+            let by_no_load = declared.no_load_torque.filter(|_| friction(declared) == (None, None));
+            let (coulomb_friction, viscous_friction) =
+                (declared.coulomb_friction.or(by_no_load), declared.viscous_friction);
             parts.push((Part::Friction, Motor { coulomb_friction, viscous_friction, ..fitted.clone() }));
         }
     }
