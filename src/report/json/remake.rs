@@ -131,7 +131,7 @@ pub struct Chosen<'a> {
     pub binds: Binds<&'static str>,
     /// The objective.
     pub objective: Option<f64>,
-    /// Mean loss \[W\].
+    /// Mean loss.
     pub loss_w: Option<f64>,
     /// Margin of each limit, by its name.
     pub margins: Pairs<'a>,

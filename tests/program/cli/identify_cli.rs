@@ -471,7 +471,7 @@ fn the_page_tells_the_loop_in_six_lines() {
     };
     assert!(measured.contains("t-motor-ri50 at N = 9, 3 logs, 1 of them held out"), "{measured}");
     assert!(missing.contains("Coulomb friction and cogging"), "{missing}");
-    assert!(error.contains("0.5374 N*m before, 0.0274 N*m after, on logs that were held out"), "{error}");
+    assert!(error.contains("0.5374 N·m before, 0.0274 N·m after, on logs that were held out"), "{error}");
     assert!(
         choice.contains("at hip, t-motor-ri50 goes from N* = 11.31") && choice.contains("the first choice is now"),
         "{choice}"
