@@ -1,7 +1,7 @@
 //! What an actuator is made of, part by part: how large each part is, what it costs, how long one waits for it.
 //!
 //! The one idea: a limit on the whole asks a list of parts, of which each says what is known of it. What else belongs to an
-//! actuator (a transmission behind the gear) is one more part of [`Candidate::parts`], and nothing else changes.
+//! actuator (a transmission behind the gear) is one more part of a candidate, and nothing else changes.
 
 use super::candidate::Candidate;
 use crate::catalog::{Currency, GearKind};
