@@ -1,7 +1,7 @@
 //! What an actuator is made of, part by part: how large each part is, what it costs, how long one waits for it.
 //!
 //! The one idea: a limit on the whole asks a list of parts, of which each says what is known of it. What else belongs to an
-//! actuator (a transmission behind the gear) is one more part of [`Candidate::parts`], and nothing else changes.
+//! actuator (a transmission behind the gear) is one more part of a candidate, and nothing else changes.
 
 use super::candidate::Candidate;
 use crate::catalog::{Currency, GearKind};
@@ -145,7 +145,8 @@ impl Candidate<'_> {
         let motor = Part {
             kind: if is_module { PartKind::Module } else { PartKind::Motor },
             diameter: sheet.outer_diameter.map(|p| p.value),
-            length: sheet.length.map(|p| p.value),
+            // What a family says of the motor that it is made for fills what the motor's row lacks.
+            length: sheet.length.map(|p| p.value).or_else(|| self.catalog_gear.and_then(|gear| gear.motor_length)),
             price: price(&sheet.offer),
             lead_time: sheet.offer.lead_time,
         };

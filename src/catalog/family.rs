@@ -10,15 +10,23 @@ use super::Catalog;
 use super::gear::{Gear, GearKind, matches_pattern};
 use super::row::{self, TomlCells};
 use super::sheet::SourceKind;
-use crate::input::{Description, Form, Problem, Range, Section, key};
-use crate::units;
-use crate::words::{counted, number};
+use crate::input::{Description, Form, Key, Problem, Range, Section, key};
+use crate::units::{self, Kind};
+use crate::words::number;
 
 /// The folder that files of families stand in.
 pub(super) const FOLDER: &str = "gear_families";
 
+/// Whether a table of TOML is that of a family: it has points, or says what kind of gears they would be.
+pub(super) fn is_family(root: &Section) -> bool {
+    root.holds(POINTS) || root.holds("kind") && !root.is_table("motor")
+}
+
 /// The key of the list of points.
-pub(super) const POINTS: &str = "point";
+const POINTS: &str = "point";
+
+/// Most points of a family.
+const MOST_POINTS: usize = 200;
 
 /// Two ratios that differ by less than this share of themselves are one.
 const SAME: f64 = 1e-6;
@@ -90,12 +98,64 @@ impl Catalog {
     }
 }
 
-/// The numbers of the family itself.
-struct Own {
-    motor_mass: Option<f64>,
-    motor_length: Option<f64>,
-    mass_covers: Covers,
-    length_covers: Covers,
+/// A number of the points that may have the motor's in it.
+struct Part {
+    /// The column.
+    column: &'static str,
+    /// The key that says what it is of.
+    covers_key: &'static str,
+    /// What it is of.
+    covers: Covers,
+    /// The motor's, SI.
+    motor: Option<f64>,
+}
+
+impl Part {
+    const MASS: (&'static str, [Key; 2], &'static Kind) = (
+        "mass",
+        [
+            key("mass_covers", "what the mass of the points is of").default("required with `mass`"),
+            key("motor_mass", "of the motor in the points; with `mass_covers = \"actuator\"`"),
+        ],
+        &units::MASS,
+    );
+    const LENGTH: (&'static str, [Key; 2], &'static Kind) = (
+        "length",
+        [
+            key("length_covers", "what the length of the points is of").default("required with `length`"),
+            key("motor_length", "of the motor in the points; with `length_covers = \"actuator\"`"),
+        ],
+        &units::LENGTH,
+    );
+
+    /// Reads what a number is of. That the motor's is known where the number has it in it, and is not said where it has not, is looked at.
+    fn read(root: &Section, (column, [covers_key, motor_key], kind): (&'static str, [Key; 2], &'static Kind)) -> Part {
+        let covers = root.choice(covers_key, Covers::NAMES).unwrap_or(Covers::Gear);
+        let motor = root.quantity(motor_key, kind, Range::Positive);
+        let (covers_key, motor_key) = (covers_key.name(), motor_key.name());
+        match covers {
+            Covers::Actuator if !root.has(motor_key) => root.missing(motor_key, &format!("\"{}\"", kind.example)),
+            Covers::Gear if motor.is_some() => {
+                let message = format!(
+                    "`{motor_key}` is that of a motor in the points, and `{covers_key}` does not say that one is in it"
+                );
+                let problem = Problem::at(root.span_of(motor_key), message, "taken off nothing");
+                root.note(problem.help(format!("write {covers_key} = \"actuator\", or remove `{motor_key}`")));
+            }
+            _ => {}
+        }
+        Part { column, covers_key, covers, motor }
+    }
+
+    /// The gear's share of a number of a point.
+    fn without_motor(&self, value: Option<f64>, section: &Section) -> Option<f64> {
+        let (Covers::Actuator, Some(motor), Some(whole)) = (self.covers, self.motor, value) else { return value };
+        if whole <= motor {
+            let message = format!("the `{}` of the actuator is not more than that of its motor", self.column);
+            section.note(Problem::at(section.span_of(self.column), message, "nothing is left for the gear"));
+        }
+        Some(whole - motor)
+    }
 }
 
 /// What the reader asks for, but for the columns of a gear in the points, which have a list of their own.
@@ -117,34 +177,7 @@ pub(super) fn read(root: &Section) -> Option<Family> {
     let material = text("material", "of the teeth");
     let stress_limit =
         root.quantity(key("stress_limit", "in a tooth, that all points are made for"), &units::STRESS, Range::Positive);
-    let quantity =
-        |name: &'static str, about: &'static str, kind| root.quantity(key(name, about), kind, Range::Positive);
-    let own = Own {
-        mass_covers: root
-            .choice(
-                key("mass_covers", "what the mass of the points is of").default("required with `mass`"),
-                Covers::NAMES,
-            )
-            .unwrap_or(Covers::Gear),
-        motor_mass: quantity(
-            "motor_mass",
-            "of the motor in the points; with `mass_covers = \"actuator\"`",
-            &units::MASS,
-        ),
-        length_covers: root
-            .choice(
-                key("length_covers", "what the length of the points is of").default("required with `length`"),
-                Covers::NAMES,
-            )
-            .unwrap_or(Covers::Gear),
-        motor_length: quantity(
-            "motor_length",
-            "of the motor in the points; with `length_covers = \"actuator\"`",
-            &units::LENGTH,
-        ),
-    };
-    check_covers(root, "mass_covers", own.mass_covers, ("motor_mass", "\"240 g\""), own.motor_mass);
-    check_covers(root, "length_covers", own.length_covers, ("motor_length", "\"26.5 mm\""), own.motor_length);
+    let parts = [Part::MASS, Part::LENGTH].map(|part| Part::read(root, part));
     let maker = text("manufacturer", "who makes it, or made the designs").unwrap_or_default();
     let source = root.required_text(key("source", "where the numbers come from"), "\"arXiv 2510.07197\"");
     let source_kind = root.choice(key("source_kind", "what kind of source that is").required(), SourceKind::NAMES);
@@ -170,35 +203,15 @@ pub(super) fn read(root: &Section) -> Option<Family> {
     let known = name.as_ref().zip(kind).zip(source.as_ref().zip(source_kind));
     let gear = known.map(|((_, kind), (source, source_kind))| shared(kind, source.get_ref().clone(), source_kind));
     let name = name.map(toml::Spanned::into_inner).unwrap_or_default();
-    let points = read_points(root, &name, gear.as_ref(), &own);
+    let points = read_points(root, &name, gear.as_ref(), &parts);
     (root.noted() == before).then(|| Family {
         name,
         gear: gear.unwrap_or_else(Gear::blank),
         material: material.unwrap_or_default(),
         stress_limit,
-        length_covers: own.length_covers,
+        length_covers: parts[1].covers,
         points,
     })
-}
-
-/// That the motor's part of a number is known where the number has it in it, and is not said where it has not.
-fn check_covers(
-    root: &Section,
-    covers: &'static str,
-    is: Covers,
-    (part, example): (&'static str, &str),
-    value: Option<f64>,
-) {
-    match (is, root.has(part)) {
-        (Covers::Actuator, false) => root.missing(part, example),
-        (Covers::Gear, true) if value.is_some() => {
-            let message =
-                format!("`{part}` is that of a motor in the points, and `{covers}` does not say that one is in it");
-            let problem = Problem::at(root.span_of(part), message, "taken off nothing");
-            root.note(problem.help(format!("write {covers} = \"actuator\", or remove `{part}`")));
-        }
-        _ => {}
-    }
 }
 
 fn check_name(root: &Section, name: &str, span: Span<usize>) {
@@ -210,13 +223,19 @@ fn check_name(root: &Section, name: &str, span: Span<usize>) {
 }
 
 /// Reads the points, by rising ratio, each with an id.
-fn read_points(root: &Section, name: &str, gear: Option<&Gear>, own: &Own) -> Vec<Gear> {
+fn read_points(root: &Section, name: &str, gear: Option<&Gear>, parts: &[Part; 2]) -> Vec<Gear> {
     let before = root.noted();
     let sections = root.sections(key(POINTS, "one for each gear of the family").required());
     if sections.is_empty() && !root.has(POINTS) {
         root.missing(POINTS, "a table [[point]] for each gear");
     }
     let mut points: Vec<(Gear, Span<usize>)> = Vec::new();
+    if let Some(extra) = sections.get(MOST_POINTS) {
+        let message = format!("the family has {} points", sections.len());
+        root.note(Problem::at(extra.span(), message, format!("at most {MOST_POINTS}")));
+        return Vec::new();
+    }
+    let mut missing = [false; 2];
     for section in sections {
         let stress = section.quantity(
             key("stress_limit", "of this point; refused where it is not that of the family")
@@ -231,15 +250,20 @@ fn read_points(root: &Section, name: &str, gear: Option<&Gear>, own: &Own) -> Ve
             section.note(problem.help(format!("write `{column}` above the points, or make another family")));
         }
         let read = row::point(&TomlCells(&section), gear.cloned().unwrap_or_else(Gear::blank), OF_FAMILY);
-        for (number, covers) in [("mass", "mass_covers"), ("length", "length_covers")] {
-            if section.has(number) && !root.has(covers) {
-                root.missing(covers, "\"gear\"  # or \"actuator\", where the motor is in it");
-            }
+        for (part, is_missing) in parts.iter().zip(&mut missing) {
+            *is_missing |= section.has(part.column) && !root.has(part.covers_key);
         }
         if let Some(point) = read {
-            points.push((without_motor(point, own, &section), section.span()));
+            let [mass, length] = parts;
+            let (mass, length) =
+                (mass.without_motor(point.mass, &section), length.without_motor(point.length, &section));
+            let motor_length = parts[1].motor;
+            points.push((Gear { mass, length, motor_length, ..point }, section.span()));
         }
         section.finish();
+    }
+    for (part, _) in parts.iter().zip(missing).filter(|(_, is)| *is) {
+        root.missing(part.covers_key, "\"gear\"  # or \"actuator\", where the motor is in it");
     }
     if root.noted() > before {
         return Vec::new();
@@ -275,25 +299,6 @@ fn check_stress(section: &Section, root: &Section, stress: Option<f64>) {
     section.note(problem.help("gears of two stress limits are two families: one file for each"));
 }
 
-/// A point without what of its mass and length is the motor's.
-fn without_motor(point: Gear, own: &Own, section: &Section) -> Gear {
-    let off = |name: &'static str, covers, motor: Option<f64>, value: Option<f64>| match (covers, motor, value) {
-        (Covers::Actuator, Some(motor), Some(value)) => {
-            if value <= motor {
-                let message = format!("the `{name}` of the actuator is not more than that of its motor");
-                section.note(Problem::at(section.span_of(name), message, "nothing is left for the gear"));
-            }
-            Some(value - motor)
-        }
-        (_, _, value) => value,
-    };
-    Gear {
-        mass: off("mass", own.mass_covers, own.motor_mass, point.mass),
-        length: off("length", own.length_covers, own.motor_length, point.length),
-        ..point
-    }
-}
-
 /// Ratios in as few digits as tell them apart, four at least.
 fn distinct(ratios: &[f64]) -> Vec<String> {
     let with = |digits: usize| -> Vec<String> {
@@ -310,10 +315,4 @@ fn distinct(ratios: &[f64]) -> Vec<String> {
     let all = (4..=15).map(with);
     let apart = |texts: &Vec<String>| texts.windows(2).all(|pair| pair[0] != pair[1]);
     all.clone().find(apart).unwrap_or_else(|| with(15))
-}
-
-/// What is said of a family in one line.
-pub fn summary(family: &Family) -> String {
-    let (first, last) = family.range();
-    format!("{} of ratio {} to {}", counted(family.points.len(), "gear"), number(first), number(last))
 }

@@ -157,6 +157,8 @@ pub struct Gear {
     pub model: String,
     /// The family that it is a point of; empty for a gear that can be bought.
     pub family: String,
+    /// The length of the motor that its family is made for, where the family says it \[m\].
+    pub motor_length: Option<f64>,
     /// How it reduces.
     pub kind: GearKind,
     /// Reduction, N.

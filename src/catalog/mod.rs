@@ -157,7 +157,9 @@ impl Catalog {
                     let source = Arc::new(Source::new(path.display().to_string(), ""));
                     errors.push(InputError {
                         source,
-                        problems: vec![Problem::whole("there is no .csv file, and no gear family, in this folder")],
+                        problems: vec![Problem::whole(
+                            "there is no .csv file in this folder, nor a gear family in its folder `gear_families`",
+                        )],
                     });
                 }
                 files.extend(found);
@@ -185,7 +187,6 @@ impl Catalog {
         let mut written = Vec::new();
         let mut motor_homes: HashMap<String, String> = HashMap::new();
         let mut gear_homes: HashMap<String, String> = HashMap::new();
-        let mut family_homes: HashMap<String, String> = HashMap::new();
         for source in &sources {
             let mut twice = |homes: &mut HashMap<String, String>, id: &str| {
                 if let Some(first) = homes.insert(id.to_string(), source.name().to_string()) {
@@ -204,7 +205,7 @@ impl Catalog {
                     rows.gears.iter().for_each(|g| twice(&mut gear_homes, &g.id));
                     let points = rows.families.iter().flat_map(|family| &family.points);
                     points.for_each(|point| twice(&mut gear_homes, &point.id));
-                    rows.families.iter().for_each(|family| twice(&mut family_homes, &family.name));
+                    rows.families.iter().for_each(|family| twice(&mut gear_homes, &family.name));
                     // A module stands beside motors in answers.
                     rows.modules.iter().for_each(|m| twice(&mut motor_homes, &m.id));
                     catalog.motors.extend(rows.motors);

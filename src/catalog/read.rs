@@ -155,7 +155,7 @@ fn rows_of(source: &Arc<Source>) -> Result<Rows, InputError> {
         if KINDS.iter().any(|kind| root.holds(kind.table) && root.is_list(kind.table)) {
             return Some(read_lists(root));
         }
-        if root.holds(family::POINTS) {
+        if family::is_family(root) {
             return family::read(root).map(|family| Rows { families: vec![family], ..Rows::default() });
         }
         let motor = fitted::read_choice(root)?;

@@ -219,5 +219,5 @@ fn write_lock(
         return Ok(None);
     }
     let choices = design.choices(catalog).map_err(|e| vec![e])?;
-    Ok(Some(Lock::of(design, &choices).to_toml()))
+    Ok(Some(Lock::of(design, &choices, catalog).to_toml()))
 }

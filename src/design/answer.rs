@@ -381,7 +381,7 @@ impl Unusable {
                 "it was fitted with its gear, and a gear `map` does not go with fitted effects: give the gear's numbers as \
                  keys of [joint.gear]"
             }
-            Unusable::OutsideMap => "the gear's `map` says nothing of this ratio",
+            Unusable::OutsideMap => "the gear's `map` or family says nothing of this ratio",
             Unusable::Mass => "the objective needs a mass that is not known",
             Unusable::Durations => {
                 "energy is that of a cycle: points need durations, load cases `cycles` or an `order`"

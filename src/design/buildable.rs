@@ -10,7 +10,7 @@ use super::answer::{Design, Refused};
 use super::best::best_design;
 use super::mount::{JointDemand, Site};
 use crate::catalog::{Catalog, Motor};
-use crate::requirement::{FamilyPlace, Joint, RatioChoice, Robot, Stage, Train, stages as stages_of};
+use crate::requirement::{Joint, RatioChoice, Robot, Stage, Train, stages as stages_of};
 
 /// Planets of a stage.
 const PLANETS: u32 = 3;
@@ -110,7 +110,8 @@ pub struct Built<'a> {
 /// optimum; else with fewer digits. `None` where neither keeps the limits, or the ratio is none that is free.
 pub fn built<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Design<'a>) -> Option<Built<'a>> {
     let RatioChoice::Continuous { min, max } = joint.ratio else { return None };
-    if design.gear.is_some() {
+    // A family has gears of its own: at its points they are there, and between them no teeth are known, nor is another ratio better.
+    if design.gear.is_some() || joint.family_map().is_some() {
         return None;
     }
     let optimal = design.optimum.ratio;
@@ -119,16 +120,10 @@ pub fn built<'a>(robot: &Robot, joint: &Joint, catalog: &Catalog, design: &Desig
         Some(_) => (min, max),
         None => (design.optimum.window().min, design.optimum.window().max),
     };
-    // A family has gears of its own: at its points they are there, and between them no teeth are said.
-    let family = joint.family_map();
-    if family.is_some_and(|map| matches!(map.place(optimal), Some(FamilyPlace::At(_)))) {
-        return None;
-    }
-    let trains = match family {
-        Some(_) => Vec::new(),
-        None => trains(optimal, window, joint.gear.mass_per_stage.map(|(_, largest)| largest)),
-    };
-    let trains = trains.into_iter().take(TRIES).map(|train| (train.ratio(), Some(train)));
+    let trains = trains(optimal, window, joint.gear.mass_per_stage.map(|(_, largest)| largest))
+        .into_iter()
+        .take(TRIES)
+        .map(|train| (train.ratio(), Some(train)));
     let rounded = rounded(optimal, window).into_iter().map(|ratio| (ratio, None));
     trains.chain(rounded).find_map(|(ratio, train)| {
         let design = at_ratio(robot, joint, catalog, design.motor, ratio)?;

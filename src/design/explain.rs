@@ -111,6 +111,9 @@ impl Explanation<'_> {
             // A module is allowed as a whole, or it is no candidate.
             _ if self.motor.inside.is_some() => None,
             (_, Some(gear)) if gear.fits(self.motor.row_id()) == Some(false) => Some(Forbidden::DoesNotFit),
+            (_, Some(gear)) if self.joint.family_map().is_some_and(|map| map.family() != gear.family) => {
+                Some(Forbidden::Gear)
+            }
             (RatioChoice::Catalog { patterns, from, .. }, Some(gear)) => {
                 (!from.has(patterns, gear)).then_some(Forbidden::Gear)
             }

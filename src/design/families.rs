@@ -111,6 +111,24 @@ fn with_map(joint: Joint, catalog: &Catalog) -> Result<Joint, String> {
         Ok(made) => made,
         Err(why) => return wrong(format!("no ratios between the points of `{}`: {why}", family.name)),
     };
+    let limits = &joint.limits;
+    let asked = [
+        ("outer_diameter", "outer_diameter", limits.outer_diameter.is_some() && base.outer_diameter.is_none()),
+        ("axial_length", "length", limits.axial_length.is_some() && base.length.is_none()),
+        ("max_backlash", "backlash", limits.max_backlash.is_some() && base.backlash.is_none()),
+        ("min_stiffness", "stiffness", limits.min_stiffness.is_some() && base.stiffness.is_none()),
+    ];
+    let says = |column: &str| {
+        let field = GEAR_FIELDS.iter().find(|field| field.name == column);
+        field.is_some_and(|field| family.points.iter().any(|point| (field.get)(point).is_some()))
+    };
+    if let Some((limit, ..)) = asked.iter().find(|(_, column, unknown)| *unknown && says(column)) {
+        return wrong(format!(
+            "the points of `{}` differ in what `{limit}` asks for, and between two of them it is not known; leave `between` out: the \
+             points can be judged",
+            family.name
+        ));
+    }
     let (min, max) = map.range();
     let motors = Filter { made_for: family.gear.fits.clone(), ..joint.motors.clone() };
     let gear = GearModel { says_loss: true, ..map.gear(&base, min) };

@@ -158,8 +158,12 @@ pub fn nearby<'a>(robot: &Robot, joint: &Joint, catalog: &'a Catalog, design: &D
         return None;
     }
     let motor = design.motor;
-    let may_be = |gear: &&'a Gear| gear.fits(motor.row_id()) != Some(false) && joint.ratio.allows(gear.ratio);
-    let all: Vec<&'a Gear> = catalog.gears.iter().filter(may_be).collect();
+    // Where a family is asked for, its points are what is near.
+    let family = joint.family_map().map_or("", |map| map.family());
+    let may_be = |gear: &&'a Gear| {
+        gear.family == family && gear.fits(motor.row_id()) != Some(false) && joint.ratio.allows(gear.ratio)
+    };
+    let all: Vec<&'a Gear> = catalog.all_gears().filter(may_be).collect();
     let near: Vec<&'a Gear> = all.iter().copied().filter(|gear| is_near(design, gear.ratio)).collect();
     let with_spring = sprung(joint, design)?;
     let look = Look::new(robot, &with_spring, motor, design);

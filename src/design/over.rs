@@ -134,6 +134,7 @@ mod tests {
             binds: (Bind::of("ratio_min", None), Bind::of("ratio_max", None)),
             margins: Vec::new(),
             objective,
+            loss: objective,
             certificate: Certificate::NotCertified("a test".into()),
         });
         Looked { value, found: Ok(vec![Found { joint: "j".into(), count: 2, choice, between: 0.0 }]) }

@@ -250,11 +250,21 @@ impl<'a> Asked<'a, '_, '_> {
         let ends = best.iter().map(|o| o.ratio).fold((f64::INFINITY, 0.0_f64), |(a, b), n| (a.min(n), b.max(n)));
         let valleys = self.valleys(&prepared, &best).filter(|_| is_certified);
         let Some(valleys) = valleys else {
-            let stages = self.ends_of_stages(&prepared, windows);
+            let mut stages = self.ends_of_stages(&prepared, windows);
+            // The points of a family are gears: none of them is missed by the grid.
+            let points_of_family = mount.joint.family_map().into_iter().flat_map(|map| map.points());
+            stages.extend(points_of_family.map(|point| point.ratio).filter(|n| ends.0 < *n && *n < ends.1));
+            stages.sort_by(f64::total_cmp);
             let points = look(on_windows(windows, ends, self.points, stages), false)?;
-            let efficient =
-                Efficient { motor: mount.motor, from: ends.0, to: ends.1, stages: vec![], certified: false };
-            return Ok(Curve { points, efficient: Some(efficient), line: None });
+            // With a gear map quantities may jump: that all ratios between two best ones are efficient is not so.
+            let efficient = mount.joint.gear_map.is_none().then_some(Efficient {
+                motor: mount.motor,
+                from: ends.0,
+                to: ends.1,
+                stages: vec![],
+                certified: false,
+            });
+            return Ok(Curve { points, efficient, line: None });
         };
         let stages = self.ends_of_stages(&prepared, windows);
         let ends = efficient_ends(&valleys, &stages, best[0].ratio);

@@ -6,7 +6,11 @@
 //! gear looks the same on either side of it, but another ratio tells them apart: the choice is given
 //! for both readings.
 
+mod shares;
+
 use std::sync::Arc;
+
+pub use shares::{Part, Share};
 
 use super::answer::{Design, Reason, Refused, order};
 use super::best::best_design;
@@ -20,6 +24,7 @@ use crate::actuator::shaft::sign;
 use crate::catalog::{Catalog, Motor};
 use crate::design::program::{Bind, Certificate};
 use crate::effects::{FittedEffect, Side};
+use crate::numerics::grid::grid;
 use crate::requirement::{Joint, Robot};
 
 /// What the measurement changes at one joint.
@@ -45,6 +50,10 @@ pub struct Remade<'a> {
     pub regret: Option<Regret>,
     /// What the ratio of the declared row costs for the fitted motor.
     pub own_regret: Option<Regret>,
+    /// What each part of what was fitted moves.
+    pub shares: Vec<Share>,
+    /// The objective over the ratios of the joint, by the declared row and as fitted: where all limits are kept.
+    pub curves: [Vec<(f64, f64)>; 2],
     /// How what was fitted enters the limits.
     pub notes: Vec<Note>,
 }
@@ -75,6 +84,8 @@ pub struct Chosen {
     pub margins: Vec<Margin>,
     /// The objective.
     pub objective: f64,
+    /// Mean loss \[W\].
+    pub loss: f64,
     /// The proof.
     pub certificate: Certificate,
 }
@@ -101,6 +112,7 @@ impl Chosen {
             binds: (window.low.clone(), window.high.clone()),
             margins: design.evaluation.margins.clone(),
             objective: design.optimum.objective,
+            loss: design.evaluation.loss,
             certificate: design.optimum.certificate.clone(),
         }
     }
@@ -158,10 +170,34 @@ pub fn remake<'a>(robot: &'a Robot, catalog: &Catalog, declared_id: &str, fitted
             first_after: first_after.map(|d| Chosen::new(d)),
             regret,
             own_regret,
+            shares: shares::shares(site, declared, &fitted),
+            curves: [declared.map_or_else(Vec::new, |declared| curve(site, declared)), curve(site, &fitted)],
             notes: notes(&fitted, joint, Some(hottest(&fitted, joint).0)),
         }
     };
     pairs.map(one).collect()
+}
+
+/// Ratios at which the objective is drawn.
+const DRAWN: usize = 120;
+
+/// The objective of a motor over the ratios that a joint may have: where all limits are kept, and it is free.
+fn curve(site: Site, motor: &Motor) -> Vec<(f64, f64)> {
+    let Some((min, max)) = site.joint.ratio.range().filter(|(min, max)| min < max) else { return Vec::new() };
+    let Ok(prepared) = site.direct(motor).prepared() else { return Vec::new() };
+    if site.joint.limits.spring.is_some() {
+        return Vec::new();
+    }
+    let at = |ratio: f64| {
+        let evaluation = Evaluation {
+            energy: prepared.energy(ratio),
+            peak_power: Some(prepared.peak_power(ratio)),
+            ..prepared.at(ratio)
+        };
+        let objective = evaluation.objective(&site.joint.objective)?;
+        evaluation.feasible.then_some((ratio, objective))
+    };
+    grid(min, max, DRAWN).into_iter().filter_map(at).collect()
 }
 
 /// The catalogue as one chooses from it, with the row of the fitted motor among the choice in any case.

@@ -7,6 +7,7 @@
 use crate::actuator::limits::Candidate;
 use crate::catalog::module::{BUILT_IN, Inside};
 use crate::effects::{EFFECTS, Effect, SimulatorField};
+use crate::requirement::FamilyPlace;
 
 /// A largest value and whose limit it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -228,6 +229,16 @@ impl SimulatedJoint {
         if let Some(inside) = inside(candidate).filter(|inside| !inside.says_loss()) {
             let why = "the module's row does not say it: less than N K_T i may arrive at the output";
             self.leave_out(format!("loss of the gear of {}", inside.module.id), why);
+        }
+        let family = candidate.joint.family_map().filter(|_| candidate.catalog_gear.is_none());
+        if let Some(FamilyPlace::Between(below, above)) = family.and_then(|map| map.place(self.ratio)) {
+            self.leave_out(
+                format!("that the gear lies between {} and {}", below.id, above.id),
+                "nobody published it: its numbers are interpolated",
+            );
+        }
+        if family.is_some_and(|map| !map.says(|row| row.inertia)) {
+            self.leave_out("gear inertia", "no point of its family says it; the armature is the rotor's alone");
         }
         let Some(gear) = candidate.catalog_gear else { return };
         if let Some(backlash) = gear.backlash {

@@ -10,7 +10,7 @@ use super::mount::{JointDemand, Mount, Site};
 use super::options::{Options, Stop, Stopped};
 use crate::catalog::{Catalog, Motor};
 use crate::numerics::grid::grid;
-use crate::requirement::Robot;
+use crate::requirement::{Joint, Robot};
 
 /// Evaluates every motor at every ratio of a grid (`ratios` of them), or at those that the requirement lists, or with every gear of the
 /// catalogue that the joint allows and that fits.
@@ -68,6 +68,16 @@ fn swept<'a>(mount: &Mount<'a, '_>, prepared: &Prepared, ratio: f64) -> SweptDes
     }
 }
 
+/// A grid over the ratios of a joint, with the points of its gear family where it has one.
+fn over(joint: &Joint, (min, max): (f64, f64), ratios: usize) -> Vec<f64> {
+    let points = joint.family_map().into_iter().flat_map(|map| map.points());
+    let mut all = grid(min, max, ratios);
+    all.extend(points.map(|point| point.ratio).filter(|n| min < *n && *n < max));
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
 /// A motor, with a gear where it has one, that is no candidate.
 type NoCandidate<'a> = (&'a Motor, Option<&'a str>, Unusable);
 
@@ -83,7 +93,7 @@ fn sweep_motor<'a>(
                 let at = match (mount.gear, mount.joint.ratio.listed()) {
                     (Some(gear), _) => vec![gear.ratio],
                     (None, Some(values)) => values.to_vec(),
-                    (None, None) => mount.range().map_or_else(Vec::new, |(min, max)| grid(min, max, ratios)),
+                    (None, None) => mount.range().map_or_else(Vec::new, |range| over(mount.joint, range, ratios)),
                 };
                 designs.extend(at.into_iter().map(|ratio| swept(&mount, &prepared, ratio)));
             }

@@ -109,6 +109,7 @@ const OTHER_MEANINGS: [(&str, &[&str]); 5] = [
         "backlash",
         &[
             "catalog/gear.rs",
+            "design/families.rs",
             "pages/formats.rs",
             "report/catalog/card.rs",
             "requirement/gear.rs",

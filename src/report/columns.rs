@@ -170,7 +170,14 @@ fn of_choice() -> Vec<Column> {
             e.rank.map_or_else(String::new, |rank| rank.to_string())
         }),
         text("motor", "id of the motor", |e| e.motor.map_or_else(String::new, |m| m.id.clone())),
-        text("gear", "id of the gear, where it is one of the catalogue", |e| e.gear.unwrap_or_default().into()),
+        text(
+            "gear",
+            "id of the gear, where it is one of the catalogue; of a family the point, or both that it lies between",
+            |e| {
+                let of_family = || super::family::cell(e.joint, e.facts.as_ref()?.evaluation.ratio);
+                e.gear.map(str::to_string).or_else(of_family).unwrap_or_default()
+            },
+        ),
         number("ratio", "ratio N", |d| Some(d.evaluation.ratio)),
         number("ratio_min", "smallest feasible ratio of the window", |d| Some(d.optimum?.window().min)),
         number("ratio_max", "largest feasible ratio of the window", |d| Some(d.optimum?.window().max)),

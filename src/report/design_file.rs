@@ -130,7 +130,9 @@ pub fn toml(written: &Written) -> String {
             Some(gear) => out.push_str(&format!("gear = {}\n", text(gear))),
             None => {
                 let built = built_text(built.as_ref(), joint.joint, ratio);
-                out.push_str(&format!("ratio = {ratio:?}{built}\n"));
+                let among =
+                    super::family::of_ratio(joint.joint, ratio).map_or_else(String::new, |line| format!("# {line}\n"));
+                out.push_str(&format!("{among}ratio = {ratio:?}{built}\n"));
             }
         }
         if built.is_some() {

@@ -1,8 +1,9 @@
 //! The whole story of one motor at a joint.
 
+use super::answer::is_of_range;
 use super::optimize::{fitted_notes, proof, windows_text};
 use super::reason::reason_text;
-use super::said::per_cent;
+use super::said::{bind_text, per_cent};
 use super::table::{Column, Table, paragraph};
 use super::tint::Tint;
 use super::{currents, heat_or, number, optimum_ratio, optional};
@@ -316,6 +317,24 @@ pub(super) fn best_line(story: &Explanation, optimum: &Optimum) -> String {
     )
 }
 
+/// What holds an optimum at which no limit has a price.
+fn unpriced(optimum: &Optimum, joint: &Joint) -> String {
+    let window = optimum.window();
+    let is_at = |end: f64| (end / optimum.ratio - 1.0).abs() <= AT_AN_END;
+    let bind = is_at(window.max).then_some(&window.high).or_else(|| is_at(window.min).then_some(&window.low));
+    match bind {
+        None => "no limit binds at N*: every shadow price is zero".into(),
+        Some(bind) if is_of_range(bind.limit) => {
+            "N* is at the end of the ratios: nothing is known of what lies beyond".into()
+        }
+        Some(bind) if bind.unjudged.is_some() => format!("beyond N* {} cannot be judged", bind.limit),
+        Some(bind) => format!("{} binds at N*; it has no shadow price here", bind_text(bind, joint)),
+    }
+}
+
+/// As near to the end of its window an optimum is at that end (relative).
+const AT_AN_END: f64 = 1e-6;
+
 fn best(story: &Explanation, optimum: &Optimum) -> String {
     let joint = story.joint;
     let line = best_line(story, optimum);
@@ -326,7 +345,7 @@ fn best(story: &Explanation, optimum: &Optimum) -> String {
         out.push_str(&paragraph(&line, 2, 4));
     }
     if optimum.shadow_prices.is_empty() {
-        out.push_str("  no limit binds at N*: every shadow price is zero\n");
+        out.push_str(&paragraph(&unpriced(optimum, joint), 2, 4));
     }
     for price in &optimum.shadow_prices {
         let change = percent(price.elasticity / 100.0);

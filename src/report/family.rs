@@ -14,6 +14,20 @@ pub(super) fn of_ratio(joint: &Joint, ratio: f64) -> Option<String> {
     })
 }
 
+/// That ratios of a joint may lie between the points of its family.
+pub(super) fn note(joint: &Joint) -> Option<String> {
+    let map = joint.family_map()?;
+    Some(format!("Ratios are at the points of {} and between them: between two nobody published a gear", map.family()))
+}
+
+/// The gear of a ratio as a cell of a table: the point that it is at, or both that it lies between.
+pub(super) fn cell(joint: &Joint, ratio: f64) -> Option<String> {
+    Some(match joint.family_map()?.place(ratio)? {
+        FamilyPlace::At(point) => point.id.clone(),
+        FamilyPlace::Between(below, above) => format!("between {} and {}", below.id, above.id),
+    })
+}
+
 /// The point that a ratio is at, where it is at one.
 pub(super) fn point(joint: &Joint, ratio: f64) -> Option<&str> {
     match joint.family_map()?.place(ratio)? {

@@ -5,9 +5,11 @@
 
 mod findings;
 mod sentence;
+mod story;
 
 pub(super) use findings::{lines as finding_lines, words as finding_words};
 pub use sentence::sentence;
+pub use story::story as six_lines;
 
 use super::number;
 use super::table::{Column, Table, paragraph, paragraph_at, width};

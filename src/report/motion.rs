@@ -51,11 +51,11 @@ fn transmission(joint: &Joint) -> Option<String> {
     let actuators = actuators.iter().map(|peaks| peak(peaks, "the actuator"));
     let peaks = joints.chain(actuators).collect::<Vec<_>>().join(", ");
     let loss = match passed.numbers.says_loss {
-        true => format!("it loses {} W, which are not in the loss below", number(passed.loss)),
+        true => format!("it loses {} W, which are not in the loss shown here", number(passed.loss)),
         false => "its loss is not known: no `efficiency` is given".into(),
     };
     Some(format!(
-        "Transmission ({}): {range}; at most {peaks}. Torques, speeds and gear ratios below are those of the actuator; inertia \
+        "Transmission ({}): {range}; at most {peaks}. Torques, speeds and gear ratios here are those of the actuator; inertia \
          is that at the joint; {loss}",
         passed.word()
     ))

@@ -110,6 +110,11 @@ pub fn text(fronts: &[Front], most: usize) -> String {
         } else {
             let note = match (front.quantities.len(), geared) {
                 (2, true) => "With gears of the catalogue each line is a design of its own.".into(),
+                (2, false) if front.joint.gear_map.is_some() => {
+                    "Two lines of one motor are the ends of a run of points on its front. With a gear map quantities may jump: what lies \
+                     between points is not known (`--points` looks at more)."
+                        .into()
+                }
                 (2, false) => {
                     "Two lines of one motor are the ends of a run: every ratio between them is on its front.".into()
                 }

@@ -3,8 +3,10 @@
 use super::number;
 use super::optimize::{bind_text, proof};
 use super::reason::reason_text;
+use super::said::margin_text;
 use super::table::{Column, Table, paragraph_at};
-use crate::design::remake::{Choice, Chosen, Regret, Remade};
+use crate::design::remake::{Choice, Chosen, Part, Regret, Remade, Share};
+use crate::effects::Shape;
 use crate::requirement::{Joint, RatioChoice};
 
 /// For people.
@@ -50,6 +52,7 @@ fn joint_text(one: &Remade, width: usize) -> String {
         });
     }
     out.push_str(&Table::new(columns(joint)).indented(2).also_in("`--json`").rows(rows).text_at(width));
+    out.push_str(&shares_text(one, width));
     let mut say = |line: String| out.push_str(&paragraph_at(&line, 2, 4, width));
     for (what, choice) in [("as declared", one.before.as_ref()), ("as fitted", Some(&one.after))] {
         match choice.map(|c| &c.outcome) {
@@ -85,6 +88,46 @@ fn joint_text(one: &Remade, width: usize) -> String {
     out
 }
 
+/// A part of what was fitted, in words.
+pub(super) fn part_title(part: &Part) -> String {
+    match part {
+        Part::Effect(fitted) => match (fitted.effect.shape(), fitted.values.last()) {
+            (Shape::Order, Some(order)) => format!("{} of order {}", fitted.effect.title(), number(*order)),
+            _ => fitted.effect.title(),
+        },
+        Part::Friction => "the measured friction".into(),
+        Part::Gear => "the gear's numbers".into(),
+        Part::Numbers => "the row's numbers".into(),
+    }
+}
+
+/// What each part of what was fitted moves; nothing where the fitted motor is no choice.
+fn shares_text(one: &Remade, width: usize) -> String {
+    let (joint, Ok(after)) = (one.joint, &one.after.outcome) else { return String::new() };
+    if one.shares.is_empty() {
+        return String::new();
+    }
+    let columns = vec![
+        Column::name("without"),
+        Column::number("N*", ""),
+        Column::number(joint.goal(), joint.objective.unit()),
+        Column::number("loss", "W").dropped(1),
+        Column::name("smallest margin").dropped(2),
+    ];
+    let margin = |chosen: &Chosen| chosen.tightest().map_or_else(String::new, margin_text);
+    let cells = |what: String, chosen: &Chosen| {
+        vec![what, number(chosen.ratio), number(chosen.objective), number(chosen.loss), margin(chosen)]
+    };
+    let row = |share: &Share| match &share.without {
+        Ok(without) => cells(part_title(&share.part), without),
+        Err(_) => vec![part_title(&share.part), "none".into(), String::new(), String::new(), String::new()],
+    };
+    let rows = one.shares.iter().map(row).chain([cells("nothing (as fitted)".into(), after)]);
+    let heading = "What each part of what was fitted moves: the fitted motor without it, chosen again. Without the measured friction the row's drag counts. Parts that act together need not add up.";
+    let table = Table::new(columns).indented(2).also_in("`--json`").rows(rows);
+    format!("{}{}", paragraph_at(heading, 2, 4, width), table.text_at(width))
+}
+
 fn choice_row(what: &str, one: &Remade, choice: &Choice) -> Vec<String> {
     match &choice.outcome {
         Ok(chosen) => chosen_row(what, one.joint, chosen, choice.rank),
@@ -113,7 +156,7 @@ fn chosen_row(what: &str, joint: &Joint, chosen: &Chosen, rank: Option<usize>) -
     ]
 }
 
-fn regret_text(regret: &Regret, joint: &Joint) -> String {
+pub(super) fn regret_text(regret: &Regret, joint: &Joint) -> String {
     if let Some(margin) = &regret.broken {
         return format!("not feasible: {} is {}", margin.limit, super::demand_of(margin));
     }

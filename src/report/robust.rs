@@ -74,6 +74,7 @@ fn joint_text(result: &RobustJoint, top: usize) -> String {
         result.lost.len()
     );
     let mut out = paragraph(&heading, 0, 2);
+    super::family::note(joint).iter().for_each(|note| out.push_str(&paragraph(&format!("{note}."), 2, 4)));
     let columns = vec![
         Column::number("#", ""),
         Column::name("motor"),

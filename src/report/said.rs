@@ -20,6 +20,7 @@ pub(super) fn joint_notes(joint: &Joint, short: bool) -> Vec<String> {
         notes.push("No gear is described: it is taken as free of loss, inertia and mass.".into());
     }
     notes.extend(super::teeth::note(joint));
+    notes.extend(super::family::note(joint).map(|note| format!("{note}.")));
     let motion = if short { super::motion::warnings(joint) } else { super::motion::notes(joint) };
     notes.extend(motion.into_iter().map(|note| format!("{note}.")));
     if joint.objective.weight(Quantity::PeakCurrent) > 0.0 {

@@ -210,6 +210,7 @@ pub(super) fn remarks(sweep: &JointSweep) -> Vec<String> {
             crate::words::counted(kept, "design")
         ));
     }
+    out.extend(super::family::note(sweep.joint));
     out.extend(super::motion::notes(sweep.joint));
     let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (motor, gear, why) in &sweep.unusable {

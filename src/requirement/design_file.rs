@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::gear::RatioChoice;
+use super::gear_map::FamilyPlace;
 use super::robot::{Joint, Robot};
 use super::set::{SET, Settings};
 use crate::catalog::{Catalog, Gear, Motor, is_word, place, read_fitted};
@@ -106,6 +107,15 @@ pub struct Choice<'a> {
     pub gear: Option<&'a Gear>,
     /// The ratio, N.
     pub ratio: f64,
+    /// The points of a gear family that its gear is made of, where the ratio lies among them: one, or two.
+    pub points: [Option<&'a Gear>; 2],
+}
+
+impl<'a> Choice<'a> {
+    /// The rows of gears that it rests on.
+    pub fn gears(&self) -> impl Iterator<Item = &'a Gear> {
+        self.gear.into_iter().chain(self.points.into_iter().flatten())
+    }
 }
 
 impl DesignFile {
@@ -243,7 +253,15 @@ fn look_up<'a>(design: &'a JointDesign, joint: &'a Joint, catalog: &'a Catalog) 
         problems.push(at(message, format!("write gear = \"{}\"", own.id)));
     }
     match (motor, ratio) {
-        (Some(motor), Some(ratio)) if problems.is_empty() => Ok(Choice { design, joint, motor, gear, ratio }),
+        (Some(motor), Some(ratio)) if problems.is_empty() => {
+            let place = joint.family_map().filter(|_| gear.is_none()).and_then(|map| map.place(ratio));
+            let points = match place {
+                None => [None, None],
+                Some(FamilyPlace::At(point)) => [catalog.gear(&point.id), None],
+                Some(FamilyPlace::Between(below, above)) => [catalog.gear(&below.id), catalog.gear(&above.id)],
+            };
+            Ok(Choice { design, joint, motor, gear, ratio, points })
+        }
         _ => Err(problems),
     }
 }

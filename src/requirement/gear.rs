@@ -282,6 +282,8 @@ pub(super) const RATIO_KEYS: [&str; 3] = ["ratio", "gears", "family"];
 
 /// Reads `ratio`, `gears` or `family` of a joint.
 pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
+    let about = "whether a ratio between two points of the family may be chosen, where the gear is interpolated; one family then";
+    let between = section.has("family").then(|| section.boolean(key("between", about).default("false"))).flatten();
     let given: Vec<&'static str> = RATIO_KEYS.into_iter().filter(|key| section.has(*key)).collect();
     let [only] = given[..] else {
         match given[..] {
@@ -302,10 +304,7 @@ pub(super) fn read_ratio(section: &Section) -> Option<RatioChoice> {
         "family" => {
             let about = "families of gears by name, `*` for any run of characters: each of their points is a gear";
             let patterns = patterns(about)?;
-            let about = "whether a ratio between two points of the family may be chosen, where the gear is interpolated; one family \
-                         then";
-            let between = section.boolean(key("between", about).default("false")).unwrap_or(false);
-            (patterns, GearsFrom::Families { between })
+            (patterns, GearsFrom::Families { between: between.unwrap_or(false) })
         }
         _ => {
             let about = "the ratios that may be chosen: any between two, a grid, or a list";

@@ -221,6 +221,11 @@ impl GearMap {
         Some(FamilyPlace::Between(self.points.get(above.checked_sub(1)?)?, &self.points[above]))
     }
 
+    /// The points of its family; none where it has none.
+    pub fn points(&self) -> &[FamilyPoint] {
+        &self.points
+    }
+
     /// The name of its family; empty where it has none.
     pub fn family(&self) -> &str {
         &self.family

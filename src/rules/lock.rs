@@ -10,7 +10,8 @@ use std::sync::Arc;
 
 use crate::catalog::convention::word;
 use crate::catalog::{
-    ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, LifeQuantile, Motor, PeakTorqueOf, SourceKind,
+    Catalog, ContinuousTorque, FIELDS, GEAR_FIELDS, Gear, GearField, GearKind, LifeQuantile, Motor, PeakTorqueOf,
+    SourceKind,
 };
 use crate::input::kind::{self, FileKind};
 use crate::input::{Form, InputError, Problem, Section, Source, sha256};
@@ -143,8 +144,8 @@ impl Row {
         Row::sorted(RowKind::Motor, &motor.id, values)
     }
 
-    /// Every value of a gear's row.
-    pub fn of_gear(gear: &Gear) -> Row {
+    /// Every value of a gear's row; of a point of a family with what that says of all.
+    pub fn of_gear(gear: &Gear, catalog: &Catalog) -> Row {
         let stages = gear.stages.map(|stages| ("stages".to_string(), stages.to_string()));
         let number = |f: &GearField| Some((f.name.to_string(), with_unit((f.get)(gear)?.value, f.kind.si)));
         let texts = [
@@ -162,7 +163,12 @@ impl Row {
             gear.ratings.continuous_torque_is.map(|is| ("continuous_torque_is", word(ContinuousTorque::NAMES, &is)));
         let words = of_life.into_iter().chain(of_torque).map(|(name, word)| (name.to_string(), word.to_string()));
         let numbers = GEAR_FIELDS.iter().filter_map(number).chain(stages).chain(words);
-        let values = numbers.chain(texts.map(|(name, value)| (name.to_string(), value))).collect();
+        let family = catalog.families.iter().find(|family| family.name == gear.family);
+        let of_family = family.into_iter().flat_map(|family| {
+            let stress = family.stress_limit.map(|stress| with_unit(stress, "Pa")).unwrap_or_default();
+            [("material".to_string(), family.material.clone()), ("stress_limit".to_string(), stress)]
+        });
+        let values = numbers.chain(of_family).chain(texts.map(|(name, value)| (name.to_string(), value))).collect();
         Row::sorted(RowKind::Gear, &gear.id, values)
     }
 }
@@ -173,9 +179,10 @@ fn with_unit(value: f64, unit: &str) -> String {
 
 impl Lock {
     /// The lock of a design as the catalogue is now.
-    pub fn of(design: &DesignFile, choices: &[Choice]) -> Lock {
+    pub fn of(design: &DesignFile, choices: &[Choice], catalog: &Catalog) -> Lock {
         let motors = choices.iter().map(|c| Row::of_motor(c.motor));
-        let mut rows: Vec<Row> = motors.chain(choices.iter().filter_map(|c| c.gear).map(Row::of_gear)).collect();
+        let mut rows: Vec<Row> =
+            motors.chain(choices.iter().flat_map(Choice::gears).map(|gear| Row::of_gear(gear, catalog))).collect();
         rows.sort_by(|a, b| (a.kind, &a.id).cmp(&(b.kind, &b.id)));
         rows.dedup();
         Lock { robot: design.robot.name.clone(), design: file_name(design), rows }
@@ -244,7 +251,7 @@ impl Lock {
         let used_by = |row: &Row| -> Vec<String> {
             let uses = |c: &&Choice| match row.kind {
                 RowKind::Motor => c.motor.id == row.id,
-                RowKind::Gear => c.gear.is_some_and(|g| g.id == row.id),
+                RowKind::Gear => c.gears().any(|g| g.id == row.id),
             };
             choices.iter().filter(uses).map(|c| c.design.name.clone()).collect()
         };

@@ -153,7 +153,7 @@ pub fn check<'a>(
     lock_path: &std::path::Path,
 ) -> Result<Report<'a>, Vec<InputError>> {
     let choices = design.choices(catalog).map_err(|e| vec![e])?;
-    let now = Lock::of(design, &choices);
+    let now = Lock::of(design, &choices, catalog);
     let state = match lock {
         None => LockState::Missing(lock_path.to_path_buf()),
         Some(source) => {

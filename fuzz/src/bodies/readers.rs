@@ -66,7 +66,7 @@ fn gear(gear: &Gear) {
     );
     not_negative("gear", [gear.mass, gear.inertia, gear.backlash, gear.stiffness].into_iter().flatten());
     assert!(gear.efficiency.is_none_or(|e| e <= 1.0) && gear.backdrive_efficiency.is_none_or(|e| e <= 1.0));
-    assert!(!rules::lock::Row::of_gear(gear).values.is_empty());
+    assert!(!rules::lock::Row::of_gear(gear, &gearwise::catalog::Catalog::default()).values.is_empty());
 }
 
 /// A requirement with the files that it names.

@@ -238,7 +238,9 @@ pub const NEEDS: &[Need] = &[
     Need {
         name: "gear_inertia",
         of: Of::Gear,
-        stated: |_, joint| joint.limits.reflected_inertia.is_some(),
+        stated: |_, joint| {
+            joint.limits.reflected_inertia.is_some() || joint.objective.weight(Quantity::ReflectedInertia) > 0.0
+        },
         key: |owner| (owner == "requirement").then_some(Key::Joint(&["limits", "reflected_inertia"])),
         missing: |c| {
             let unknown = match (c.catalog_gear, c.joint.family_map()) {

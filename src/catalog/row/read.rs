@@ -298,6 +298,7 @@ impl Gear {
             manufacturer: String::new(),
             model: String::new(),
             family: String::new(),
+            motor_length: None,
             kind: GearKind::Direct,
             ratio: f64::NAN,
             stages: None,

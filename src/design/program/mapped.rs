@@ -264,7 +264,10 @@ fn combined(program: &RatioProgram, groups: &[Group], solved: Vec<Solved>, ruled
         of_best.span.high.is_none() && of_best.span.to >= ends.1,
     ];
     // What is priced is a limit, or an end of the range; not that a piece ends.
+    // Nothing is known beyond the ends of a named family, which nobody set.
+    let is_named = program.prepared.candidate.joint.family_map().is_some();
     let is_priced = |price: &ShadowPrice| match price.limit {
+        "ratio_min" | "ratio_max" if is_named => false,
         "ratio_min" => own[0],
         "ratio_max" => own[1],
         _ => true,

@@ -118,7 +118,7 @@ impl fmt::Display for Unsolved {
             Unsolved::NoSpringAsked => f.write_str("the joint asks for no spring"),
             Unsolved::SpringWithEffects => f.write_str("a spring is not chosen for a motor with these fitted effects"),
             Unsolved::NoWindow(steps) => write!(f, "the window was not found in {steps} steps"),
-            Unsolved::OutsideMap => f.write_str("the gear's `map` says nothing of some of the ratios"),
+            Unsolved::OutsideMap => f.write_str("the gear's `map` or family says nothing of some of the ratios"),
             Unsolved::NotFinite => f.write_str("the solution is not a finite number"),
             Unsolved::BreaksLimit => f.write_str("the solution breaks a limit"),
             Unsolved::Gap(gap) => write!(f, "the duality gap is {gap:.1e}"),

@@ -13,6 +13,7 @@ use crate::report::explain::{
 use crate::report::optimize::fitted_notes;
 use crate::report::plot::design as plot;
 use crate::report::reason::reason_text;
+use crate::report::said::gear_of_ratio;
 use crate::report::{number, optional, spring};
 use crate::requirement::Robot;
 
@@ -30,6 +31,9 @@ pub fn page(robot: &Robot, story: &Explanation) -> Page {
             false => format!("Most exceeded: {}, {}.", margin.limit, crate::report::demand_of(margin)),
         };
         summary.push(Part::Text(text));
+    }
+    if let Some(line) = gear_of_ratio(joint, e.ratio).filter(|_| story.gear.is_none()) {
+        summary.push(Part::Text(format!("{}.", capitalised(&line))));
     }
     match &story.best {
         Some(Ok(optimum)) => summary.push(Part::Text(best_line(story, optimum))),

@@ -7,9 +7,9 @@ use crate::measured::identify::Report;
 use crate::measured::simulate::ForwardCheck;
 use crate::report::identify::{
     effect_text, equation_title, finding_lines, noise_lines, parameter_columns, parameter_rows, refused, sentence,
-    story_rows, stuck, unit_on, used,
+    six_lines, story_rows, stuck, unit_on, used,
 };
-use crate::report::plot::residual as plot;
+use crate::report::plot::{choice, residual as plot};
 use crate::report::table::PLAIN_WIDTH;
 use crate::report::{forward, number, remake};
 use crate::words::handy::handy;
@@ -17,8 +17,11 @@ use crate::words::handy::handy;
 /// The page; `forward` and `remade` where they were made.
 pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, remade: Option<&[Remade]>) -> Page {
     let figure = plot::figure(bench, reports);
-    let mut sections: Vec<Section> =
-        reports.iter().enumerate().map(|(k, r)| equation(bench, r, group_of(&figure, k))).collect();
+    // The story, then pictures, then numbers.
+    let mut pictures: Vec<Part> = (0..reports.len()).filter_map(|k| group_of(&figure, k)).collect();
+    pictures.extend(remade.and_then(choice::figure).map(Part::Figure));
+    let mut sections = vec![Section::new("Before and after", pictures)];
+    sections.extend(reports.iter().map(|report| equation(bench, report)));
     if let Some(check) = forward {
         sections.push(Section::new("Simulated forward", vec![Part::Plain(forward::text_at(check, PLAIN_WIDTH))]));
     }
@@ -34,7 +37,8 @@ pub fn page(bench: &Bench, reports: &[Report], forward: Option<&ForwardCheck>, r
             runs.push(run.clone());
         }
     }
-    let mut summary = Vec::new();
+    let told = six_lines(bench, reports, remade);
+    let mut summary = vec![Part::List(told.into_iter().map(|(about, line)| format!("{about}: {line}")).collect())];
     if !runs.is_empty() {
         summary.push(Part::Text("What to measure next:".into()));
         summary.push(Part::List(runs));
@@ -83,14 +87,13 @@ fn logs(bench: &Bench) -> Table {
     table
 }
 
-fn equation(bench: &Bench, report: &Report, figure: Option<Part>) -> Section {
+fn equation(bench: &Bench, report: &Report) -> Section {
     let band = report.band.map_or_else(String::new, |b| format!("; band 0 to {} Hz", number(b)));
     let (samples, rows) = report.samples;
     let text = format!("{samples} samples, {rows} rows in the regression{band}.");
     let (header, rows) = story_rows(report);
     let story = Table::of("Error (RMSE) as it goes down", &header).rows(rows);
     let mut parts = vec![Part::Text(text), Part::Table(story), Part::List(noise_lines(report))];
-    parts.extend(figure);
     let rows = parameter_rows(bench, &report.parameters);
     parts.extend(Table::of("Numbers of the declared model", &parameter_columns()).rows(rows).part());
     let rows = report.artefacts.iter().map(|a| {

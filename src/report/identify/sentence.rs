@@ -42,19 +42,7 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
         );
     }
     let mut parts = Vec::new();
-    let mut names: Vec<String> = Vec::new();
-    for effect in reports.iter().flat_map(|r| &r.effects) {
-        let name = effect.effect.title();
-        let alike: Vec<String> = effect.confounded_with.iter().map(|e| e.title()).collect();
-        let text = if alike.is_empty() {
-            name
-        } else {
-            format!("{name} (or {}, which looks the same here)", alike.join(" or "))
-        };
-        if !names.contains(&text) {
-            names.push(text);
-        }
-    }
+    let names = lacks(reports);
     let shifted: Vec<String> = reports
         .iter()
         .flat_map(|r| &r.parameters)
@@ -169,6 +157,24 @@ pub fn sentence(bench: &Bench, reports: &[Report]) -> String {
     let missing = bench.logs.iter().all(|l| l.usage == Use::Fit);
     let note = if missing { " No log was held out, so parts of the same logs judged." } else { "" };
     format!("{}.{}{note}", parts.join("; "), unseen(reports))
+}
+
+/// The effects that the model lacks, each once, with those that look the same.
+pub(super) fn lacks(reports: &[Report]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for effect in reports.iter().flat_map(|r| &r.effects) {
+        let name = effect.effect.title();
+        let alike: Vec<String> = effect.confounded_with.iter().map(|e| e.title()).collect();
+        let text = if alike.is_empty() {
+            name
+        } else {
+            format!("{name} (or {}, which looks the same here)", alike.join(" or "))
+        };
+        if !names.contains(&text) {
+            names.push(text);
+        }
+    }
+    names
 }
 
 /// A part that begins the sentence, or goes on with it.

@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::design::{Binds, Certificate, Fitted, Pairs, margins};
 use super::finite;
 use crate::design::remake::{self, Chosen as ChosenFact, Regret as RegretFact};
+use crate::effects::Shape;
 use crate::report::reason::reason_text;
 use crate::requirement::Joint;
 
@@ -67,8 +68,40 @@ pub struct OfJoint<'a> {
     pub regret: Option<Regret>,
     /// What the ratio of the declared row costs for the fitted motor.
     pub own_regret: Option<Regret>,
+    /// What each part of what was fitted moves: the fitted motor without it, chosen again. They need not add up.
+    pub parts: Vec<WithoutPart<'a>>,
     /// How what was fitted enters the limits.
     pub effects: Vec<Fitted>,
+}
+
+/// The fitted motor without a part of what was fitted.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct WithoutPart<'a> {
+    /// The part: the name of an effect, `friction`, `gear` or `numbers` (of the row).
+    pub part: &'static str,
+    /// The order of an effect that has one.
+    pub order: Option<f64>,
+    /// The best design without it; `null` where there is none.
+    pub without: Option<Chosen<'a>>,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub because: Option<String>,
+}
+
+impl<'a> WithoutPart<'a> {
+    fn new(share: &'a remake::Share, joint: &Joint) -> WithoutPart<'a> {
+        let (part, order) = match &share.part {
+            remake::Part::Effect(fitted) if fitted.effect.shape() == Shape::Order => {
+                (fitted.name(), fitted.values.last().copied())
+            }
+            remake::Part::Effect(fitted) => (fitted.name(), None),
+            remake::Part::Friction => ("friction", None),
+            remake::Part::Gear => ("gear", None),
+            remake::Part::Numbers => ("numbers", None),
+        };
+        let because = share.without.as_ref().err().map(|reason| reason_text(reason, joint).1);
+        WithoutPart { part, order, without: share.without.as_ref().ok().map(Chosen::new), because }
+    }
 }
 
 /// What became of a motor.
@@ -98,6 +131,8 @@ pub struct Chosen<'a> {
     pub binds: Binds<&'static str>,
     /// The objective.
     pub objective: Option<f64>,
+    /// Mean loss.
+    pub loss_w: Option<f64>,
     /// Margin of each limit, by its name.
     pub margins: Pairs<'a>,
     /// How sure it is that no ratio is better.
@@ -148,6 +183,7 @@ impl<'a> OfJoint<'a> {
             first_after: one.first_after.as_ref().map(Chosen::new),
             regret: one.regret.as_ref().map(Regret::new),
             own_regret: one.own_regret.as_ref().map(Regret::new),
+            parts: one.shares.iter().map(|share| WithoutPart::new(share, one.joint)).collect(),
             effects: one.notes.iter().cloned().map(Fitted::from).collect(),
         }
     }
@@ -169,6 +205,7 @@ impl<'a> Chosen<'a> {
             window: [chosen.window.0, chosen.window.1],
             binds: Binds { low: chosen.binds.0.limit, high: chosen.binds.1.limit },
             objective: finite(chosen.objective),
+            loss_w: finite(chosen.loss),
             margins: margins(&chosen.margins),
             certificate: (&chosen.certificate).into(),
         }

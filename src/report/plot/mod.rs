@@ -9,6 +9,7 @@
 pub mod asked;
 mod axis;
 pub mod characterize;
+pub mod choice;
 pub mod design;
 mod draw;
 mod labels;

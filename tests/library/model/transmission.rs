@@ -277,6 +277,51 @@ fn the_actuators_motion_is_the_rate_of_its_angle() {
     assert!((most - of_joint / 1.9).abs() > 0.05 * most);
 }
 
+/// Limits that makers and users published at joints are those of the actuator behind the transmission: of the Go2's calf (IsaacLab
+/// #7479) with r = 1.917, of the Go1's with 1.5, and of Spot's knee (IsaacLab, `spot.py`, measured by the Boston Dynamics AI Institute),
+/// whose table gives r and the largest torque by angle: that of one motor, 1.5 N·m, at every angle.
+#[test]
+fn published_limits_at_joints_are_those_of_one_actuator() {
+    for (r, joint, actuator) in [(1.917, (45.43, 15.70), (23.7, 30.1)), (1.5, (35.55, 20.06), (23.7, 30.1))] {
+        let point = Point { torque: joint.0, velocity: joint.1, duration: Some(1.0), ..Default::default() };
+        let (there, _) = Passed::new(&ideal(Way::Ratio(r)), &Motion::from_points(&[point])).unwrap();
+        near(there.torque[0] / actuator.0, 1.0, 1e-3, "torque");
+        near(there.velocity[0] / actuator.1, 1.0, 1e-3, "speed");
+    }
+    const SPOT: [[f64; 3]; 21] = [
+        [-2.792_900, -24.776_718, 37.165_077],
+        [-2.767_442, -26.290_108, 39.435_162],
+        [-2.741_984, -27.793_369, 41.690_054],
+        [-2.716_526, -29.285_997, 43.928_996],
+        [-2.691_068, -30.767_536, 46.151_304],
+        [-2.665_610, -32.237_423, 48.356_134],
+        [-2.640_152, -33.695_168, 50.542_751],
+        [-2.614_694, -35.140_221, 52.710_331],
+        [-2.589_236, -36.572_052, 54.858_078],
+        [-2.563_778, -37.990_086, 56.985_128],
+        [-2.538_320, -39.393_730, 59.090_595],
+        [-2.512_862, -40.782_406, 61.173_609],
+        [-2.487_404, -42.155_487, 63.233_231],
+        [-2.461_946, -43.512_371, 65.268_557],
+        [-2.436_488, -44.852_371, 67.278_557],
+        [-2.411_030, -46.174_873, 69.262_310],
+        [-2.385_572, -47.479_156, 71.218_735],
+        [-2.360_114, -48.764_549, 73.146_824],
+        [-2.334_656, -50.030_334, 75.045_502],
+        [-2.309_198, -51.275_761, 76.913_641],
+        [-2.283_740, -52.500_103, 78.750_154],
+    ];
+    // Every second row makes the table; those between are what it has to say.
+    let rows: Vec<&[f64; 3]> = SPOT.iter().step_by(2).collect();
+    let table = Table::new(rows.iter().map(|row| row[0]).collect(), rows.iter().map(|row| row[1]).collect(), 0.0);
+    let knee = Way::Table(table);
+    for [q, ratio, most] in SPOT {
+        let at = knee.at(q).unwrap();
+        near(at.ratio / ratio, 1.0, 1e-5, "ratio");
+        near(most / at.ratio, -1.5, 1e-5, "the motor's torque");
+    }
+}
+
 /// A constant ratio without loss and inertia divides the best gear ratio, and what it costs stays.
 #[test]
 fn the_best_ratio_behind_a_constant_one() {

@@ -214,7 +214,7 @@ fn checked<T>(case: Case, lock: bool, look: impl FnOnce(&Report) -> T) -> T {
         fs::write(folder.path().join("good.csv"), motors(&[])).unwrap();
         let files = ["good.csv", "gears.csv", "modules.csv"].map(|name| folder.path().join(name));
         let good = Catalog::read(&files).unwrap();
-        let text = Lock::of(&design, &design.choices(&good).unwrap()).to_toml();
+        let text = Lock::of(&design, &design.choices(&good).unwrap(), &good).to_toml();
         Arc::new(Source::new("design.lock", text))
     });
     let report = gearwise::rules::check(&design, &catalog, &rules, locked.as_ref(), Path::new("design.lock"));

@@ -69,10 +69,18 @@ fn machines_are_told_where_a_ratio_lies() {
     assert_eq!(at["points"], serde_json::json!(["compact-u8-cpg-15.59"]));
 }
 
+/// A text with the line that begins so replaced.
+fn replaced(text: &str, line: &str, other: &str) -> String {
+    let lines = text.lines().map(|l| if l.starts_with(line) { other } else { l });
+    lines.collect::<Vec<_>>().join("\n") + "\n"
+}
+
 /// What is written is read again, and stands.
 #[test]
 fn designs_between_points_and_at_one_are_checked() {
-    for (set, line) in [(LIGHT, "ratio = 11.9"), ("bus.voltage=\"24 V\"", "gear = \"compact-u8-cpg-15.59\"")] {
+    for (set, line) in
+        [(LIGHT, "ratio = 11.9294308701633"), ("bus.voltage=\"24 V\"", "gear = \"compact-u8-cpg-15.59\"")]
+    {
         let folder = folder();
         fs::write(folder.path().join("robot.toml"), ROBOT).unwrap();
         let ran = run(&folder, &["optimize", "robot.toml", "--set", set, "--write-design", "design.toml"]);
@@ -89,8 +97,7 @@ fn designs_between_points_and_at_one_are_checked() {
             ("gear = \"compact-u8-sspg-7\"", "the requirement does not allow the gear `compact-u8-sspg-7`"),
             ("gear = \"compact-u8-cpg-17\"", "there is no gear `compact-u8-cpg-17`"),
         ] {
-            fs::write(folder.path().join("design.toml"), text.replacen(&format!("\n{line}"), &format!("\n{other}"), 1))
-                .unwrap();
+            fs::write(folder.path().join("design.toml"), replaced(&text, line, other)).unwrap();
             let checked = run(&folder, &["check", "design.toml"]);
             assert!(checked.status == 2 && checked.err.contains(told), "{other}: {}{}", checked.out, checked.err);
         }
@@ -152,4 +159,86 @@ fn a_family_of_ones_own_is_read_audited_and_compared() {
         "{}",
         wrong.err
     );
+}
+
+/// The rows that a ratio between points rests on are locked: both points, and what their family says of all.
+#[test]
+fn a_lock_holds_the_points_that_a_ratio_lies_between() {
+    let folder = folder();
+    let family = |efficiency: &str, stress: &str| {
+        format!(
+            "name = \"mine\"\nkind = \"planetary\"\nstages = 1\nstress_limit = \"{stress}\"\nmass_covers = \"gear\"\nsource = \"me\"\n\
+             source_kind = \"derived\"\n[[point]]\nratio = 4\nefficiency = 0.95\nmass = \"100 g\"\n[[point]]\nratio = 9\nefficiency = {efficiency}\nmass = \"250 g\"\n"
+        )
+    };
+    let robot =
+        ROBOT.replace("compact-u8-cpg", "mine").replace("objective", "motors = [\"t-motor-u8-lee\"]\nobjective");
+    let robot = robot.replace("[joint.limits]", "[joint.limits]\nactuator_mass = \"460 g\"");
+    fs::write(folder.path().join("robot.toml"), robot).unwrap();
+    fs::write(folder.path().join("mine.toml"), family("0.93", "70 MPa")).unwrap();
+    let made = run(&folder, &["optimize", "robot.toml", "--also", "mine.toml", "--write-design", "design.toml"]);
+    assert_eq!(made.status, 0, "{}{}", made.out, made.err);
+    assert!(!made.err.contains("can be built"), "{}", made.err);
+    let text = fs::read_to_string(folder.path().join("design.toml")).unwrap();
+    assert!(text.contains("# between the points mine-4 and mine-9: nobody published this gear"), "{text}");
+    assert_eq!(run(&folder, &["check", "design.toml", "--lock"]).status, 0);
+    let same = collapsed(&run(&folder, &["check", "design.toml"]).out);
+    assert!(same.contains("rows as locked"), "{same}");
+    for (efficiency, stress, column) in
+        [("0.90", "70 MPa", "mine-9 has changed: efficiency"), ("0.93", "60 MPa", "mine-9 has changed: stress_limit")]
+    {
+        fs::write(folder.path().join("mine.toml"), family(efficiency, stress)).unwrap();
+        let changed = run(&folder, &["check", "design.toml"]);
+        let out = collapsed(&changed.out);
+        assert!(!out.contains("rows as locked") && out.contains(column), "{column}: {out}");
+    }
+}
+
+/// A limit that differs between the points is asked of the points alone.
+#[test]
+fn a_length_between_points_is_not_judged_and_at_points_it_is() {
+    let limit = |length: &str| ROBOT.replace("[joint.limits]", &format!("[joint.limits]\naxial_length = \"{length}\""));
+    let refused = with(&limit("85 mm"), &["optimize", "robot.toml"]);
+    assert!(refused.status == 2 && refused.err.contains("differ in what `axial_length` asks for"), "{}", refused.err);
+    let points = |length: &str| with(&limit(length).replace("between = true\n", ""), &["optimize", "robot.toml"]);
+    // The published length of the actuator with its motor: 83.34 mm at 12.12, 85.71 mm at 13.09.
+    let kept = collapsed(&points("85 mm").out);
+    assert!(kept.contains("with compact-u8-cpg-12.12"), "{kept}");
+    assert_eq!(points("60 mm").status, 1);
+}
+
+#[test]
+fn a_gear_of_another_family_is_not_allowed_wherever_it_is_named() {
+    let other = collapsed(&with(ROBOT, &["explain", "t-motor-u8-lee@compact-u8-dspg-10.04", "robot.toml"]).out);
+    assert!(other.contains("a gear that the requirement does not allow"), "{other}");
+    let own = collapsed(&with(ROBOT, &["explain", "t-motor-u8-lee@compact-u8-cpg-9.171", "robot.toml"]).out);
+    assert!(!own.contains("does not allow"), "{own}");
+    let binds = collapsed(&with(ROBOT, &["explain", "t-motor-u8-lee", "robot.toml", "--set", LIGHT]).out);
+    assert!(binds.contains("actuator_mass binds at N*; it has no shadow price here"), "{binds}");
+    assert!(!binds.contains("no limit binds"), "{binds}");
+}
+
+#[test]
+fn a_front_of_a_family_has_its_points_and_does_not_claim_what_lies_between() {
+    let front = collapsed(&with(ROBOT, &["optimize", "robot.toml", "--pareto", "loss,mass"]).out);
+    assert!(
+        front.contains("what lies between points is not known") && !front.contains("every ratio between"),
+        "{front}"
+    );
+    let csv = with(ROBOT, &["optimize", "robot.toml", "--pareto", "loss,mass", "--csv"]).out;
+    for ratio in ["9.17083333", "13.0909090", "15.5892857"] {
+        assert!(csv.contains(ratio), "{ratio}: {csv}");
+    }
+    // Ratios that the point at 9.171 betters in both are not on it.
+    let ratios: Vec<f64> = csv.lines().filter_map(|line| line.split(',').nth(6)?.parse().ok()).collect();
+    assert!(ratios.len() > 20 && !ratios.iter().any(|n| (8.0..9.17).contains(n)), "{ratios:?}");
+}
+
+#[test]
+fn inertia_that_nobody_knows_is_no_objective() {
+    let inertia = ROBOT.replace("objective = \"loss\"", "objective = \"reflected_inertia\"");
+    let none = collapsed(&with(&inertia, &["optimize", "robot.toml"]).out);
+    assert!(none.contains("NO motor that can be judged can do"), "{none}");
+    let front = collapsed(&with(ROBOT, &["optimize", "robot.toml", "--pareto", "loss,reflected_inertia"]).out);
+    assert!(front.contains("cannot be judged") || front.contains("no motor"), "{front}");
 }

@@ -186,7 +186,11 @@ fn a_ratio_outside_the_map_is_not_answered() {
     for (words, status) in commands {
         let ran = with(&map, &narrow, words);
         assert_eq!((ran.status, ran.out.as_str()), (status, ""), "{words:?}: {}", ran.err);
-        assert!(collapsed(&ran.err).contains("the gear's `map` says nothing of this ratio"), "{words:?}: {}", ran.err);
+        assert!(
+            collapsed(&ran.err).contains("the gear's `map` or family says nothing of this ratio"),
+            "{words:?}: {}",
+            ran.err
+        );
         let there = words[1].replace("25", "18").replace("2.9", "3.1");
         let inside: Vec<&str> =
             words.iter().map(|word| if *word == words[1] { there.as_str() } else { word }).collect();

@@ -444,3 +444,41 @@ fn every_equation_of_a_bench_is_told() {
     let text = fs::read_to_string(svg).unwrap();
     assert!(text.contains("angle between motor and output") && text.contains("residual [rad]"));
 }
+
+/// The six lines of a page, each with its subject, in their order.
+fn six_lines(arguments: &[&str]) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("loop.html");
+    let output = gearwise(&[&["identify"], arguments, &["--html", page.to_str().unwrap()]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = std::fs::read_to_string(&page).unwrap();
+    let subjects = ["Measured", "Missing", "Error", "Choice", "Moved by", "Next"];
+    let at = |subject: &str| text.find(&format!("<li>{subject}: ")).unwrap_or_else(|| panic!("no line `{subject}`"));
+    assert!(subjects.windows(2).all(|pair| at(pair[0]) < at(pair[1])));
+    let line = |subject: &str| text[at(subject)..].split("</li>").next().unwrap().replace("<li>", "");
+    // The story, then pictures, then numbers.
+    let after = &text[at("Next")..];
+    assert!(after.find("<svg") < after.find("declared parameters refitted"));
+    subjects.map(line).to_vec()
+}
+
+#[test]
+fn the_page_tells_the_loop_in_six_lines() {
+    let [measured, missing, error, choice, moved, next] =
+        &six_lines(&[EXAMPLE, "--requirement", "requirements/bench/leg_joint.toml"])[..]
+    else {
+        panic!("six")
+    };
+    assert!(measured.contains("t-motor-ri50 at N = 9, 3 logs, 1 of them held out"), "{measured}");
+    assert!(missing.contains("Coulomb friction and cogging"), "{missing}");
+    assert!(error.contains("0.5374 N·m before, 0.0274 N·m after, on logs that were held out"), "{error}");
+    assert!(
+        choice.contains("at hip, t-motor-ri50 goes from N* = 11.31") && choice.contains("the first choice is now"),
+        "{choice}"
+    );
+    assert!(moved.contains("most by the measured friction: N* = "), "{moved}");
+    assert!(next.contains("one ratio cannot separate friction"), "{next}");
+    // Without a requirement nothing is said of a choice.
+    let lines = six_lines(&[EXAMPLE]);
+    assert!(lines[3].contains("not made again") && lines[4].contains("not known"), "{lines:?}");
+}
