@@ -12,7 +12,8 @@ use crate::measured::{identify, read, simulate};
 use crate::output;
 use crate::report::plot::{self, Format, residual};
 use crate::report::{
-    fitted, forward as forward_report, html, identify as report, json, number, plan as plan_report, remake as remake_report,
+    fitted, forward as forward_report, html, identify as report, json, number, plan as plan_report,
+    remake as remake_report,
 };
 use crate::units;
 
@@ -36,7 +37,7 @@ pub struct Arguments {
     /// Write the fitted actuator, to be used in place of a catalogue row
     #[arg(long, value_name = "FITTED.toml")]
     write: Option<PathBuf>,
-    /// Plan the run that tells apart what these logs do not, within the limits of the declared motor, and write its set-points
+    /// Plan the run that separates what these logs do not, within the limits of the declared motor, and write its set-points
     #[arg(long, value_name = "SETPOINTS.csv")]
     plan: Option<PathBuf>,
     /// How long the planned run is; by default as long as the longest log, between 20 s and 60 s
@@ -161,19 +162,21 @@ pub fn run(arguments: &Arguments, call: &Call) -> Result<Done, Failure> {
 impl Arguments {
     /// What is wanted of a plan.
     fn wanted(&self) -> Result<Wanted, Failure> {
-        let read = |option: &str, text: &Option<String>, kinds: &[&'static units::Kind]| -> Result<Option<f64>, Failure> {
-            let Some(text) = text else { return Ok(None) };
-            let read = kinds.iter().map(|kind| (kind, units::quantity(text, kind))).collect::<Vec<_>>();
-            if let Some(value) = read.iter().find_map(|(_, value)| value.as_ref().ok()) {
-                return match *value > 0.0 {
-                    true => Ok(Some(*value)),
-                    false => Err(Failure::Argument(format!("`{option} {text}` must be greater than zero"))),
-                };
-            }
-            let said = read.into_iter().find_map(|(kind, value)| value.err().map(|e| (e.message(kind), e.help(kind))));
-            let (message, help) = said.unwrap_or_default();
-            Err(Failure::Argument(format!("`{option} {text}`: {message}; {help}")))
-        };
+        let read =
+            |option: &str, text: &Option<String>, kinds: &[&'static units::Kind]| -> Result<Option<f64>, Failure> {
+                let Some(text) = text else { return Ok(None) };
+                let read = kinds.iter().map(|kind| (kind, units::quantity(text, kind))).collect::<Vec<_>>();
+                if let Some(value) = read.iter().find_map(|(_, value)| value.as_ref().ok()) {
+                    return match *value > 0.0 {
+                        true => Ok(Some(*value)),
+                        false => Err(Failure::Argument(format!("`{option} {text}` must be greater than zero"))),
+                    };
+                }
+                let said =
+                    read.into_iter().find_map(|(kind, value)| value.err().map(|e| (e.message(kind), e.help(kind))));
+                let (message, help) = said.unwrap_or_default();
+                Err(Failure::Argument(format!("`{option} {text}`: {message}; {help}")))
+            };
         Ok(Wanted {
             time: read("--plan-time", &self.plan_time, &[&units::TIME])?,
             travel: read("--plan-travel", &self.plan_travel, &[&units::ANGLE, &units::LENGTH])?,

@@ -62,14 +62,12 @@ fn outcome(s: &Separation, duration: f64) -> String {
 
 fn table(separations: &[Separation], duration: f64) -> String {
     let columns = vec![
-        Column::name("not told apart"),
+        Column::name("not separated"),
         Column::number("δ now", ""),
         Column::number("δ after", ""),
         Column::name("δ ≥ 6 after"),
     ];
-    let row = |s: &Separation| {
-        vec![pair(&s.pair).replace('`', ""), round(s.now), round(s.after), outcome(s, duration)]
-    };
+    let row = |s: &Separation| vec![pair(&s.pair).replace('`', ""), round(s.now), round(s.after), outcome(s, duration)];
     Table::new(columns).indented(2).rows(separations.iter().map(row)).text()
 }
 
@@ -112,7 +110,7 @@ fn left_alone(list: &[(Pair, Unplanned)]) -> String {
 
 /// What is said of a plan, or of why there is none; `path` is where its set-points are.
 pub fn text(bench: &Bench, planned: &Result<Plan, NoPlan>, path: &Path) -> String {
-    let mut out = String::from("\nThe next run:\n");
+    let mut out = String::from("The next run:\n");
     let mut say = |line: &str| out.push_str(&paragraph(line, 2, 4));
     match planned {
         Ok(plan) => {
@@ -126,8 +124,8 @@ pub fn text(bench: &Bench, planned: &Result<Plan, NoPlan>, path: &Path) -> Strin
             out.push_str(&limits(bench, &plan.limits));
             let mut say = |line: &str| out.push_str(&paragraph(line, 2, 4));
             say(
-                "δ is the distance of what the two predict, in standard deviations of what is left on this bench; from 6 on they \
-                 are told apart",
+                "δ is the distance between what the two predict, in standard deviations of what is left on this bench; from 6 on \
+                 they are separated",
             );
             if plan.is_at_one_temperature {
                 say("the temperature is taken as it usually was in the logs");
@@ -135,7 +133,9 @@ pub fn text(bench: &Bench, planned: &Result<Plan, NoPlan>, path: &Path) -> Strin
             out.push_str(&left_alone(&plan.unplanned));
         }
         Err(NoPlan::NothingOpen) => say("no run is planned: nothing is confounded"),
-        Err(NoPlan::TeachesNothing) => say("no run is planned: the logs teach nothing that a run could be planned with"),
+        Err(NoPlan::TeachesNothing) => {
+            say("no run is planned: the logs teach nothing that a run could be planned with")
+        }
         Err(NoPlan::TooShort(shortest)) => say(&format!("no run is planned: it takes {} s at least", round(*shortest))),
         Err(NoPlan::Unplanned(list)) => {
             say("no run is planned:");
@@ -143,9 +143,11 @@ pub fn text(bench: &Bench, planned: &Result<Plan, NoPlan>, path: &Path) -> Strin
         }
         Err(NoPlan::NothingSeparates { separations, limits: kept, unplanned }) => {
             if separations.is_empty() {
-                say("no run is planned: a limit is neither declared nor reached by the logs, or nothing moves within them");
+                say(
+                    "no run is planned: a limit is neither declared nor reached by the logs, or nothing moves within them",
+                );
             } else {
-                say("no run is planned: none within the limits tells these apart");
+                say("no run is planned: none within the limits separates these");
                 out.push_str(&table(separations, f64::INFINITY));
             }
             out.push_str(&limits(bench, kept));
@@ -173,7 +175,8 @@ pub fn is_satisfied(planned: &Result<Plan, NoPlan>) -> bool {
 
 /// The set-points, one row for each: SI, the unit in the header.
 pub fn csv(bench: &Bench, plan: &Plan) -> String {
-    let (ratio, constant) = (bench.declared.ratio, bench.declared.motor.as_ref().map_or(bench.declared.force_gain, |m| m.torque_constant));
+    let (ratio, constant) =
+        (bench.declared.ratio, bench.declared.motor.as_ref().map_or(bench.declared.force_gain, |m| m.torque_constant));
     let on = |unit| unit_on(bench, unit);
     let motion = plan.driven != Driven::Current;
     let expected = |name: &str, told: bool| if told { name.to_string() } else { format!("expected_{name}") };
@@ -205,5 +208,5 @@ pub fn csv(bench: &Bench, plan: &Plan) -> String {
     super::csv_text(&header, plan.points.iter().map(row).collect::<Vec<_>>())
 }
 
-/// δ from which two models are told apart.
+/// δ from which two models are separated.
 pub const WANTED: f64 = APART;

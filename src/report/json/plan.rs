@@ -5,7 +5,9 @@ use serde::Serialize;
 
 use super::finite;
 use crate::measured::Bench;
-use crate::measured::identify::plan::{Limit as LimitFact, NoPlan, Pair, Plan, Separation as SeparationFact, Source, Unplanned};
+use crate::measured::identify::plan::{
+    Limit as LimitFact, NoPlan, Pair, Plan, Separation as SeparationFact, Source, Unplanned,
+};
 use crate::report::identify::unit_on;
 use crate::report::plan::{WANTED, unplanned};
 
@@ -18,9 +20,9 @@ pub struct Planned<'a> {
     pub outcome: &'static str,
     /// How long the run is.
     pub duration_s: Option<f64>,
-    /// From which δ on two models are told apart.
+    /// From which δ on two models are separated.
     pub delta_wanted: f64,
-    /// What the run does for each pair that is not told apart, the weakest first.
+    /// What the run does for each pair that is not separated, the weakest first.
     pub pairs: Vec<Separation>,
     /// Limits that it keeps.
     pub limits: Vec<Limit<'a>>,
@@ -35,16 +37,16 @@ pub struct Separation {
     pub equation: &'static str,
     /// The effect.
     pub effect: &'static str,
-    /// What it is not told from: another effect, a parameter that is held, or `nothing` where it is not resolved.
+    /// What it is not separated from: another effect, a parameter that is held, or `nothing` where it is not resolved.
     pub rival: &'static str,
     /// Distance of what they predict in standard deviations of what is left, with the logs that are there.
     pub delta_now: Option<f64>,
-    /// The same with the planned run beside them.
+    /// The same with the planned run next to them.
     pub delta_after: Option<f64>,
     /// Time of the run until δ is as wanted, of the run repeated where it is longer than one; `null` where no run within the limits
     /// gets there.
     pub time_s: Option<f64>,
-    /// Whether the run tells the two apart.
+    /// Whether the run separates the two.
     pub apart: bool,
 }
 

@@ -444,3 +444,28 @@ fn every_equation_of_a_bench_is_told() {
     let text = fs::read_to_string(svg).unwrap();
     assert!(text.contains("angle between motor and output") && text.contains("residual [rad]"));
 }
+
+/// Nothing is confounded in the example: no run is planned, no file is written, and that is no failure.
+#[test]
+fn no_run_is_planned_where_nothing_is_confounded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("next.csv");
+    let file = path.to_str().unwrap();
+    let output = gearwise(&["identify", EXAMPLE, "--plan", file]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stdout(&output).contains("no run is planned: nothing is confounded"), "{}", stdout(&output));
+    assert!(!path.exists());
+    let result = json(&gearwise(&["identify", EXAMPLE, "--plan", file, "--json"]));
+    assert_eq!((result["plan"]["outcome"].as_str(), result["plan"]["file"].is_null()), (Some("nothing_open"), true));
+    // Without `--plan` nothing is said of it.
+    assert!(json(&gearwise(&["identify", EXAMPLE, "--json"])).get("plan").is_none());
+    for wrong in [
+        vec!["--plan-time", "30 s"],
+        vec!["--plan", file, "--plan-time", "30 kg"],
+        vec!["--plan", file, "--plan-travel", "-3 deg"],
+    ] {
+        let output = gearwise(&[&["identify", EXAMPLE], wrong.as_slice()].concat());
+        assert_eq!(output.status.code(), Some(2), "{wrong:?}");
+        assert!(stderr(&output).contains("--plan"), "{}", stderr(&output));
+    }
+}

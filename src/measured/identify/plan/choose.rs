@@ -86,8 +86,7 @@ impl<'q> Said<'q> {
 
     /// The best of some passages to come next.
     fn best(&self, sums: &Sums, out: Option<usize>, of: &[usize]) -> Option<(usize, Worth)> {
-        let all: Vec<(usize, Worth)> =
-            of.par_iter().map(|k| (*k, self.worth(&self.changed(sums, out, *k)))).collect();
+        let all: Vec<(usize, Worth)> = of.par_iter().map(|k| (*k, self.worth(&self.changed(sums, out, *k)))).collect();
         // The first of equals, whatever the number of threads.
         all.into_iter().reduce(|best, next| if next.1.compare(&best.1) == Ordering::Greater { next } else { best })
     }

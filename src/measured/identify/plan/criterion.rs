@@ -59,7 +59,9 @@ impl Contest {
     fn distance(&self, left: &DMatrix<f64>, truth: &Truth) -> f64 {
         let at = |k: usize| k - self.common;
         let entry = |a: usize, b: usize| left[(at(a), at(b))];
-        let own: f64 = pairs(&truth.columns).map(|(i, j)| value(truth, i) * value(truth, j) * entry(truth.columns[i], truth.columns[j])).sum();
+        let own: f64 = pairs(&truth.columns)
+            .map(|(i, j)| value(truth, i) * value(truth, j) * entry(truth.columns[i], truth.columns[j]))
+            .sum();
         let mut least = own;
         for instance in self.sides.iter().enumerate().filter(|(s, _)| *s != truth.side).flat_map(|(_, s)| s) {
             let cross = |k: &usize| -> f64 {
@@ -158,7 +160,8 @@ mod tests {
     fn waves_are_two_columns_and_what_is_common_is_taken_off_first() {
         let angle = |k: usize| 0.37 * k as f64;
         let wave = |f: fn(f64) -> f64, order: f64| (0..400).map(|k| f(order * angle(k))).collect::<Vec<f64>>();
-        let columns = [vec![1.0; 400], wave(f64::cos, 3.0), wave(f64::sin, 3.0), wave(f64::cos, 5.0), wave(f64::sin, 5.0)];
+        let columns =
+            [vec![1.0; 400], wave(f64::cos, 3.0), wave(f64::sin, 3.0), wave(f64::cos, 5.0), wave(f64::sin, 5.0)];
         let apart = contest(1, vec![vec![vec![1, 2]], vec![vec![3, 4]]], (0, vec![1, 2], vec![0.1, 0.2]));
         assert_relative_eq!(apart.square(&products(&columns)), 0.05 * 200.0 / 0.25, max_relative = 0.02);
         let same = [columns[0].clone(), columns[1].clone(), columns[2].clone(), columns[2].clone(), columns[1].clone()];

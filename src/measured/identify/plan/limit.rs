@@ -75,7 +75,8 @@ impl Limits {
                 Some(most) => limit(Quantity::Speed, Some(most), Source::Declared("max_speed")),
                 None => limit(Quantity::Speed, reached, Source::Reached),
             }
-            slowest = speeds.iter().map(|w| TOLD * signals::noise_level(w)).filter(|v| v.is_finite()).fold(0.0, f64::max);
+            slowest =
+                speeds.iter().map(|w| TOLD * signals::noise_level(w)).filter(|v| v.is_finite()).fold(0.0, f64::max);
             let most = rated.or(reached)?;
             if is_driven {
                 let steep = logs.iter().zip(&speeds).filter_map(|(l, w)| {
@@ -100,7 +101,8 @@ impl Limits {
             let reached = largest(logs.iter().filter_map(currents).flatten());
             let by_torque = motor.and_then(|m| m.peak_torque).map(|t| (t, "peak_torque"));
             let by_current = motor.and_then(|m| m.peak_current).map(|i| (constant * i, "peak_current"));
-            let magnets = motor.and_then(|m| m.demagnetization_current).map(|i| (constant * i, "demagnetization_current"));
+            let magnets =
+                motor.and_then(|m| m.demagnetization_current).map(|i| (constant * i, "demagnetization_current"));
             match [by_current, by_torque, magnets].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((most, column)) => limit(Quantity::Torque, Some(most), Source::Declared(column)),
                 None => limit(Quantity::Torque, reached.map(|i| constant * i), Source::Reached),

@@ -150,7 +150,13 @@ struct Run {
 }
 
 impl Run {
-    fn new(bench: &Bench, log: &Log, driven: Driven, works: &[(Work, &Final, &Identified)], wanted: &Wanted) -> Result<Run, NoPlan> {
+    fn new(
+        bench: &Bench,
+        log: &Log,
+        driven: Driven,
+        works: &[(Work, &Final, &Identified)],
+        wanted: &Wanted,
+    ) -> Result<Run, NoPlan> {
         let duration = wanted.time.unwrap_or(length(log).clamp(USUAL.0, USUAL.1));
         let count = ((duration / PASSAGE).round() as usize).max(FEWEST.0);
         let each = duration / count as f64;
@@ -253,7 +259,8 @@ fn expected(bench: &Bench, log: &Log, works: &[(Work, &Final, &Identified)]) -> 
     let declared = &bench.declared;
     let motor = declared.motor.as_ref();
     let torque = works.iter().find(|(w, ..)| matches!(w.balance.target, Target::Torque | Target::Drive));
-    let mut inertia = motor.map_or(declared.mass, |m| m.rotor_inertia.map(|j| j + declared.gear.inertia)).unwrap_or(0.0);
+    let mut inertia =
+        motor.map_or(declared.mass, |m| m.rotor_inertia.map(|j| j + declared.gear.inertia)).unwrap_or(0.0);
     let mut drag = Vec::new();
     if let Some((work, ..)) = torque {
         let fit = work.fit();
@@ -312,3 +319,6 @@ fn separation(question: &Question, parts: &[DMatrix<f64>], each: f64) -> Separat
     let until = until.or((repeated <= REPEATED * duration).then_some(repeated));
     Separation { pair: question.pair, now: now.max(0.0).sqrt(), after: last.max(0.0).sqrt(), until }
 }
+
+#[cfg(test)]
+mod tests;

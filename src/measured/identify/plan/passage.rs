@@ -78,7 +78,13 @@ impl Passage {
                 let sign = if stroke % 2.0 == 0.0 { speed } else { -speed };
                 let length = duration / (2.0 * f64::from(times));
                 let (up, down) = (rise(within / ramp), rise((1.0 - within) / ramp));
-                let slope = if within < ramp { up.1 } else if 1.0 - within < ramp { -down.1 } else { 0.0 };
+                let slope = if within < ramp {
+                    up.1
+                } else if 1.0 - within < ramp {
+                    -down.1
+                } else {
+                    0.0
+                };
                 (sign * up.0.min(down.0), sign * slope / (ramp * length))
             }
             Motion::Sine { speed, times } => {
@@ -89,9 +95,7 @@ impl Passage {
         let current = match self.load {
             Load::None => 0.0,
             Load::Constant(current) => current * plateau(share, 0.0, 1.0, EDGE),
-            Load::Opposed(current) => {
-                current * (plateau(share, 0.0, 0.5, EDGE) - plateau(share, 0.5, 1.0, EDGE))
-            }
+            Load::Opposed(current) => current * (plateau(share, 0.0, 0.5, EDGE) - plateau(share, 0.5, 1.0, EDGE)),
             Load::Pulses { current, share: width, count, in_turn } => {
                 let count = f64::from(count);
                 let at = (share * count).clamp(0.0, count - 1e-12);
@@ -175,13 +179,16 @@ pub fn passages(bounds: &Bounds, duration: f64, moves: bool, loads: bool) -> Vec
         for current in [0.99 * largest, 0.6 * largest] {
             let share = (bounds.heating / current).powi(2).min(0.6);
             let count = [8, 4, 2].into_iter().find(|count| f64::from(*count) * PULSE * EDGE <= share * (1.0 + 1e-9));
-            currents.extend(count.into_iter().flat_map(|count| {
-                [true, false].map(|in_turn| Load::Pulses { current, share, count, in_turn })
-            }));
+            currents.extend(
+                count
+                    .into_iter()
+                    .flat_map(|count| [true, false].map(|in_turn| Load::Pulses { current, share, count, in_turn })),
+            );
         }
     }
     let within = |p: &Passage| {
-        p.travel(duration) <= bounds.travel * (1.0 + 1e-9) && p.acceleration(duration) <= bounds.acceleration * (1.0 + 1e-9)
+        p.travel(duration) <= bounds.travel * (1.0 + 1e-9)
+            && p.acceleration(duration) <= bounds.acceleration * (1.0 + 1e-9)
     };
     let both = motions.iter().flat_map(|motion| currents.iter().map(|load| Passage { motion: *motion, load: *load }));
     both.filter(|p| (p.motion != Motion::Rest || p.load != Load::None) && within(p)).collect()
@@ -218,7 +225,10 @@ mod tests {
                 largest = largest.max(now.current.abs());
                 last = now;
             }
-            assert!(last.speed.abs() < 1e-6 && last.current.abs() < 1e-6 && angle.abs() < 1e-3, "{passage:?} ends {last:?} {angle}");
+            assert!(
+                last.speed.abs() < 1e-6 && last.current.abs() < 1e-6 && angle.abs() < 1e-3,
+                "{passage:?} ends {last:?} {angle}"
+            );
             assert!(fastest <= 100.0 && steepest <= 801.0 && high - low <= 120.1, "{passage:?}");
             assert!(largest <= 12.0 && heat.sqrt() <= 5.0, "{passage:?} {largest} {}", heat.sqrt());
             assert_relative_eq!(passage.travel(3.0), high - low, max_relative = 2e-3, epsilon = 1e-6);

@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use super::criterion::{Contest, Truth};
 use super::facts::{Pair, Rival, Unplanned};
 use crate::effects::{Effect, Shape, Variable, effect};
-use crate::measured::answer::evidence::BOUND;
 use crate::measured::answer::Report;
+use crate::measured::answer::evidence::BOUND;
 use crate::measured::identify::balance::Balance;
 use crate::measured::identify::candidates::{evaluate_all, held_look_alike, window};
 use crate::measured::identify::identified::Final;
@@ -53,19 +53,21 @@ pub fn questions(work: &Work, model: &Final, report: &Report) -> (Vec<Question>,
     let mut asked = Vec::new();
     let mut left = Vec::new();
     let target = report.target;
-    let mut ask = |work: &Work, term: Option<usize>, own: (&'static dyn Effect, f64), rival: Rival, sides: Option<Vec<Side>>| {
-        let pair = Pair { target, effect: own.0, rival };
-        if asked.iter().any(|q: &Question| q.pair == pair || (q.pair.effect == own.0 && q.pair.rival == rival)) {
-            return;
-        }
-        match sides.and_then(|sides| question(work, model, term, pair, sides)) {
-            Some(question) => asked.push(question),
-            None => left.push((pair, Unplanned::Implausible)),
-        }
-    };
+    let mut ask =
+        |work: &Work, term: Option<usize>, own: (&'static dyn Effect, f64), rival: Rival, sides: Option<Vec<Side>>| {
+            let pair = Pair { target, effect: own.0, rival };
+            if asked.iter().any(|q: &Question| q.pair == pair || (q.pair.effect == own.0 && q.pair.rival == rival)) {
+                return;
+            }
+            match sides.and_then(|sides| question(work, model, term, pair, sides)) {
+                Some(question) => asked.push(question),
+                None => left.push((pair, Unplanned::Implausible)),
+            }
+        };
     for found in &report.effects {
-        let term = (0..work.terms.len())
-            .find(|t| work.terms[*t].declared.is_none() && work.terms[*t].effect().is_some_and(|(e, _)| e == found.effect));
+        let term = (0..work.terms.len()).find(|t| {
+            work.terms[*t].declared.is_none() && work.terms[*t].effect().is_some_and(|(e, _)| e == found.effect)
+        });
         let Some((t, own)) = term.and_then(|t| Some((t, work.terms[t].effect()?))) else {
             continue;
         };
@@ -83,7 +85,8 @@ pub fn questions(work: &Work, model: &Final, report: &Report) -> (Vec<Question>,
         // As large as these logs suggest, where that is at all what it can be.
         let fit = work.fit();
         let best = evaluate_all(work, &fit, &[candidate]).pop();
-        let Some(best) = best.filter(|c| c.gain > 0.0 && candidate.plausible(&c.values, &work.balance.scale).is_ok()) else {
+        let Some(best) = best.filter(|c| c.gain > 0.0 && candidate.plausible(&c.values, &work.balance.scale).is_ok())
+        else {
             continue;
         };
         let own = (candidate, best.shape);
@@ -115,7 +118,7 @@ fn side(work: &Work, (own, shape): (&'static dyn Effect, f64)) -> Side {
     }
 }
 
-/// What is not told from it, with the shapes that it may have; of an order the same one, on its own side of the gear.
+/// What is not told from it, with the shapes that it may have; of an order the nearest whole one on its own side of the gear.
 fn rival_side(work: &Work, own: (&'static dyn Effect, f64), rival: &'static dyn Effect) -> Side {
     let of_output = |e: &dyn Effect| e.needs().contains(&Variable::OutputAngle);
     let ratio = work.bench.declared.ratio;
@@ -128,7 +131,8 @@ fn rival_side(work: &Work, own: (&'static dyn Effect, f64), rival: &'static dyn 
                 (false, true) => own.1 * ratio,
                 _ => own.1,
             };
-            Side::Effect(rival, vec![order])
+            // Wheels have whole teeth: what lies between two orders here is told by more turns.
+            Side::Effect(rival, vec![order.round().max(1.0)])
         }
         Shape::Speed(_) | Shape::Current(_) => Side::Effect(rival, spread(work, rival)),
     }
@@ -293,7 +297,12 @@ impl Question {
 
     /// Sums of products of a run's rows in parts, as `part` says of each row's time (`None` takes no part), in units of the
     /// information of the logs that are there. `None` where the run does not show the columns.
-    pub fn of_run(&self, run: &Balance, parts: usize, part: impl Fn(f64) -> Option<usize>) -> Option<Vec<DMatrix<f64>>> {
+    pub fn of_run(
+        &self,
+        run: &Balance,
+        parts: usize,
+        part: impl Fn(f64) -> Option<usize>,
+    ) -> Option<Vec<DMatrix<f64>>> {
         let columns = self.columns(run, true);
         if columns.len() != self.existing.nrows() || !columns.iter().all(|c| is_a_number(c)) {
             return None;
