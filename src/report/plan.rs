@@ -35,6 +35,9 @@ pub fn unplanned(why: Unplanned) -> String {
     match why {
         Unplanned::Simulated => "its equation is simulated from duty and position: no run is planned for it".into(),
         Unplanned::AboveTheBand => "its order lies above the band: no run is planned for it".into(),
+        Unplanned::MoreTurns => {
+            "the two orders, of the motor and of the output, are nearly one: only more turns separate them".into()
+        }
         Unplanned::Implausible => "no plausible values of both: no run is planned for it".into(),
         Unplanned::OtherBench(kind) => format!("a bench of kind `{}` does not show it", kind.name()),
         Unplanned::Kind(kind) => format!("for a bench of kind `{}` no run is planned", kind.name()),

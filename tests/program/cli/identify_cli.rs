@@ -469,3 +469,39 @@ fn no_run_is_planned_where_nothing_is_confounded() {
         assert!(stderr(&output).contains("--plan"), "{}", stderr(&output));
     }
 }
+
+/// At one speed a friction may be of either law: the run that separates them is written as set-points, and said within which limits.
+#[test]
+fn a_confounded_name_gets_a_run_to_play() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = simulator::Bench::new(simulator::Kind::Drag, 6)
+        .sampled(6.0, 200.0)
+        .with_noise(simulator::Effect::CoulombFriction, 3.0)
+        .excitation(|e| e.steady_speed = true)
+        .declared(|d| (d.viscous, d.coulomb) = (None, None));
+    bench.machine.viscous *= 1e-3;
+    let truth = bench.write(folder.path());
+    let path = folder.path().join("next.csv");
+    let (file, input) = (path.to_str().unwrap(), truth.bench.to_str().unwrap());
+    let output = gearwise(&["identify", input, "--plan", file, "--plan-time", "12 s"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for part in ["The next run:", "δ now", "coulomb_friction or ", "speed of the motor", "no rating is declared"] {
+        assert!(text.contains(part), "`{part}` is not in\n{text}");
+    }
+    let written = fs::read_to_string(&path).unwrap();
+    let mut lines = written.lines();
+    let header = "time [s],output_position [rad],output_velocity [rad/s],expected_output_torque [N*m]";
+    assert_eq!(lines.next(), Some(header));
+    let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.len(), 1201);
+    let result = json(&gearwise(&["identify", input, "--plan", file, "--plan-time", "12 s", "--json"]));
+    let plan = &result["plan"];
+    assert_eq!((plan["outcome"].as_str(), plan["duration_s"].as_f64()), (Some("planned"), Some(12.0)));
+    let pair = &plan["pairs"][0];
+    assert!(pair["delta_now"].as_f64() < pair["delta_after"].as_f64(), "{pair}");
+    let speed = plan["limits"].as_array().unwrap().iter().find(|l| l["of"] == "speed").unwrap();
+    assert_eq!((speed["source"].as_str(), speed["column"].is_null()), (Some("reached"), true));
+    let largest = rows.iter().map(|r| r[2].abs()).fold(0.0, f64::max) * truth.machine.ratio;
+    assert!(largest <= speed["allowed"].as_f64().unwrap() * 1.0001, "{largest} {speed}");
+}

@@ -78,6 +78,8 @@ pub enum Unplanned {
     Simulated,
     /// The order lies above the band.
     AboveTheBand,
+    /// Its orders on both sides of the gear are nearly one: only more turns tell them apart.
+    MoreTurns,
     /// No values of the two are plausible here.
     Implausible,
     /// Another bench, of this kind, is planned.

@@ -159,7 +159,8 @@ impl Run {
     ) -> Result<Run, NoPlan> {
         let duration = wanted.time.unwrap_or(length(log).clamp(USUAL.0, USUAL.1));
         let count = ((duration / PASSAGE).round() as usize).max(FEWEST.0);
-        let each = duration / count as f64;
+        // Set-points meet where passages do.
+        let each = (duration / count as f64 / SET_POINT + ROUNDING).floor() * SET_POINT;
         if each < FEWEST.1 {
             return Err(NoPlan::TooShort(FEWEST.0 as f64 * FEWEST.1));
         }

@@ -19,6 +19,9 @@ use crate::measured::signals;
 const SHAPES: usize = 16;
 /// A truth this much less likely than the best of its side is none.
 const UNLIKELY: f64 = 0.05;
+/// The largest δ of models that are not separated: one is not worse than the other by two standard errors between blocks,
+/// and a squared error that is larger by δ² scatters by 2 δ.
+const NOT_APART: f64 = 4.0;
 /// Most refused effects that are planned for.
 const MOST_REFUSED: usize = 3;
 
@@ -53,17 +56,16 @@ pub fn questions(work: &Work, model: &Final, report: &Report) -> (Vec<Question>,
     let mut asked = Vec::new();
     let mut left = Vec::new();
     let target = report.target;
-    let mut ask =
-        |work: &Work, term: Option<usize>, own: (&'static dyn Effect, f64), rival: Rival, sides: Option<Vec<Side>>| {
-            let pair = Pair { target, effect: own.0, rival };
-            if asked.iter().any(|q: &Question| q.pair == pair || (q.pair.effect == own.0 && q.pair.rival == rival)) {
-                return;
-            }
-            match sides.and_then(|sides| question(work, model, term, pair, sides)) {
-                Some(question) => asked.push(question),
-                None => left.push((pair, Unplanned::Implausible)),
-            }
-        };
+    let mut ask = |work: &Work, term: Option<usize>, pair: Pair, sides: Result<Vec<Side>, Unplanned>| {
+        if asked.iter().any(|q: &Question| q.pair == pair) {
+            return;
+        }
+        let made = sides.and_then(|sides| question(work, model, term, pair, sides).ok_or(Unplanned::Implausible));
+        match made {
+            Ok(question) => asked.push(question),
+            Err(why) => left.push((pair, why)),
+        }
+    };
     for found in &report.effects {
         let term = (0..work.terms.len()).find(|t| {
             work.terms[*t].declared.is_none() && work.terms[*t].effect().is_some_and(|(e, _)| e == found.effect)
@@ -72,13 +74,14 @@ pub fn questions(work: &Work, model: &Final, report: &Report) -> (Vec<Question>,
             continue;
         };
         for rival in &found.confounded_with {
-            let sides = vec![side(work, own), rival_side(work, own, *rival)];
-            ask(work, Some(t), own, Rival::Effect(*rival), Some(sides));
+            let pair = Pair { target, effect: own.0, rival: Rival::Effect(*rival) };
+            let sides = rival_side(work, own, *rival).map(|rival| vec![side(work, own), rival]);
+            ask(work, Some(t), pair, sides);
         }
         if let Some(base) = held_look_alike(work, t, &model.held) {
             let index = work.balance.base.iter().position(|b| b.which == base);
-            let sides = index.map(|i| vec![side(work, own), Side::Parameter(i)]);
-            ask(work, Some(t), own, Rival::Parameter(base), sides);
+            let sides = index.map(|i| vec![side(work, own), Side::Parameter(i)]).ok_or(Unplanned::Implausible);
+            ask(work, Some(t), Pair { target, effect: own.0, rival: Rival::Parameter(base) }, sides);
         }
     }
     for candidate in unresolved(report).filter_map(effect).filter(|e| e.shape() != Shape::Order).take(MOST_REFUSED) {
@@ -89,8 +92,8 @@ pub fn questions(work: &Work, model: &Final, report: &Report) -> (Vec<Question>,
         else {
             continue;
         };
-        let own = (candidate, best.shape);
-        ask(work, None, own, Rival::Nothing, Some(vec![Side::Effect(candidate, vec![best.shape])]));
+        let pair = Pair { target, effect: candidate, rival: Rival::Nothing };
+        ask(work, None, pair, Ok(vec![Side::Effect(candidate, vec![best.shape])]));
     }
     let above = work.ripple.iter().flat_map(|r| &r.lines);
     for line in above {
@@ -118,23 +121,17 @@ fn side(work: &Work, (own, shape): (&'static dyn Effect, f64)) -> Side {
     }
 }
 
-/// What is not told from it, with the shapes that it may have; of an order the nearest whole one on its own side of the gear.
-fn rival_side(work: &Work, own: (&'static dyn Effect, f64), rival: &'static dyn Effect) -> Side {
+/// What is not told from it, with the shapes that it may have; of an order the same one on the same side of the gear.
+///
+/// # Errors
+/// An order on the other side of the gear is told by more turns alone, whatever the motion.
+fn rival_side(work: &Work, own: (&'static dyn Effect, f64), rival: &'static dyn Effect) -> Result<Side, Unplanned> {
     let of_output = |e: &dyn Effect| e.needs().contains(&Variable::OutputAngle);
-    let ratio = work.bench.declared.ratio;
-    match rival.shape() {
-        Shape::None => Side::Effect(rival, vec![0.0]),
-        Shape::Order => {
-            let order = match (of_output(own.0), of_output(rival)) {
-                _ if own.0.shape() != Shape::Order => 1.0,
-                (true, false) => own.1 / ratio,
-                (false, true) => own.1 * ratio,
-                _ => own.1,
-            };
-            // Wheels have whole teeth: what lies between two orders here is told by more turns.
-            Side::Effect(rival, vec![order.round().max(1.0)])
-        }
-        Shape::Speed(_) | Shape::Current(_) => Side::Effect(rival, spread(work, rival)),
+    match (rival.shape(), own.0.shape()) {
+        (Shape::None, _) => Ok(Side::Effect(rival, vec![0.0])),
+        (Shape::Order, Shape::Order) if of_output(own.0) == of_output(rival) => Ok(Side::Effect(rival, vec![own.1])),
+        (Shape::Order, _) => Err(Unplanned::MoreTurns),
+        (Shape::Speed(_) | Shape::Current(_), _) => Ok(Side::Effect(rival, spread(work, rival))),
     }
 }
 
@@ -192,6 +189,8 @@ fn question(work: &Work, model: &Final, term: Option<usize>, pair: Pair, sides: 
     if question.contest.sides.len() == 1 {
         question.contest.sides.push(Vec::new());
     }
+    // What identification does not separate is not apart, however little blocks of time scatter.
+    question.contest.variance *= (question.square_now() / NOT_APART.powi(2)).max(1.0);
     (!question.contest.truths.is_empty()).then_some(question)
 }
 
